@@ -1,0 +1,1 @@
+"""Integration of systems: methods as tables, one adaptive loop in C, and SciPy's methods."""

@@ -1,0 +1,251 @@
+"""Explicit Runge-Kutta methods with their whole loop in generated C, and the way to call it."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from codegen import native
+from codegen.compiled import Compiled
+from codegen.integrate.tableau import Row, Tableau
+from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
+from codegen.layout import Layout
+from codegen.lower import SINGULARITIES
+from codegen.names import comment, identifier
+from codegen.targets import c
+
+NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED = -2, -1, 0, 1, 2, 3
+STEPS_A_CALL = 50_000
+FIRST_CAPACITY = 2_048
+
+
+def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name."""
+    values = _values(tableau, layout)
+    return {f"{values['PREFIX']}.{kind}": _fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")}
+
+
+def single_text(tableau: Tableau, compiled: Compiled) -> str:
+    """Return functions and integrator as one text that compiles by itself."""
+    name = identifier(compiled.layout.name)
+    header, source = files(tableau, compiled.layout).values()
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
+    return c.single_text(compiled.program, compiled.layout) + rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
+
+
+def _fill(template: str, values: Mapping[str, str]) -> str:
+    text = resources.files("codegen.integrate").joinpath(template).read_text(encoding="ascii")
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
+    name, last = identifier(layout.name), tableau.main_stages
+    singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
+    prefix = f"{name}_{tableau.name}"
+    main = [_stage(tableau, name, s, "s->f") for s in range(1, last)]
+    extra = [_stage(tableau, name, s, "") for s in range(last + 1, len(tableau.stages))]
+    dense = [f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)]
+    return {
+        "TITLE": comment(layout.title),
+        "METHOD": f"{tableau.name.upper()}, an explicit Runge-Kutta method of order {tableau.order},",
+        "NAME": name,
+        "PREFIX": prefix,
+        "UPPER": prefix.upper(),
+        "HEADER": f"{prefix}.h",
+        "STATES": str(n),
+        "SINGULARITIES": str(singular),
+        "SINGULAR_ROOM": str(max(1, singular)),
+        "ORDER": str(tableau.order),
+        "LAST": str(last),
+        "ALL_STAGES": str(len(tableau.stages)),
+        "DENSE_TERMS": str(tableau.dense_terms),
+        "STACK": f"about {8 * n * (len(tableau.stages) + 8)}",
+        "EVALUATIONS": str(last),
+        "DENSE_EVALUATIONS": str(len(extra)),
+        "STAGES": "\n".join(main),
+        "DENSE_STAGES": "\n".join(extra),
+        "DENSE_COEFFICIENTS": "\n".join(dense),
+        "UPDATE": _sum(tableau.stages[last]),
+        "ERROR_HIGH": _sum(tableau.error_high),
+        "ERROR_LOW": _sum(tableau.error_low),
+        "ROOT": "sqrt(sqrt(sqrt(error)))" if tableau.order == 8 else f"pow(error, 1.0 / {tableau.order}.0)",
+    }
+
+
+def _sum(row: Row) -> str:
+    return " + ".join(f"{weight!r} * k[{j}][i]" for j, weight in enumerate(row) if weight).replace("+ -", "- ")
+
+
+def _stage(tableau: Tableau, name: str, s: int, _: str) -> str:
+    indent = "        " if s < tableau.main_stages else "    "
+    return (
+        f"{indent}for (int i = 0; i < N; ++i) y[i] = s->x[i] + h * ({_sum(tableau.stages[s])});\n"
+        f"{indent}{name}_rates(s->t + {tableau.nodes[s]!r} * h, y, p, u, k[{s}]);"
+    )
+
+
+@cache
+def _structures(prefix: str, n: int, room: int, terms: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Mirror the two structures of runge_kutta.h."""
+    double, vector = ctypes.c_double, ctypes.c_double * n
+    state = [(f, double) for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")]
+    state += [(f, vector) for f in ("atol", "x", "x_low", "f", "x_old")]
+    state += [("dense", vector * terms), ("singular", double * room), ("closest", double * room)]
+    state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
+    state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
+    output = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
+    output += [(f, ctypes.c_size_t) for f in ("capacity", "count", "grid_count", "next")]
+    kinds = (type(f"{prefix}{suffix}", (ctypes.Structure,), {"_fields_": f}) for suffix, f in (("", state), ("_output", output)))
+    first, second = kinds
+    return first, second
+
+
+@dataclass(frozen=True)
+class NativeMethod:
+    """An integrator compiled for one system: functions and structures."""
+
+    tableau: Tableau
+    start: Any
+    run: Any
+    state: type[ctypes.Structure]
+    output: type[ctypes.Structure]
+    library: ctypes.CDLL
+
+
+def build(tableau: Tableau, compiled: Compiled) -> NativeMethod:
+    """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
+    text = single_text(tableau, compiled)
+    library = native.load(native.compile_library(text), text)
+    prefix = f"{identifier(compiled.layout.name)}_{tableau.name}"
+    n, singular = len(compiled.layout.states), len(compiled.layout.results[SINGULARITIES])
+    state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms)
+    size = getattr(library, f"{prefix}_size")
+    size.restype = ctypes.c_size_t
+    assert size() == ctypes.sizeof(state)
+    start, run = getattr(library, f"{prefix}_start"), getattr(library, f"{prefix}_run")
+    start.argtypes = [ctypes.c_void_p] * 3
+    run.argtypes = [*[ctypes.c_void_p] * 4, ctypes.c_longlong]
+    return NativeMethod(tableau, start, run, state, output, library)
+
+
+def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
+    """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
+    s = method.state(t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin)
+    s.h, s.h_max = problem.first_step or 0.0, problem.max_step
+    s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
+    p, u = _pointer(problem.parameters), _pointer(problem.inputs)
+    store = _Store(method, problem)
+    status = method.start(ctypes.addressof(s), p, u)
+    while status in {PAUSED, FULL}:
+        store.make_room()
+        status = method.run(ctypes.addressof(s), p, u, ctypes.addressof(store.output), min(STEPS_A_CALL, problem.steps_left(s.steps)))
+        problem.report(s.t)
+        if status == PAUSED and problem.steps_left(s.steps + s.rejected) <= 0:
+            break
+    return store.trajectory(s, _stop(status, s, method), problem)
+
+
+def _pointer(array: Array) -> int | None:
+    return array.ctypes.data if array.size else None
+
+
+def _stop(status: int, s: Any, method: NativeMethod) -> Stop:  # noqa: ARG001
+    kinds: dict[int, Callable[[], Stop]] = {
+        DONE: lambda: Stop("end", s.t),
+        SINGULAR: lambda: Stop("singular", s.t, s.which),
+        NOT_FINITE: lambda: Stop("not finite", s.t, s.which),
+        STEP_TOO_SMALL: lambda: Stop("step", s.t),
+        PAUSED: lambda: Stop("max_steps", s.t),
+    }
+    return kinds[status]()
+
+
+class _Store:
+    """Growing arrays of times, states and, where asked for, interpolants."""
+
+    def __init__(self, method: NativeMethod, problem: Problem) -> None:
+        self.n = len(problem.x0)
+        self.terms = method.tableau.dense_terms
+        self.grid = None if problem.dense_output else problem.t_eval
+        self.dense_output = problem.dense_output
+        capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
+        self.t, self.x = np.empty(capacity), np.empty((capacity, self.n))
+        self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
+        self.output = method.output(capacity=capacity)
+        if self.grid is not None:
+            self.output.grid, self.output.grid_count = _pointer(self.grid) or self.t.ctypes.data, len(self.grid)
+        self._point()
+
+    def _point(self) -> None:
+        self.output.t, self.output.x = self.t.ctypes.data, self.x.ctypes.data
+        self.output.dense = self.dense.ctypes.data if self.dense_output else None
+
+    def make_room(self) -> None:
+        """Double the arrays if they are full; what is stored stays."""
+        if self.grid is not None or self.output.count < self.output.capacity:
+            return
+        self.t = np.resize(self.t, 2 * len(self.t))
+        self.x = np.resize(self.x, (len(self.t), self.n))
+        if self.dense_output:
+            self.dense = np.resize(self.dense, (len(self.t), self.terms, self.n))
+        self.output.capacity = len(self.t)
+        self._point()
+
+    def trajectory(self, s: Any, stop: Stop, problem: Problem) -> Trajectory:
+        """Return what was stored; without a grid the start is the first point."""
+        count = self.output.count
+        t, x = self.t[:count], self.x[:count]
+        solution = None
+        if self.grid is None:
+            t = np.concatenate([[problem.t_span[0]], t])
+            x = np.concatenate([problem.x0[None, :], x])
+        if self.dense_output:
+            h = np.diff(t)
+            if count:
+                h[-1] = s.h_old
+            solution = DenseSolution(t, h, x, self.dense[:count].copy())
+        return Trajectory(
+            t=t if self.grid is None else t.copy(),
+            y=np.ascontiguousarray(x.T),
+            stop=stop,
+            state_at_stop=np.array(s.x[:]),
+            closest=tuple(s.closest[: problem.singularities]),
+            evaluations=s.evaluations,
+            steps=s.steps,
+            rejected=s.rejected,
+            solution=solution,
+        )
+
+
+class DenseSolution:
+    """The interpolant of a whole run: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+
+    def __init__(self, t: Array, h: Array, x: Array, coefficients: Array) -> None:
+        self.ts = t
+        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
+        self._h, self._x, self._coefficients = h, x, coefficients
+
+    def __call__(self, t: float | Sequence[float] | Array) -> Array:
+        """Evaluate; times outside the run are extrapolated from the nearest step."""
+        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        if not len(self._h):
+            values = np.repeat(self._x[:1], len(times), axis=0)
+            return values[0] if np.ndim(t) == 0 else values.T
+        forward = self.ts[-1] >= self.ts[0]
+        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
+        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, len(self._h) - 1)
+        theta = ((times - self.ts[k]) / self._h[k])[:, None]
+        terms = self._coefficients[k]
+        value = terms[:, -1] * theta
+        for j in range(terms.shape[1] - 2, -1, -1):
+            value = (value + terms[:, j]) * (1 - theta if j % 2 else theta)
+        value = value + self._x[k]
+        return value[0] if np.ndim(t) == 0 else value.T

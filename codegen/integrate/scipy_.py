@@ -1,0 +1,177 @@
+"""SciPy's integrators over the compiled functions, stopped by the same rules as the generated ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from codegen.compiled import Compiled
+from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
+
+METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+PARTS = 8
+REPORT_EVERY = 100
+
+Inputs = Callable[[float], Array]
+
+
+def integrate(compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None) -> Trajectory:
+    """Integrate with one of `METHODS`. ``inputs``: values of the inputs over time, if not held."""
+    return _Run(compiled, problem, method, inputs).run()
+
+
+class _Run:
+    """One run: SciPy's solver steps, this looks at what it did."""
+
+    def __init__(self, compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None) -> None:
+        self.problem = problem
+        self.singular_function = compiled.functions.get("singularities")
+        self.rhs = compiled.rhs
+        self.inputs = inputs
+        self.method = method
+        self.evaluations = 0
+        self.steps = 0
+        self.times = [problem.t_span[0]]
+        self.points = [problem.x0]
+        self.interpolants: list[Any] = []
+        self.grid_values: list[Array] = []
+        self.next = 0
+        self.singular = self._singularities(problem.t_span[0], problem.x0)
+        self.closest = np.abs(self.singular)
+
+    def _u(self, t: float) -> Array:
+        return self.problem.inputs if self.inputs is None else self.inputs(t)
+
+    def _slope(self, t: float, x: Array) -> Array:
+        self.evaluations += 1
+        return self.rhs(t, x, self.problem.parameters, self._u(t))
+
+    def _singularities(self, t: float, x: Array) -> Array:
+        if self.singular_function is None:
+            return np.empty(0)
+        return self.singular_function(float(t), x, self.problem.parameters, self._u(t))
+
+    def run(self) -> Trajectory:
+        problem = self.problem
+        start, end = problem.t_span
+        first = self._slope(start, problem.x0)
+        if not np.all(np.isfinite(first)):
+            return self._finish(Stop("not finite", start, int(np.argmin(np.isfinite(first)))), problem.x0)
+        if np.any(self.closest <= problem.margin):
+            return self._finish(Stop("singular", start, int(np.argmin(self.closest))), problem.x0)
+        self._store_grid(start, None)
+        with np.errstate(all="ignore"):
+            solver = self._solver()
+            while solver.status == "running":
+                stop = self._step(solver)
+                if stop is not None:
+                    return self._finish(stop, self.points[-1])
+        return self._finish(Stop("end", end), self.points[-1])
+
+    def _solver(self) -> Any:
+        from scipy import integrate as si
+
+        problem = self.problem
+        options: dict[str, Any] = {"rtol": problem.rtol, "atol": problem.atol, "max_step": problem.max_step}
+        if problem.first_step:
+            options["first_step"] = problem.first_step
+        return getattr(si, self.method)(self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options)
+
+    def _step(self, solver: Any) -> Stop | None:
+        """Take one step; return why the run has to stop, if it has to."""
+        if self.problem.steps_left(self.steps) <= 0:
+            return Stop("max_steps", solver.t)
+        solver.step()
+        if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
+            return self._failure(solver)
+        self.steps += 1
+        if self.steps % REPORT_EVERY == 0:
+            self.problem.report(solver.t)
+        dense = solver.dense_output()
+        where = self._find_singular(solver, dense)
+        t, x = (solver.t, solver.y.copy()) if where is None else (where[0], dense(where[0]))
+        self._store_grid(t, dense)
+        self.times.append(t)
+        self.points.append(x)
+        if self.problem.dense_output:
+            self.interpolants.append(dense)
+        return None if where is None else Stop("singular", t, where[1])
+
+    def _failure(self, solver: Any) -> Stop:
+        slope = self._slope(float(solver.t), solver.y)
+        finite = np.isfinite(slope) & np.isfinite(solver.y)
+        if finite.all() and self._non_finite_ahead(solver):
+            finite = np.isfinite(self.ahead)
+        kind = "step" if finite.all() else "not finite"
+        return Stop(kind, self.times[-1], int(np.argmin(finite)))
+
+    def _non_finite_ahead(self, solver: Any) -> bool:
+        """Look past the step that failed: a pole shows as numbers that are not finite."""
+        step = 100 * abs(np.nextafter(solver.t, solver.t_bound) - solver.t)
+        slope = self._slope(float(solver.t), solver.y)
+        t = float(solver.t + solver.direction * step)
+        self.ahead = self._slope(t, solver.y + solver.direction * step * slope)
+        return not np.all(np.isfinite(self.ahead))
+
+    def _find_singular(self, solver: Any, dense: Any) -> tuple[float, int] | None:
+        """Return time and number of the first singularity within the margin in this step."""
+        before, after = self.singular, self._singularities(solver.t, solver.y)
+        self.singular = after
+        if not len(after):
+            return None
+        near, moved = np.minimum(np.abs(before), np.abs(after)), np.abs(after - before)
+        self.closest = np.minimum(self.closest, np.abs(after))
+        if not np.any((near < 0.1) | (near < 2 * moved) | ~np.isfinite(after)):
+            return None
+        return self._scan(solver.t_old, solver.t, dense, before)
+
+    def _scan(self, t_old: float, t_new: float, dense: Any, before: Array) -> tuple[float, int] | None:
+        left = t_old
+        for right in np.linspace(t_old, t_new, PARTS + 1)[1:]:
+            here = self._singularities(right, dense(right))
+            self.closest = np.minimum(self.closest, np.abs(here))
+            hit = ((here > 0) != (before > 0)) | (np.abs(here) <= self.problem.margin)
+            found = [(self._bisect(left, right, dense, k, before[k]), int(k)) for k in np.flatnonzero(hit)]
+            if found:
+                return min(found, key=lambda pair: abs(pair[0] - t_old))
+            left, before = right, here
+        return None
+
+    def _bisect(self, low: float, high: float, dense: Any, k: int, before: float) -> float:
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            value = self._singularities(middle, dense(middle))[k]
+            if (value > 0) != (before > 0) or abs(value) <= self.problem.margin:
+                high = middle
+            else:
+                low = middle
+        return float(high)
+
+    def _store_grid(self, t: float, dense: Any) -> None:
+        grid, direction = self.problem.t_eval, np.sign(self.problem.t_span[1] - self.problem.t_span[0])
+        while grid is not None and self.next < len(grid) and direction * (grid[self.next] - t) <= 0:
+            self.grid_values.append(self.problem.x0 if dense is None else dense(grid[self.next]))
+            self.next += 1
+
+    def _finish(self, stop: Stop, x: Array) -> Trajectory:
+        grid = self.problem.t_eval
+        t = np.array(self.times) if grid is None else grid[: self.next].copy()
+        points = self.points if grid is None else self.grid_values
+        solution = None
+        if self.problem.dense_output and self.interpolants:
+            from scipy.integrate import OdeSolution
+
+            solution = OdeSolution(np.array(self.times), self.interpolants)
+        return Trajectory(
+            t=t,
+            y=np.array(points).T.reshape(len(self.problem.x0), len(t)),
+            stop=stop,
+            state_at_stop=np.array(x),
+            closest=tuple(float(v) for v in self.closest),
+            evaluations=self.evaluations,
+            steps=self.steps,
+            rejected=0,
+            solution=solution,
+        )

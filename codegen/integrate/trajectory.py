@@ -1,0 +1,76 @@
+"""What integrators take and give: a `Problem` and a `Trajectory`, the same for all methods."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An initial value problem with everything checked.
+
+    ``inputs``: values at which the inputs are held. ``margin``: distance from a singularity at
+    which to stop. ``t_eval``: times to store in the direction of integration, or None for every
+    step. ``progress(fraction)``: called now and then.
+    """
+
+    x0: Array
+    t_span: tuple[float, float]
+    parameters: Array
+    inputs: Array
+    rtol: float
+    atol: Array
+    margin: float
+    singularities: int
+    t_eval: Array | None = None
+    dense_output: bool = False
+    first_step: float | None = None
+    max_step: float = math.inf
+    max_steps: int | None = None
+    progress: Callable[[float], None] | None = None
+
+    def steps_left(self, taken: int) -> int:
+        """Return how many more steps may be tried."""
+        return 2**62 if self.max_steps is None else self.max_steps - taken
+
+    def report(self, t: float) -> None:
+        """Tell the progress at time ``t``."""
+        if self.progress is not None:
+            start, end = self.t_span
+            self.progress(min(1.0, max(0.0, (t - start) / (end - start))))
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why and when a run stopped: end, singular, not finite, step, max_steps.
+
+    ``which``: number of the singularity, or of the state that is not finite.
+    """
+
+    kind: str
+    t: float
+    which: int = -1
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Times (N,), states (n, N), how the run stopped, and what it cost."""
+
+    t: Array
+    y: Array
+    stop: Stop
+    state_at_stop: Array
+    closest: tuple[float, ...]
+    """Least distance from each singularity over all steps."""
+    evaluations: int
+    steps: int
+    rejected: int
+    solution: Any = None

@@ -1,0 +1,143 @@
+"""The reference evaluator of programs: in double precision, or with 50 digits and error bounds.
+
+It is slow and simple on purpose; every target is tested against it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from codegen.ops import OPS
+from codegen.program import Instruction, Program
+
+UNIT_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a program is evaluated: time, states, parameters, inputs."""
+
+    t: float = 0.0
+    x: Sequence[float] = ()
+    p: Sequence[float] = ()
+    u: Sequence[float] = ()
+
+    def slot(self, instruction: Instruction) -> float:
+        """Return the number that a leaf reads."""
+        if instruction.op == "time":
+            return self.t
+        arrays = {"state": self.x, "parameter": self.p, "input": self.u}
+        assert isinstance(instruction.value, int)
+        return float(arrays[instruction.op][instruction.value])
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """A value at high precision and a bound of the error that double precision makes in it."""
+
+    value: Any
+    error: float
+
+
+def interpret(program: Program, point: Point) -> dict[str, list[float]]:
+    """Evaluate each group of results in IEEE double precision, one operation after the other."""
+    with np.errstate(all="ignore"):
+        values = _walk(program, lambda i: np.float64(_leaf_double(i, point)), lambda op, a: OPS[op].double(*a))
+    return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
+
+
+def _leaf_double(instruction: Instruction, point: Point) -> float:
+    if instruction.op == "const":
+        assert isinstance(instruction.value, Fraction)
+        return _nearest_double(instruction.value)
+    return float(np.pi) if instruction.op == "pi" else point.slot(instruction)
+
+
+def _nearest_double(value: Fraction) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return float("inf") if value > 0 else float("-inf")
+
+
+def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[str, list[Any]]:
+    """Evaluate each group of results with ``digits`` digits; arguments are taken as exact.
+
+    Where a result is not a real number, it is NaN.
+    """
+    context = _context(digits)
+    values = _walk(
+        program,
+        lambda i: _leaf_exact(i, point, context),
+        lambda op, a: _real(context, lambda: OPS[op].exact(context, *a)),
+    )
+    return {g: [values[k] for k in r] for g, r in program.results.items()}
+
+
+def interpret_with_bound(program: Program, point: Point, digits: int = 50) -> dict[str, list[Bounded]]:
+    """Evaluate with ``digits`` digits, and bound what double precision loses on the way.
+
+    Running error analysis to first order (Higham, Accuracy and Stability of Numerical Algorithms,
+    2nd ed., sect. 3.3): each operation adds its own rounding error, from the table of operations,
+    to those of its arguments times its partial derivatives. The bound is doubled to cover the
+    terms of second order; it says nothing at jumps of ``sign`` and of conditions.
+    """
+    m = _context(digits)
+
+    def leaf(instruction: Instruction) -> Bounded:
+        value = _leaf_exact(instruction, point, m)
+        exact = instruction.op not in {"const", "pi"}
+        return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF)
+
+    def apply(op: str, args: list[Bounded]) -> Bounded:
+        row = OPS[op]
+        operands = [a.value for a in args]
+        value = _real(m, lambda: row.exact(m, *operands))
+        if not m.isfinite(value):
+            return Bounded(value, float("inf"))
+        slopes = row.partials(m, value, *operands)
+        carried = sum(abs(float(s)) * a.error if a.error else 0.0 for s, a in zip(slopes, args, strict=True))
+        return Bounded(value, carried + 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)))
+
+    values = _walk(program, leaf, apply)
+    smallest = 5e-324 * len(program.instructions)
+    return {g: [Bounded(values[k].value, 2 * values[k].error + smallest) for k in r] for g, r in program.results.items()}
+
+
+def _context(digits: int) -> Any:
+    context = mpmath.mp.clone()
+    context.dps = digits
+    return context
+
+
+def _leaf_exact(instruction: Instruction, point: Point, m: Any) -> Any:
+    if instruction.op == "const":
+        assert isinstance(instruction.value, Fraction)
+        return m.mpf(instruction.value.numerator) / instruction.value.denominator
+    return +m.pi if instruction.op == "pi" else m.mpf(point.slot(instruction))
+
+
+def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
+    """Evaluate; whatever is not a real number is NaN."""
+    try:
+        value = evaluate()
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return m.nan
+    return m.nan if isinstance(value, m.mpc) else value
+
+
+def _walk(program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[str, list[Any]], Any]) -> list[Any]:
+    """Evaluate the instructions in order."""
+    values: list[Any] = []
+    for instruction in program.instructions:
+        if instruction.op in OPS:
+            values.append(apply(instruction.op, [values[a] for a in instruction.args]))
+        else:
+            values.append(leaf(instruction))
+    return values

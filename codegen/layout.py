@@ -1,0 +1,88 @@
+"""What the arrays of a compiled system hold: the names and units of each slot, and what is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from codegen.lower import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from eom.errors import InputError, near_matches
+from eom.system import Quantity, System
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and units of states, parameters, inputs and of each group of results."""
+
+    name: str
+    title: str
+    states: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    results: Mapping[str, tuple[str, ...]]
+    """Names of the results by group."""
+
+    @classmethod
+    def of(cls, system: System) -> Layout:
+        """Return the layout of a system."""
+        results = {
+            RATES: system.state_names,
+            OUTPUTS: system.output_names,
+            INVARIANTS: system.invariant_names,
+            SINGULARITIES: tuple(str(s.expression) for s in system.singularities),
+        }
+        assert tuple(results) == GROUPS
+        title = system.title or system.name
+        return cls(system.name, title, system.states, system.parameters, system.inputs, results)
+
+    def without(self, fixed: Collection[str]) -> Layout:
+        """Return the layout without the parameters that were fixed to numbers."""
+        return replace(self, parameters=tuple(q for q in self.parameters if q.name not in fixed))
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Number of results of each group, the empty ones left out."""
+        return {g: len(names) for g, names in self.results.items() if names}
+
+
+def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return the names of quantities."""
+    return tuple(q.name for q in quantities)
+
+
+def to_array(
+    values: Mapping[str, float] | Sequence[float] | np.ndarray | None, names: Sequence[str], kind: str
+) -> np.ndarray:
+    """Return values by name, or in order, as an array; every name needs a finite number.
+
+    Raises `InputError` for unknown, missing and non-finite values and for wrong lengths.
+    """
+    if isinstance(values, Mapping):
+        values = _in_order(values, names, kind)
+    try:
+        array = np.array([] if values is None else values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{kind}s are not numbers", got=str(values)[:200]) from None
+    if array.shape != (len(names),):
+        raise InputError(
+            f"wrong number of {kind}s",
+            got=f"shape {array.shape}",
+            expected=f"{len(names)}: {', '.join(names)}" if names else "none",
+            hint=f"give them by name: {{{names[0]!r}: ...}}" if len(names) else "",
+        )
+    for name, value in zip(names, array, strict=True):
+        if not np.isfinite(value):
+            raise InputError(f"{kind} {name} is not finite", got=value)
+    return array
+
+
+def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> list[float]:
+    unknown = [n for n in values if n not in names]
+    if unknown:
+        raise InputError(f"unknown {kind} {unknown[0]!r}", hint=near_matches(str(unknown[0]), names))
+    missing = [n for n in names if n not in values]
+    if missing:
+        raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")
+    return [values[n] for n in names]

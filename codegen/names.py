@@ -1,0 +1,80 @@
+"""Identifiers for generated code, from whatever the quantities are called."""
+
+from __future__ import annotations
+
+import keyword
+import re
+import unicodedata
+from collections.abc import Iterable
+
+_C_KEYWORDS = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long "
+    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
+    "bool true false nullptr alignas alignof constexpr static_assert thread_local typeof asm fortran".split()
+)
+_C_LIBRARY = frozenset(
+    "abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh div erf exp exp2 expm1 fabs floor fma fmax "
+    "fmin fmod frexp gamma hypot index isfinite isinf isnan j0 j1 jn ldexp lgamma log log10 log1p log2 main modf "
+    "nan pow remainder rint round signbit sin sinh sqrt tan tanh tgamma time trunc y0 y1 yn size_t ptrdiff_t NAN "
+    "INFINITY NULL errno EOF stdin".split()
+)
+_PYTHON = frozenset({*keyword.kwlist, *keyword.softkwlist, "np", "numpy", "print", "min", "max", "sum", "float", "len"})
+_OWN = frozenset({"t", "x", "p", "u", "y", "out", "dx", "k", "n", "count", "select"})
+
+RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
+"""Identifiers that generated code gives another meaning in one of the languages."""
+
+
+def identifier(name: str) -> str:
+    """Spell ``name`` as an identifier that every target accepts.
+
+    >>> identifier("θ'"), identifier("lambda"), identifier("2*/x")
+    ('theta_dot', 'lambda_', 'v2_x')
+    """
+    text = re.sub(r"['′’]+$", lambda m: "_" + "d" * len(m[0]) + "ot" if len(m[0]) > 1 else "_dot", name)
+    spelt = "".join(_spell(c) for c in text)
+    spelt = re.sub(r"[^A-Za-z0-9_]+", "_", spelt).strip("_")
+    spelt = re.sub(r"_{2,}", "_", spelt) or "v"
+    if not spelt[0].isalpha():
+        spelt = "v" + spelt
+    return spelt[:60] + "_" if spelt in RESERVED else spelt[:60]
+
+
+def _spell(character: str) -> str:
+    """Greek letters by name, everything else that is ASCII as it is."""
+    if character.isascii():
+        return character
+    words = unicodedata.name(character, "").split()
+    if words[:1] == ["GREEK"] and "LETTER" in words:
+        return words[words.index("LETTER") + 1].lower()
+    return unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode() or "_"
+
+
+def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:
+    """Spell each of ``names``, all different from one another and from ``taken``.
+
+    >>> identifiers(["x", "x_", "θ", "theta"])
+    ['x_', 'x_2', 'theta', 'theta_2']
+    """
+    used = set(taken)
+    result = []
+    for name in names:
+        base = spelt = identifier(name)
+        count = 1
+        while spelt in used:
+            count += 1
+            spelt = f"{base.rstrip('_')}_{count}"
+        used.add(spelt)
+        result.append(spelt)
+    return result
+
+
+def comment(text: str) -> str:
+    """Return ``text`` as the inside of a one-line comment in any language: printable ASCII only.
+
+    >>> comment("area */ [m²] \\n #define x")
+    'area * / [m2] #define x'
+    """
+    plain = unicodedata.normalize("NFKD", " ".join(text.split())).encode("ascii", "ignore").decode()
+    plain = "".join(c for c in plain if c.isprintable() and c not in "\\?")
+    return " ".join(plain.replace("*/", "* /").replace("/*", "/ *").split())[:200]

@@ -1,0 +1,167 @@
+"""The edge to the C compiler: compile into a private cache by content hash, and load.
+
+A shared library is compiled into a temporary file and renamed into place, so that processes that
+work at the same time never see half of one. The key covers the source, the flags, the compiler
+and, since the code is for this machine, the processor.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import stat
+import subprocess
+import sysconfig
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import platformdirs
+
+from eom.errors import InputError
+
+FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
+NATIVE_FLAGS = ("-march=native",)
+TIMEOUT_SECONDS = 600
+CACHE_VARIABLE = "EOM_CACHE_DIR"
+
+
+class CompilerError(InputError):
+    """There is no C compiler, or it failed."""
+
+
+@cache
+def _which(command: str, search: str | None) -> tuple[str, ...]:
+    parts = shlex.split(command)
+    found = shutil.which(parts[0], path=search) if parts else None
+    return (found, *parts[1:]) if found else ()
+
+
+def compiler() -> tuple[str, ...]:
+    """Return the C compiler's command, or an empty tuple.
+
+    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken.
+    """
+    search = os.environ.get("PATH")
+    if os.environ.get("CC"):
+        return _which(os.environ["CC"], search)
+    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ())
+
+
+def require_compiler() -> tuple[str, ...]:
+    """Return the C compiler's command. Raises `CompilerError` where there is none."""
+    command = compiler()
+    if not command:
+        asked = os.environ.get("CC")
+        raise CompilerError(
+            "no C compiler found",
+            got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
+            hint="install gcc or clang, set CC to its path, or use the target numpy",
+        )
+    return command
+
+
+def cache_folder() -> Path:
+    """Return the cache folder, made private to the user.
+
+    Raises `InputError` where it cannot be made or belongs to somebody else.
+    """
+    folder = Path(os.environ.get(CACHE_VARIABLE) or platformdirs.user_cache_path("eom-toolkit"))
+    hint = f"set {CACHE_VARIABLE} to a folder of your own"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        status = folder.stat()
+    except OSError as error:
+        raise InputError("cache folder cannot be made", where=str(folder), got=str(error), hint=hint) from None
+    if hasattr(os, "getuid"):
+        if status.st_uid != os.getuid():
+            raise InputError("cache folder belongs to another user", where=str(folder), hint=hint)
+        if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise InputError("others can write to the cache folder", where=str(folder), hint=f"chmod go-w it, or {hint}")
+    if not os.access(folder, os.W_OK):
+        raise InputError("cache folder cannot be written", where=str(folder), hint=hint)
+    return folder
+
+
+@cache
+def _processor() -> str:
+    """Return what tells this processor from others with another instruction set."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return f"{platform.machine()} {platform.processor()}"
+    relevant = [line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))]
+    return "\n".join([platform.machine(), *sorted(set(relevant))])
+
+
+def _identity(command: Sequence[str]) -> str:
+    """Return what changes when the compiler is replaced, without running it."""
+    real = Path(command[0]).resolve()
+    status = real.stat()
+    return f"{real} {status.st_size} {status.st_mtime_ns} {' '.join(command[1:])}"
+
+
+def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
+    """Return the shared library of a C source text, compiled if the cache does not have it.
+
+    Raises `CompilerError` where there is no compiler or it fails; the cache is then unchanged.
+    """
+    command = require_compiler()
+    flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
+    key = "\0".join([source, *flags, _identity(command), _processor()])
+    folder = cache_folder()
+    library = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:40]}{suffix}"
+    if not library.exists():
+        _compile(command, flags, source, library)
+    return library
+
+
+def _compile(command: Sequence[str], flags: Sequence[str], source: str, library: Path) -> None:
+    with tempfile.TemporaryDirectory(prefix="build-", dir=library.parent) as build:
+        text, made = Path(build) / "source.c", Path(build) / "library"
+        text.write_text(source, encoding="ascii")
+        attempts = [flags, [f for f in flags if f not in NATIVE_FLAGS]]
+        for attempt in attempts:
+            run = [*command, *attempt, "-o", str(made), str(text), "-lm"]
+            failure = _run(run)
+            if failure is None and made.exists():
+                made.replace(library)
+                return
+        raise CompilerError(
+            "the C compiler failed",
+            where=" ".join(run),
+            got=(failure or "it made no file")[:2000],
+            hint="set CC to another compiler, or use the target numpy",
+        )
+
+
+def _run(command: Sequence[str]) -> str | None:
+    """Run a command; return what it printed if it failed, None if it succeeded."""
+    environment = {**os.environ, "LC_ALL": "C"}
+    try:
+        done = subprocess.run(  # noqa: S603 - a list, no shell; the user's own compiler
+            command, capture_output=True, text=True, errors="replace", timeout=TIMEOUT_SECONDS, env=environment, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return str(error)
+    return None if done.returncode == 0 else f"exit status {done.returncode}\n{(done.stderr or done.stdout).strip()}"
+
+
+def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:
+    """Load a compiled library; one that cannot be loaded is compiled anew, once."""
+    try:
+        return ctypes.CDLL(str(library))
+    except OSError:
+        library.unlink(missing_ok=True)
+        return ctypes.CDLL(str(compile_library(source, extra_flags)))
+
+
+def python_headers() -> Path | None:
+    """Return the folder of Python.h, or None where the headers are not installed."""
+    folder = Path(sysconfig.get_paths()["include"])
+    return folder if (folder / "Python.h").is_file() else None

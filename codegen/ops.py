@@ -1,0 +1,125 @@
+"""The primitive operations: one row each, with everything that is known about it.
+
+A row gives the operation's arity, its value in double precision (a NumPy function) and at any
+precision (mpmath), its partial derivatives, the rounding error of a good library in units in the
+last place, and its cost in units of an addition. Targets add one template a row in their own tables;
+a test checks that each of them covers every row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Number = Any  # a mpmath real
+Context = Any  # a mpmath context
+Exact = Callable[..., Number]
+Partials = Callable[..., tuple[Number, ...]]
+
+
+@dataclass(frozen=True)
+class Op:
+    """A primitive operation.
+
+    ``exact(m, *args)``: value in the mpmath context ``m``. ``partials(m, value, *args)``: one
+    derivative an argument, 0 where the operation is flat or does not have one. ``ulps``: rounding
+    error of the double-precision operation; 0.5 is correct rounding.
+    """
+
+    name: str
+    arity: int
+    double: Callable[..., Any]
+    exact: Exact
+    partials: Partials
+    ulps: float = 0.5
+    cost: int = 1
+    commutative: bool = False
+
+
+def _flat(count: int) -> Partials:
+    return lambda m, v, *args: (m.mpf(0),) * count  # noqa: ARG005
+
+
+def _sign(m: Context, x: Number) -> Number:
+    return m.sign(x)
+
+
+def _choose(_: Context, c: Number, a: Number, b: Number) -> Number:
+    return a if c != 0 else b
+
+
+def _truth(test: Callable[[Number, Number], bool]) -> Exact:
+    return lambda m, a, b: m.mpf(int(test(a, b)))
+
+
+def _elementary(name: str, double: Callable[..., Any], partial: Callable[..., Number], cost: int = 20) -> Op:
+    return Op(
+        name,
+        1,
+        double,
+        lambda m, x: getattr(m, name)(x),
+        lambda m, v, x: (partial(m, v, x),),
+        ulps=4.0,
+        cost=cost,
+    )
+
+
+def _comparison(name: str, double: Callable[..., Any], test: Callable[[Number, Number], bool]) -> Op:
+    return Op(name, 2, lambda a, b: np.float64(double(a, b)), _truth(test), _flat(2), ulps=0.0)
+
+
+def _pow_partials(m: Context, v: Number, x: Number, y: Number) -> tuple[Number, Number]:
+    return (y * v / x if x != 0 else m.mpf(0), v * m.log(x) if x > 0 else m.mpf(0))
+
+
+def _atan2_partials(m: Context, _: Number, y: Number, x: Number) -> tuple[Number, Number]:
+    square = x * x + y * y
+    return (x / square, -y / square) if square != 0 else (m.mpf(0), m.mpf(0))
+
+
+_ROWS = (
+    Op("add", 2, np.add, lambda m, a, b: a + b, lambda m, v, a, b: (m.mpf(1), m.mpf(1)), commutative=True),
+    Op("sub", 2, np.subtract, lambda m, a, b: a - b, lambda m, v, a, b: (m.mpf(1), m.mpf(-1))),
+    Op("mul", 2, np.multiply, lambda m, a, b: a * b, lambda m, v, a, b: (b, a), commutative=True),
+    Op("div", 2, np.divide, lambda m, a, b: a / b, lambda m, v, a, b: (1 / b, -v / b), cost=4),
+    Op("neg", 1, np.negative, lambda m, a: -a, lambda m, v, a: (m.mpf(-1),), ulps=0.0),
+    Op("sqrt", 1, np.sqrt, lambda m, x: m.sqrt(x), lambda m, v, x: (1 / (2 * v) if v != 0 else m.mpf(0),), cost=5),
+    Op("pow", 2, np.power, lambda m, x, y: m.power(x, y), _pow_partials, ulps=4.0, cost=40),
+    _elementary("sin", np.sin, lambda m, v, x: m.cos(x)),
+    _elementary("cos", np.cos, lambda m, v, x: -m.sin(x)),
+    _elementary("tan", np.tan, lambda m, v, x: 1 + v * v, 30),
+    _elementary("asin", np.arcsin, lambda m, v, x: 1 / m.sqrt(1 - x * x) if abs(x) < 1 else m.mpf(0)),
+    _elementary("acos", np.arccos, lambda m, v, x: -1 / m.sqrt(1 - x * x) if abs(x) < 1 else m.mpf(0)),
+    _elementary("atan", np.arctan, lambda m, v, x: 1 / (1 + x * x)),
+    _elementary("sinh", np.sinh, lambda m, v, x: m.cosh(x)),
+    _elementary("cosh", np.cosh, lambda m, v, x: m.sinh(x)),
+    _elementary("tanh", np.tanh, lambda m, v, x: 1 - v * v),
+    _elementary("asinh", np.arcsinh, lambda m, v, x: 1 / m.sqrt(1 + x * x)),
+    _elementary("acosh", np.arccosh, lambda m, v, x: 1 / m.sqrt(x * x - 1) if x > 1 else m.mpf(0)),
+    _elementary("atanh", np.arctanh, lambda m, v, x: 1 / (1 - x * x) if abs(x) < 1 else m.mpf(0)),
+    _elementary("exp", np.exp, lambda m, v, x: v),
+    _elementary("log", np.log, lambda m, v, x: 1 / x if x != 0 else m.mpf(0)),
+    Op("atan2", 2, np.arctan2, lambda m, y, x: m.atan2(y, x), _atan2_partials, ulps=4.0, cost=30),
+    Op("abs", 1, np.abs, lambda m, x: abs(x), lambda m, v, x: (_sign(m, x),), ulps=0.0),
+    Op("sign", 1, np.sign, _sign, _flat(1), ulps=0.0, cost=2),
+    Op("min", 2, np.minimum, lambda m, a, b: min(a, b), lambda m, v, a, b: (m.mpf(a <= b), m.mpf(b < a)), ulps=0.0, commutative=True),
+    Op("max", 2, np.maximum, lambda m, a, b: max(a, b), lambda m, v, a, b: (m.mpf(a >= b), m.mpf(b > a)), ulps=0.0, commutative=True),
+    _comparison("lt", np.less, lambda a, b: a < b),
+    _comparison("le", np.less_equal, lambda a, b: a <= b),
+    _comparison("eq", np.equal, lambda a, b: a == b),
+    Op("and", 2, lambda a, b: np.float64(a != 0 and b != 0), lambda m, a, b: m.mpf(a != 0 and b != 0), _flat(2), ulps=0.0, commutative=True),
+    Op("or", 2, lambda a, b: np.float64(a != 0 or b != 0), lambda m, a, b: m.mpf(a != 0 or b != 0), _flat(2), ulps=0.0, commutative=True),
+    Op("not", 1, lambda a: np.float64(a == 0), lambda m, a: m.mpf(a == 0), _flat(1), ulps=0.0),
+    Op("select", 3, lambda c, a, b: a if c != 0 else b, _choose, lambda m, v, c, a, b: (m.mpf(0), m.mpf(c != 0), m.mpf(c == 0)), ulps=0.0),
+)  # fmt: skip
+
+OPS: dict[str, Op] = {row.name: row for row in _ROWS}
+
+TRUTH_VALUES = frozenset({"lt", "le", "eq", "and", "or", "not"})
+"""Operations whose value is 0 or 1 and serves as a condition."""
+
+LEAVES = ("const", "pi", "time", "state", "parameter", "input")
+"""Instructions without operands: exact constants, and slots of the arrays of values."""

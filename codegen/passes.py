@@ -1,0 +1,74 @@
+"""Passes from program to program; each states its law and leaves a verified program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+
+from codegen.interpret import Point, interpret_exactly
+from codegen.ops import OPS
+from codegen.program import Builder, Instruction, Program
+
+
+def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
+    """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
+    kept = {g: program.results[g] for g in (program.results if groups is None else groups)}
+    needed = {k for result in kept.values() for k in result}
+    for k in range(len(program.instructions) - 1, -1, -1):
+        if k in needed:
+            needed.update(program.instructions[k].args)
+    return _copy(program, sorted(needed), kept)
+
+
+def specialise(program: Program, values: Mapping[int, float], count: int) -> Program:
+    """Fix parameter slots (of ``count``) to numbers, fold what becomes constant, and prune.
+
+    Values do not change in exact arithmetic. The remaining parameters close ranks, in order.
+    """
+    slots = {old: new for new, old in enumerate(k for k in range(count) if k not in values)}
+
+    def leaf(instruction: Instruction) -> Instruction:
+        if instruction.op != "parameter":
+            return instruction
+        slot = int(instruction.value or 0)
+        if slot in values:
+            return Instruction("const", (), Fraction(values[slot]))
+        return Instruction("parameter", (), slots[slot])
+
+    return prune(_copy(program, range(len(program.instructions)), program.results, leaf))
+
+
+def constants(program: Program) -> dict[int, float]:
+    """Return the double nearest to each value that depends on constants alone.
+
+    Such values are computed with 50 digits and rounded once, so that no target computes them.
+    """
+    known: set[int] = set()
+    for k, (op, args, _) in enumerate(program.instructions):
+        if op in {"const", "pi"} or (op in OPS and all(a in known for a in args)):
+            known.add(k)
+    closed = Program(program.instructions, {"constants": tuple(sorted(known))})
+    values = interpret_exactly(prune(closed), Point())["constants"]
+    return {k: float(v) for k, v in zip(sorted(known), values, strict=True)}
+
+
+def _copy(
+    program: Program,
+    keep: Iterable[int],
+    results: Mapping[str, tuple[int, ...]],
+    leaf: Callable[[Instruction], Instruction] = lambda instruction: instruction,
+) -> Program:
+    """Build the instructions ``keep`` anew, leaves mapped by ``leaf``; names go along."""
+    b = Builder()
+    new: dict[int, int] = {}
+    for k in keep:
+        op, args, _ = instruction = program.instructions[k]
+        if op in OPS:
+            new[k] = b.add(op, *(new[a] for a in args))
+        else:
+            mapped = leaf(instruction)
+            new[k] = b.leaf(mapped.op, mapped.value)
+    for k, name in program.names.items():
+        if k in new:
+            b.name(new[k], name)
+    return b.program({g: [new[k] for k in r] for g, r in results.items()})

@@ -1,0 +1,314 @@
+"""Simulate a system: integrate, evaluate outputs, and measure the drift of every invariant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from codegen.compiled import Compiled
+from codegen.compiled import compile as compile_system
+from codegen.integrate import runge_kutta, scipy_
+from codegen.integrate.dop853 import DOP853
+from codegen.integrate.trajectory import Array, Problem, Trajectory
+from codegen.layout import names_of, to_array
+from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
+from eom.errors import InputError, near_matches
+from eom.system import System
+
+METHODS = ("auto", "DOP853", *(f"scipy:{m}" for m in scipy_.METHODS))
+"""``auto`` is DOP853; DOP853 runs in generated C on the target c, by SciPy otherwise."""
+
+DEFAULT_MARGIN = 1e-6
+
+Values = Mapping[str, float] | Sequence[float] | Array | None
+T = TypeVar("T")
+Signal = float | Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far a constant of the motion wandered from its first value, over the stored points."""
+
+    start: float
+    largest: float
+
+    @property
+    def relative(self) -> float:
+        """The largest change over the size of the first value; absolute if that is zero."""
+        return self.largest / abs(self.start) if self.start else self.largest
+
+
+@dataclass(frozen=True)
+class Result:
+    """A trajectory, with SciPy's field names and what belongs to mechanics.
+
+    ``t`` (N,), ``y`` (n, N), ``sol`` (dense output or None), ``nfev``, ``status`` (0: end reached;
+    1: stopped at a singular configuration; -1: stopped because numbers failed), ``message``,
+    ``success`` (status >= 0). ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
+    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
+    where the run stopped. ``method``: what integrated.
+    """
+
+    t: Array
+    y: Array
+    sol: Any
+    nfev: int
+    status: int
+    message: str
+    outputs: Mapping[str, Array]
+    drift: Mapping[str, Drift]
+    margin: Mapping[str, float]
+    t_stop: float
+    y_stop: Array
+    method: str
+    steps: int
+    rejected: int
+    notice: str = ""
+    names: tuple[str, ...] = field(default=())
+
+    @property
+    def success(self) -> bool:
+        """True if the end was reached or a singular configuration was located."""
+        return self.status >= 0
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values of a state or output by name."""
+        if name in self.outputs:
+            return self.outputs[name]
+        if name in self.names:
+            return self.y[self.names.index(name)]
+        raise InputError(f"unknown state or output {name!r}", hint=near_matches(name, [*self.names, *self.outputs]))
+
+
+def simulate(
+    system: System | Compiled,
+    initial: Values,
+    t_span: tuple[float, float],
+    parameters: Values = None,
+    method: str = "auto",
+    rtol: float = 1e-9,
+    atol: ArrayLike | None = None,
+    t_eval: ArrayLike | None = None,
+    *,
+    inputs: Mapping[str, Signal] | None = None,
+    dense_output: bool = False,
+    first_step: float | None = None,
+    max_step: float = math.inf,
+    max_steps: int | None = None,
+    margin: float = DEFAULT_MARGIN,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
+
+    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
+    time for each input; functions are called from Python. ``method``: one of `METHODS`. Steps meet
+    the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
+    every step without it. ``margin``: the run stops where a singularity's expression gets below it.
+
+    Never raises for what happens on the way: it keeps what it has and says in ``status`` and
+    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
+    """
+    compiled = system if isinstance(system, Compiled) else _compile_once(_Identity(system))
+    layout = compiled.layout
+    held, signals = _inputs(inputs or {}, names_of(layout.inputs))
+    x0 = to_array(initial, names_of(layout.states), "initial value")
+    p = _parameters(compiled, parameters, x0, held)
+    span = _span(t_span)
+    problem = Problem(
+        x0=x0,
+        t_span=span,
+        parameters=p,
+        inputs=held,
+        rtol=_positive(rtol, "rtol"),
+        atol=_tolerances(atol, rtol, len(x0)),
+        margin=_positive(margin, "margin"),
+        singularities=len(layout.results[SINGULARITIES]),
+        t_eval=None if t_eval is None else _grid(t_eval, span),
+        dense_output=dense_output,
+        first_step=None if first_step is None else _positive(first_step, "first_step"),
+        max_step=_positive(max_step, "max_step"),
+        max_steps=max_steps,
+        progress=progress,
+    )
+    trajectory, used = _integrate(compiled, problem, method, signals)
+    problem.report(trajectory.stop.t)
+    return _result(compiled, problem, trajectory, used, signals)
+
+
+@dataclass(frozen=True, eq=False)
+class _Identity(Generic[T]):
+    """A value as a key by identity, kept alive while it is in a cache."""
+
+    value: T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Identity) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)
+
+
+@lru_cache(maxsize=64)
+def _compile_once(key: _Identity[System]) -> Compiled:
+    return compile_system(key.value)
+
+
+@lru_cache(maxsize=64)
+def _build_once(key: _Identity[Compiled]) -> runge_kutta.NativeMethod:
+    return runge_kutta.build(DOP853, key.value)
+
+
+def _positive(value: float, name: str) -> float:
+    number = float(value)
+    if not number > 0:
+        raise InputError(f"{name} is not positive", got=value)
+    return number
+
+
+def _span(t_span: tuple[float, float]) -> tuple[float, float]:
+    start, end = (float(t) for t in t_span)
+    if not (math.isfinite(start) and math.isfinite(end)) or start == end:
+        raise InputError("t_span is not a time interval", got=t_span, expected="two different finite times")
+    return start, end
+
+
+def _tolerances(atol: ArrayLike | None, rtol: float, n: int) -> Array:
+    values = np.asarray(1e-3 * rtol if atol is None else atol, dtype=np.float64)
+    if values.shape not in {(), (n,)} or not np.all(values > 0):
+        raise InputError("atol does not fit", got=atol, expected=f"a positive number, or {n} of them")
+    return np.broadcast_to(values, (n,)).copy()
+
+
+def _grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
+    grid = np.ascontiguousarray(t_eval, dtype=np.float64)
+    direction = 1 if span[1] > span[0] else -1
+    ordered = grid.ndim == 1 and bool(np.all(direction * np.diff(grid) > 0))
+    if not ordered or (grid.size and not (min(span) <= grid.min() and grid.max() <= max(span))):
+        raise InputError(
+            "t_eval does not fit",
+            got=f"{grid.size} times of shape {grid.shape}",
+            expected="times inside t_span, each later than the one before (earlier, if backwards)",
+        )
+    return grid
+
+
+def _inputs(inputs: Mapping[str, Signal], names: tuple[str, ...]) -> tuple[Array, scipy_.Inputs | None]:
+    """Return held values and, if any input is a function, the function of all inputs."""
+    functions = {n: v for n, v in inputs.items() if callable(v)}
+    values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
+    held = to_array(values, names, "input")
+    if not functions:
+        return held, None
+
+    def at(t: float) -> Array:
+        now = held.copy()
+        for name, function in functions.items():
+            now[names.index(name)] = function(t)
+        return now
+
+    return held, at
+
+
+def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
+    """Return the parameters in order; test all values against what the system assumes."""
+    layout = compiled.layout
+    names = names_of(layout.parameters)
+    spoken = dict(parameters) if isinstance(parameters, Mapping) else {}
+    kept = {n: v for n, v in spoken.items() if n in names}
+    again = [n for n in spoken if n in compiled.fixed]
+    if again:
+        raise InputError(f"parameter {again[0]} was compiled in", got=spoken[again[0]], expected=compiled.fixed[again[0]])
+    known = {**compiled.fixed, **dict(zip(names_of(layout.states), x0, strict=True))}
+    known |= dict(zip(names_of(layout.inputs), held, strict=True))
+    if spoken != kept:
+        compiled.guard.check({**known, **spoken})
+    values = to_array(kept if isinstance(parameters, Mapping) else parameters, names, "parameter")
+    compiled.guard.check({**known, **spoken, **dict(zip(names, values, strict=True))})
+    return values
+
+
+def _integrate(
+    compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
+) -> tuple[Trajectory, str]:
+    """Choose the integrator and run it; return what it gave and what it was."""
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}", hint=near_matches(method, METHODS))
+    native_loop = method in {"auto", "DOP853"} and compiled.target == "c" and signals is None
+    if native_loop:
+        return runge_kutta.integrate(_build_once(_Identity(compiled)), problem), "DOP853 in generated C"
+    name = "DOP853" if method == "auto" else method.removeprefix("scipy:")
+    reason = " (inputs are Python functions)" if signals and method in {"auto", "DOP853"} else ""
+    return scipy_.integrate(compiled, problem, name, signals), f"{name} of SciPy, {compiled.target} functions{reason}"
+
+
+def _result(
+    compiled: Compiled, problem: Problem, trajectory: Trajectory, used: str, signals: scipy_.Inputs | None
+) -> Result:
+    layout = compiled.layout
+    values = {g: _evaluate(compiled, problem, trajectory, g, signals) for g in (OUTPUTS, INVARIANTS)}
+    outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
+    drift = {n: _drift(v) for n, v in zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True)}
+    stop = trajectory.stop
+    return Result(
+        t=trajectory.t,
+        y=trajectory.y,
+        sol=trajectory.solution,
+        nfev=trajectory.evaluations,
+        status={"end": 0, "singular": 1}.get(stop.kind, -1),
+        message=_message(compiled, trajectory),
+        outputs=outputs,
+        drift=drift,
+        margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
+        t_stop=stop.t,
+        y_stop=trajectory.state_at_stop,
+        method=used,
+        steps=trajectory.steps,
+        rejected=trajectory.rejected,
+        notice=compiled.notice,
+        names=names_of(layout.states),
+    )
+
+
+def _evaluate(
+    compiled: Compiled, problem: Problem, trajectory: Trajectory, group: str, signals: scipy_.Inputs | None
+) -> Array:
+    """Evaluate a group of results at the stored points."""
+    function = compiled.functions.get(group)
+    count = len(trajectory.t)
+    if function is None:
+        return np.empty((0, count))
+    u = problem.inputs
+    if signals is not None:
+        u = np.array([signals(t) for t in trajectory.t]).reshape(count, len(problem.inputs)).T
+    return function(trajectory.t, trajectory.y, problem.parameters, u)
+
+
+def _drift(values: Array) -> Drift:
+    if not values.size:
+        return Drift(0.0, 0.0)
+    return Drift(float(values[0]), float(np.max(np.abs(values - values[0]))))
+
+
+def _message(compiled: Compiled, trajectory: Trajectory) -> str:
+    stop, names = trajectory.stop, names_of(compiled.layout.states)
+    at = f"stopped at t = {stop.t:.9g} s"
+    if stop.kind == "end":
+        return f"reached t = {stop.t:.9g} s"
+    if stop.kind == "singular":
+        singularity = compiled.system.singularities[stop.which]
+        angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
+        return (
+            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) is singular, "
+            f"{singularity.expression} = 0: {singularity.meaning}"
+        )
+    if stop.kind == "not finite":
+        return f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
+    if stop.kind == "step":
+        return f"{at}: the step fell below the resolution of time; the tolerance cannot be met there"
+    return f"{at}: max_steps were taken"

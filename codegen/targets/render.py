@@ -1,0 +1,159 @@
+"""What targets share: a program becomes assignments whose right-hand sides are small expressions.
+
+A value that is used once and has no name is written where it is used, as long as the line stays
+short; everything else is assigned to a variable. The order of operations never changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from codegen.names import comment, identifiers
+from codegen.ops import OPS
+from codegen.passes import constants
+from codegen.layout import Layout, names_of
+from codegen.lower import described
+from codegen.program import Program
+
+MAX_INLINE = 72
+ATOM = 100
+
+
+class Template(NamedTuple):
+    """How an operation is written.
+
+    ``text``: format string over the operands. ``power``: how tightly the result binds. ``needs``:
+    how tightly each operand must bind so as not to be put in brackets.
+    """
+
+    text: str
+    power: int = ATOM
+    needs: tuple[int, ...] = ()
+
+
+class Line(NamedTuple):
+    """An assignment: variable, expression, comment."""
+
+    variable: str
+    expression: str
+    comment: str = ""
+
+
+@dataclass(frozen=True)
+class Body:
+    """The inside of a function: lines in order, then one expression a result."""
+
+    lines: tuple[Line, ...]
+    results: tuple[str, ...]
+
+
+def infix(symbol: str, power: int, *, right_tighter: bool = False) -> Template:
+    """Return the template of a binary operator that groups to the left."""
+    return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1 if right_tighter else power))
+
+
+def render(
+    program: Program,
+    group: str,
+    layout: Layout,
+    templates: Mapping[str, Template],
+    slots: Mapping[str, str],
+    number: Mapping[str, str] = {},  # noqa: B006 - read only
+) -> Body:
+    """Render one group of results of a pruned program.
+
+    ``slots``: how a slot of each kind of leaf is read, for example ``"x[{0}]"``. ``number``: how
+    special numbers are written (``inf``, ``-inf``, ``nan``).
+    """
+    return _Renderer(program, group, layout, templates, slots, number).body()
+
+
+class _Renderer:
+    def __init__(
+        self,
+        program: Program,
+        group: str,
+        layout: Layout,
+        templates: Mapping[str, Template],
+        slots: Mapping[str, str],
+        number: Mapping[str, str],
+    ) -> None:
+        self.program = program
+        self.group = group
+        self.templates = templates
+        self.slots = slots
+        self.special = number
+        self.constants = constants(program)
+        self.uses = self._count_uses()
+        self.variables = self._name_variables(layout)
+        self.text: dict[int, tuple[str, int]] = {}
+        self.lines: list[Line] = []
+        self.temporaries = 0
+
+    def _count_uses(self) -> list[int]:
+        uses = [0] * len(self.program.instructions)
+        for k, instruction in enumerate(self.program.instructions):
+            if k not in self.constants:
+                for a in instruction.args:
+                    uses[a] += 1
+        for k in self.program.results[self.group]:
+            uses[k] += 1
+        return uses
+
+    def _name_variables(self, layout: Layout) -> dict[int, Line]:
+        """Variables of the leaves that are read and of the values that have a name."""
+        kinds = {"state": layout.states, "parameter": layout.parameters, "input": layout.inputs}
+        wanted: list[tuple[int, str, str, str]] = []
+        for k, (op, _, value) in enumerate(self.program.instructions):
+            if op in kinds:
+                assert isinstance(value, int)
+                quantity = kinds[op][value]
+                wanted.append((k, quantity.name, self.slots[op].format(value), described(quantity)))
+        wanted += [
+            (k, n.name, "", n.comment)
+            for k, n in sorted(self.program.names.items())
+            if k not in self.constants and self.program.instructions[k].op in OPS
+        ]
+        spelt = identifiers(name for _, name, _, _ in wanted)
+        return {k: Line(s, e, comment(c)) for (k, _, e, c), s in zip(wanted, spelt, strict=True)}
+
+    def body(self) -> Body:
+        for k, instruction in enumerate(self.program.instructions):
+            if k in self.constants:
+                self.text[k] = self._number(self.constants[k])
+            elif instruction.op == "time":
+                self.text[k] = (self.slots["time"], ATOM)
+            elif instruction.op not in OPS:
+                self._assign(k, self.variables[k].expression)
+            else:
+                self._operation(k)
+        results = tuple(self.text[k][0] for k in self.program.results[self.group])
+        return Body(tuple(self.lines), results)
+
+    def _number(self, value: float) -> tuple[str, int]:
+        text = self.special.get(repr(value), repr(value))
+        return (text, ATOM) if value >= 0 or text != repr(value) else (f"({text})", ATOM)
+
+    def _operation(self, k: int) -> None:
+        op, args, _ = self.program.instructions[k]
+        template = self.templates[op]
+        needs = template.needs or (0,) * len(args)
+        operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
+        text = template.text.format(*operands)
+        if k in self.variables or self.uses[k] != 1 or len(text) > MAX_INLINE:
+            self._assign(k, text)
+        else:
+            self.text[k] = (text, template.power)
+
+    def _operand(self, k: int, need: int) -> str:
+        text, power = self.text[k]
+        return text if power >= need else f"({text})"
+
+    def _assign(self, k: int, text: str) -> None:
+        line = self.variables.get(k)
+        self.temporaries += line is None
+        variable = line.variable if line else f"v{self.temporaries}_"
+        self.lines.append(Line(variable, text, line.comment if line else ""))
+        self.text[k] = (variable, ATOM)

@@ -1,0 +1,125 @@
+"""Vectors and rotations that know their frames, so that frames cannot be mixed by mistake.
+
+A vector is its three components in a named frame. A rotation ``C_BA`` takes components in A to
+components in B: ``[v]_B = C_BA [v]_A``; its rows are the unit vectors of B, written in A.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+
+Expr = Any
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Components of a vector in a right-handed orthonormal frame."""
+
+    frame: str
+    components: tuple[Expr, Expr, Expr]
+
+    def __add__(self, other: Vector) -> Vector:
+        return self._combine(other, lambda a, b: a + b)
+
+    def __sub__(self, other: Vector) -> Vector:
+        return self._combine(other, lambda a, b: a - b)
+
+    def _combine(self, other: Vector, rule: Callable[[Expr, Expr], Expr]) -> Vector:
+        _same_frame(self, other)
+        pairs = zip(self.components, other.components, strict=True)
+        return vector(self.frame, (rule(a, b) for a, b in pairs))
+
+    def scaled(self, factor: Expr) -> Vector:
+        """Return ``factor`` times this vector."""
+        return self.map(lambda c: factor * c)
+
+    def map(self, rule: Callable[[Expr], Expr]) -> Vector:
+        """Apply ``rule`` to each component."""
+        return vector(self.frame, (rule(c) for c in self.components))
+
+    def dot(self, other: Vector) -> Expr:
+        """Scalar product; both vectors in the same frame."""
+        _same_frame(self, other)
+        return sp.Add(*(a * b for a, b in zip(self.components, other.components, strict=True)))
+
+    def cross(self, other: Vector) -> Vector:
+        """Vector product; both vectors in the same frame.
+
+        >>> x, y = vector("B", (1, 0, 0)), vector("B", (0, 1, 0))
+        >>> x.cross(y).components
+        (0, 0, 1)
+        """
+        _same_frame(self, other)
+        return vector(self.frame, tilde(self.components) * other.column)
+
+    @property
+    def column(self) -> Expr:
+        """The components as a SymPy column."""
+        return sp.Matrix(self.components)
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """``matrix`` takes components in ``from_frame`` to components in ``to_frame``."""
+
+    to_frame: str
+    from_frame: str
+    matrix: Expr
+
+    def __matmul__(self, other: Rotation) -> Rotation:
+        """Return ``C_CA = C_CB @ C_BA``; the inner frames must agree."""
+        if self.from_frame != other.to_frame:
+            raise InputError(
+                "rotations do not chain",
+                got=f"C_{self.to_frame}{self.from_frame} @ C_{other.to_frame}{other.from_frame}",
+                expected=f"a second rotation to frame {self.from_frame}",
+            )
+        return Rotation(
+            self.to_frame, other.from_frame, sp.ImmutableMatrix(self.matrix * other.matrix)
+        )
+
+    @property
+    def inverse(self) -> Rotation:
+        """The rotation the other way: the transpose."""
+        return Rotation(self.from_frame, self.to_frame, self.matrix.T)
+
+    def apply(self, v: Vector) -> Vector:
+        """Express ``v``, given in ``from_frame``, in ``to_frame``."""
+        if v.frame != self.from_frame:
+            raise InputError(
+                f"C_{self.to_frame}{self.from_frame} takes components in {self.from_frame}",
+                got=f"components in {v.frame}",
+            )
+        return vector(self.to_frame, self.matrix * v.column)
+
+
+def vector(frame: str, components: Iterable[Expr]) -> Vector:
+    """Build a vector from three numbers or expressions."""
+    a, b, c = (sp.sympify(component) for component in components)
+    return Vector(frame, (a, b, c))
+
+
+def unit_vector(frame: str, axis: int) -> Vector:
+    """Return the unit vector along ``axis`` (1, 2 or 3) of ``frame``."""
+    return vector(frame, (int(k == axis) for k in (1, 2, 3)))
+
+
+def tilde(components: Iterable[Expr]) -> Expr:
+    """Return the skew matrix of a vector: ``tilde(a) b = a x b``."""
+    a, b, c = components
+    return sp.ImmutableMatrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+
+
+def _same_frame(a: Vector, b: Vector) -> None:
+    if a.frame != b.frame:
+        raise InputError(
+            "vectors in different frames",
+            got=f"components in {a.frame} and in {b.frame}",
+            hint="express one in the other's frame by a Rotation first",
+        )

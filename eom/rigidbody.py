@@ -1,0 +1,262 @@
+"""A rigid body about its centre of mass or a fixed point: momentum, energy, Euler's equations.
+
+The equations come from h = J omega, the transport theorem and dh/dt = tau (lecture 000; lecture 001;
+lecture 002 eq. 3.22-3.27, 3.36). Nothing about the motion is assumed beyond what the result lists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import sympy as sp
+
+from eom import torques
+from eom.algebra import explicit_rates, gather
+from eom.frames import Vector, vector
+from eom.identity import is_invariant
+from eom.inertia import physical
+from eom.kinematics import Attitude
+from eom.kinematics import attitude as attitude_of_name
+from eom.system import Assumption, Definition, Quantity, System
+from eom.torques import Torque
+from eom.transport import FirstDerivative, first_derivative
+
+Expr = Any
+TorqueLaw = Callable[[Expr, Expr], Torque]
+"""From (C_BA or None, J) to a torque."""
+
+OMEGA = vector("B", (sp.Symbol(f"omega_{k}", real=True) for k in (1, 2, 3)))
+
+
+def principal_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
+    """Return diag(I1, I2, I3) and the quantities in it."""
+    moments = tuple(
+        Quantity(sp.Symbol(f"I{k}", positive=True), "kg m^2", f"principal moment of inertia about b{k}", f"I_{k}")
+        for k in (1, 2, 3)
+    )
+    return sp.ImmutableMatrix(sp.diag(*(q.symbol for q in moments))), moments
+
+
+def full_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
+    """Return the symmetric matrix of J11, J12, ..., J33 and the six quantities in it.
+
+    Off-diagonal entries are minus the products of inertia: J12 = -integral of r1 r2 dm.
+    """
+    entries = {}
+    for i in (1, 2, 3):
+        for j in range(i, 4):
+            kind = f"moment of inertia about b{i}" if i == j else f"minus the product of inertia of b{i} and b{j}"
+            symbol = sp.Symbol(f"J{i}{j}", positive=True) if i == j else sp.Symbol(f"J{i}{j}", real=True)
+            entries[i, j] = Quantity(symbol, "kg m^2", kind, f"J_{{{i}{j}}}")
+    J = sp.Matrix(3, 3, lambda i, j: entries[min(i, j) + 1, max(i, j) + 1].symbol)
+    return sp.ImmutableMatrix(J), tuple(entries.values())
+
+
+def angular_momentum(J: Expr, omega: Vector) -> Vector:
+    """Return h = J omega (N m s), components in the frame of ``omega``."""
+    return vector(omega.frame, J * omega.column)
+
+
+def momentum_rate(J: Expr, omega: Vector, omega_dot: Sequence[Expr]) -> FirstDerivative:
+    """Return dh/dt by the transport theorem: J omega_dot (local) and omega x J omega (rotation)."""
+    rates = dict(zip(omega.components, omega_dot, strict=True))
+    return first_derivative(angular_momentum(J, omega), omega, rates)
+
+
+def euler_equations(
+    J: Expr, torque: Vector, omega: Vector = OMEGA, momentum: Vector | None = None
+) -> tuple[Expr | None, tuple[Expr, ...]]:
+    """Return (mass matrix or None, rates) of dh/dt = torque; principal axes need no matrix.
+
+    ``J``: inertia matrix (kg m^2) about the centre of mass or a fixed point, in B; ``torque`` about
+    the same point (N m), in B. A full inertia matrix stays on the left and is never inverted.
+    ``momentum``: symbols that name J omega, where the result shall use them.
+
+    >>> J, _ = principal_inertia()
+    >>> euler_equations(J, vector("B", (0, 0, 0)))[1][0]
+    omega_2*omega_3*(I2 - I3)/I1
+    """
+    omega_dot = sp.symbols("omega_dot_1:4", real=True)
+    rate = momentum_rate(J, omega, omega_dot)
+    mass = rate.local.column.jacobian(omega_dot)
+    rotation = rate.rotation if momentum is None else omega.cross(momentum)
+    forces = (torque - rotation).components
+    return explicit_rates(mass, (gather(f, _variables(f, mass)) for f in forces))
+
+
+def _variables(force: Expr, mass: Expr) -> list[Expr]:
+    """Whatever is not in the inertia matrix counts as variable, so that moments are gathered."""
+    return sorted(force.free_symbols - mass.free_symbols, key=str)
+
+
+def rigid_body(
+    inertia: tuple[Expr, Sequence[Quantity]],
+    torque: TorqueLaw,
+    attitude: Attitude | None = None,
+    *,
+    name: str = "rigid_body",
+    title: str = "Rigid body",
+) -> System:
+    """Derive a rigid body's equations of motion: Euler's equations, and attitude where given.
+
+    ``inertia``: from `principal_inertia` or `full_inertia`. ``torque``: from (C_BA, J) to a
+    `Torque`. States: omega_1, omega_2, omega_3 (rad/s, of B in inertial space, components in B),
+    then the coordinates of ``attitude`` (of B in the reference frame A). Outputs and invariants
+    hold everything that can be computed; `eom.scene` keeps what is asked for.
+    """
+    J, moments = inertia
+    C = attitude.matrix if attitude else None
+    law = torque(C, J)
+    named_torque, torque_definitions = _name_components(law.components)
+    named_h, h_definitions = _name_momentum(J)
+    mass, rates = euler_equations(J, named_torque, momentum=named_h)
+    relative = OMEGA - law.frame_rate
+    if attitude:
+        rates = (*rates, *attitude.rates(relative))
+        if mass is not None:
+            mass = sp.ImmutableMatrix(sp.diag(mass, sp.eye(len(attitude.coordinates))))
+    omega = tuple(
+        Quantity(w, "rad/s", f"angular velocity about b{k}", f"\\omega_{k}") for k, w in enumerate(OMEGA.components, 1)
+    )
+    system = System(
+        name=name,
+        title=title,
+        states=(*omega, *(attitude.coordinates if attitude else ())),
+        rates=rates,
+        mass_matrix=mass,
+        parameters=(*moments, *law.parameters),
+        inputs=law.inputs,
+        definitions=(*law.directions, *torque_definitions, *h_definitions),
+        singularities=attitude.singularities if attitude else (),
+        assumptions=_assumptions(J, law),
+    )
+    outputs = _outputs(J, law, named_torque, attitude)
+    return with_outputs(system, outputs)
+
+
+def with_outputs(system: System, outputs: Sequence[Definition]) -> System:
+    """Attach ``outputs``, and as invariants those of them that are constants of this motion."""
+    moving = {q.symbol for q in system.states}
+    constant = tuple(
+        d
+        for d in outputs
+        if system.expand(d.expression).free_symbols & moving and is_invariant(system, d.expression)
+    )
+    return replace(system, outputs=tuple(outputs), invariants=constant)
+
+
+def _name_components(torque: Vector) -> tuple[Vector, tuple[Definition, ...]]:
+    """Name the components that are more than a symbol with a sign."""
+    symbols, named = [], []
+    for k, component in enumerate(torque.components, 1):
+        if component.is_number or component.as_coeff_Mul()[1].is_Symbol:
+            symbols.append(component)
+            continue
+        symbol = sp.Symbol(f"tau_{k}", real=True)
+        symbols.append(symbol)
+        tidy = gather(component, sorted((s for s in component.free_symbols if not s.is_positive), key=str))
+        named.append(Definition(Quantity(symbol, "N m", f"torque about b{k}", f"\\tau_{k}"), tidy))
+    return vector("B", symbols), tuple(named)
+
+
+def _name_momentum(J: Expr) -> tuple[Vector | None, tuple[Definition, ...]]:
+    """Name h = J omega where J is full: the products with omega then stay small."""
+    if J.is_diagonal():
+        return None, ()
+    named = tuple(
+        Definition(_momentum_quantity(k), c) for k, c in enumerate(angular_momentum(J, OMEGA).components, 1)
+    )
+    return vector("B", (d.symbol for d in named)), named
+
+
+def _momentum_quantity(k: int) -> Quantity:
+    return Quantity(sp.Symbol(f"h_{k}", real=True), "N m s", f"angular momentum along b{k}", f"h_{k}")
+
+
+def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
+    about = f"J, h and torque are about the {law.reference_point}"
+    point = Assumption(law.reference_point.replace(" ", "_"), about)
+    rigid = Assumption("rigid", "the distance of any two points of the body is constant")
+    principal: tuple[Assumption, ...] = ()
+    if sp.Matrix(J).is_diagonal():
+        products = tuple(sp.Symbol(f"J{i}{j}", real=True) for i, j in ((1, 2), (1, 3), (2, 3)))
+        meaning = "b1, b2, b3 are principal axes of inertia"
+        principal = (Assumption("principal_axes", meaning, vanish=products),)
+    return (rigid, point, *principal, physical(J), *law.assumptions)
+
+
+def scalar(name: str, expression: Expr, unit: str, meaning: str, latex: str = "") -> Definition:
+    """Return a named output."""
+    return Definition(Quantity(sp.Symbol(name, real=True), unit, meaning, latex or name), expression)
+
+
+def momentum_outputs(h: Vector, C: Expr | None) -> list[Definition]:
+    """Return the magnitude of ``h``, its components in B and, where C_BA is known, in A."""
+    outputs = [scalar("H", sp.sqrt(h.dot(h)), "N m s", "magnitude of the angular momentum")]
+    outputs += [Definition(_momentum_quantity(k), c) for k, c in enumerate(h.components, 1)]
+    if C is not None:
+        outputs += [
+            scalar(f"H_{k}", c, "N m s", f"angular momentum along a{k}")
+            for k, c in enumerate(C.T * h.column, 1)
+        ]
+    return outputs
+
+
+def _outputs(J: Expr, law: Torque, torque: Vector, attitude: Attitude | None) -> list[Definition]:
+    h = angular_momentum(J, OMEGA)
+    kinetic = OMEGA.dot(h) / 2
+    outputs = [scalar("T", kinetic, "J", "kinetic energy of rotation")]
+    turning = law.frame_rate.dot(h)
+    if law.potential != 0 or turning != 0:
+        meaning = "energy" if turning == 0 else "Jacobi's integral: energy as seen in the turning frame A"
+        outputs.append(scalar("E", kinetic + law.potential - turning, "J", meaning))
+    outputs += momentum_outputs(h, attitude.matrix if attitude else None)
+    outputs += [
+        scalar(f"torque_{k}", c, "N m", f"torque about b{k}", f"\\tau_{k}")
+        for k, c in enumerate(torque.components, 1)
+    ]
+    if attitude:
+        up = sp.acos(attitude.matrix[2, 2])
+        outputs.append(scalar("tilt", up, "rad", "angle between b3 and a3", "\\beta"))
+        outputs += [scalar(*_with_unit(c)) for c in attitude.constraints]
+    return outputs
+
+
+def _with_unit(constraint: tuple[str, str, Expr]) -> tuple[str, Expr, str, str]:
+    name, meaning, expression = constraint
+    return name, expression, "1", meaning
+
+
+def free_rigid_body(attitude: str | None = None) -> System:
+    """Derive the torque-free body in principal axes, with its constants T and H.
+
+    >>> free_rigid_body().invariant_names
+    ('T', 'H')
+    """
+    chosen = attitude_of_name(attitude) if attitude else None
+    title = "Torque-free rigid body"
+    return rigid_body(principal_inertia(), lambda C, J: torques.applied((0, 0, 0)), chosen, name="free_rigid_body", title=title)  # noqa: ARG005
+
+
+def heavy_top(attitude: str = "quaternion") -> System:
+    """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3."""
+    return rigid_body(
+        principal_inertia(),
+        lambda C, J: torques.weight(C),  # noqa: ARG005
+        attitude_of_name(attitude),
+        name="heavy_top",
+        title="Heavy top",
+    )
+
+
+def gravity_gradient_satellite(attitude: str = "quaternion") -> System:
+    """Derive a satellite on a circular orbit; attitude is that in the orbit frame."""
+    return rigid_body(
+        principal_inertia(),
+        torques.gravity_gradient,
+        attitude_of_name(attitude),
+        name="gravity_gradient_satellite",
+        title="Satellite under gravity-gradient torque",
+    )

@@ -1,0 +1,273 @@
+"""The contract between deriving and computing: one frozen system of equations of motion.
+
+A `System` holds plain SymPy symbols and expressions over them, no ``Function('x')(t)`` and no
+``Derivative``. ``codegen`` reads this module and `eom.errors`, and nothing else of ``eom``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+
+Expr = Any  # a SymPy expression; SymPy ships no types
+
+TIME = sp.Symbol("t", real=True)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A symbol with its SI unit, a one-line meaning and its LaTeX form."""
+
+    symbol: Expr
+    unit: str = ""
+    meaning: str = ""
+    latex: str = ""
+
+    @property
+    def name(self) -> str:
+        """The symbol's name."""
+        return str(self.symbol.name)
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A named expression: an intermediate, an output or a constant of the motion."""
+
+    quantity: Quantity
+    expression: Expr
+
+    @property
+    def name(self) -> str:
+        """The name of the quantity that is defined."""
+        return self.quantity.name
+
+    @property
+    def symbol(self) -> Expr:
+        """The symbol of the quantity that is defined."""
+        return self.quantity.symbol
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
+
+    ``coordinate`` is the state to name in a report (the middle angle of a rotation sequence).
+    """
+
+    expression: Expr
+    coordinate: Expr
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """What was assumed, as data that can be tested on numbers.
+
+    Every expression of ``vanish`` is zero and every one of ``nonnegative`` is at least zero when
+    the assumption holds. The expressions may use symbols that the system no longer has, so that
+    values given for them can be tested against what was assumed.
+    """
+
+    name: str
+    meaning: str
+    vanish: tuple[Expr, ...] = ()
+    nonnegative: tuple[Expr, ...] = ()
+
+
+@dataclass(frozen=True)
+class System:
+    """Equations of motion: ``mass_matrix * d(states)/dt = rates``, or ``d(states)/dt = rates``.
+
+    ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values.
+    ``definitions``: named intermediates, each over the symbols before it.
+    ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
+    ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
+    ``singularities``, ``assumptions``: see their types. Units are SI; angles are in radians.
+
+    Raises `InputError` for repeated names, free symbols without a meaning, or wrong lengths.
+    """
+
+    name: str
+    states: tuple[Quantity, ...]
+    rates: tuple[Expr, ...]
+    parameters: tuple[Quantity, ...] = ()
+    inputs: tuple[Quantity, ...] = ()
+    time: Expr = TIME
+    definitions: tuple[Definition, ...] = ()
+    mass_matrix: Expr | None = None
+    outputs: tuple[Definition, ...] = ()
+    invariants: tuple[Definition, ...] = ()
+    singularities: tuple[Singularity, ...] = ()
+    assumptions: tuple[Assumption, ...] = ()
+    title: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        _check_names(self)
+        _check_shapes(self)
+        _check_symbols(self)
+
+    @classmethod
+    def from_rates(
+        cls,
+        name: str,
+        rates: Mapping[Expr, Expr],
+        *,
+        inputs: Iterable[Expr] = (),
+        time: Expr = TIME,
+        outputs: Mapping[str, Expr] | None = None,
+        invariants: Mapping[str, Expr] | None = None,
+    ) -> System:
+        """Build a system from ``{state symbol: rate}``; what else is free becomes a parameter.
+
+        >>> y1, y2, k = sp.symbols("y1 y2 k")
+        >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
+        ('k',)
+        """
+        inputs = tuple(inputs)
+        named = [_named(group or {}) for group in (outputs, invariants)]
+        expressions = [sp.sympify(rate) for rate in rates.values()]
+        everything = [*expressions, *(d.expression for group in named for d in group)]
+        free = set().union(*(e.free_symbols for e in everything)) - {*rates, *inputs, time}
+        return cls(
+            name=name,
+            states=tuple(Quantity(s) for s in rates),
+            rates=tuple(expressions),
+            parameters=tuple(Quantity(s) for s in sorted(free, key=lambda s: str(s.name))),
+            inputs=tuple(Quantity(s) for s in inputs),
+            time=time,
+            outputs=named[0],
+            invariants=named[1],
+        )
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states, in order."""
+        return tuple(q.name for q in self.states)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(q.name for q in self.parameters)
+
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """Names of the inputs, in order."""
+        return tuple(q.name for q in self.inputs)
+
+    @property
+    def output_names(self) -> tuple[str, ...]:
+        """Names of the outputs, in order."""
+        return tuple(d.name for d in self.outputs)
+
+    @property
+    def invariant_names(self) -> tuple[str, ...]:
+        """Names of the constants of the motion, in order."""
+        return tuple(d.name for d in self.invariants)
+
+    @cached_property
+    def _full_definitions(self) -> dict[Expr, Expr]:
+        full: dict[Expr, Expr] = {}
+        for definition in self.definitions:
+            full[definition.symbol] = definition.expression.xreplace(full)
+        return full
+
+    def expand(self, expression: Expr) -> Expr:
+        """Return ``expression`` over states, parameters, inputs and time alone."""
+        return sp.sympify(expression).xreplace(self._full_definitions)
+
+    def rate_of(self, expression: Expr) -> Expr:
+        """Return the time derivative of ``expression`` along the motion, by the chain rule.
+
+        Raises `InputError` where the system has a mass matrix: its rates are not explicit.
+        """
+        if self.mass_matrix is not None:
+            raise InputError("rate_of needs explicit rates", where=self.name, got="a mass matrix")
+        full = self.expand(expression)
+        terms = [full.diff(q.symbol) * self.expand(r) for q, r in zip(self.states, self.rates, strict=True)]
+        return sp.Add(*terms, full.diff(self.time))
+
+
+def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
+    return tuple(Definition(Quantity(sp.Symbol(n, real=True)), sp.sympify(e)) for n, e in group.items())
+
+
+def _check_names(system: System) -> None:
+    """Names of states, parameters, inputs, time and definitions are one name space."""
+    variables = [*system.states, *system.parameters, *system.inputs, Quantity(system.time)]
+    groups = {
+        "variable or definition": [q.name for q in variables] + [d.name for d in system.definitions],
+        "output": list(system.output_names),
+        "invariant": list(system.invariant_names),
+    }
+    for kind, names in groups.items():
+        repeated = sorted({n for n in names if names.count(n) > 1})
+        if repeated:
+            raise InputError(
+                f"repeated {kind} name",
+                where=f"system {system.name!r}",
+                got=", ".join(repeated),
+                expected="each name once",
+            )
+
+
+def _check_shapes(system: System) -> None:
+    n = len(system.states)
+    if len(system.rates) != n:
+        raise InputError(
+            "one rate a state is needed",
+            where=f"system {system.name!r}",
+            got=f"{len(system.rates)} rates for {n} states",
+        )
+    if system.mass_matrix is not None and system.mass_matrix.shape != (n, n):
+        raise InputError(
+            "mass matrix of the wrong shape",
+            where=f"system {system.name!r}",
+            got=system.mass_matrix.shape,
+            expected=(n, n),
+        )
+
+
+def _check_symbols(system: System) -> None:
+    """Every free symbol has a meaning before it is used; nothing is a function of time."""
+    variables = [*system.states, *system.parameters, *system.inputs]
+    known = {q.symbol for q in variables} | {system.time}
+    for definition in system.definitions:
+        _check_expression(system, f"definition {definition.name}", definition.expression, known)
+        known = known | {definition.symbol}
+    named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
+    named += [(f"output {d.name}", d.expression) for d in system.outputs]
+    named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
+    named += [("singularity", s.expression) for s in system.singularities]
+    if system.mass_matrix is not None:
+        named += [("mass matrix", e) for e in system.mass_matrix]
+    for where, expression in named:
+        _check_expression(system, where, expression, known)
+
+
+def _check_expression(system: System, where: str, expression: Expr, known: set[Expr]) -> None:
+    if not isinstance(expression, sp.Basic):
+        raise InputError(
+            "not a SymPy expression", where=f"{system.name}: {where}", got=type(expression).__name__
+        )
+    unknown = expression.free_symbols - known
+    if unknown:
+        raise InputError(
+            "symbol without a meaning",
+            where=f"{system.name}: {where}",
+            got=", ".join(sorted(str(s) for s in unknown)),
+            expected="states, parameters, inputs, time or a definition before it",
+        )
+    if expression.atoms(sp.Derivative, sp.core.function.AppliedUndef):
+        raise InputError(
+            "function of time or derivative in an expression",
+            where=f"{system.name}: {where}",
+            got=expression,
+            expected="plain symbols",
+            hint="make each function a state symbol and each derivative a state or a definition",
+        )

@@ -1,0 +1,141 @@
+"""External torque on a rigid body: none, applied, weight about a fixed point, gravity gradient.
+
+Torques are derived by integrating r x (force on dm) over the body. All components are in the body
+frame B; ``C`` takes components in the reference frame A to B.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from eom.frames import Vector, unit_vector, vector
+from eom.inertia import integrate_over_mass, second_moments_of_inertia
+from eom.system import Assumption, Definition, Quantity
+
+Expr = Any
+
+
+@dataclass(frozen=True)
+class Torque:
+    """Torque about the reference point, in B, with what comes with it.
+
+    ``potential``: energy whose loss is the work of the torque, or zero. ``frame_rate``: angular
+    velocity in inertial space of the frame A that attitude is measured from, in B. ``directions``:
+    components in B of the axes of A that matter, as definitions. ``arm``: what r is measured from.
+    """
+
+    components: Vector
+    potential: Expr = sp.Integer(0)
+    frame_rate: Vector = vector("B", (0, 0, 0))
+    parameters: tuple[Quantity, ...] = ()
+    inputs: tuple[Quantity, ...] = ()
+    directions: tuple[Definition, ...] = ()
+    assumptions: tuple[Assumption, ...] = ()
+    reference_point: str = "centre of mass"
+
+
+def applied(
+    components: Sequence[Expr], parameters: Sequence[Quantity] = (), inputs: Sequence[Quantity] = ()
+) -> Torque:
+    """Return a torque given by its components in B; all zero means torque-free."""
+    return Torque(vector("B", components), parameters=tuple(parameters), inputs=tuple(inputs))
+
+
+def _positive(name: str, unit: str, meaning: str, latex: str = "") -> Quantity:
+    return Quantity(sp.Symbol(name, positive=True), unit, meaning, latex)
+
+
+def _direction(name: str, C: Expr, axis: int, meaning: str) -> tuple[Vector, tuple[Definition, ...]]:
+    """Components in B of axis ``axis`` of A; named unless each is a single symbol already."""
+    column = vector("B", C * unit_vector("A", axis).column)
+    if all(c.is_Symbol for c in column.components):
+        return column, ()
+    symbols = [sp.Symbol(f"{name}_{k}", real=True) for k in (1, 2, 3)]
+    named = tuple(
+        Definition(Quantity(s, "1", f"component along b{k} of {meaning}", f"{name}_{k}"), c)
+        for k, (s, c) in enumerate(zip(symbols, column.components, strict=True), 1)
+    )
+    return vector("B", symbols), named
+
+
+def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
+    """Return the torque of weight about a fixed point: integral of r x (-g a3) dm = m r_C x (-g a3).
+
+    ``offset`` tells along which body axes the centre of mass lies off the fixed point (parameters
+    ``r1``, ``r2``, ``r3`` in metres). Gravity acts along -a3. The integrand is linear in r, so that
+    the first moment m r_C replaces the integral of r dm (lecture 002 eq. 3.20).
+    """
+    m = _positive("m", "kg", "mass")
+    g = _positive("g", "m/s^2", "acceleration of gravity, along -a3")
+    arms = [
+        Quantity(sp.Symbol(f"r{k}", real=True), "m", f"centre of mass along b{k}, from the fixed point", f"r_{k}")
+        for k in (1, 2, 3)
+    ]
+    up, named = _direction("up", C, 3, "the upward vertical a3")
+    first_moment = vector("B", (m.symbol * q.symbol * int(on) for q, on in zip(arms, offset, strict=True)))
+    gravity = up.scaled(-g.symbol)
+    return Torque(
+        components=first_moment.cross(gravity),
+        potential=-first_moment.dot(gravity),
+        parameters=(m, g, *(q for q, on in zip(arms, offset, strict=True) if on)),
+        directions=named,
+        reference_point="fixed point",
+    )
+
+
+def gravity_gradient(C: Expr, J: Expr) -> Torque:
+    """Return the gravity-gradient torque on a circular orbit of rate ``n``.
+
+    A is the orbit frame: a1 radially out, a2 along the velocity, a3 the orbit normal; its angular
+    velocity is n a3. The inverse-square attraction of dm at R a1 + r is expanded to first order in
+    r/R, and integrated: with mu/R^3 = n^2 the torque is 3 n^2 a1 x (J a1) (Hughes, 1986, sect. 8.1).
+    """
+    n = _positive("n", "rad/s", "orbital rate")
+    radial, named_radial = _direction("radial", C, 1, "the outward radial a1")
+    normal, named_normal = _direction("normal", C, 3, "the orbit normal a3")
+    a = vector("B", sp.symbols("a_1:4", real=True))
+    torque, potential = _gradient_of_attraction(a, n.symbol, J)
+    here = dict(zip(a.components, radial.components, strict=True))
+    return Torque(
+        components=torque.map(lambda c: c.xreplace(here)),
+        potential=potential.xreplace(here),
+        frame_rate=normal.scaled(n.symbol),
+        parameters=(n,),
+        directions=(*named_radial, *named_normal),
+        assumptions=(
+            Assumption("circular_orbit", "the orbit is circular and not disturbed by the attitude"),
+            Assumption("small_body", "the body is small beside the orbit: first order in r/R"),
+        ),
+    )
+
+
+def _gradient_of_attraction(a: Vector, n: Expr, J: Expr) -> tuple[Vector, Expr]:
+    """Integrate r x f and the potential over the body, for the unit vector ``a`` from the attractor.
+
+    With lengths in units of R, dm at a + e r has the potential energy -n^2 / |a + e r| dm; the
+    torque needs its gradient to first order in e, the energy its second order.
+    """
+    r = vector("B", sp.symbols("r_1:4", real=True))
+    e = sp.Symbol("e", real=True)
+    S = second_moments_of_inertia(J)
+    x = vector("B", sp.symbols("x_1:4", real=True))
+    energy = -(n**2) / sp.sqrt(x.dot(x))
+    force = x.map(lambda c: -energy.diff(c))
+    unit = {a.dot(a): sp.Integer(1)}
+
+    def order(expression: Expr, k: int) -> Expr:
+        moved = expression.xreplace(
+            {xi: ai + e * ri for xi, ai, ri in zip(x.components, a.components, r.components, strict=True)}
+        )
+        term = moved.diff(e, k).subs(e, 0) / sp.factorial(k)
+        return sp.expand(term.subs(unit))
+
+    linear_force = force.map(lambda c: order(c, 1))
+    torque = r.cross(linear_force).map(lambda c: integrate_over_mass(sp.expand(c), S))
+    energy_second = integrate_over_mass(order(energy, 2), S)
+    isotropic = energy_second.subs(dict.fromkeys(a.components, 0))
+    return torque.map(sp.expand), sp.expand(energy_second - isotropic)
