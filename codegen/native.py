@@ -26,7 +26,8 @@ import platformdirs
 from eom.errors import InputError
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
-NATIVE_FLAGS = ("-march=native",)
+NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition")
+"""Flags that some compilers lack; the second lets functions of one library be inlined."""
 TIMEOUT_SECONDS = 600
 CACHE_VARIABLE = "EOM_CACHE_DIR"
 

@@ -9,7 +9,8 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-static double spacing(double t, double direction) { return fabs(nextafter(t, direction * HUGE_VAL) - t); }
+/* At least the distance from t to the next double. */
+static inline double spacing(double t) { return fmax(DBL_EPSILON * fabs(t), DBL_MIN); }
 
 /* a + b exactly as a rounded sum and what was lost (Knuth, 1969). */
 static inline double two_sum(double a, double b, double *lost) {
@@ -151,7 +152,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
     if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
     while (s->steps == 0 && wants_grid_point(o, s->t, direction)) store(o, o->grid[o->next++], s->x);
     while (s->t != s->t_end) {
-        const double smallest = 10.0 * spacing(s->t, direction), rest = (s->t_end - s->t) - s->t_low;
+        const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
         double t_low, h_abs = fmin(s->h, s->h_max);
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
