@@ -7,7 +7,6 @@ or ``(N,)``. Whatever has no column axis is the same at every point.
 from __future__ import annotations
 
 import ctypes
-import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -37,7 +36,12 @@ class Function(Protocol):
     """``f(t, x, p, u, out=None)``: results of one group, in shape (k,) or (k, N)."""
 
     def __call__(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None, out: Array | None = None
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        p: ArrayLike | None = None,
+        u: ArrayLike | None = None,
+        out: Array | None = None,
     ) -> Array:
         """Evaluate; fill and return ``out`` where it is given."""
 
@@ -51,7 +55,12 @@ class CheckedFunction:
     kernel: Kernel
 
     def __call__(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None, out: Array | None = None
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        p: ArrayLike | None = None,
+        u: ArrayLike | None = None,
+        out: Array | None = None,
     ) -> Array:
         """Evaluate. Raises `InputError` for wrong shapes and types."""
         columns: dict[str, int] = {}
@@ -60,14 +69,17 @@ class CheckedFunction:
             raise InputError("t has the wrong shape", got=time.shape, expected="() or (N,)")
         if time.ndim == 1:
             columns["t"] = time.shape[0]
-        groups = (("x", x, self.layout.states), ("p", p, self.layout.parameters), ("u", u, self.layout.inputs))
-        arrays = [_shaped(name, value, names_of(quantities), columns) for name, value, quantities in groups]
+        states = _shaped("x", x, names_of(self.layout.states), columns)
+        parameters = _shaped("p", p, names_of(self.layout.parameters), columns)
+        inputs = _shaped("u", u, names_of(self.layout.inputs), columns)
         count = set(columns.values())
         if len(count) > 1:
-            raise InputError("numbers of columns differ", got=", ".join(f"{k}: {v}" for k, v in columns.items()))
+            raise InputError(
+                "numbers of columns differ", got=", ".join(f"{k}: {v}" for k, v in columns.items())
+            )
         shape = (self.layout.sizes[self.group], *count)
         result = np.empty(shape) if out is None else _checked_out(out, shape)
-        self.kernel(time if time.ndim else float(time), *arrays, result)
+        self.kernel(time if time.ndim else float(time), states, parameters, inputs, result)
         return result
 
 
@@ -78,7 +90,9 @@ def _real(value: ArrayLike, name: str) -> Array:
     return array.astype(np.float64, copy=False)
 
 
-def _shaped(name: str, value: ArrayLike | None, names: Sequence[str], columns: dict[str, int]) -> Array:
+def _shaped(
+    name: str, value: ArrayLike | None, names: Sequence[str], columns: dict[str, int]
+) -> Array:
     n = len(names)
     if value is None:
         if n:
@@ -86,7 +100,9 @@ def _shaped(name: str, value: ArrayLike | None, names: Sequence[str], columns: d
         return np.empty(0)
     array = _real(value, name)
     if array.ndim not in {1, 2} or array.shape[0] != n:
-        expected = f"({n},) or ({n}, N), in the order {', '.join(names)}" if n else "no values: (0,)"
+        expected = (
+            f"({n},) or ({n}, N), in the order {', '.join(names)}" if n else "no values: (0,)"
+        )
         raise InputError(f"{name} has the wrong shape", got=array.shape, expected=expected)
     if array.ndim == 2:
         columns[name] = array.shape[1]
@@ -94,9 +110,20 @@ def _shaped(name: str, value: ArrayLike | None, names: Sequence[str], columns: d
 
 
 def _checked_out(out: Array, shape: tuple[int, ...]) -> Array:
-    if not isinstance(out, np.ndarray) or out.dtype != np.float64 or out.shape != shape or not out.flags.writeable:
-        got = f"{out.dtype} array of shape {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
-        raise InputError("out does not fit", got=got, expected=f"a writable float64 array of shape {shape}")
+    if (
+        not isinstance(out, np.ndarray)
+        or out.dtype != np.float64
+        or out.shape != shape
+        or not out.flags.writeable
+    ):
+        got = (
+            f"{out.dtype} array of shape {out.shape}"
+            if isinstance(out, np.ndarray)
+            else type(out).__name__
+        )
+        raise InputError(
+            "out does not fit", got=got, expected=f"a writable float64 array of shape {shape}"
+        )
     return out
 
 
@@ -229,7 +256,12 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     for group in layout.sizes:
         checked = CheckedFunction(group, layout, _batch_kernel(library, f"{name}_{group}_batch"))
         address = ctypes.cast(getattr(library, f"{name}_{group}"), ctypes.c_void_p).value
-        lengths = (len(layout.states), len(layout.parameters), len(layout.inputs), layout.sizes[group])
+        lengths = (
+            len(layout.states),
+            len(layout.parameters),
+            len(layout.inputs),
+            layout.sizes[group],
+        )
         functions[group] = fastcall.bind(address or 0, lengths, checked)
     return "c", functions, ""
 
@@ -247,14 +279,14 @@ def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
     def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
         step = times.strides[0] // 8 if np.ndim(t) else 0
-        arrays = [a if all(s % 8 == 0 for s in a.strides) else a.copy() for a in (x, p, u)]
-        if any(np.may_share_memory(out, a) for a in arrays) and out.ndim == 2:
+        x, p, u = (a if all(s % 8 == 0 for s in a.strides) else a.copy() for a in (x, p, u))
+        if out.ndim == 2 and any(np.may_share_memory(out, a) for a in (x, p, u)):
             result = np.empty_like(out)
-            run(t, *arrays, result)
+            run(t, x, p, u, result)
             out[...] = result
             return
         count = out.shape[1] if out.ndim == 2 else 1
-        function(count, times.ctypes.data, step, *(v for a in (*arrays, out) for v in strided(a)))
+        function(count, times.ctypes.data, step, *(v for a in (x, p, u, out) for v in strided(a)))
 
     return run
 
@@ -264,7 +296,11 @@ def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         return _native(program, layout)
     except native.CompilerError as error:
         _, functions, _ = _numpy(program, layout)
-        return "numpy", functions, f"{error.what} ({error.got.splitlines()[0]}): using the NumPy target"
+        return (
+            "numpy",
+            functions,
+            f"{error.what} ({error.got.splitlines()[0]}): using the NumPy target",
+        )
 
 
 _TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
@@ -286,10 +322,13 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
             for name, text in files.items():
                 (Path(staging) / name).write_text(text, encoding="utf-8", newline="\n")
             for name in files:
-                os.replace(Path(staging) / name, target / name)
+                (Path(staging) / name).replace(target / name)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(
-            "files cannot be written", where=str(target), got=reason, hint="choose a folder that you can write"
+            "files cannot be written",
+            where=str(target),
+            got=reason,
+            hint="choose a folder that you can write",
         ) from None
     return [target / name for name in files]

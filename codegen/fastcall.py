@@ -36,7 +36,9 @@ def _extension() -> Any | None:
     return module
 
 
-def bind(address: int, lengths: tuple[int, int, int, int], fallback: Callable[..., Any]) -> Callable[..., Any]:
+def bind(
+    address: int, lengths: tuple[int, int, int, int], fallback: Callable[..., Any]
+) -> Callable[..., Any]:
     """Return a quick function for the C function at ``address``.
 
     ``lengths``: numbers of states, parameters, inputs and results. ``fallback`` serves every call
@@ -45,5 +47,7 @@ def bind(address: int, lengths: tuple[int, int, int, int], fallback: Callable[..
     extension = _extension()
     if extension is None:
         return fallback
-    function: Callable[..., Any] = extension.bind(address, lengths, fallback, partial(np.empty, lengths[3]))
+    function: Callable[..., Any] = extension.bind(
+        address, lengths, fallback, partial(np.empty, lengths[3])
+    )
     return function

@@ -35,7 +35,11 @@ def fold(b: Builder, op: str, args: tuple[int, ...]) -> int | None:
 def constant(b: Builder, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
     instruction = b.instructions[number]
-    return instruction.value if instruction.op == "const" and isinstance(instruction.value, Fraction) else None
+    return (
+        instruction.value
+        if instruction.op == "const" and isinstance(instruction.value, Fraction)
+        else None
+    )
 
 
 def _small(value: Fraction) -> bool:
@@ -103,7 +107,9 @@ def _div(b: Builder, args: tuple[int, ...]) -> int | None:
 
 
 def _power_of_two(value: Fraction) -> bool:
-    return (value.numerator & (value.numerator - 1)) == 0 and (value.denominator & (value.denominator - 1)) == 0
+    return (value.numerator & (value.numerator - 1)) == 0 and (
+        value.denominator & (value.denominator - 1)
+    ) == 0
 
 
 def _neg(b: Builder, args: tuple[int, ...]) -> int | None:
@@ -161,7 +167,10 @@ RULES: dict[str, Rule] = {
     "max": _same,
     "and": _same,
     "or": _same,
-    **{op: _odd(op) for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "sign")},
+    **{
+        op: _odd(op)
+        for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "sign")
+    },
     **{op: _even(op) for op in ("cos", "cosh", "abs")},
 }
 

@@ -83,9 +83,15 @@ class Guard:
         spoken_of = {n for c in self.conditions for n in c.names}
         for name, value in values.items():
             if name not in self.known and name not in spoken_of:
-                raise InputError(f"unknown name {name!r}", where=where, hint=near_matches(name, self.known))
+                raise InputError(
+                    f"unknown name {name!r}", where=where, hint=near_matches(name, self.known)
+                )
             if name in self.positive and not value > 0:
-                raise InputError(f"parameter {name} is not positive", where=f"{where}: {self.positive[name]}", got=value)
+                raise InputError(
+                    f"parameter {name} is not positive",
+                    where=f"{where}: {self.positive[name]}",
+                    got=value,
+                )
         for condition in self.conditions:
             if all(n in values for n in condition.names):
                 condition.check(values, where)

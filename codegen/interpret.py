@@ -48,7 +48,9 @@ class Bounded:
 def interpret(program: Program, point: Point) -> dict[str, list[float]]:
     """Evaluate each group of results in IEEE double precision, one operation after the other."""
     with np.errstate(all="ignore"):
-        values = _walk(program, lambda i: np.float64(_leaf_double(i, point)), lambda op, a: OPS[op].double(*a))
+        values = _walk(
+            program, lambda i: np.float64(_leaf_double(i, point)), lambda op, a: OPS[op].double(*a)
+        )
     return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
 
 
@@ -80,7 +82,9 @@ def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[
     return {g: [values[k] for k in r] for g, r in program.results.items()}
 
 
-def interpret_with_bound(program: Program, point: Point, digits: int = 50) -> dict[str, list[Bounded]]:
+def interpret_with_bound(
+    program: Program, point: Point, digits: int = 50
+) -> dict[str, list[Bounded]]:
     """Evaluate with ``digits`` digits, and bound what double precision loses on the way.
 
     Running error analysis to first order (Higham, Accuracy and Stability of Numerical Algorithms,
@@ -102,12 +106,17 @@ def interpret_with_bound(program: Program, point: Point, digits: int = 50) -> di
         if not m.isfinite(value):
             return Bounded(value, float("inf"))
         slopes = row.partials(m, value, *operands)
-        carried = sum(abs(float(s)) * a.error if a.error else 0.0 for s, a in zip(slopes, args, strict=True))
+        carried = sum(
+            abs(float(s)) * a.error if a.error else 0.0 for s, a in zip(slopes, args, strict=True)
+        )
         return Bounded(value, carried + 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)))
 
     values = _walk(program, leaf, apply)
     smallest = 5e-324 * len(program.instructions)
-    return {g: [Bounded(values[k].value, 2 * values[k].error + smallest) for k in r] for g, r in program.results.items()}
+    return {
+        g: [Bounded(values[k].value, 2 * values[k].error + smallest) for k in r]
+        for g, r in program.results.items()
+    }
 
 
 def _context(digits: int) -> Any:
@@ -132,7 +141,9 @@ def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
     return m.nan if isinstance(value, m.mpc) else value
 
 
-def _walk(program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[str, list[Any]], Any]) -> list[Any]:
+def _walk(
+    program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[str, list[Any]], Any]
+) -> list[Any]:
     """Evaluate the instructions in order."""
     values: list[Any] = []
     for instruction in program.instructions:

@@ -1,4 +1,4 @@
-"""What the arrays of a compiled system hold: the names and units of each slot, and what is checked."""
+"""What the arrays of a compiled system hold: names and units of each slot, and how they are checked."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codegen.lower import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from eom.errors import InputError, near_matches
@@ -53,8 +54,10 @@ def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:
 
 
 def to_array(
-    values: Mapping[str, float] | Sequence[float] | np.ndarray | None, names: Sequence[str], kind: str
-) -> np.ndarray:
+    values: Mapping[str, float] | Sequence[float] | NDArray[np.float64] | None,
+    names: Sequence[str],
+    kind: str,
+) -> NDArray[np.float64]:
     """Return values by name, or in order, as an array; every name needs a finite number.
 
     Raises `InputError` for unknown, missing and non-finite values and for wrong lengths.
@@ -81,7 +84,9 @@ def to_array(
 def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> list[float]:
     unknown = [n for n in values if n not in names]
     if unknown:
-        raise InputError(f"unknown {kind} {unknown[0]!r}", hint=near_matches(str(unknown[0]), names))
+        raise InputError(
+            f"unknown {kind} {unknown[0]!r}", hint=near_matches(str(unknown[0]), names)
+        )
     missing = [n for n in names if n not in values]
     if missing:
         raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")

@@ -10,7 +10,7 @@ import sympy as sp
 
 from codegen.program import Builder, Name, Program
 from eom.errors import InputError
-from eom.system import Definition, Quantity, System
+from eom.system import Definition, System
 
 Expr = Any
 
@@ -25,7 +25,14 @@ _FUNCTIONS: dict[Any, str] = {
     sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.asinh: "asinh", sp.acosh: "acosh",
     sp.atanh: "atanh", sp.exp: "exp", sp.log: "log", sp.atan2: "atan2", sp.Abs: "abs", sp.sign: "sign",
 }  # fmt: skip
-_RECIPROCALS: dict[Any, str] = {sp.sec: "cos", sp.csc: "sin", sp.cot: "tan", sp.sech: "cosh", sp.csch: "sinh", sp.coth: "tanh"}
+_RECIPROCALS: dict[Any, str] = {
+    sp.sec: "cos",
+    sp.csc: "sin",
+    sp.cot: "tan",
+    sp.sech: "cosh",
+    sp.csch: "sinh",
+    sp.coth: "tanh",
+}
 _CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
 _COMPARISONS: dict[Any, tuple[str, bool]] = {
     sp.StrictLessThan: ("lt", False),
@@ -44,14 +51,18 @@ def lower_system(system: System) -> Program:
     """
     b = Builder()
     slots = {system.time: b.leaf("time")}
-    for op, group in (("state", system.states), ("parameter", system.parameters), ("input", system.inputs)):
+    for op, group in (
+        ("state", system.states),
+        ("parameter", system.parameters),
+        ("input", system.inputs),
+    ):
         slots |= {q.symbol: b.leaf(op, k) for k, q in enumerate(group)}
     lowering = Lowering(b, slots, system.name)
     for definition in system.definitions:
         lowering.define(definition)
     rates = [lowering.lower(r) for r in system.rates]
     if system.mass_matrix is not None:
-        rates = solve_symmetric(b, _lower_matrix(lowering, system), rates)
+        rates = solve_symmetric(b, _lower_matrix(lowering, system.mass_matrix), rates)
     for definition in (*system.outputs, *system.invariants):
         number = lowering.lower(definition.expression)
         b.name(number, _name(definition))
@@ -64,35 +75,35 @@ def lower_system(system: System) -> Program:
     return b.program(results)
 
 
-def lower_expressions(expressions: Mapping[str, Sequence[Expr]], states: Sequence[Expr], parameters: Sequence[Expr] = ()) -> Program:
+def lower_expressions(
+    expressions: Mapping[str, Sequence[Expr]],
+    states: Sequence[Expr],
+    parameters: Sequence[Expr] = (),
+) -> Program:
     """Return the program of groups of expressions over ``states`` and ``parameters``."""
     b = Builder()
     slots = {s: b.leaf("state", k) for k, s in enumerate(states)}
     slots |= {s: b.leaf("parameter", k) for k, s in enumerate(parameters)}
     lowering = Lowering(b, slots)
-    return b.program({g: [lowering.lower(sp.sympify(e)) for e in group] for g, group in expressions.items()})
-
-
-def described(quantity: Quantity) -> str:
-    """Return the meaning of a quantity with its unit in brackets."""
-    unit = f" [{quantity.unit}]" if quantity.unit not in {"", "1"} else ""
-    return quantity.meaning + unit
+    return b.program(
+        {g: [lowering.lower(sp.sympify(e)) for e in group] for g, group in expressions.items()}
+    )
 
 
 def _name(definition: Definition) -> Name:
-    return Name(definition.name, described(definition.quantity))
+    return Name(definition.name, definition.quantity.description)
 
 
-def _lower_matrix(lowering: Lowering, system: System) -> list[list[int]]:
-    n = len(system.states)
-    matrix = [[lowering.lower(system.mass_matrix[i, j]) for j in range(n)] for i in range(n)]
+def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
+    n = mass.rows
+    matrix = [[lowering.lower(mass[i, j]) for j in range(n)] for i in range(n)]
     skew = [(i, j) for i in range(n) for j in range(i) if matrix[i][j] != matrix[j][i]]
     if skew:
         i, j = skew[0]
         raise InputError(
             "mass matrix is not symmetric",
-            where=f"system {system.name!r}, entries ({j + 1}, {i + 1}) and ({i + 1}, {j + 1})",
-            got=f"{system.mass_matrix[j, i]} and {system.mass_matrix[i, j]}",
+            where=f"system {lowering.where!r}, entries ({j + 1}, {i + 1}) and ({i + 1}, {j + 1})",
+            got=f"{mass[j, i]} and {mass[i, j]}",
             hint="write both entries as the same expression",
         )
     return matrix
@@ -164,7 +175,9 @@ class Lowering:
         if kind in _FUNCTIONS:
             return node.args, lambda a: self.b.add(_FUNCTIONS[kind], *a)
         if kind in _RECIPROCALS:
-            return node.args, lambda a: self.b.add("div", self.b.const(1), self.b.add(_RECIPROCALS[kind], *a))
+            return node.args, lambda a: self.b.add(
+                "div", self.b.const(1), self.b.add(_RECIPROCALS[kind], *a)
+            )
         if kind in _CHAINS:
             return self._sorted(node.args), lambda a: self._chain(_CHAINS[kind], a)
         if kind in _COMPARISONS:
@@ -229,12 +242,20 @@ class Lowering:
         """
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
-        plain = [(f, 1) if e.is_Symbol else (b, e) for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)]
-        split = [(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in ((b, sp.sympify(e)) for b, e in plain)]
+        plain = [
+            (f, 1) if e.is_Symbol else (b, e)
+            for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
+        ]
+        split = [
+            (b, e) if e.is_Rational else (b**e, sp.Integer(1))
+            for b, e in ((b, sp.sympify(e)) for b, e in plain)
+        ]
 
         def build(numbers: list[int]) -> int:
             above, below = self.b.const(1), self.b.const(1)
-            order = sorted(zip(numbers, split, strict=True), key=lambda factor: self.b.binding[factor[0]])
+            order = sorted(
+                zip(numbers, split, strict=True), key=lambda factor: self.b.binding[factor[0]]
+            )
             for number, (_, exponent) in order:
                 if exponent > 0:
                     above = self.b.add("mul", above, self._power(number, exponent))
@@ -272,7 +293,12 @@ class Lowering:
     def piecewise(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower to nested selections; the last condition must be true everywhere."""
         if node.args[-1].cond != sp.true:
-            raise InputError("Piecewise does not cover every case", where=self.where, got=node, hint="end it with (value, True)")
+            raise InputError(
+                "Piecewise does not cover every case",
+                where=self.where,
+                got=node,
+                hint="end it with (value, True)",
+            )
         children = [e for piece in node.args for e in (piece.expr, piece.cond)]
 
         def build(numbers: list[int]) -> int:
@@ -284,7 +310,9 @@ class Lowering:
         return children, build
 
 
-_RULES: tuple[tuple[Any, Callable[[Lowering, Any], tuple[Sequence[Expr], Callable[[list[int]], int]]]], ...] = (
+_RULES: tuple[
+    tuple[Any, Callable[[Lowering, Any], tuple[Sequence[Expr], Callable[[list[int]], int]]]], ...
+] = (
     ((sp.Rational, sp.Float), Lowering.number),
     (sp.Add, Lowering.sum),
     (sp.Mul, Lowering.product),

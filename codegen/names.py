@@ -8,17 +8,140 @@ import unicodedata
 from collections.abc import Iterable
 
 _C_KEYWORDS = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long "
-    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
-    "bool true false nullptr alignas alignof constexpr static_assert thread_local typeof asm fortran".split()
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "bool",
+        "true",
+        "false",
+        "nullptr",
+        "alignas",
+        "alignof",
+        "constexpr",
+        "static_assert",
+        "thread_local",
+        "typeof",
+        "asm",
+        "fortran",
+    ]
 )
 _C_LIBRARY = frozenset(
-    "abs acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh div erf exp exp2 expm1 fabs floor fma fmax "
-    "fmin fmod frexp gamma hypot index isfinite isinf isnan j0 j1 jn ldexp lgamma log log10 log1p log2 main modf "
-    "nan pow remainder rint round signbit sin sinh sqrt tan tanh tgamma time trunc y0 y1 yn size_t ptrdiff_t NAN "
-    "INFINITY NULL errno EOF stdin".split()
+    [
+        "abs",
+        "acos",
+        "acosh",
+        "asin",
+        "asinh",
+        "atan",
+        "atan2",
+        "atanh",
+        "cbrt",
+        "ceil",
+        "copysign",
+        "cos",
+        "cosh",
+        "div",
+        "erf",
+        "exp",
+        "exp2",
+        "expm1",
+        "fabs",
+        "floor",
+        "fma",
+        "fmax",
+        "fmin",
+        "fmod",
+        "frexp",
+        "gamma",
+        "hypot",
+        "index",
+        "isfinite",
+        "isinf",
+        "isnan",
+        "j0",
+        "j1",
+        "jn",
+        "ldexp",
+        "lgamma",
+        "log",
+        "log10",
+        "log1p",
+        "log2",
+        "main",
+        "modf",
+        "nan",
+        "pow",
+        "remainder",
+        "rint",
+        "round",
+        "signbit",
+        "sin",
+        "sinh",
+        "sqrt",
+        "tan",
+        "tanh",
+        "tgamma",
+        "time",
+        "trunc",
+        "y0",
+        "y1",
+        "yn",
+        "size_t",
+        "ptrdiff_t",
+        "NAN",
+        "INFINITY",
+        "NULL",
+        "errno",
+        "EOF",
+        "stdin",
+    ]
 )
-_PYTHON = frozenset({*keyword.kwlist, *keyword.softkwlist, "np", "numpy", "print", "min", "max", "sum", "float", "len"})
+_PYTHON = frozenset(
+    {
+        *keyword.kwlist,
+        *keyword.softkwlist,
+        "np",
+        "numpy",
+        "print",
+        "min",
+        "max",
+        "sum",
+        "float",
+        "len",
+    }
+)
 _OWN = frozenset({"t", "x", "p", "u", "y", "out", "dx", "k", "n", "count", "select"})
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
@@ -31,7 +154,9 @@ def identifier(name: str) -> str:
     >>> identifier("θ'"), identifier("lambda"), identifier("2*/x")
     ('theta_dot', 'lambda_', 'v2_x')
     """
-    text = re.sub(r"['′’]+$", lambda m: "_" + "d" * len(m[0]) + "ot" if len(m[0]) > 1 else "_dot", name)
+    text = re.sub(
+        r"['′’]+$", lambda m: "_" + "d" * len(m[0]) + "ot" if len(m[0]) > 1 else "_dot", name
+    )
     spelt = "".join(_spell(c) for c in text)
     spelt = re.sub(r"[^A-Za-z0-9_]+", "_", spelt).strip("_")
     spelt = re.sub(r"_{2,}", "_", spelt) or "v"
@@ -70,7 +195,7 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:
 
 
 def comment(text: str) -> str:
-    """Return ``text`` as the inside of a one-line comment in any language: printable ASCII only.
+    r"""Return ``text`` as the inside of a one-line comment in any language: printable ASCII only.
 
     >>> comment("area */ [m²] \\n #define x")
     'area * / [m2] #define x'

@@ -78,12 +78,18 @@ def cache_folder() -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = folder.stat()
     except OSError as error:
-        raise InputError("cache folder cannot be made", where=str(folder), got=str(error), hint=hint) from None
+        raise InputError(
+            "cache folder cannot be made", where=str(folder), got=str(error), hint=hint
+        ) from None
     if hasattr(os, "getuid"):
         if status.st_uid != os.getuid():
             raise InputError("cache folder belongs to another user", where=str(folder), hint=hint)
         if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-            raise InputError("others can write to the cache folder", where=str(folder), hint=f"chmod go-w it, or {hint}")
+            raise InputError(
+                "others can write to the cache folder",
+                where=str(folder),
+                hint=f"chmod go-w it, or {hint}",
+            )
     if not os.access(folder, os.W_OK):
         raise InputError("cache folder cannot be written", where=str(folder), hint=hint)
     return folder
@@ -96,7 +102,9 @@ def _processor() -> str:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return f"{platform.machine()} {platform.processor()}"
-    relevant = [line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))]
+    relevant = [
+        line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))
+    ]
     return "\n".join([platform.machine(), *sorted(set(relevant))])
 
 
@@ -146,11 +154,21 @@ def _run(command: Sequence[str]) -> str | None:
     environment = {**os.environ, "LC_ALL": "C"}
     try:
         done = subprocess.run(  # noqa: S603 - a list, no shell; the user's own compiler
-            command, capture_output=True, text=True, errors="replace", timeout=TIMEOUT_SECONDS, env=environment, check=False
+            command,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=TIMEOUT_SECONDS,
+            env=environment,
+            check=False,
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         return str(error)
-    return None if done.returncode == 0 else f"exit status {done.returncode}\n{(done.stderr or done.stdout).strip()}"
+    return (
+        None
+        if done.returncode == 0
+        else f"exit status {done.returncode}\n{(done.stderr or done.stdout).strip()}"
+    )
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:

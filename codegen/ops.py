@@ -40,7 +40,7 @@ class Op:
 
 
 def _flat(count: int) -> Partials:
-    return lambda m, v, *args: (m.mpf(0),) * count  # noqa: ARG005
+    return lambda m, v, *args: (m.mpf(0),) * count
 
 
 def _sign(m: Context, x: Number) -> Number:
@@ -55,7 +55,9 @@ def _truth(test: Callable[[Number, Number], bool]) -> Exact:
     return lambda m, a, b: m.mpf(int(test(a, b)))
 
 
-def _elementary(name: str, double: Callable[..., Any], partial: Callable[..., Number], cost: int = 20) -> Op:
+def _elementary(
+    name: str, double: Callable[..., Any], partial: Callable[..., Number], cost: int = 20
+) -> Op:
     return Op(
         name,
         1,
@@ -67,7 +69,9 @@ def _elementary(name: str, double: Callable[..., Any], partial: Callable[..., Nu
     )
 
 
-def _comparison(name: str, double: Callable[..., Any], test: Callable[[Number, Number], bool]) -> Op:
+def _comparison(
+    name: str, double: Callable[..., Any], test: Callable[[Number, Number], bool]
+) -> Op:
     return Op(name, 2, lambda a, b: np.float64(double(a, b)), _truth(test), _flat(2), ulps=0.0)
 
 

@@ -64,7 +64,9 @@ class Program:
 
 def _text(instruction: Instruction) -> str:
     if instruction.op in LEAVES:
-        return instruction.op if instruction.value is None else f"{instruction.op} {instruction.value}"
+        return (
+            instruction.op if instruction.value is None else f"{instruction.op} {instruction.value}"
+        )
     return f"{instruction.op} {' '.join(map(str, instruction.args))}"
 
 
@@ -91,7 +93,7 @@ class Builder:
         self.instructions: list[Instruction] = []
         self.names: dict[int, Name] = {}
         self.binding: list[int] = []
-        """When each value is known: 0 constant, 1 with the parameters, 2 with time, 3 with states and inputs."""
+        """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
 
     def leaf(self, op: str, value: Fraction | int | None = None) -> int:
@@ -127,4 +129,6 @@ class Builder:
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:
         """Freeze what was built, with ``results`` by group."""
         groups = {g: tuple(r) for g, r in results.items()}
-        return Program(tuple(self.instructions), MappingProxyType(groups), MappingProxyType(dict(self.names)))
+        return Program(
+            tuple(self.instructions), MappingProxyType(groups), MappingProxyType(dict(self.names))
+        )

@@ -82,8 +82,12 @@ class Result:
         if name in self.outputs:
             return self.outputs[name]
         if name in self.names:
-            return self.y[self.names.index(name)]
-        raise InputError(f"unknown state or output {name!r}", hint=near_matches(name, [*self.names, *self.outputs]))
+            row: Array = self.y[self.names.index(name)]
+            return row
+        raise InputError(
+            f"unknown state or output {name!r}",
+            hint=near_matches(name, [*self.names, *self.outputs]),
+        )
 
 
 def simulate(
@@ -174,14 +178,18 @@ def _positive(value: float, name: str) -> float:
 def _span(t_span: tuple[float, float]) -> tuple[float, float]:
     start, end = (float(t) for t in t_span)
     if not (math.isfinite(start) and math.isfinite(end)) or start == end:
-        raise InputError("t_span is not a time interval", got=t_span, expected="two different finite times")
+        raise InputError(
+            "t_span is not a time interval", got=t_span, expected="two different finite times"
+        )
     return start, end
 
 
 def _tolerances(atol: ArrayLike | None, rtol: float, n: int) -> Array:
     values = np.asarray(1e-3 * rtol if atol is None else atol, dtype=np.float64)
     if values.shape not in {(), (n,)} or not np.all(values > 0):
-        raise InputError("atol does not fit", got=atol, expected=f"a positive number, or {n} of them")
+        raise InputError(
+            "atol does not fit", got=atol, expected=f"a positive number, or {n} of them"
+        )
     return np.broadcast_to(values, (n,)).copy()
 
 
@@ -198,7 +206,9 @@ def _grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
     return grid
 
 
-def _inputs(inputs: Mapping[str, Signal], names: tuple[str, ...]) -> tuple[Array, scipy_.Inputs | None]:
+def _inputs(
+    inputs: Mapping[str, Signal], names: tuple[str, ...]
+) -> tuple[Array, scipy_.Inputs | None]:
     """Return held values and, if any input is a function, the function of all inputs."""
     functions = {n: v for n, v in inputs.items() if callable(v)}
     values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
@@ -223,7 +233,11 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     kept = {n: v for n, v in spoken.items() if n in names}
     again = [n for n in spoken if n in compiled.fixed]
     if again:
-        raise InputError(f"parameter {again[0]} was compiled in", got=spoken[again[0]], expected=compiled.fixed[again[0]])
+        raise InputError(
+            f"parameter {again[0]} was compiled in",
+            got=spoken[again[0]],
+            expected=compiled.fixed[again[0]],
+        )
     known = {**compiled.fixed, **dict(zip(names_of(layout.states), x0, strict=True))}
     known |= dict(zip(names_of(layout.inputs), held, strict=True))
     if spoken != kept:
@@ -241,19 +255,31 @@ def _integrate(
         raise InputError(f"unknown method {method!r}", hint=near_matches(method, METHODS))
     native_loop = method in {"auto", "DOP853"} and compiled.target == "c" and signals is None
     if native_loop:
-        return runge_kutta.integrate(_build_once(_Identity(compiled)), problem), "DOP853 in generated C"
+        return runge_kutta.integrate(
+            _build_once(_Identity(compiled)), problem
+        ), "DOP853 in generated C"
     name = "DOP853" if method == "auto" else method.removeprefix("scipy:")
     reason = " (inputs are Python functions)" if signals and method in {"auto", "DOP853"} else ""
-    return scipy_.integrate(compiled, problem, name, signals), f"{name} of SciPy, {compiled.target} functions{reason}"
+    return scipy_.integrate(
+        compiled, problem, name, signals
+    ), f"{name} of SciPy, {compiled.target} functions{reason}"
 
 
 def _result(
-    compiled: Compiled, problem: Problem, trajectory: Trajectory, used: str, signals: scipy_.Inputs | None
+    compiled: Compiled,
+    problem: Problem,
+    trajectory: Trajectory,
+    used: str,
+    signals: scipy_.Inputs | None,
 ) -> Result:
     layout = compiled.layout
-    values = {g: _evaluate(compiled, problem, trajectory, g, signals) for g in (OUTPUTS, INVARIANTS)}
+    values = {
+        g: _evaluate(compiled, problem, trajectory, g, signals) for g in (OUTPUTS, INVARIANTS)
+    }
     outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
-    drift = {n: _drift(v) for n, v in zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True)}
+    drift = {
+        n: _drift(v) for n, v in zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True)
+    }
     stop = trajectory.stop
     return Result(
         t=trajectory.t,
@@ -276,7 +302,11 @@ def _result(
 
 
 def _evaluate(
-    compiled: Compiled, problem: Problem, trajectory: Trajectory, group: str, signals: scipy_.Inputs | None
+    compiled: Compiled,
+    problem: Problem,
+    trajectory: Trajectory,
+    group: str,
+    signals: scipy_.Inputs | None,
 ) -> Array:
     """Evaluate a group of results at the stored points."""
     function = compiled.functions.get(group)
@@ -304,11 +334,13 @@ def _message(compiled: Compiled, trajectory: Trajectory) -> str:
         singularity = compiled.system.singularities[stop.which]
         angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
         return (
-            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) is singular, "
-            f"{singularity.expression} = 0: {singularity.meaning}"
+            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
+            f"is singular, {singularity.expression} = 0: {singularity.meaning}"
         )
     if stop.kind == "not finite":
         return f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
     if stop.kind == "step":
-        return f"{at}: the step fell below the resolution of time; the tolerance cannot be met there"
+        return (
+            f"{at}: the step fell below the resolution of time; the tolerance cannot be met there"
+        )
     return f"{at}: max_steps were taken"

@@ -25,7 +25,12 @@ def gather(expression: Expr, variables: Iterable[Expr]) -> Expr:
     for term in sp.Add.make_args(sp.expand_mul(expression)):
         constant, product = term.as_independent(*variables, as_Add=False)
         coefficients.setdefault(product, []).append(constant)
-    return sp.Add(*(sp.Mul(sp.factor_terms(sp.Add(*parts)), product) for product, parts in coefficients.items()))
+    return sp.Add(
+        *(
+            sp.Mul(sp.factor_terms(sp.Add(*parts)), product)
+            for product, parts in coefficients.items()
+        )
+    )
 
 
 def explicit_rates(mass: Expr, forces: Iterable[Expr]) -> tuple[Expr | None, tuple[Expr, ...]]:

@@ -15,8 +15,8 @@ from eom.kinematics import attitude, quaternion_of_sequence
 from eom.kinematics import quaternion as quaternion_coordinates
 from eom.reduce import Explanation, Reduction
 from eom.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
-from eom.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
 from eom.spinning import OMEGA as SPIN_RATE
+from eom.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
 from eom.system import TIME, Assumption, Definition, Quantity, System
 
 if TYPE_CHECKING:
@@ -43,18 +43,27 @@ def principal_values(scene: Scene) -> tuple[float, float, float]:
         first, second, *third = body.moments
         return (first, second, first) if spinner else (first, second, third[0])
     formulas = solids.principal_moments(str(body.solid))
-    numbers = {sp.Symbol(n, positive=True): sp.Float(v) for n, v in (*body.size.items(), ("mass", body.mass))}
+    numbers = {
+        sp.Symbol(n, positive=True): sp.Float(v)
+        for n, v in (*body.size.items(), ("mass", body.mass))
+    }
     a, b, c = (float(f.xreplace(numbers)) for f in formulas)
     if not spinner:
         return a, b, c
     if a != b:
-        raise InputError("a spinner is symmetric about its axle", where="[body] solid", got=body.solid)
+        raise InputError(
+            "a spinner is symmetric about its axle", where="[body] solid", got=body.solid
+        )
     return a, c, a
 
 
 def full_system(scene: Scene, *, general_torque: bool = False) -> System:
     """Return the system with every state and output; with a torque of three inputs if asked."""
-    return _spinner(scene, general_torque) if scene.model == "spinner" else _rigid_body(scene, general_torque)
+    return (
+        _spinner(scene, general_torque)
+        if scene.model == "spinner"
+        else _rigid_body(scene, general_torque)
+    )
 
 
 def _spinner(scene: Scene, general_torque: bool) -> System:
@@ -75,7 +84,9 @@ def _rigid_body(scene: Scene, general_torque: bool) -> System:
             return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
         if scene.torque.gravity_gradient is not None:
             return torques.gravity_gradient(C, J)
-        return torques.applied(*_components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque))
+        return torques.applied(
+            *_components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
+        )
 
     inertia = principal_inertia() if scene.body.matrix is None else full_inertia()
     return rigid_body(inertia, law, chosen, title=scene.title)
@@ -86,17 +97,22 @@ def _components(
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
     """Parse the torque components; return them with the scene's own parameters and inputs."""
     if general_torque:
-        symbols = tuple(sp.Symbol(n, real=True) for n in general)
-        return symbols, (), tuple(Quantity(s, "N m") for s in symbols)  # type: ignore[return-value]
+        a, b, c = (sp.Symbol(n, real=True) for n in general)
+        return (a, b, c), (), tuple(Quantity(s, "N m") for s in (a, b, c))
     groups = [
-        tuple(Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the torque") for n, v in group.items())
+        tuple(
+            Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the torque")
+            for n, v in group.items()
+        )
         for group in (scene.parameters, scene.inputs)
     ]
     own = {q.name: q.symbol for group in groups for q in group}
     _check_clash(scene, own, states)
     names = {**states, **own, "t": TIME}
     parsed = [
-        parse.parse(c, names, f"[torque] components, number {k}") if isinstance(c, str) else sp.nsimplify(str(c), rational=True)
+        parse.parse(c, names, f"[torque] components, number {k}")
+        if isinstance(c, str)
+        else sp.nsimplify(str(c), rational=True)
         for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
     ]
     a, b, c = parsed
@@ -104,7 +120,11 @@ def _components(
 
 
 def _check_clash(scene: Scene, own: dict[str, Expr], states: dict[str, Expr]) -> None:
-    fixed = ("I1", "I2") if scene.model == "spinner" else ("I1", "I2", "I3", "J11", "J12", "J13", "J22", "J23", "J33")
+    fixed = (
+        ("I1", "I2")
+        if scene.model == "spinner"
+        else ("I1", "I2", "I3", "J11", "J12", "J13", "J22", "J23", "J33")
+    )
     both = [n for n in scene.parameters if n in scene.inputs]
     taken = [n for n in own if n in states or n in fixed] + both
     if taken:
@@ -127,7 +147,9 @@ def derive(scene: Scene) -> tuple[System, Explanation]:
     for apply in (_given_torque, _equal_moments, _only_requested, _first_integrals):
         smaller, what, why = apply(scene, system)
         if what:
-            notes.append(Reduction(", ".join(what), why, reduce.cost(system) - reduce.cost(smaller)))
+            notes.append(
+                Reduction(", ".join(what), why, reduce.cost(system) - reduce.cost(smaller))
+            )
         system = smaller
     full = _equal_moments(scene, scene.full_system)[0]
     candidates = [replace(d, expression=full.expand(d.expression)) for d in full.outputs]
@@ -135,7 +157,7 @@ def derive(scene: Scene) -> tuple[System, Explanation]:
     return system, Explanation(tuple(notes), before, reduce.cost(system))
 
 
-def _given_torque(scene: Scene, general: System) -> Pass:
+def _given_torque(scene: Scene, _: System) -> Pass:
     system = scene.full_system
     components = {d.name[-1]: d.expression for d in system.outputs if d.name.startswith("torque_")}
     letter = "M" if scene.model == "spinner" else "tau_"
@@ -161,15 +183,30 @@ def _equal_moments(scene: Scene, system: System) -> Pass:
         return system, (), ""
     names = [f"{b} == {a}" for a, b in equal.items()]
     system = reduce.substitute(system, equal)
-    found = tuple(Assumption(n, "equal moments of inertia", vanish=(a - b,)) for n, (a, b) in zip(names, equal.items(), strict=True))
-    return replace(system, assumptions=(*system.assumptions, *found)), names, "the scene's moments of inertia are equal"
+    found = tuple(
+        Assumption(n, "equal moments of inertia", vanish=(a - b,))
+        for n, (a, b) in zip(names, equal.items(), strict=True)
+    )
+    return (
+        replace(system, assumptions=(*system.assumptions, *found)),
+        names,
+        "the scene's moments of inertia are equal",
+    )
 
 
 def _only_requested(scene: Scene, system: System) -> Pass:
     smaller = reduce.prune(system, scene.requested)
     gone = [n for n in system.state_names if n not in smaller.state_names]
-    gone += [n for n in (*system.parameter_names, *system.input_names) if n not in (*smaller.parameter_names, *smaller.input_names)]
-    return smaller, gone, "neither the requested outputs nor the rates that they need depend on them"
+    gone += [
+        n
+        for n in (*system.parameter_names, *system.input_names)
+        if n not in (*smaller.parameter_names, *smaller.input_names)
+    ]
+    return (
+        smaller,
+        gone,
+        "neither the requested outputs nor the rates that they need depend on them",
+    )
 
 
 def _first_integrals(_: Scene, system: System) -> Pass:
@@ -182,7 +219,9 @@ def constants(scene: Scene) -> dict[str, float]:
     """Return the numbers of the scene that are no initial values, by parameter name."""
     values = {n: v.value for n, v in scene.parameters.items()}
     if scene.body.matrix is not None:
-        values |= {f"J{i + 1}{j + 1}": scene.body.matrix[i][j] for i in range(3) for j in range(i, 3)}
+        values |= {
+            f"J{i + 1}{j + 1}": scene.body.matrix[i][j] for i in range(3) for j in range(i, 3)
+        }
     else:
         values |= {f"I{k}": v for k, v in enumerate(principal_values(scene), 1)}
     if scene.torque.weight is not None:
@@ -203,7 +242,9 @@ def start(scene: Scene) -> dict[str, float]:
     values = {n: v for n, v in scene.initial.items() if n in states}
     for name, value in _initial_attitude(scene).items():
         if name in values:
-            raise InputError(f"{name} is given twice", where="[initial] and [initial_attitude]", got=name)
+            raise InputError(
+                f"{name} is given twice", where="[initial] and [initial_attitude]", got=name
+            )
         values[name] = value
     for output in scene.full_system.outputs:
         if output.name in scene.initial:
@@ -213,8 +254,15 @@ def start(scene: Scene) -> dict[str, float]:
     return values
 
 
-def _state_of_output(scene: Scene, output: Definition, values: Mapping[str, float]) -> tuple[str, float]:
-    known = {**values, **constants(scene), **{n: v.value for n, v in scene.inputs.items()}, "t": 0.0}
+def _state_of_output(
+    scene: Scene, output: Definition, values: Mapping[str, float]
+) -> tuple[str, float]:
+    known = {
+        **values,
+        **constants(scene),
+        **{n: v.value for n, v in scene.inputs.items()},
+        "t": 0.0,
+    }
     full = scene.full_system.expand(output.expression)
     rest = full.xreplace({s: sp.Float(known[s.name]) for s in full.free_symbols if s.name in known})
     missing = sorted(rest.free_symbols, key=str)
@@ -249,7 +297,9 @@ def _initial_attitude(scene: Scene) -> dict[str, float]:
     if wanted == "quaternion":
         return {f"q{k}": v for k, v in enumerate(q)}
     coordinates = quaternion_coordinates()
-    matrix = coordinates.matrix.xreplace({s: sp.Float(v) for s, v in zip(coordinates.symbols, q, strict=True)})
+    matrix = coordinates.matrix.xreplace(
+        {s: sp.Float(v) for s, v in zip(coordinates.symbols, q, strict=True)}
+    )
     return {c.name: float(v) for c, v in zip(attitude("dcm").coordinates, matrix, strict=True)}
 
 
@@ -260,7 +310,9 @@ def _check_constraints(scene: Scene, values: Mapping[str, float]) -> None:
     for name, meaning, expression in attitude(scene.attitude).constraints:
         free = {s.name for s in expression.free_symbols}
         if free <= set(values):
-            found = float(expression.xreplace({s: sp.Float(values[s.name]) for s in expression.free_symbols}))
+            found = float(
+                expression.xreplace({s: sp.Float(values[s.name]) for s in expression.free_symbols})
+            )
             expected = 0 if name.startswith("C_column") and name[-1] != name[-2] else 1
             if abs(found - expected) > 1e-9:
                 raise InputError(
@@ -272,12 +324,18 @@ def _check_constraints(scene: Scene, values: Mapping[str, float]) -> None:
                 )
 
 
-def pick(values: Mapping[str, float], names: Iterable[str], kind: str, where: str) -> dict[str, float]:
+def pick(
+    values: Mapping[str, float], names: Iterable[str], kind: str, where: str
+) -> dict[str, float]:
     """Return ``values`` of ``names``, in order. Raises `InputError` that lists the missing ones."""
     names = tuple(names)
     missing = [n for n in names if n not in values]
     if missing:
         unused = [n for n in values if n not in names]
         hint = near_matches(missing[0], unused) if unused else ""
-        raise InputError(f"missing {kind}: {', '.join(missing)}", where=where, hint=hint if hint.startswith("did") else "")
+        raise InputError(
+            f"missing {kind}: {', '.join(missing)}",
+            where=where,
+            hint=hint if hint.startswith("did") else "",
+        )
     return {n: values[n] for n in names}

@@ -42,7 +42,9 @@ class InputError(ValueError):
         return (_rebuild, (type(self), self.what, self.where, self.got, self.expected, self.hint))
 
 
-def _rebuild(kind: type[InputError], what: str, where: str, got: str, expected: str, hint: str) -> InputError:
+def _rebuild(
+    kind: type[InputError], what: str, where: str, got: str, expected: str, hint: str
+) -> InputError:
     return kind(what, where=where, got=got, expected=expected, hint=hint)
 
 

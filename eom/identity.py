@@ -1,4 +1,4 @@
-"""Exact randomised equality: does an expression vanish for all values of its symbols?
+"""Exact randomised equality: tell whether an expression vanishes for all values of its symbols.
 
 Expressions are evaluated in the integers modulo the prime 2**61 - 1 at random points. Sine and
 cosine of integer combinations of angles are rational functions of the half-angle tangents
@@ -50,7 +50,11 @@ def is_invariant(system: System, expression: Expr, *, points: int = 3, seed: int
     gradient = [full.diff(q.symbol) for q in system.states]
     explicit = full.diff(system.time)
     rates = [system.expand(r) for r in system.rates]
-    mass = None if system.mass_matrix is None else [[system.expand(e) for e in row] for row in system.mass_matrix.tolist()]
+    mass = (
+        None
+        if system.mass_matrix is None
+        else [[system.expand(e) for e in row] for row in system.mass_matrix.tolist()]
+    )
 
     def residual(point: RandomPoint) -> int:
         velocity = [point.value(r) for r in rates]
@@ -187,12 +191,12 @@ def _inverse(value: int) -> int:
 
 
 _TRIGONOMETRIC: dict[Any, Callable[[int, int], int]] = {
-    sp.sin: lambda c, s: s,  # noqa: ARG005
-    sp.cos: lambda c, s: c,  # noqa: ARG005
+    sp.sin: lambda c, s: s,
+    sp.cos: lambda c, s: c,
     sp.tan: lambda c, s: s * _inverse(c),
     sp.cot: lambda c, s: c * _inverse(s),
-    sp.sec: lambda c, s: _inverse(c),  # noqa: ARG005
-    sp.csc: lambda c, s: _inverse(s),  # noqa: ARG005
+    sp.sec: lambda c, s: _inverse(c),
+    sp.csc: lambda c, s: _inverse(s),
 }
 
 

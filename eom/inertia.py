@@ -92,7 +92,10 @@ def check_principal_moments(moments: Sequence[float], where: str) -> None:
     for k, moment in enumerate(moments):
         if not moment > 0:
             raise InputError(
-                f"moment of inertia I{k + 1} is not positive", where=where, got=given, expected="three positive numbers"
+                f"moment of inertia I{k + 1} is not positive",
+                where=where,
+                got=given,
+                expected="three positive numbers",
             )
         rest = sum(moments) - moment
         if moment > rest * (1 + 1e-12):
@@ -109,10 +112,15 @@ def check_matrix(J: Sequence[Sequence[float]], where: str) -> None:
     exact = sp.Matrix([[sp.Rational(str(e)) for e in row] for row in J])
     if exact != exact.T:
         raise InputError(
-            "inertia matrix is not symmetric", where=where, got=[list(r) for r in J], expected="J12 = J21, J13 = J31, J23 = J32"
+            "inertia matrix is not symmetric",
+            where=where,
+            got=[list(r) for r in J],
+            expected="J12 = J21, J13 = J31, J23 = J32",
         )
     if not exact.is_positive_definite:
-        raise InputError("inertia matrix is not positive definite", where=where, got=[list(r) for r in J])
+        raise InputError(
+            "inertia matrix is not positive definite", where=where, got=[list(r) for r in J]
+        )
     slack = -sp.Rational(1, 10**12) * exact.trace()
     for size, condition in zip((1, 1, 1, 2, 2, 2, 3), matrix_conditions(exact), strict=True):
         if condition < slack * exact.trace() ** (size - 1):

@@ -8,14 +8,14 @@ Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import sympy as sp
 
 from eom.errors import InputError, near_matches
-from eom.frames import Rotation, Vector, tilde, unit_vector, vector
+from eom.frames import Vector, tilde, unit_vector, vector
 from eom.system import Quantity, Singularity
 
 Expr = Any
@@ -93,7 +93,9 @@ class RotationSequence:
     @property
     def matrix(self) -> Expr:
         """``C_BA``: the product of the three elementary rotations, the last one leftmost."""
-        first, second, third = (elementary(*pair) for pair in zip(self.axes, self.angles, strict=True))
+        first, second, third = (
+            elementary(*pair) for pair in zip(self.axes, self.angles, strict=True)
+        )
         return sp.ImmutableMatrix(third * second * first)
 
     def angular_velocity(self, rates: Sequence[Expr]) -> Vector:
@@ -113,12 +115,19 @@ class RotationSequence:
         determinant = a1.dot(a2.cross(a3))
         reciprocal = (a2.cross(a3), a3.cross(a1), a1.cross(a2))
         return tuple(
-            sp.Add(*(wi * (ri / determinant) for wi, ri in zip(w.components, r.components, strict=True)))
+            sp.Add(
+                *(
+                    wi * (ri / determinant)
+                    for wi, ri in zip(w.components, r.components, strict=True)
+                )
+            )
             for r in reciprocal
         )
 
     def _turn_axes(self) -> tuple[Vector, Vector, Vector]:
-        a1 = vector("M", elementary(self.axes[1], self.angles[1]) * unit_vector("M", self.axes[0]).column)
+        a1 = vector(
+            "M", elementary(self.axes[1], self.angles[1]) * unit_vector("M", self.axes[0]).column
+        )
         return a1, unit_vector("M", self.axes[1]), unit_vector("M", self.axes[2])
 
     @property
@@ -151,7 +160,9 @@ class UnitQuaternion:
         """q0 to q3."""
         return tuple(
             Quantity(q, "1", f"{kind} part of the unit quaternion", f"q_{k}")
-            for k, (q, kind) in enumerate(zip(self.symbols, ("scalar", "first", "second", "third"), strict=True))
+            for k, (q, kind) in enumerate(
+                zip(self.symbols, ("scalar", "first", "second", "third"), strict=True)
+            )
         )
 
     @property
@@ -175,7 +186,9 @@ class UnitQuaternion:
     @property
     def constraints(self) -> tuple[tuple[str, str, Expr], ...]:
         """The norm."""
-        return (("q_norm", "norm of the quaternion", sp.sqrt(sp.Add(*(q**2 for q in self.symbols)))),)
+        return (
+            ("q_norm", "norm of the quaternion", sp.sqrt(sp.Add(*(q**2 for q in self.symbols)))),
+        )
 
 
 @dataclass(frozen=True)
@@ -193,7 +206,12 @@ class DirectionCosines:
     def coordinates(self) -> tuple[Quantity, ...]:
         """C11, C12, ..., C33."""
         return tuple(
-            Quantity(c, "1", f"direction cosine of b{k // 3 + 1} and a{k % 3 + 1}", f"C_{{{k // 3 + 1}{k % 3 + 1}}}")
+            Quantity(
+                c,
+                "1",
+                f"direction cosine of b{k // 3 + 1} and a{k % 3 + 1}",
+                f"C_{{{k // 3 + 1}{k % 3 + 1}}}",
+            )
             for k, c in enumerate(self.symbols)
         )
 
@@ -216,7 +234,11 @@ class DirectionCosines:
         """Scalar products of the columns."""
         product = self.matrix.T * self.matrix
         return tuple(
-            (f"C_column_{i + 1}{j + 1}", f"scalar product of columns {i + 1} and {j + 1} of C", product[i, j])
+            (
+                f"C_column_{i + 1}{j + 1}",
+                f"scalar product of columns {i + 1} and {j + 1} of C",
+                product[i, j],
+            )
             for i in range(3)
             for j in range(i, 3)
         )
@@ -250,12 +272,17 @@ def quaternion() -> UnitQuaternion:
 
 def direction_cosines() -> DirectionCosines:
     """Return the direction cosine matrix with symbols C11 to C33."""
-    return DirectionCosines(tuple(sp.Symbol(f"C{i}{j}", real=True) for i in (1, 2, 3) for j in (1, 2, 3)))
+    return DirectionCosines(
+        tuple(sp.Symbol(f"C{i}{j}", real=True) for i in (1, 2, 3) for j in (1, 2, 3))
+    )
 
 
 def attitude(name: str) -> Attitude:
     """Return attitude coordinates by name: ``quaternion``, ``dcm`` or one of the 12 sequences."""
-    by_name = {"quaternion": quaternion, "dcm": direction_cosines}
+    by_name: dict[str, Callable[[], Attitude]] = {
+        "quaternion": quaternion,
+        "dcm": direction_cosines,
+    }
     return by_name[name]() if name in by_name else rotation_sequence(name)
 
 

@@ -28,10 +28,24 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Expr]]] = {
     **{
         name: (1, getattr(sp, name))
         for name in (
-            "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
-            "asinh", "acosh", "atanh", "exp", "log", "sqrt", "sign",
+            "sin",
+            "cos",
+            "tan",
+            "asin",
+            "acos",
+            "atan",
+            "sinh",
+            "cosh",
+            "tanh",
+            "asinh",
+            "acosh",
+            "atanh",
+            "exp",
+            "log",
+            "sqrt",
+            "sign",
         )
-    },  # fmt: skip
+    },
     "abs": (1, sp.Abs),
     "atan2": (2, sp.atan2),
     "min": (2, sp.Min),
@@ -66,7 +80,12 @@ def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
     -2*x**2 + sin(x)/4
     """
     if len(text) > MAX_LENGTH:
-        raise InputError("formula is too long", where=where, got=f"{len(text)} characters", expected=f"at most {MAX_LENGTH}")
+        raise InputError(
+            "formula is too long",
+            where=where,
+            got=f"{len(text)} characters",
+            expected=f"at most {MAX_LENGTH}",
+        )
     parser = _Parser(text, names, where)
     expression = parser.expression(0, 0)
     if parser.token.kind != "end":
@@ -167,7 +186,9 @@ class _Parser:
         if token.text in CONSTANTS:
             return CONSTANTS[token.text]
         known = [*self.names, *FUNCTIONS, *CONSTANTS]
-        raise self.error(f"unknown name {token.text!r}", near_matches(token.text, known), token.start)
+        raise self.error(
+            f"unknown name {token.text!r}", near_matches(token.text, known), token.start
+        )
 
     def call(self, token: Token, depth: int) -> Expr:
         count, function = FUNCTIONS[token.text]
@@ -178,7 +199,10 @@ class _Parser:
             arguments.append(self.expression(0, depth + 1))
         self.expect(")")
         if len(arguments) != count:
-            raise self.error(f"{token.text} takes {count} argument{'s'[: count - 1]}, got {len(arguments)}", start=token.start)
+            raise self.error(
+                f"{token.text} takes {count} argument{'s'[: count - 1]}, got {len(arguments)}",
+                start=token.start,
+            )
         return self.checked(function(*arguments), token)
 
     def combine(self, operator: Token, left: Expr, right: Expr) -> Expr:
@@ -199,7 +223,11 @@ class _Parser:
             raise self.error(
                 f"constant exponent beyond {MAX_EXPONENT}, or not a fraction", start=operator.start
             )
-        if base.is_Rational and max(abs(base.p), base.q).bit_length() * (abs(exponent) if exponent.is_number else 1) > MAX_BITS:
+        if (
+            base.is_Rational
+            and max(abs(base.p), base.q).bit_length() * (abs(exponent) if exponent.is_number else 1)
+            > MAX_BITS
+        ):
             raise self.error("number is too large", start=operator.start)
         return base**exponent
 

@@ -39,7 +39,9 @@ class Explanation:
     def __str__(self) -> str:
         """Return one line a reduction, then the totals."""
         lines = [f"- {r.what}: {r.why} ({r.saved} operations saved)" for r in self.reductions]
-        total = f"{self.before} operations an evaluation of the general rates, {self.after} of these"
+        total = (
+            f"{self.before} operations an evaluation of the general rates, {self.after} of these"
+        )
         return "\n".join([*lines, total])
 
 
@@ -71,9 +73,13 @@ def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
         definitions=named(system.definitions),
         outputs=named(system.outputs),
         invariants=named(system.invariants),
-        singularities=tuple(replace(s, expression=over(s.expression)) for s in system.singularities),
+        singularities=tuple(
+            replace(s, expression=over(s.expression)) for s in system.singularities
+        ),
         assumptions=tuple(
-            replace(a, vanish=tuple(map(over, a.vanish)), nonnegative=tuple(map(over, a.nonnegative)))
+            replace(
+                a, vanish=tuple(map(over, a.vanish)), nonnegative=tuple(map(over, a.nonnegative))
+            )
             for a in system.assumptions
         ),
     )
@@ -111,7 +117,8 @@ def freeze(system: System, states: Iterable[Quantity]) -> System:
     keep = [k for k, q in enumerate(system.states) if q not in frozen]
     parameters = [replace(q, meaning=f"{q.meaning} (constant of the motion)") for q in frozen]
     assumptions = [
-        Assumption(f"constant_{q.name}", f"{q.name} keeps its initial value: its rate is zero") for q in frozen
+        Assumption(f"constant_{q.name}", f"{q.name} keeps its initial value: its rate is zero")
+        for q in frozen
     ]
     return replace(
         system,
@@ -139,7 +146,9 @@ def prune(system: System, requested: Iterable[str]) -> System:
     needed = [*rates, *(matrix or ()), *(d.expression for d in outputs)]
     definitions = _used_definitions(system, needed)
     states = tuple(system.states[k] for k in keep)
-    used = _symbols(states).union(*(e.free_symbols for e in (*needed, *(d.expression for d in definitions))))
+    used = _symbols(states).union(
+        *(e.free_symbols for e in (*needed, *(d.expression for d in definitions)))
+    )
     return replace(
         system,
         states=states,
@@ -191,7 +200,9 @@ def _coupled(system: System, k: int) -> set[int]:
     while stack:
         row = stack.pop()
         for j in range(len(system.states)):
-            if j not in found and (system.mass_matrix[row, j] != 0 or system.mass_matrix[j, row] != 0):
+            if j not in found and (
+                system.mass_matrix[row, j] != 0 or system.mass_matrix[j, row] != 0
+            ):
                 found.add(j)
                 stack.append(j)
     return found
@@ -210,7 +221,9 @@ def _closure(system: System, wanted: set[Expr]) -> list[int]:
         block = _coupled(system, k)
         symbols = set().union(*(system.expand(system.rates[j]).free_symbols for j in block))
         if system.mass_matrix is not None:
-            symbols |= set().union(*(system.expand(e).free_symbols for j in block for e in system.mass_matrix.row(j)))
+            symbols |= set().union(
+                *(system.expand(e).free_symbols for j in block for e in system.mass_matrix.row(j))
+            )
         stack.extend([*block, *(index[s] for s in symbols if s in index)])
     return sorted(found)
 

@@ -33,7 +33,12 @@ OMEGA = vector("B", (sp.Symbol(f"omega_{k}", real=True) for k in (1, 2, 3)))
 def principal_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
     """Return diag(I1, I2, I3) and the quantities in it."""
     moments = tuple(
-        Quantity(sp.Symbol(f"I{k}", positive=True), "kg m^2", f"principal moment of inertia about b{k}", f"I_{k}")
+        Quantity(
+            sp.Symbol(f"I{k}", positive=True),
+            "kg m^2",
+            f"principal moment of inertia about b{k}",
+            f"I_{k}",
+        )
         for k in (1, 2, 3)
     )
     return sp.ImmutableMatrix(sp.diag(*(q.symbol for q in moments))), moments
@@ -47,8 +52,14 @@ def full_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
     entries = {}
     for i in (1, 2, 3):
         for j in range(i, 4):
-            kind = f"moment of inertia about b{i}" if i == j else f"minus the product of inertia of b{i} and b{j}"
-            symbol = sp.Symbol(f"J{i}{j}", positive=True) if i == j else sp.Symbol(f"J{i}{j}", real=True)
+            kind = (
+                f"moment of inertia about b{i}"
+                if i == j
+                else f"minus the product of inertia of b{i} and b{j}"
+            )
+            symbol = (
+                sp.Symbol(f"J{i}{j}", positive=True) if i == j else sp.Symbol(f"J{i}{j}", real=True)
+            )
             entries[i, j] = Quantity(symbol, "kg m^2", kind, f"J_{{{i}{j}}}")
     J = sp.Matrix(3, 3, lambda i, j: entries[min(i, j) + 1, max(i, j) + 1].symbol)
     return sp.ImmutableMatrix(J), tuple(entries.values())
@@ -118,7 +129,8 @@ def rigid_body(
         if mass is not None:
             mass = sp.ImmutableMatrix(sp.diag(mass, sp.eye(len(attitude.coordinates))))
     omega = tuple(
-        Quantity(w, "rad/s", f"angular velocity about b{k}", f"\\omega_{k}") for k, w in enumerate(OMEGA.components, 1)
+        Quantity(w, "rad/s", f"angular velocity about b{k}", f"\\omega_{k}")
+        for k, w in enumerate(OMEGA.components, 1)
     )
     system = System(
         name=name,
@@ -156,7 +168,9 @@ def _name_components(torque: Vector) -> tuple[Vector, tuple[Definition, ...]]:
             continue
         symbol = sp.Symbol(f"tau_{k}", real=True)
         symbols.append(symbol)
-        tidy = gather(component, sorted((s for s in component.free_symbols if not s.is_positive), key=str))
+        tidy = gather(
+            component, sorted((s for s in component.free_symbols if not s.is_positive), key=str)
+        )
         named.append(Definition(Quantity(symbol, "N m", f"torque about b{k}", f"\\tau_{k}"), tidy))
     return vector("B", symbols), tuple(named)
 
@@ -166,13 +180,16 @@ def _name_momentum(J: Expr) -> tuple[Vector | None, tuple[Definition, ...]]:
     if J.is_diagonal():
         return None, ()
     named = tuple(
-        Definition(_momentum_quantity(k), c) for k, c in enumerate(angular_momentum(J, OMEGA).components, 1)
+        Definition(_momentum_quantity(k), c)
+        for k, c in enumerate(angular_momentum(J, OMEGA).components, 1)
     )
     return vector("B", (d.symbol for d in named)), named
 
 
 def _momentum_quantity(k: int) -> Quantity:
-    return Quantity(sp.Symbol(f"h_{k}", real=True), "N m s", f"angular momentum along b{k}", f"h_{k}")
+    return Quantity(
+        sp.Symbol(f"h_{k}", real=True), "N m s", f"angular momentum along b{k}", f"h_{k}"
+    )
 
 
 def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
@@ -189,7 +206,9 @@ def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
 
 def scalar(name: str, expression: Expr, unit: str, meaning: str, latex: str = "") -> Definition:
     """Return a named output."""
-    return Definition(Quantity(sp.Symbol(name, real=True), unit, meaning, latex or name), expression)
+    return Definition(
+        Quantity(sp.Symbol(name, real=True), unit, meaning, latex or name), expression
+    )
 
 
 def momentum_outputs(h: Vector, C: Expr | None) -> list[Definition]:
@@ -210,7 +229,9 @@ def _outputs(J: Expr, law: Torque, torque: Vector, attitude: Attitude | None) ->
     outputs = [scalar("T", kinetic, "J", "kinetic energy of rotation")]
     turning = law.frame_rate.dot(h)
     if law.potential != 0 or turning != 0:
-        meaning = "energy" if turning == 0 else "Jacobi's integral: energy as seen in the turning frame A"
+        meaning = (
+            "energy" if turning == 0 else "Jacobi's integral: energy as seen in the turning frame A"
+        )
         outputs.append(scalar("E", kinetic + law.potential - turning, "J", meaning))
     outputs += momentum_outputs(h, attitude.matrix if attitude else None)
     outputs += [
@@ -237,14 +258,20 @@ def free_rigid_body(attitude: str | None = None) -> System:
     """
     chosen = attitude_of_name(attitude) if attitude else None
     title = "Torque-free rigid body"
-    return rigid_body(principal_inertia(), lambda C, J: torques.applied((0, 0, 0)), chosen, name="free_rigid_body", title=title)  # noqa: ARG005
+    return rigid_body(
+        principal_inertia(),
+        lambda C, J: torques.applied((0, 0, 0)),
+        chosen,
+        name="free_rigid_body",
+        title=title,
+    )
 
 
 def heavy_top(attitude: str = "quaternion") -> System:
     """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3."""
     return rigid_body(
         principal_inertia(),
-        lambda C, J: torques.weight(C),  # noqa: ARG005
+        lambda C, J: torques.weight(C),
         attitude_of_name(attitude),
         name="heavy_top",
         title="Heavy top",

@@ -29,16 +29,110 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _GREEK = dict(
     zip(
         "αβγδεζηθικλμνξοπρστυφχψωΓΔΘΛΞΠΣΦΨΩ",
-        "alpha beta gamma delta epsilon zeta eta theta iota kappa lamda mu nu xi omicron pi rho sigma tau upsilon"
-        " phi chi psi omega Gamma Delta Theta Lamda Xi Pi Sigma Phi Psi Omega".split(),
+        [
+            "alpha",
+            "beta",
+            "gamma",
+            "delta",
+            "epsilon",
+            "zeta",
+            "eta",
+            "theta",
+            "iota",
+            "kappa",
+            "lamda",
+            "mu",
+            "nu",
+            "xi",
+            "omicron",
+            "pi",
+            "rho",
+            "sigma",
+            "tau",
+            "upsilon",
+            "phi",
+            "chi",
+            "psi",
+            "omega",
+            "Gamma",
+            "Delta",
+            "Theta",
+            "Lamda",
+            "Xi",
+            "Pi",
+            "Sigma",
+            "Phi",
+            "Psi",
+            "Omega",
+        ],
         strict=True,
     )
 )
 RESERVED = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long "
-    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
-    "and as assert async await class def del elif except finally from global import in is lambda nonlocal not or "
-    "pass raise try with yield None True False".split()
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "and",
+        "as",
+        "assert",
+        "async",
+        "await",
+        "class",
+        "def",
+        "del",
+        "elif",
+        "except",
+        "finally",
+        "from",
+        "global",
+        "import",
+        "in",
+        "is",
+        "lambda",
+        "nonlocal",
+        "not",
+        "or",
+        "pass",
+        "raise",
+        "try",
+        "with",
+        "yield",
+        "None",
+        "True",
+        "False",
+    ]
 )
 
 Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -167,7 +261,9 @@ class Scene(_Part):
         _check_torque(self)
         _check_initial_attitude(self.initial_attitude)
         if self.integration.t_end == 0:
-            raise InputError("end time is zero", where="[integration] t_end", hint="give the time in seconds")
+            raise InputError(
+                "end time is zero", where="[integration] t_end", hint="give the time in seconds"
+            )
         known = [*self.full_system.state_names, *self.full_system.output_names]
         for name in self.outputs:
             if name not in known:
@@ -191,7 +287,9 @@ class Scene(_Part):
             return cls(**data)
         except InputError as error:
             where = f"{file}: {error.where}" if error.where else str(file)
-            raise type(error)(error.what, where=where, got=error.got, expected=error.expected, hint=error.hint) from None
+            raise type(error)(
+                error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
+            ) from None
 
     @classmethod
     def ready(cls, name: str) -> Scene:
@@ -232,7 +330,9 @@ class Scene(_Part):
     def parameter_values(self) -> dict[str, float]:
         """Return the value of each parameter of `derive`, constants of the motion included."""
         values = assembly.start(self) | assembly.constants(self)
-        return assembly.pick(values, self.derive().parameter_names, "parameter", "[parameters] or [initial]")
+        return assembly.pick(
+            values, self.derive().parameter_names, "parameter", "[parameters] or [initial]"
+        )
 
     def input_values(self) -> dict[str, float]:
         """Return the value at which each input of `derive` is held."""
@@ -243,7 +343,9 @@ def check_names(names: Iterable[str], where: str) -> None:
     """Raise `InputError` for names that cannot be used in formulas and every generated language."""
     for name in names:
         spelt = "".join(_GREEK.get(c, c) for c in name)
-        spelt = re.sub(r"['′]+$", lambda m: "_" + "d" * len(m[0]) + "ot", spelt).replace("_dot", "_dot")
+        spelt = re.sub(r"['′]+$", lambda m: "_" + "d" * len(m[0]) + "ot", spelt).replace(
+            "_dot", "_dot"
+        )
         spelt = re.sub(r"[^A-Za-z0-9_]", "_", spelt)
         if not _NAME.fullmatch(name):
             raise InputError(
@@ -266,7 +368,9 @@ def _read(file: Path) -> str:
         known = [p.name for p in file.parent.glob("*.toml")] if file.parent.is_dir() else []
         raise InputError("no such scene file", where=str(file), hint=near_matches(file.name, known))
     if file.stat().st_size > MAX_FILE_BYTES:
-        raise InputError("scene file is too large", where=str(file), expected=f"at most {MAX_FILE_BYTES} bytes")
+        raise InputError(
+            "scene file is too large", where=str(file), expected=f"at most {MAX_FILE_BYTES} bytes"
+        )
     try:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -281,7 +385,9 @@ def _readable(error: pydantic.ValidationError, where: str) -> InputError:
     if first["type"] == "extra_forbidden":
         key = str(first["loc"][-1])
         return InputError(
-            f"unknown key {key!r}{more}", where=place, hint=near_matches(key, _keys_at(Scene, first["loc"][:-1]))
+            f"unknown key {key!r}{more}",
+            where=place,
+            hint=near_matches(key, _keys_at(Scene, first["loc"][:-1])),
         )
     got = "" if first["type"] == "missing" else repr(first["input"])
     return InputError(f"{first['msg']}{more}", where=place or where, got=got[:200])
@@ -293,7 +399,11 @@ def _keys_at(model: type[pydantic.BaseModel], place: tuple[int | str, ...]) -> l
         field = model.model_fields.get(str(step))
         if field is None:
             return list(Value.model_fields) if model is Scene else []
-        parts = [a for a in (field.annotation, *getattr(field.annotation, "__args__", ())) if isinstance(a, type)]
+        parts = [
+            a
+            for a in (field.annotation, *getattr(field.annotation, "__args__", ()))
+            if isinstance(a, type)
+        ]
         model = next((p for p in parts if issubclass(p, pydantic.BaseModel)), model)
     return list(model.model_fields)
 
@@ -304,7 +414,10 @@ def _check_attitude(scene: Scene) -> None:
         raise unknown_name("attitude", scene.attitude, known, "attitude")
     if scene.model == "spinner" and scene.attitude not in {"none", "3-1-2"}:
         raise InputError(
-            "a spinner has the 3-1-2 angles psi, theta, phi", where="attitude", got=scene.attitude, hint="leave attitude out"
+            "a spinner has the 3-1-2 angles psi, theta, phi",
+            where="attitude",
+            got=scene.attitude,
+            hint="leave attitude out",
         )
 
 
@@ -320,12 +433,21 @@ def _check_body(scene: Scene) -> None:
         )
     if body.matrix is not None:
         if scene.model == "spinner":
-            raise InputError("a spinner is symmetric", where="[body] matrix", hint="give moments = [I1, I2] or a solid")
+            raise InputError(
+                "a spinner is symmetric",
+                where="[body] matrix",
+                hint="give moments = [I1, I2] or a solid",
+            )
         inertia.check_matrix(body.matrix, "[body] matrix")
     if body.solid is not None:
         _check_solid(body)
     elif body.mass is not None or body.size:
-        raise InputError("mass and size belong to a solid", where="[body]", got=given[0], hint="name a solid, or drop them")
+        raise InputError(
+            "mass and size belong to a solid",
+            where="[body]",
+            got=given[0],
+            hint="name a solid, or drop them",
+        )
     if body.matrix is None:
         inertia.check_principal_moments(assembly.principal_values(scene), "[body]")
 
@@ -338,23 +460,35 @@ def _check_solid(body: Body) -> None:
     sizes = solids.SOLIDS[body.solid].sizes
     if set(body.size) != set(sizes):
         raise InputError(
-            f"sizes of a {body.solid}", where="[body] size", got=", ".join(body.size) or "none", expected=", ".join(sizes)
+            f"sizes of a {body.solid}",
+            where="[body] size",
+            got=", ".join(body.size) or "none",
+            expected=", ".join(sizes),
         )
     if "inner_radius" in body.size and body.size["inner_radius"] >= body.size["outer_radius"]:
-        raise InputError("inner radius is not less than outer radius", where="[body] size", got=body.size)
+        raise InputError(
+            "inner radius is not less than outer radius", where="[body] size", got=body.size
+        )
 
 
 def _check_torque(scene: Scene) -> None:
     torque = scene.torque
-    given = [k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None]
+    given = [
+        k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None
+    ]
     if len(given) > 1:
-        raise InputError("more than one torque", where="[torque]", got=", ".join(given), expected="at most one")
+        raise InputError(
+            "more than one torque", where="[torque]", got=", ".join(given), expected="at most one"
+        )
     if given and given[0] != "components":
         if scene.model == "spinner":
             raise InputError("a spinner takes torque components", where="[torque]", got=given[0])
         if scene.attitude == "none":
             raise InputError(
-                f"torque by {given[0]} depends on attitude", where="attitude", got="none", hint='for example attitude = "quaternion"'
+                f"torque by {given[0]} depends on attitude",
+                where="attitude",
+                got="none",
+                hint='for example attitude = "quaternion"',
             )
 
 
@@ -376,5 +510,8 @@ def _check_initial_attitude(initial: InitialAttitude | None) -> None:
         norm = math.hypot(*initial.quaternion)
         if abs(norm - 1) > 1e-9:
             raise InputError(
-                "quaternion does not have unit norm", where=where, got=f"norm {norm!r}", expected="1 to within 1e-9"
+                "quaternion does not have unit norm",
+                where=where,
+                got=f"norm {norm!r}",
+                expected="1 to within 1e-9",
             )

@@ -54,7 +54,9 @@ def _ring(radius: Expr) -> tuple[Expr, Expr]:
 _TURN = (_A, sp.Integer(0), 2 * sp.pi)
 _ACROSS = (_W, sp.Rational(-1, 2), sp.Rational(1, 2))
 _OUT = (_S, sp.Integer(0), sp.Integer(1))
-_LENGTH, _RADIUS, _INNER, _OUTER = (_size(n) for n in ("length", "radius", "inner_radius", "outer_radius"))
+_LENGTH, _RADIUS, _INNER, _OUTER = (
+    _size(n) for n in ("length", "radius", "inner_radius", "outer_radius")
+)
 _U, _V = (sp.Symbol(n, positive=True) for n in ("u", "v"))
 _ZENITH = (_V, sp.Integer(0), sp.pi)
 _BALL = (_S * sp.sin(_V) * sp.cos(_A), _S * sp.sin(_V) * sp.sin(_A), _S * sp.cos(_V))
@@ -73,9 +75,7 @@ SOLIDS: dict[str, Solid] = {
         (*_ring(_S), _LENGTH * _W),
         ((_S, _INNER, _OUTER), _TURN, _ACROSS),
     ),
-    "sphere": Solid(
-        ("radius",), tuple(_RADIUS * c for c in _BALL), (_OUT, _ZENITH, _TURN)
-    ),
+    "sphere": Solid(("radius",), tuple(_RADIUS * c for c in _BALL), (_OUT, _ZENITH, _TURN)),
     "ellipsoid": Solid(
         ("a", "b", "c"),
         tuple(_size(n) * c for n, c in zip("abc", _BALL, strict=True)),

@@ -66,7 +66,9 @@ class SpinningSymmetricBody:
     @property
     def omega_BI(self) -> Vector:
         """Angular velocity of B in I: psi' a3 + theta' b1, components in B."""
-        return self.C_BA.apply(unit_vector("A", 3).scaled(PSI_DOT)) + unit_vector("B", 1).scaled(THETA_DOT)
+        return self.C_BA.apply(unit_vector("A", 3).scaled(PSI_DOT)) + unit_vector("B", 1).scaled(
+            THETA_DOT
+        )
 
     @property
     def omega_CB(self) -> Vector:
@@ -109,11 +111,12 @@ class SpinningSymmetricBody:
 
     @cached_property
     def accelerations(self) -> tuple[Expr, Expr]:
-        """theta'' and psi'' from rows 1 and 3, each linear in one of them, over C not Omega."""
+        """Theta'' and psi'' from rows 1 and 3, each linear in one of them, over C not Omega."""
         rows = self.momentum_rate.total.components
-        return tuple(
-            self._solve_row(rows[k], self.torque[k], unknown) for k, unknown in ((0, THETA_DDOT), (2, PSI_DDOT))
-        )  # type: ignore[return-value]
+        return (
+            self._solve_row(rows[0], self.torque[0], THETA_DDOT),
+            self._solve_row(rows[2], self.torque[2], PSI_DDOT),
+        )
 
     def _over_spin(self, expression: Expr) -> Expr:
         """Replace Omega by C - psi' sin(theta)."""
@@ -130,7 +133,9 @@ class SpinningSymmetricBody:
         """Omega + psi' sin(theta), a constant if M2 is zero; None otherwise."""
         return self.spin if self.spin_rate == 0 else None
 
-    def system(self, name: str = "spinner", title: str = "3-1-2 spinning symmetric rigid body") -> System:
+    def system(
+        self, name: str = "spinner", title: str = "3-1-2 spinning symmetric rigid body"
+    ) -> System:
         """Return the equations of motion, over the states theta, psi, phi, theta', psi', C."""
         theta_ddot, psi_ddot = self.accelerations
         Omega = self._over_spin(OMEGA)
@@ -140,7 +145,9 @@ class SpinningSymmetricBody:
             Quantity(PHI, "rad", "spin angle, about b2", "\\phi"): Omega,
             Quantity(THETA_DOT, "rad/s", "tilt rate", "\\dot{\\theta}"): theta_ddot,
             Quantity(PSI_DOT, "rad/s", "precession rate", "\\dot{\\psi}"): psi_ddot,
-            Quantity(SPIN, "rad/s", "angular velocity of the body about its axle b2", "C"): self.spin_rate,
+            Quantity(
+                SPIN, "rad/s", "angular velocity of the body about its axle b2", "C"
+            ): self.spin_rate,
         }
         system = System(
             name=name,
@@ -148,12 +155,21 @@ class SpinningSymmetricBody:
             states=tuple(equations),
             rates=tuple(equations.values()),
             parameters=(
-                Quantity(I1, "kg m^2", "moment of inertia about b1 and b3, through the centre of mass", "I_1"),
+                Quantity(
+                    I1,
+                    "kg m^2",
+                    "moment of inertia about b1 and b3, through the centre of mass",
+                    "I_1",
+                ),
                 Quantity(I2, "kg m^2", "moment of inertia about the axle b2", "I_2"),
                 *self.parameters,
             ),
             inputs=self.inputs,
-            singularities=(Singularity(self._determinant, THETA, "the axle b2 is parallel to a3: psi and phi coincide"),),
+            singularities=(
+                Singularity(
+                    self._determinant, THETA, "the axle b2 is parallel to a3: psi and phi coincide"
+                ),
+            ),
             assumptions=self._assumptions(),
         )
         return with_outputs(system, self._outputs())
@@ -167,9 +183,19 @@ class SpinningSymmetricBody:
     def _assumptions(self) -> tuple[Assumption, ...]:
         return (
             Assumption("rigid", "the distance of any two points of the body is constant"),
-            Assumption("centre_of_mass", "inertia, momentum and torque are about the centre of mass G"),
-            Assumption("symmetric", "b2 is an axis of inertial symmetry: I1 = I3", vanish=(I1 - sp.Symbol("I3", positive=True),)),
-            Assumption("physical_inertia", "I2 does not exceed 2 I1 (triangle inequality)", nonnegative=(2 * I1 - I2,)),
+            Assumption(
+                "centre_of_mass", "inertia, momentum and torque are about the centre of mass G"
+            ),
+            Assumption(
+                "symmetric",
+                "b2 is an axis of inertial symmetry: I1 = I3",
+                vanish=(I1 - sp.Symbol("I3", positive=True),),
+            ),
+            Assumption(
+                "physical_inertia",
+                "I2 does not exceed 2 I1 (triangle inequality)",
+                nonnegative=(2 * I1 - I2,),
+            ),
         )
 
     def _outputs(self) -> Sequence[Any]:
@@ -177,7 +203,13 @@ class SpinningSymmetricBody:
         kinetic = self._over_spin(self.omega_CI.dot(self.h_G) / 2)
         m1, m2, m3 = (self._over_spin(m) for m in self.torque)
         outputs = [
-            scalar("Omega", self._over_spin(OMEGA), "rad/s", "spin rate of the body in B, about b2", "\\Omega"),
+            scalar(
+                "Omega",
+                self._over_spin(OMEGA),
+                "rad/s",
+                "spin rate of the body in B, about b2",
+                "\\Omega",
+            ),
             scalar("T", kinetic, "J", "kinetic energy of rotation"),
         ]
         if m1 != 0:
@@ -185,7 +217,10 @@ class SpinningSymmetricBody:
             outputs.append(scalar("E", kinetic - m1 * THETA, "J", meaning))
         C_BI = (self.C_BA @ self.C_AI).matrix
         outputs += momentum_outputs(h, C_BI)
-        outputs += [scalar(f"torque_{k}", m, "N m", f"torque about b{k}", f"M_{k}") for k, m in enumerate((m1, m2, m3), 1)]
+        outputs += [
+            scalar(f"torque_{k}", m, "N m", f"torque about b{k}", f"M_{k}")
+            for k, m in enumerate((m1, m2, m3), 1)
+        ]
         outputs.append(scalar("axle_1", C_BI[1, 0], "1", "component of the axle b2 along i1"))
         outputs.append(scalar("axle_2", C_BI[1, 1], "1", "component of the axle b2 along i2"))
         outputs.append(scalar("axle_3", C_BI[1, 2], "1", "component of the axle b2 along i3"))
@@ -200,5 +235,3 @@ def lecture_torque() -> SpinningSymmetricBody:
     """
     M1 = Quantity(sp.Symbol("M1", real=True), "N m", "torque about -b1", "M_1")
     return SpinningSymmetricBody((-M1.symbol, sp.Integer(0), sp.Integer(0)), parameters=(M1,))
-
-

@@ -34,6 +34,11 @@ class Quantity:
         """The symbol's name."""
         return str(self.symbol.name)
 
+    @property
+    def description(self) -> str:
+        """The meaning, with the unit in brackets."""
+        return self.meaning + (f" [{self.unit}]" if self.unit not in {"", "1"} else "")
+
 
 @dataclass(frozen=True)
 class Definition:
@@ -189,19 +194,25 @@ class System:
         if self.mass_matrix is not None:
             raise InputError("rate_of needs explicit rates", where=self.name, got="a mass matrix")
         full = self.expand(expression)
-        terms = [full.diff(q.symbol) * self.expand(r) for q, r in zip(self.states, self.rates, strict=True)]
+        terms = [
+            full.diff(q.symbol) * self.expand(r)
+            for q, r in zip(self.states, self.rates, strict=True)
+        ]
         return sp.Add(*terms, full.diff(self.time))
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
-    return tuple(Definition(Quantity(sp.Symbol(n, real=True)), sp.sympify(e)) for n, e in group.items())
+    return tuple(
+        Definition(Quantity(sp.Symbol(n, real=True)), sp.sympify(e)) for n, e in group.items()
+    )
 
 
 def _check_names(system: System) -> None:
     """Names of states, parameters, inputs, time and definitions are one name space."""
     variables = [*system.states, *system.parameters, *system.inputs, Quantity(system.time)]
     groups = {
-        "variable or definition": [q.name for q in variables] + [d.name for d in system.definitions],
+        "variable or definition": [q.name for q in variables]
+        + [d.name for d in system.definitions],
         "output": list(system.output_names),
         "invariant": list(system.invariant_names),
     }

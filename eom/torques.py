@@ -19,18 +19,23 @@ from eom.system import Assumption, Definition, Quantity
 Expr = Any
 
 
+ZERO = sp.Integer(0)
+AT_REST = vector("B", (0, 0, 0))
+
+
 @dataclass(frozen=True)
 class Torque:
     """Torque about the reference point, in B, with what comes with it.
 
     ``potential``: energy whose loss is the work of the torque, or zero. ``frame_rate``: angular
     velocity in inertial space of the frame A that attitude is measured from, in B. ``directions``:
-    components in B of the axes of A that matter, as definitions. ``arm``: what r is measured from.
+    components in B of the axes of A that matter, as definitions. ``reference_point``: what momentum
+    and torque are about.
     """
 
     components: Vector
-    potential: Expr = sp.Integer(0)
-    frame_rate: Vector = vector("B", (0, 0, 0))
+    potential: Expr = ZERO
+    frame_rate: Vector = AT_REST
     parameters: tuple[Quantity, ...] = ()
     inputs: tuple[Quantity, ...] = ()
     directions: tuple[Definition, ...] = ()
@@ -49,7 +54,9 @@ def _positive(name: str, unit: str, meaning: str, latex: str = "") -> Quantity:
     return Quantity(sp.Symbol(name, positive=True), unit, meaning, latex)
 
 
-def _direction(name: str, C: Expr, axis: int, meaning: str) -> tuple[Vector, tuple[Definition, ...]]:
+def _direction(
+    name: str, C: Expr, axis: int, meaning: str
+) -> tuple[Vector, tuple[Definition, ...]]:
     """Components in B of axis ``axis`` of A; named unless each is a single symbol already."""
     column = vector("B", C * unit_vector("A", axis).column)
     if all(c.is_Symbol for c in column.components):
@@ -72,11 +79,18 @@ def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
     m = _positive("m", "kg", "mass")
     g = _positive("g", "m/s^2", "acceleration of gravity, along -a3")
     arms = [
-        Quantity(sp.Symbol(f"r{k}", real=True), "m", f"centre of mass along b{k}, from the fixed point", f"r_{k}")
+        Quantity(
+            sp.Symbol(f"r{k}", real=True),
+            "m",
+            f"centre of mass along b{k}, from the fixed point",
+            f"r_{k}",
+        )
         for k in (1, 2, 3)
     ]
     up, named = _direction("up", C, 3, "the upward vertical a3")
-    first_moment = vector("B", (m.symbol * q.symbol * int(on) for q, on in zip(arms, offset, strict=True)))
+    first_moment = vector(
+        "B", (m.symbol * q.symbol * int(on) for q, on in zip(arms, offset, strict=True))
+    )
     gravity = up.scaled(-g.symbol)
     return Torque(
         components=first_moment.cross(gravity),
@@ -129,7 +143,10 @@ def _gradient_of_attraction(a: Vector, n: Expr, J: Expr) -> tuple[Vector, Expr]:
 
     def order(expression: Expr, k: int) -> Expr:
         moved = expression.xreplace(
-            {xi: ai + e * ri for xi, ai, ri in zip(x.components, a.components, r.components, strict=True)}
+            {
+                xi: ai + e * ri
+                for xi, ai, ri in zip(x.components, a.components, r.components, strict=True)
+            }
         )
         term = moved.diff(e, k).subs(e, 0) / sp.factorial(k)
         return sp.expand(term.subs(unit))

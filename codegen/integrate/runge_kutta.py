@@ -28,7 +28,9 @@ FIRST_CAPACITY = 2_048
 def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
     """Return header and source of the integrator by file name."""
     values = _values(tableau, layout)
-    return {f"{values['PREFIX']}.{kind}": _fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")}
+    return {
+        f"{values['PREFIX']}.{kind}": _fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
+    }
 
 
 def single_text(tableau: Tableau, compiled: Compiled) -> str:
@@ -36,7 +38,9 @@ def single_text(tableau: Tableau, compiled: Compiled) -> str:
     name = identifier(compiled.layout.name)
     header, source = files(tableau, compiled.layout).values()
     rest = (header + source).replace(f'#include "{name}.h"\n', "")
-    return c.single_text(compiled.program, compiled.layout) + rest.replace(f'#include "{name}_{tableau.name}.h"\n', "")
+    return c.single_text(compiled.program, compiled.layout) + rest.replace(
+        f'#include "{name}_{tableau.name}.h"\n', ""
+    )
 
 
 def _fill(template: str, values: Mapping[str, str]) -> str:
@@ -52,7 +56,9 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
     prefix = f"{name}_{tableau.name}"
     main = [_stage(tableau, name, s, "s->f") for s in range(1, last)]
     extra = [_stage(tableau, name, s, "") for s in range(last + 1, len(tableau.stages))]
-    dense = [f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)]
+    dense = [
+        f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
+    ]
     return {
         "TITLE": comment(layout.title),
         "METHOD": f"{tableau.name.upper()}, an explicit Runge-Kutta method of order {tableau.order},",
@@ -76,12 +82,16 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         "UPDATE": _sum(tableau.stages[last]),
         "ERROR_HIGH": _sum(tableau.error_high),
         "ERROR_LOW": _sum(tableau.error_low),
-        "ROOT": "sqrt(sqrt(sqrt(error)))" if tableau.order == 8 else f"pow(error, 1.0 / {tableau.order}.0)",
+        "ROOT": "sqrt(sqrt(sqrt(error)))"
+        if tableau.order == 8
+        else f"pow(error, 1.0 / {tableau.order}.0)",
     }
 
 
 def _sum(row: Row) -> str:
-    return " + ".join(f"{weight!r} * k[{j}][i]" for j, weight in enumerate(row) if weight).replace("+ -", "- ")
+    return " + ".join(f"{weight!r} * k[{j}][i]" for j, weight in enumerate(row) if weight).replace(
+        "+ -", "- "
+    )
 
 
 def _stage(tableau: Tableau, name: str, s: int, _: str) -> str:
@@ -93,17 +103,26 @@ def _stage(tableau: Tableau, name: str, s: int, _: str) -> str:
 
 
 @cache
-def _structures(prefix: str, n: int, room: int, terms: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+def _structures(
+    prefix: str, n: int, room: int, terms: int
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of runge_kutta.h."""
-    double, vector = ctypes.c_double, ctypes.c_double * n
-    state = [(f, double) for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")]
+    double: Any = ctypes.c_double
+    vector: Any = double * n
+    state: list[tuple[str, Any]] = [
+        (f, double)
+        for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+    ]
     state += [(f, vector) for f in ("atol", "x", "x_low", "f", "x_old")]
     state += [("dense", vector * terms), ("singular", double * room), ("closest", double * room)]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
-    output = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
+    output: list[tuple[str, Any]] = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
     output += [(f, ctypes.c_size_t) for f in ("capacity", "count", "grid_count", "next")]
-    kinds = (type(f"{prefix}{suffix}", (ctypes.Structure,), {"_fields_": f}) for suffix, f in (("", state), ("_output", output)))
+    kinds = (
+        type(f"{prefix}{suffix}", (ctypes.Structure,), {"_fields_": f})
+        for suffix, f in (("", state), ("_output", output))
+    )
     first, second = kinds
     return first, second
 
@@ -138,7 +157,9 @@ def build(tableau: Tableau, compiled: Compiled) -> NativeMethod:
 
 def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
-    s = method.state(t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin)
+    s = method.state(
+        t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
+    )
     s.h, s.h_max = problem.first_step or 0.0, problem.max_step
     s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
     p, u = _pointer(problem.parameters), _pointer(problem.inputs)
@@ -146,7 +167,13 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     status = method.start(ctypes.addressof(s), p, u)
     while status in {PAUSED, FULL}:
         store.make_room()
-        status = method.run(ctypes.addressof(s), p, u, ctypes.addressof(store.output), min(STEPS_A_CALL, problem.steps_left(s.steps)))
+        status = method.run(
+            ctypes.addressof(s),
+            p,
+            u,
+            ctypes.addressof(store.output),
+            min(STEPS_A_CALL, problem.steps_left(s.steps)),
+        )
         problem.report(s.t)
         if status == PAUSED and problem.steps_left(s.steps + s.rejected) <= 0:
             break
@@ -181,7 +208,10 @@ class _Store:
         self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
         self.output = method.output(capacity=capacity)
         if self.grid is not None:
-            self.output.grid, self.output.grid_count = _pointer(self.grid) or self.t.ctypes.data, len(self.grid)
+            self.output.grid, self.output.grid_count = (
+                _pointer(self.grid) or self.t.ctypes.data,
+                len(self.grid),
+            )
         self._point()
 
     def _point(self) -> None:

@@ -1,4 +1,4 @@
-"""SciPy's integrators over the compiled functions, stopped by the same rules as the generated ones."""
+"""SciPy's integrators over the compiled functions, stopped by the same rules as the generated."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ REPORT_EVERY = 100
 Inputs = Callable[[float], Array]
 
 
-def integrate(compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None) -> Trajectory:
+def integrate(
+    compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None
+) -> Trajectory:
     """Integrate with one of `METHODS`. ``inputs``: values of the inputs over time, if not held."""
     return _Run(compiled, problem, method, inputs).run()
 
@@ -25,7 +27,9 @@ def integrate(compiled: Compiled, problem: Problem, method: str, inputs: Inputs 
 class _Run:
     """One run: SciPy's solver steps, this looks at what it did."""
 
-    def __init__(self, compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None) -> None:
+    def __init__(
+        self, compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None
+    ) -> None:
         self.problem = problem
         self.singular_function = compiled.functions.get("singularities")
         self.rhs = compiled.rhs
@@ -58,7 +62,9 @@ class _Run:
         start, end = problem.t_span
         first = self._slope(start, problem.x0)
         if not np.all(np.isfinite(first)):
-            return self._finish(Stop("not finite", start, int(np.argmin(np.isfinite(first)))), problem.x0)
+            return self._finish(
+                Stop("not finite", start, int(np.argmin(np.isfinite(first)))), problem.x0
+            )
         if np.any(self.closest <= problem.margin):
             return self._finish(Stop("singular", start, int(np.argmin(self.closest))), problem.x0)
         self._store_grid(start, None)
@@ -74,10 +80,16 @@ class _Run:
         from scipy import integrate as si
 
         problem = self.problem
-        options: dict[str, Any] = {"rtol": problem.rtol, "atol": problem.atol, "max_step": problem.max_step}
+        options: dict[str, Any] = {
+            "rtol": problem.rtol,
+            "atol": problem.atol,
+            "max_step": problem.max_step,
+        }
         if problem.first_step:
             options["first_step"] = problem.first_step
-        return getattr(si, self.method)(self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options)
+        return getattr(si, self.method)(
+            self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
+        )
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""
@@ -127,13 +139,18 @@ class _Run:
             return None
         return self._scan(solver.t_old, solver.t, dense, before)
 
-    def _scan(self, t_old: float, t_new: float, dense: Any, before: Array) -> tuple[float, int] | None:
+    def _scan(
+        self, t_old: float, t_new: float, dense: Any, before: Array
+    ) -> tuple[float, int] | None:
         left = t_old
         for right in np.linspace(t_old, t_new, PARTS + 1)[1:]:
             here = self._singularities(right, dense(right))
             self.closest = np.minimum(self.closest, np.abs(here))
             hit = ((here > 0) != (before > 0)) | (np.abs(here) <= self.problem.margin)
-            found = [(self._bisect(left, right, dense, k, before[k]), int(k)) for k in np.flatnonzero(hit)]
+            found = [
+                (self._bisect(left, float(right), dense, int(k), float(before[k])), int(k))
+                for k in np.flatnonzero(hit)
+            ]
             if found:
                 return min(found, key=lambda pair: abs(pair[0] - t_old))
             left, before = right, here
@@ -150,7 +167,10 @@ class _Run:
         return float(high)
 
     def _store_grid(self, t: float, dense: Any) -> None:
-        grid, direction = self.problem.t_eval, np.sign(self.problem.t_span[1] - self.problem.t_span[0])
+        grid, direction = (
+            self.problem.t_eval,
+            np.sign(self.problem.t_span[1] - self.problem.t_span[0]),
+        )
         while grid is not None and self.next < len(grid) and direction * (grid[self.next] - t) <= 0:
             self.grid_values.append(self.problem.x0 if dense is None else dense(grid[self.next]))
             self.next += 1

@@ -24,6 +24,11 @@ def load_module(text: str, name: str) -> ModuleType:
     spec = importlib.util.spec_from_loader(f"eom_generated_{name}", loader)
     assert spec is not None
     module = importlib.util.module_from_spec(spec)
-    linecache.cache[f"<{spec.name}>"] = (len(text), None, text.splitlines(keepends=True), f"<{spec.name}>")
+    linecache.cache[f"<{spec.name}>"] = (
+        len(text),
+        None,
+        text.splitlines(keepends=True),
+        f"<{spec.name}>",
+    )
     loader.exec_module(module)
     return module

@@ -10,11 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from codegen.layout import Layout
 from codegen.names import comment, identifiers
 from codegen.ops import OPS
 from codegen.passes import constants
-from codegen.layout import Layout, names_of
-from codegen.lower import described
 from codegen.program import Program
 
 MAX_INLINE = 72
@@ -60,7 +59,7 @@ def render(
     layout: Layout,
     templates: Mapping[str, Template],
     slots: Mapping[str, str],
-    number: Mapping[str, str] = {},  # noqa: B006 - read only
+    number: Mapping[str, str] = {},
 ) -> Body:
     """Render one group of results of a pruned program.
 
@@ -110,7 +109,9 @@ class _Renderer:
             if op in kinds:
                 assert isinstance(value, int)
                 quantity = kinds[op][value]
-                wanted.append((k, quantity.name, self.slots[op].format(value), described(quantity)))
+                wanted.append(
+                    (k, quantity.name, self.slots[op].format(value), quantity.description)
+                )
         wanted += [
             (k, n.name, "", n.comment)
             for k, n in sorted(self.program.names.items())
