@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, Generic, TypeVar
 
@@ -37,6 +38,8 @@ class Drift:
 
     start: float
     largest: float
+    over_time: Array = field(compare=False, repr=False)
+    """Value less first value at each stored point."""
 
     @property
     def relative(self) -> float:
@@ -52,7 +55,7 @@ class Result:
     1: stopped at a singular configuration; -1: stopped because numbers failed), ``message``,
     ``success`` (status >= 0). ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
-    where the run stopped. ``method``: what integrated.
+    where the run stopped. ``method``: what integrated, in ``seconds``.
     """
 
     t: Array
@@ -69,6 +72,7 @@ class Result:
     method: str
     steps: int
     rejected: int
+    seconds: float = 0.0
     notice: str = ""
     names: tuple[str, ...] = field(default=())
 
@@ -140,9 +144,12 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
-    trajectory, used = _integrate(compiled, problem, method, signals)
+    integrator, used = _integrator(compiled, method, signals)
+    began = time.perf_counter()
+    trajectory = integrator(problem)
+    seconds = time.perf_counter() - began
     problem.report(trajectory.stop.t)
-    return _result(compiled, problem, trajectory, used, signals)
+    return replace(_result(compiled, problem, trajectory, signals), method=used, seconds=seconds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,30 +254,24 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     return values
 
 
-def _integrate(
-    compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
-) -> tuple[Trajectory, str]:
-    """Choose the integrator and run it; return what it gave and what it was."""
+def _integrator(
+    compiled: Compiled, method: str, signals: scipy_.Inputs | None
+) -> tuple[Callable[[Problem], Trajectory], str]:
+    """Choose the integrator; return it, ready to run, and what it is called."""
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", hint=near_matches(method, METHODS))
-    native_loop = method in {"auto", "DOP853"} and compiled.target == "c" and signals is None
-    if native_loop:
-        return runge_kutta.integrate(
-            _build_once(_Identity(compiled)), problem
-        ), "DOP853 in generated C"
-    name = "DOP853" if method == "auto" else method.removeprefix("scipy:")
-    reason = " (inputs are Python functions)" if signals and method in {"auto", "DOP853"} else ""
-    return scipy_.integrate(
-        compiled, problem, name, signals
-    ), f"{name} of SciPy, {compiled.target} functions{reason}"
+    own = method in {"auto", "DOP853"}
+    if own and compiled.target == "c" and signals is None:
+        native = _build_once(_Identity(compiled))
+        return lambda problem: runge_kutta.integrate(native, problem), "DOP853 in generated C"
+    name = "DOP853" if own else method.removeprefix("scipy:")
+    reason = " (inputs are Python functions)" if own and signals is not None else ""
+    used = f"{name} of SciPy over {compiled.target} functions{reason}"
+    return lambda problem: scipy_.integrate(compiled, problem, name, signals), used
 
 
 def _result(
-    compiled: Compiled,
-    problem: Problem,
-    trajectory: Trajectory,
-    used: str,
-    signals: scipy_.Inputs | None,
+    compiled: Compiled, problem: Problem, trajectory: Trajectory, signals: scipy_.Inputs | None
 ) -> Result:
     layout = compiled.layout
     values = {
@@ -293,7 +294,7 @@ def _result(
         margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
         t_stop=stop.t,
         y_stop=trajectory.state_at_stop,
-        method=used,
+        method="",
         steps=trajectory.steps,
         rejected=trajectory.rejected,
         notice=compiled.notice,
@@ -321,8 +322,9 @@ def _evaluate(
 
 def _drift(values: Array) -> Drift:
     if not values.size:
-        return Drift(0.0, 0.0)
-    return Drift(float(values[0]), float(np.max(np.abs(values - values[0]))))
+        return Drift(0.0, 0.0, values)
+    change = values - values[0]
+    return Drift(float(values[0]), float(np.max(np.abs(change))), change)
 
 
 def _message(compiled: Compiled, trajectory: Trajectory) -> str:

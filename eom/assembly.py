@@ -70,7 +70,7 @@ def _spinner(scene: Scene, general_torque: bool) -> System:
     states = {s.name: s for s in _SPINNER_STATES}
     components, parameters, inputs = _components(scene, states, ("M1", "M2", "M3"), general_torque)
     body = SpinningSymmetricBody(components, parameters, inputs)
-    return body.system(title=scene.title)
+    return body.system(scene.name, scene.title)
 
 
 def _rigid_body(scene: Scene, general_torque: bool) -> System:
@@ -89,7 +89,7 @@ def _rigid_body(scene: Scene, general_torque: bool) -> System:
         )
 
     inertia = principal_inertia() if scene.body.matrix is None else full_inertia()
-    return rigid_body(inertia, law, chosen, title=scene.title)
+    return rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
 
 
 def _components(

@@ -228,7 +228,8 @@ class Scene(_Part):
     Raises `InputError` for anything that is misspelt, missing or impossible.
     """
 
-    title: str = "scene"
+    name: str = "scene"
+    title: str = ""
     description: str = ""
     model: Literal["rigid body", "spinner"] = "rigid body"
     body: Body
@@ -282,7 +283,7 @@ class Scene(_Part):
             data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise InputError("not a valid TOML file", where=str(file), got=str(error)) from None
-        data.setdefault("title", file.stem)
+        data.setdefault("name", file.stem)
         try:
             return cls(**data)
         except InputError as error:
@@ -313,6 +314,11 @@ class Scene(_Part):
     def requested(self) -> tuple[str, ...]:
         """What is asked for: the outputs, or all states where none are named."""
         return self.outputs or self.full_system.state_names
+
+    def requested_names(self) -> tuple[str, ...]:
+        """Return what is asked for that varies: frozen states are constants of the motion."""
+        system = self.derive()
+        return tuple(n for n in self.requested if n in (*system.state_names, *system.output_names))
 
     def derive(self) -> System:
         """Return the smallest system that the requested outputs need."""

@@ -1,0 +1,278 @@
+"""The command line: list, derive, generate, simulate, run."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom import catalogue
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from codegen import Compiled, Result
+    from eom.scene import Scene
+
+STOPPED, UNUSABLE = 1, 2
+QUIET_SECONDS = 0.5
+"""Work that is shorter shows no progress bar."""
+
+
+class Commands(click.Group):
+    """Turn input errors into one message and exit status 2."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            click.echo(f"error: {error}", err=True)
+            ctx.exit(UNUSABLE)
+
+
+@click.group(
+    cls=Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}
+)
+@click.version_option(package_name="eom-toolkit", prog_name="eom")
+def main() -> None:
+    """Derive equations of motion, generate code from them, and integrate them.
+
+    SCENE is the name of a ready scene (see: eom list) or a TOML file. Exit status: 0 done; 1 the
+    run stopped before its end; 2 unusable input.
+    """
+
+
+scene_argument = click.argument("scene", metavar="SCENE")
+target_option = click.option(
+    "--target",
+    default="auto",
+    show_default=True,
+    metavar="c|numpy|auto",
+    help="What to compile for.",
+)
+
+
+@main.command("list")
+def list_scenes() -> None:
+    """List the scenes that ship with the package."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("scene", "title", box=None)
+    for name, title in catalogue.titles().items():
+        table.add_row(name, title)
+    Console().print(table)
+    click.echo("\nTry: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
+
+
+@main.command()
+@scene_argument
+@click.option(
+    "--as",
+    "style",
+    default="text",
+    show_default=True,
+    metavar="text|latex|markdown",
+    help="Format.",
+)
+@click.option(
+    "--explain/--no-explain", default=True, help="Say what was skipped and why (text only)."
+)
+def derive(scene: str, style: str, explain: bool) -> None:
+    """Derive the equations of motion of SCENE and print them."""
+    chosen = _scene(scene)
+    _print_equations(chosen, style, explain)
+
+
+@main.command()
+@scene_argument
+@click.option("--target", default="c", show_default=True, metavar="c|numpy", help="Language.")
+@click.option(
+    "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
+)
+@click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
+def generate(scene: str, target: str, folder: Path, fixed: bool) -> None:
+    """Write the equations of SCENE as C (with an integrator) or as a NumPy module."""
+    from codegen.compiled import generate as generate_files
+    from codegen.compiled import specialised, write_files
+
+    chosen = _scene(scene)
+    values = chosen.parameter_values() if fixed else {}
+    files = generate_files(*specialised(chosen.derive(), values), target)
+    _report_files(write_files(files, folder))
+
+
+@main.command()
+@scene_argument
+@click.option(
+    "--method", default=None, help="Integrator; see codegen.METHODS.  [default: the scene's]"
+)
+@click.option(
+    "--t-end", type=float, default=None, help="End time in seconds.  [default: the scene's]"
+)
+@click.option(
+    "--rtol", type=float, default=None, help="Relative tolerance.  [default: the scene's]"
+)
+@click.option(
+    "--points", type=int, default=None, help="Number of stored times.  [default: the scene's]"
+)
+@target_option
+@click.option(
+    "--out",
+    "file",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Save to FILE.npz or FILE.csv.",
+)
+@click.option(
+    "--plot", type=click.Path(path_type=Path), default=None, help="Draw to FILE.png, .pdf or .svg."
+)
+def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **options: Any) -> None:
+    """Integrate SCENE; print steps, time, drift of the constants and distance from singularities."""
+    chosen = _scene(scene, **options)
+    result = _simulate(chosen, _compile(chosen, target))
+    _save(chosen, result, file, plot)
+    _closing(result)
+
+
+@main.command()
+@scene_argument
+@click.option(
+    "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
+)
+@target_option
+def run(scene: str, folder: Path, target: str) -> None:
+    """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
+    chosen = _scene(scene)
+    _print_equations(chosen, "text", explain=True)
+    click.echo()
+    compiled = _compile(chosen, target)
+    _report_files(compiled.write(folder))
+    result = _simulate(chosen, compiled)
+    _save(chosen, result, folder / "trajectory.npz", folder / "trajectory.png")
+    _closing(result)
+
+
+def _scene(name: str, **options: Any) -> Scene:
+    """Return a ready scene or one from a file, with the options that were given."""
+    from eom.scene import Scene
+
+    is_file = name.endswith(".toml") or "/" in name
+    scene = Scene.from_toml(name) if is_file else Scene.ready(name)
+    changed = {k: v for k, v in options.items() if v is not None}
+    if not changed:
+        return scene
+    data = scene.model_dump(exclude_unset=True)
+    data["integration"] = {**data.get("integration", {}), **changed}
+    return Scene(**data)
+
+
+def _print_equations(scene: Scene, style: str, explain: bool) -> None:
+    from eom.printing import show
+
+    click.echo(show(scene.derive(), style))
+    if explain and style == "text":
+        click.echo(f"\nLeft out\n{scene.explain()}")
+
+
+def _compile(scene: Scene, target: str) -> Compiled:
+    import codegen
+
+    compiled = codegen.compile(scene.derive(), target)
+    if compiled.notice:
+        click.echo(f"note: {compiled.notice}", err=True)
+    return compiled
+
+
+def _simulate(scene: Scene, compiled: Compiled) -> Result:
+    import codegen
+
+    plan = scene.integration
+    times = [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
+    initial, parameters = scene.initial_values(), scene.parameter_values()
+    with _progress() as progress:
+        return codegen.simulate(
+            compiled,
+            initial,
+            (0.0, plan.t_end),
+            parameters,
+            plan.method,
+            plan.rtol,
+            plan.atol,
+            times,
+            inputs=scene.input_values(),
+            progress=progress,
+        )
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[float], None]]:
+    """Show a progress bar once the work has taken a while, on a terminal's standard error."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    bar = Progress(console=Console(stderr=True), transient=True)
+    task = bar.add_task("integrating", total=1.0)
+    began = time.monotonic()
+
+    def report(fraction: float) -> None:
+        if not bar.live.is_started and time.monotonic() - began > QUIET_SECONDS:
+            bar.start()
+        bar.update(task, completed=fraction)
+
+    try:
+        yield report
+    finally:
+        bar.stop()
+
+
+def _save(scene: Scene, result: Result, file: Path | None, plot: Path | None) -> None:
+    from codegen import export
+
+    written = []
+    if file is not None:
+        written.append(export.save(result, file))
+    if plot is not None:
+        system = scene.derive()
+        quantities = [*system.states, *(d.quantity for d in system.outputs)]
+        units = {q.name: q.unit for q in quantities}
+        written.append(export.save_plot(result, plot, scene.requested_names(), units, scene.title))
+    _report_files(written)
+
+
+def _report_files(files: list[Path]) -> None:
+    for file in files:
+        click.echo(f"wrote {file} ({file.stat().st_size:,} bytes)")
+
+
+def _closing(result: Result) -> None:
+    """Print the closing table; a run that stopped early ends with status 1."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, show_header=False, pad_edge=False)
+    table.add_row("result", result.message)
+    table.add_row("method", result.method)
+    table.add_row(
+        "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
+    )
+    table.add_row("time", f"{1e3 * result.seconds:.3g} ms")
+    for name, drift in result.drift.items():
+        table.add_row(
+            f"drift of {name}",
+            f"{drift.relative:.2e} of {drift.start:.6g}" if drift.start else f"{drift.largest:.2e}",
+        )
+    for expression, distance in result.margin.items():
+        table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
+    Console(soft_wrap=True).print(table)
+    if result.status != 0:
+        sys.exit(STOPPED)
+
+
+if __name__ == "__main__":
+    main(prog_name="eom")
