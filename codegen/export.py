@@ -83,8 +83,9 @@ def save_plot(
             axis.set_ylabel(f"[{unit}]" if unit not in {"", "1"} else "")
         if drift:
             for name, change in drift.items():
-                axes[-1].plot(result.t, change.over_time, label=name, linewidth=1)
-            axes[-1].set_ylabel("drift")
+                scale = abs(change.start) or 1.0
+                axes[-1].plot(result.t, change.over_time / scale, label=name, linewidth=1)
+            axes[-1].set_ylabel("relative drift")
             axes[-1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
         for axis in axes:
             axis.grid(visible=True, alpha=0.3)
