@@ -24,7 +24,7 @@ from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_syste
 from codegen.names import identifier
 from codegen.program import Program
 from codegen.targets import c, load_module, numpy_
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, unknown_name
 from eom.system import System
 
 Array = NDArray[np.float64]
@@ -202,7 +202,7 @@ def compile(  # noqa: A001 - the word that users expect
     program, layout = specialised(system, parameters or {})
     build = _TARGETS.get(target)
     if build is None:
-        raise InputError(f"unknown target {target!r}", hint=near_matches(target, _TARGETS))
+        raise unknown_name("target", target, _TARGETS)
     used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, dict(parameters or {}), functions, notice)
 
@@ -221,13 +221,26 @@ def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Progra
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:
-    """Return the generated files of a target by name; needs no compiler."""
-    if target == "numpy":
-        return numpy_.files(program, layout)
+    """Return the generated files of a target by name; needs no compiler.
+
+    Raises `InputError` for an unknown target.
+    """
+    if target not in _GENERATORS:
+        raise unknown_name("target", target, _GENERATORS)
+    return _GENERATORS[target](program, layout)
+
+
+def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
     from codegen.integrate import runge_kutta
     from codegen.integrate.dop853 import DOP853
 
     return {**c.files(program, layout), **runge_kutta.files(DOP853, layout)}
+
+
+_GENERATORS: dict[str, Callable[[Program, Layout], Mapping[str, str]]] = {
+    "c": _c_files,
+    "numpy": numpy_.files,
+}
 
 
 Functions = Mapping[str, Function]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,18 +20,25 @@ def columns(result: Result) -> dict[str, Array]:
     return {"t": result.t, **states, **result.outputs}
 
 
+def check_kinds(table: Path | None, picture: Path | None) -> None:
+    """Raise `InputError` if a table or a picture has an ending that cannot be written."""
+    for file, endings in ((table, tuple(_TABLES)), (picture, _PICTURES)):
+        if file is not None and file.suffix not in endings:
+            raise InputError(
+                "unknown kind of file",
+                where=str(file),
+                expected=f"a name that ends in {', '.join(endings[:-1])} or {endings[-1]}",
+            )
+
+
 def save(result: Result, path: str | Path) -> Path:
     """Write time, states and outputs to ``path``: a NumPy archive (.npz) or a table (.csv).
 
     Raises `InputError` for other endings and where the file cannot be written.
     """
     file = Path(path)
-    writers: dict[str, Callable[[Result, Path], None]] = {".npz": _npz, ".csv": _csv}
-    if file.suffix not in writers:
-        raise InputError(
-            "unknown kind of file", where=str(file), expected="a name that ends in .npz or .csv"
-        )
-    return _whole(file, lambda part: writers[file.suffix](result, part))
+    check_kinds(file, None)
+    return _whole(file, lambda part: _TABLES[file.suffix](result, part))
 
 
 def _npz(result: Result, file: Path) -> None:
@@ -46,6 +54,10 @@ def _csv(result: Result, file: Path) -> None:
             stream.write(",".join(map(repr, row)) + "\n")
 
 
+_TABLES: dict[str, Callable[[Result, Path], None]] = {".npz": _npz, ".csv": _csv}
+_PICTURES = (".png", ".pdf", ".svg")
+
+
 def save_plot(
     result: Result, path: str | Path, names: Iterable[str], units: Mapping[str, str], title: str
 ) -> Path:
@@ -55,12 +67,7 @@ def save_plot(
     be written.
     """
     file = Path(path)
-    if file.suffix not in {".png", ".pdf", ".svg"}:
-        raise InputError(
-            "unknown kind of picture",
-            where=str(file),
-            expected="a name that ends in .png, .pdf or .svg",
-        )
+    check_kinds(None, file)
     try:
         import matplotlib as mpl
         from matplotlib.figure import Figure
@@ -68,31 +75,34 @@ def save_plot(
         raise InputError(
             "Matplotlib is not installed", hint="pip install 'eom-toolkit[plot]'"
         ) from None
-    table = columns(result)
-    panels: dict[str, list[str]] = {}
-    for name in names:
-        panels.setdefault(units.get(name, ""), []).append(name)
-    drift = result.drift
-    count = len(panels) + bool(drift)
     with mpl.rc_context({"font.size": 9}):
-        figure = Figure(figsize=(8, 1.2 + 2.1 * count), layout="constrained")
-        axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
-        for axis, (unit, members) in zip(axes, panels.items(), strict=False):
-            for name in members:
-                axis.plot(result.t, table[name], label=name, linewidth=1)
-            axis.set_ylabel(f"[{unit}]" if unit not in {"", "1"} else "")
-        if drift:
-            for name, change in drift.items():
-                scale = abs(change.start) or 1.0
-                axes[-1].plot(result.t, change.over_time / scale, label=name, linewidth=1)
-            axes[-1].set_ylabel("relative drift")
-            axes[-1].ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
-        for axis in axes:
-            axis.grid(visible=True, alpha=0.3)
-            axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-        axes[-1].set_xlabel("t [s]")
+        figure = Figure(layout="constrained")
+        _draw(figure, result, names, units)
         figure.suptitle(title)
         return _whole(file, lambda part: figure.savefig(part, format=file.suffix[1:], dpi=150))
+
+
+def _draw(figure: Any, result: Result, names: Iterable[str], units: Mapping[str, str]) -> None:
+    """Fill a Matplotlib figure: one panel a unit, the relative drift last."""
+    table = columns(result)
+    panels: dict[str, dict[str, Array]] = {}
+    for name in names:
+        panels.setdefault(units.get(name, ""), {})[name] = table[name]
+    labelled = [
+        (f"[{unit}]" if unit not in {"", "1"} else "", curves) for unit, curves in panels.items()
+    ]
+    if result.drift:
+        relative = {n: d.over_time / (abs(d.start) or 1.0) for n, d in result.drift.items()}
+        labelled.append(("relative drift", relative))
+    figure.set_size_inches(8, 1.2 + 2.1 * len(labelled))
+    axes = figure.subplots(len(labelled), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, (label, curves) in zip(axes, labelled, strict=True):
+        for name, values in curves.items():
+            axis.plot(result.t, values, label=name, linewidth=1)
+        axis.set_ylabel(label)
+        axis.grid(visible=True, alpha=0.3)
+        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
+    axes[-1].set_xlabel("t [s]")
 
 
 def _whole(file: Path, write: Callable[[Path], None]) -> Path:

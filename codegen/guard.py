@@ -9,7 +9,7 @@ from typing import Any
 from codegen.interpret import Point, interpret
 from codegen.lower import lower_expressions
 from codegen.program import Program
-from eom.errors import AssumptionError, InputError, near_matches
+from eom.errors import AssumptionError, InputError, unknown_name
 from eom.system import Assumption, System
 
 TOLERANCE = 1e-9
@@ -83,9 +83,7 @@ class Guard:
         spoken_of = {n for c in self.conditions for n in c.names}
         for name, value in values.items():
             if name not in self.known and name not in spoken_of:
-                raise InputError(
-                    f"unknown name {name!r}", where=where, hint=near_matches(name, self.known)
-                )
+                raise unknown_name("name", name, self.known, where)
             if name in self.positive and not value > 0:
                 raise InputError(
                     f"parameter {name} is not positive",

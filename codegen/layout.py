@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.lower import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, unknown_name
 from eom.system import Quantity, System
 
 
@@ -84,9 +84,7 @@ def to_array(
 def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> list[float]:
     unknown = [n for n in values if n not in names]
     if unknown:
-        raise InputError(
-            f"unknown {kind} {unknown[0]!r}", hint=near_matches(str(unknown[0]), names)
-        )
+        raise unknown_name(kind, str(unknown[0]), names)
     missing = [n for n in names if n not in values]
     if missing:
         raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")

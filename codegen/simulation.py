@@ -19,7 +19,7 @@ from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, unknown_name
 from eom.system import System
 
 METHODS = ("auto", "DOP853", *(f"scipy:{m}" for m in scipy_.METHODS))
@@ -88,10 +88,7 @@ class Result:
         if name in self.names:
             row: Array = self.y[self.names.index(name)]
             return row
-        raise InputError(
-            f"unknown state or output {name!r}",
-            hint=near_matches(name, [*self.names, *self.outputs]),
-        )
+        raise unknown_name("state or output", name, [*self.names, *self.outputs])
 
 
 def simulate(
@@ -259,7 +256,7 @@ def _integrator(
 ) -> tuple[Callable[[Problem], Trajectory], str]:
     """Choose the integrator; return it, ready to run, and what it is called."""
     if method not in METHODS:
-        raise InputError(f"unknown method {method!r}", hint=near_matches(method, METHODS))
+        raise unknown_name("method", method, METHODS)
     own = method in {"auto", "DOP853"}
     if own and compiled.target == "c" and signals is None:
         native = _build_once(_Identity(compiled))

@@ -134,6 +134,9 @@ def generate(scene: str, target: str, folder: Path, fixed: bool) -> None:
 )
 def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **options: Any) -> None:
     """Integrate SCENE; print steps, time, drift of the constants and distance from singularities."""
+    from codegen import export
+
+    export.check_kinds(file, plot)
     chosen = _scene(scene, **options)
     result = _simulate(chosen, _compile(chosen, target))
     _save(chosen, result, file, plot)
@@ -228,7 +231,8 @@ def _progress() -> Iterator[Callable[[float], None]]:
     try:
         yield report
     finally:
-        bar.stop()
+        if bar.live.is_started:
+            bar.stop()
 
 
 def _save(scene: Scene, result: Result, file: Path | None, plot: Path | None) -> None:

@@ -112,7 +112,7 @@ def _components(
     parsed = [
         parse.parse(c, names, f"[torque] components, number {k}")
         if isinstance(c, str)
-        else sp.nsimplify(str(c), rational=True)
+        else sp.Rational(str(c))
         for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
     ]
     a, b, c = parsed
@@ -121,7 +121,7 @@ def _components(
 
 def _check_clash(scene: Scene, own: dict[str, Expr], states: dict[str, Expr]) -> None:
     fixed = (
-        ("I1", "I2")
+        ("I1", "I2", "I3")
         if scene.model == "spinner"
         else ("I1", "I2", "I3", "J11", "J12", "J13", "J22", "J23", "J33")
     )
@@ -166,7 +166,8 @@ def _given_torque(scene: Scene, _: System) -> Pass:
         return system, (), ""
     free = len(zero) == 3
     meaning = "no external torque" if free else f"no torque component {', '.join(zero)}"
-    symbols = tuple(sp.Symbol(n, real=True) for n in zero)
+    own = {*system.parameter_names, *system.input_names}
+    symbols = tuple(sp.Symbol(n, real=True) for n in zero if n not in own)
     assumption = Assumption("torque_free" if free else "torque_components", meaning, vanish=symbols)
     system = replace(system, assumptions=(*system.assumptions, assumption))
     return system, [f"{n} = 0" for n in zero], "the scene has no such torque"

@@ -97,6 +97,7 @@ def check_principal_moments(moments: Sequence[float], where: str) -> None:
                 got=given,
                 expected="three positive numbers",
             )
+    for k, moment in enumerate(moments):
         rest = sum(moments) - moment
         if moment > rest * (1 + 1e-12):
             raise InputError(

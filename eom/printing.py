@@ -115,7 +115,8 @@ def _latex_of(system: System) -> Callable[[Expr | str | Rate], str]:
 
     def side(value: Expr | str | Rate) -> str:
         if isinstance(value, Rate):
-            return _dotted(names.get(value.state.symbol, sp.latex(value.state.symbol)))
+            state = names.get(value.state.symbol, sp.latex(value.state.symbol))
+            return f"\\frac{{\\mathrm{{d}}}}{{\\mathrm{{d}}t}} {state}"
         return (
             f"\\text{{{value}}}"
             if isinstance(value, str)
@@ -123,14 +124,6 @@ def _latex_of(system: System) -> Callable[[Expr | str | Rate], str]:
         )
 
     return side
-
-
-def _dotted(symbol: str) -> str:
-    return (
-        symbol.replace("\\dot{", "\\ddot{", 1)
-        if symbol.startswith("\\dot{")
-        else f"\\dot{{{symbol}}}"
-    )
 
 
 def latex(system: System) -> str:

@@ -140,7 +140,7 @@ def prune(system: System, requested: Iterable[str]) -> System:
     outputs = tuple(d for d in system.outputs if d.name in names)
     wanted = {q.symbol for q in system.states if q.name in names}
     wanted = wanted.union(*(system.expand(d.expression).free_symbols for d in outputs))
-    keep = _closure(system, wanted) or [0]
+    keep = _closure(system, wanted) or _closure(system, {system.states[0].symbol})
     rates = tuple(system.rates[k] for k in keep)
     matrix = _extract(system.mass_matrix, keep)
     needed = [*rates, *(matrix or ()), *(d.expression for d in outputs)]

@@ -242,7 +242,7 @@ class Scene(_Part):
     outputs: tuple[str, ...] = ()
     integration: Integration = Integration()
 
-    def __init__(self, **data: Any) -> None:
+    def __init__(self, /, **data: Any) -> None:
         try:
             super().__init__(**data)
         except pydantic.ValidationError as error:
@@ -281,7 +281,7 @@ class Scene(_Part):
         text = _read(file)
         try:
             data = tomllib.loads(text)
-        except tomllib.TOMLDecodeError as error:
+        except (ValueError, RecursionError) as error:  # a huge integer, deep nesting
             raise InputError("not a valid TOML file", where=str(file), got=str(error)) from None
         data.setdefault("name", file.stem)
         try:
@@ -385,7 +385,11 @@ def _read(file: Path) -> str:
 
 def _readable(error: pydantic.ValidationError, where: str) -> InputError:
     """Turn the first finding into one error; count the others."""
-    first, *others = error.errors(include_url=False)
+    findings = error.errors(include_url=False)
+    ours = [f["ctx"]["error"] for f in findings if "error" in f.get("ctx", {})]
+    if ours and isinstance(ours[0], InputError):
+        return ours[0]
+    first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
     place = ".".join(str(part) for part in first["loc"] if not str(part).startswith("function-"))
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":

@@ -1,0 +1,259 @@
+"""The command line, as a user meets it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from eom import catalogue
+from eom.__main__ import main
+
+
+@pytest.fixture
+def run():
+    runner = CliRunner()
+    return lambda *words: runner.invoke(main, [str(w) for w in words], catch_exceptions=False)
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    def write(text):
+        file = tmp_path / "scene.toml"
+        file.write_text(text, encoding="utf-8")
+        return file
+
+    return write
+
+
+FREE = """
+outputs = ["omega_1", "omega_2"]
+[body]
+moments = [1.0, 2.0, 2.5]
+[initial]
+omega_1 = 1
+omega_2 = 0.1
+omega_3 = 0
+"""
+
+
+def test_list_names_every_scene_and_loads_nothing_heavy():
+    code = """
+import sys
+from eom.__main__ import main
+main(["list"], standalone_mode=False)
+print(sorted({"sympy", "numpy", "scipy", "matplotlib"} & set(sys.modules)))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert all(name in done.stdout for name in catalogue.names())
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("style", ["text", "latex", "markdown"])
+def test_derive_prints_every_state_and_output(run, name, style):
+    from eom import Scene
+
+    done = run("derive", name, "--as", style)
+    assert done.exit_code == 0
+    system = Scene.ready(name).derive()
+    assert system.title in done.output
+    if style == "text":
+        for state in system.state_names:
+            assert f"{state}' " in done.output or f"{state}'  " in done.output
+        assert "operations an evaluation" in done.output
+
+
+def test_derived_latex_has_balanced_braces_and_environments(run):
+    for name in catalogue.names():
+        text = run("derive", name, "--as", "latex").output
+        assert text.count("{") == text.count("}")
+        assert text.count("\\begin{align*}") == text.count("\\end{align*}") > 0
+
+
+@pytest.mark.parametrize(("target", "files"), [("c", 4), ("numpy", 1)])
+def test_generate_writes_the_same_bytes_twice(run, tmp_path, target, files):
+    folders = [tmp_path / "a", tmp_path / "b"]
+    for folder in folders:
+        done = run("generate", "heavy-top", "--target", target, "--out", folder)
+        assert done.exit_code == 0, done.output
+    first, second = ({f.name: f.read_bytes() for f in folder.iterdir()} for folder in folders)
+    assert first == second
+    assert len(first) == files
+
+
+def test_generated_numpy_module_imports_numpy_alone(run, tmp_path):
+    run("generate", "heavy-top", "--target", "numpy", "--out", tmp_path)
+    code = """
+import sys
+import heavy_top
+print(heavy_top.STATES, [m for m in sys.modules if m in ("sympy", "eom", "codegen")])
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
+    assert done.stdout.strip().endswith("[]")
+
+
+def test_fixed_parameters_leave_none(run, tmp_path):
+    run("generate", "t-handle", "--fixed", "--target", "numpy", "--out", tmp_path)
+    assert "PARAMETERS = ()" in (tmp_path / "t_handle.py").read_text()
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_simulate_reports_and_saves(run, tmp_path, name):
+    done = run(
+        "simulate",
+        name,
+        "--out",
+        tmp_path / "run.npz",
+        "--plot",
+        tmp_path / "run.png",
+        "--points",
+        50,
+    )
+    assert done.exit_code == 0, done.output
+    assert "drift of" in done.output
+    assert "steps" in done.output
+    with np.load(tmp_path / "run.npz") as saved:
+        assert saved["t"].shape == (50,)
+        assert all(np.isfinite(saved[k]).all() for k in saved.files)
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_csv_holds_the_numbers_exactly(run, tmp_path):
+    run("simulate", "t-handle", "--points", 20, "--out", tmp_path / "run.csv")
+    run("simulate", "t-handle", "--points", 20, "--out", tmp_path / "run.npz")
+    table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    with np.load(tmp_path / "run.npz") as saved:
+        assert table.dtype.names == tuple(saved.files)
+        for name in saved.files:
+            np.testing.assert_array_equal(table[name], saved[name])
+
+
+def test_run_does_the_whole_job(run, tmp_path):
+    done = run("run", "bicycle-wheel", "--out", tmp_path / "wheel")
+    assert done.exit_code == 0, done.output
+    names = {f.name for f in (tmp_path / "wheel").iterdir()}
+    assert {"trajectory.npz", "trajectory.png"} <= names
+    assert any(n.startswith("bicycle_wheel") for n in names)
+    assert "theta_dot' = " in done.output
+
+
+def test_run_without_compiler_says_so(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", str(tmp_path / "no-such-compiler"))
+    done = run("run", "t-handle", "--out", tmp_path / "handle")
+    assert done.exit_code == 0
+    assert "no C compiler found" in done.output
+    assert (tmp_path / "handle" / "t_handle.py").is_file()
+    assert "SciPy" in done.output
+
+
+def test_options_change_the_integration(run, tmp_path):
+    done = run(
+        "simulate",
+        "t-handle",
+        "--t-end",
+        1,
+        "--method",
+        "scipy:RK45",
+        "--rtol",
+        1e-6,
+        "--out",
+        tmp_path / "r.npz",
+    )
+    assert "RK45 of SciPy" in done.output
+    with np.load(tmp_path / "r.npz") as saved:
+        assert saved["t"][-1] == 1.0
+
+
+def test_stop_at_a_singular_angle_is_reported_with_status_1(run, scene_file, tmp_path):
+    text = Path(catalogue.path_of("bicycle-wheel")).read_text(encoding="utf-8")
+    text = (
+        text.replace("theta = 0.1", "theta = 1.5")
+        .replace("theta_dot = 0.0", "theta_dot = 3.0")
+        .replace("C = 6.0", "C = 0.0")
+    )
+    file = tmp_path / "out.npz"
+    done = run("simulate", scene_file(text), "--out", file)
+    assert done.exit_code == 1
+    assert "theta = 1.57" in done.output
+    assert "deg) is singular" in done.output
+    with np.load(file) as saved:
+        assert 0 < len(saved["t"]) < 1001
+
+
+BAD = {
+    "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel?"),
+    "no such file": (["derive", "missing.toml"], "no such scene file"),
+    "no such format": (["derive", "t-handle", "--as", "html"], "unknown format 'html'"),
+    "no such target": (["simulate", "t-handle", "--target", "fortran"], "unknown target 'fortran'"),
+    "no such generated target": (
+        ["generate", "t-handle", "--target", "rust", "--out", "x"],
+        "unknown target 'rust'",
+    ),
+    "no such method": (["simulate", "t-handle", "--method", "DOP583"], "did you mean DOP853"),
+    "negative tolerance": (["simulate", "t-handle", "--rtol", "-1"], "rtol"),
+    "end time zero": (["simulate", "t-handle", "--t-end", "0"], "end time is zero"),
+    "kind of table": (["simulate", "t-handle", "--out", "run.xlsx"], "ends in .npz or .csv"),
+    "kind of picture": (
+        ["simulate", "t-handle", "--plot", "run.gif"],
+        "ends in .png, .pdf or .svg",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_clear_error_with_status_2(run, case, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words, expected = BAD[case]
+    done = run(*words)
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+    assert expected in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words", [["generate", "t-handle", "--out"], ["run", "t-handle", "--out"]])
+def test_unwritable_folder(run, words, tmp_path):
+    blocker = tmp_path / "file"
+    blocker.write_text("in the way")
+    done = run(*words, blocker / "below")
+    assert done.exit_code == 2
+    assert "cannot be written" in done.stderr
+    assert blocker.read_text() == "in the way"
+
+
+def test_failing_compiler_is_reported(run, tmp_path, monkeypatch):
+    broken = tmp_path / "cc"
+    broken.write_text("#!/bin/sh\necho 'cc: out of order' >&2\nexit 3\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    monkeypatch.setenv("EOM_CACHE_DIR", str(tmp_path / "cache"))
+    done = run("simulate", "t-handle", "--target", "c")
+    assert done.exit_code == 2
+    assert "the C compiler failed" in done.stderr
+    assert "out of order" in done.stderr
+    assert list((tmp_path / "cache").iterdir()) == []
+    assert run("simulate", "t-handle").exit_code == 0
+
+
+def test_scene_file_errors_name_the_file_and_the_key(run, scene_file):
+    file = scene_file(FREE.replace("moments", "momants"))
+    done = run("derive", file)
+    assert done.exit_code == 2
+    assert str(file) in done.stderr
+    assert "did you mean moments?" in done.stderr
+
+
+def test_missing_initial_value_is_named(run, scene_file):
+    done = run("simulate", scene_file(FREE.replace("omega_3 = 0\n", "")))
+    assert done.exit_code == 2
+    assert "missing initial value: omega_3" in done.stderr
+
+
+def test_help_names_every_command(run):
+    text = run("--help").output
+    assert all(word in text for word in ("list", "derive", "generate", "simulate", "run"))
