@@ -19,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen import fastcall, native, passes
 from codegen.guard import Guard
+from codegen.integrate import runge_kutta
+from codegen.integrate.dop853 import DOP853
 from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
@@ -231,9 +233,6 @@ def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]
 
 
 def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
-    from codegen.integrate import runge_kutta
-    from codegen.integrate.dop853 import DOP853
-
     return {**c.files(program, layout), **runge_kutta.files(DOP853, layout)}
 
 

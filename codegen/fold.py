@@ -11,17 +11,29 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from codegen.program import Builder
+from codegen.ops import Instruction
 
 MAX_BITS = 1024
 
-Rule = Callable[["Builder", tuple[int, ...]], int | None]
+
+class Numbers(Protocol):
+    """What a rule needs of a builder: look at instructions, and append more."""
+
+    instructions: list[Instruction]
+
+    def add(self, op: str, *args: int) -> int:
+        """Return the number of ``op`` on ``args``."""
+
+    def const(self, value: Fraction | int) -> int:
+        """Return the number of an exact constant."""
 
 
-def fold(b: Builder, op: str, args: tuple[int, ...]) -> int | None:
+Rule = Callable[[Numbers, tuple[int, ...]], int | None]
+
+
+def fold(b: Numbers, op: str, args: tuple[int, ...]) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
     constants = [constant(b, a) for a in args]
     if op in _EXACT and all(c is not None for c in constants):
@@ -32,7 +44,7 @@ def fold(b: Builder, op: str, args: tuple[int, ...]) -> int | None:
     return rule(b, args) if rule else None
 
 
-def constant(b: Builder, number: int) -> Fraction | None:
+def constant(b: Numbers, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
     instruction = b.instructions[number]
     return (
@@ -46,13 +58,13 @@ def _small(value: Fraction) -> bool:
     return max(abs(value.numerator).bit_length(), value.denominator.bit_length()) <= MAX_BITS
 
 
-def _negated(b: Builder, number: int) -> int | None:
+def _negated(b: Numbers, number: int) -> int | None:
     """Return x if ``number`` is -x."""
     instruction = b.instructions[number]
     return instruction.args[0] if instruction.op == "neg" else None
 
 
-def _add(b: Builder, args: tuple[int, ...]) -> int | None:
+def _add(b: Numbers, args: tuple[int, ...]) -> int | None:
     for x, y in (args, args[::-1]):
         if constant(b, x) == 0:
             return y
@@ -62,7 +74,7 @@ def _add(b: Builder, args: tuple[int, ...]) -> int | None:
     return None
 
 
-def _sub(b: Builder, args: tuple[int, ...]) -> int | None:
+def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
     x, y = args
     if x == y:
         return b.const(0)
@@ -74,7 +86,7 @@ def _sub(b: Builder, args: tuple[int, ...]) -> int | None:
     return None if negative is None else b.add("add", x, negative)
 
 
-def _mul(b: Builder, args: tuple[int, ...]) -> int | None:
+def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
     for x, y in (args, args[::-1]):
         c = constant(b, x)
         if c == 0:
@@ -89,7 +101,7 @@ def _mul(b: Builder, args: tuple[int, ...]) -> int | None:
     return None
 
 
-def _div(b: Builder, args: tuple[int, ...]) -> int | None:
+def _div(b: Numbers, args: tuple[int, ...]) -> int | None:
     x, y = args
     c = constant(b, y)
     if c == 1 or (constant(b, x) == 0 and c != 0):
@@ -112,12 +124,12 @@ def _power_of_two(value: Fraction) -> bool:
     ) == 0
 
 
-def _neg(b: Builder, args: tuple[int, ...]) -> int | None:
+def _neg(b: Numbers, args: tuple[int, ...]) -> int | None:
     return _negated(b, args[0])
 
 
 def _odd(op: str) -> Rule:
-    def rule(b: Builder, args: tuple[int, ...]) -> int | None:
+    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
         negative = _negated(b, args[0])
         return None if negative is None else b.add("neg", b.add(op, negative))
 
@@ -125,14 +137,14 @@ def _odd(op: str) -> Rule:
 
 
 def _even(op: str) -> Rule:
-    def rule(b: Builder, args: tuple[int, ...]) -> int | None:
+    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
         negative = _negated(b, args[0])
         return None if negative is None else b.add(op, negative)
 
     return rule
 
 
-def _select(b: Builder, args: tuple[int, ...]) -> int | None:
+def _select(b: Numbers, args: tuple[int, ...]) -> int | None:
     c, x, y = args
     known = constant(b, c)
     if known is not None:
@@ -140,7 +152,7 @@ def _select(b: Builder, args: tuple[int, ...]) -> int | None:
     return x if x == y else None
 
 
-def _same(b: Builder, args: tuple[int, ...]) -> int | None:  # noqa: ARG001
+def _same(b: Numbers, args: tuple[int, ...]) -> int | None:  # noqa: ARG001
     return args[0] if args[0] == args[1] else None
 
 

@@ -13,8 +13,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from codegen.ops import OPS
-from codegen.program import Instruction, Program
+from codegen.ops import OPS, Instruction
+from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -127,3 +128,15 @@ TRUTH_VALUES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 
 LEAVES = ("const", "pi", "time", "state", "parameter", "input")
 """Instructions without operands: exact constants, and slots of the arrays of values."""
+
+
+class Instruction(NamedTuple):
+    """An operation on earlier instructions, or a leaf.
+
+    ``value``: the exact number of a ``const``, the slot of a ``time``, ``state``, ``parameter``
+    or ``input``; None otherwise.
+    """
+
+    op: str
+    args: tuple[int, ...] = ()
+    value: Fraction | int | None = None

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from codegen.interpret import Point, interpret_exactly
-from codegen.ops import OPS
-from codegen.program import Builder, Instruction, Program
+from codegen.ops import OPS, Instruction
+from codegen.program import Builder, Program
 
 
 def prune(program: Program, groups: Iterable[str] | None = None) -> Program:

@@ -13,19 +13,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from codegen import fold
-from codegen.ops import LEAVES, OPS
-
-
-class Instruction(NamedTuple):
-    """An operation on earlier instructions, or a leaf.
-
-    ``value``: the exact number of a ``const``, the slot of a ``time``, ``state``, ``parameter``
-    or ``input``; None otherwise.
-    """
-
-    op: str
-    args: tuple[int, ...] = ()
-    value: Fraction | int | None = None
+from codegen.ops import LEAVES, OPS, Instruction
 
 
 class Name(NamedTuple):

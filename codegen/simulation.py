@@ -169,7 +169,7 @@ def _compile_once(key: _Identity[System]) -> Compiled:
 
 @lru_cache(maxsize=64)
 def _build_once(key: _Identity[Compiled]) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(DOP853, key.value)
+    return runge_kutta.build(DOP853, key.value.program, key.value.layout)
 
 
 def _positive(value: float, name: str) -> float:

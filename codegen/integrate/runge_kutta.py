@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from codegen import native
-from codegen.compiled import Compiled
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.layout import Layout
 from codegen.lower import SINGULARITIES
 from codegen.names import comment, identifier
+from codegen.program import Program
 from codegen.targets import c
 
 NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED = -2, -1, 0, 1, 2, 3
@@ -33,12 +33,12 @@ def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
     }
 
 
-def single_text(tableau: Tableau, compiled: Compiled) -> str:
+def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
     """Return functions and integrator as one text that compiles by itself."""
-    name = identifier(compiled.layout.name)
-    header, source = files(tableau, compiled.layout).values()
+    name = identifier(layout.name)
+    header, source = files(tableau, layout).values()
     rest = (header + source).replace(f'#include "{name}.h"\n', "")
-    return c.single_text(compiled.program, compiled.layout) + rest.replace(
+    return c.single_text(program, layout) + rest.replace(
         f'#include "{name}_{tableau.name}.h"\n', ""
     )
 
@@ -139,12 +139,12 @@ class NativeMethod:
     library: ctypes.CDLL
 
 
-def build(tableau: Tableau, compiled: Compiled) -> NativeMethod:
+def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
-    text = single_text(tableau, compiled)
+    text = single_text(tableau, program, layout)
     library = native.load(native.compile_library(text), text)
-    prefix = f"{identifier(compiled.layout.name)}_{tableau.name}"
-    n, singular = len(compiled.layout.states), len(compiled.layout.results[SINGULARITIES])
+    prefix = f"{identifier(layout.name)}_{tableau.name}"
+    n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms)
     size = getattr(library, f"{prefix}_size")
     size.restype = ctypes.c_size_t
