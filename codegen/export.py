@@ -92,7 +92,7 @@ def _draw(figure: Any, result: Result, names: Iterable[str], units: Mapping[str,
         (f"[{unit}]" if unit not in {"", "1"} else "", curves) for unit, curves in panels.items()
     ]
     if result.drift:
-        relative = {n: d.over_time / (abs(d.start) or 1.0) for n, d in result.drift.items()}
+        relative = {n: d.over_time / d.scale for n, d in result.drift.items()}
         labelled.append(("relative drift", relative))
     figure.set_size_inches(8, 1.2 + 2.1 * len(labelled))
     axes = figure.subplots(len(labelled), 1, sharex=True, squeeze=False)[:, 0]

@@ -107,7 +107,8 @@ def interpret_with_bound(
             return Bounded(value, float("inf"))
         slopes = row.partials(m, value, *operands)
         carried = sum(
-            abs(float(s)) * a.error if a.error else 0.0 for s, a in zip(slopes, args, strict=True)
+            abs(float(s)) * a.error if s and a.error else 0.0
+            for s, a in zip(slopes, args, strict=True)
         )
         return Bounded(value, carried + 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)))
 

@@ -321,6 +321,7 @@ _RULES: tuple[
     (type(sp.pi), lambda s, _: ((), lambda _a: s.b.leaf("pi"))),
     (type(sp.E), lambda s, _: ((), lambda _a: s.b.add("exp", s.b.const(1)))),
     (sp.Not, lambda s, n: (n.args, lambda a: s.b.add("not", *a))),
+    (sp.ITE, lambda s, n: (n.args, lambda a: s.b.add("select", *a))),
     (sp.Unequality, lambda s, n: (n.args, lambda a: s.b.add("not", s.b.add("eq", *a)))),
     (type(sp.true), lambda s, _: ((), lambda _a: s.b.const(1))),
     (type(sp.false), lambda s, _: ((), lambda _a: s.b.const(0))),

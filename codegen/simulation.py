@@ -42,9 +42,14 @@ class Drift:
     """Value less first value at each stored point."""
 
     @property
+    def scale(self) -> float:
+        """What the change is compared with: the first value, or 1 if that is zero to the run's accuracy."""
+        return abs(self.start) if abs(self.start) > self.largest else 1.0
+
+    @property
     def relative(self) -> float:
-        """The largest change over the size of the first value; absolute if that is zero."""
-        return self.largest / abs(self.start) if self.start else self.largest
+        """The largest change over the scale."""
+        return self.largest / self.scale
 
 
 @dataclass(frozen=True)

@@ -267,10 +267,8 @@ def _closing(result: Result) -> None:
     )
     table.add_row("time", f"{1e3 * result.seconds:.3g} ms")
     for name, drift in result.drift.items():
-        table.add_row(
-            f"drift of {name}",
-            f"{drift.relative:.2e} of {drift.start:.6g}" if drift.start else f"{drift.largest:.2e}",
-        )
+        kind = "relative" if drift.scale == abs(drift.start) else "absolute"
+        table.add_row(f"drift of {name}", f"{drift.relative:.2e} {kind}, from {drift.start:.6g}")
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
     Console(soft_wrap=True).print(table)

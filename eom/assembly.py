@@ -95,10 +95,10 @@ def _rigid_body(scene: Scene, general_torque: bool) -> System:
 def _components(
     scene: Scene, states: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
-    """Parse the torque components; return them with the scene's own parameters and inputs."""
-    if general_torque:
-        a, b, c = (sp.Symbol(n, real=True) for n in general)
-        return (a, b, c), (), tuple(Quantity(s, "N m") for s in (a, b, c))
+    """Parse the torque components; return them with the scene's own parameters and inputs.
+
+    With ``general_torque`` each component that is zero is an input instead, of a name in ``general``.
+    """
     groups = [
         tuple(
             Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the torque")
@@ -115,8 +115,13 @@ def _components(
         else sp.Rational(str(c))
         for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
     ]
+    inputs = groups[1]
+    if general_torque:
+        zero = {k: sp.Symbol(general[k], real=True) for k, c in enumerate(parsed) if c == 0}
+        parsed = [zero.get(k, c) for k, c in enumerate(parsed)]
+        inputs = (*inputs, *(Quantity(s, "N m") for s in zero.values()))
     a, b, c = parsed
-    return (a, b, c), groups[0], groups[1]
+    return (a, b, c), groups[0], inputs
 
 
 def _check_clash(scene: Scene, own: dict[str, Expr], states: dict[str, Expr]) -> None:

@@ -23,6 +23,7 @@ MAX_LENGTH = 4000
 MAX_DEPTH = 60
 MAX_BITS = 512
 MAX_EXPONENT = 64
+MAX_GROWTH = 700  # exp(700) is close to the largest double
 
 FUNCTIONS: dict[str, tuple[int, Callable[..., Expr]]] = {
     **{
@@ -54,7 +55,7 @@ FUNCTIONS: dict[str, tuple[int, Callable[..., Expr]]] = {
 CONSTANTS: dict[str, Expr] = {"pi": sp.pi}
 
 _TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)"
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<operator>\*\*|[-+*/^(),]))"
 )
 _BINARY: dict[str, int] = {"+": 10, "-": 10, "*": 20, "/": 20, "^": 40, "**": 40}
@@ -203,6 +204,8 @@ class _Parser:
                 f"{token.text} takes {count} argument{'s'[: count - 1]}, got {len(arguments)}",
                 start=token.start,
             )
+        if token.text in {"exp", "sinh", "cosh"} and _beyond(arguments[0], MAX_GROWTH):
+            raise self.error("number is too large or too small", start=token.start)
         return self.checked(function(*arguments), token)
 
     def combine(self, operator: Token, left: Expr, right: Expr) -> Expr:
@@ -223,19 +226,26 @@ class _Parser:
             raise self.error(
                 f"constant exponent beyond {MAX_EXPONENT}, or not a fraction", start=operator.start
             )
-        if (
-            base.is_Rational
-            and max(abs(base.p), base.q).bit_length() * (abs(exponent) if exponent.is_number else 1)
-            > MAX_BITS
-        ):
+        if _bits(base) * (abs(exponent) if exponent.is_number else 1) > MAX_BITS:
             raise self.error("number is too large", start=operator.start)
         return base**exponent
 
     def checked(self, value: Expr, token: Token) -> Expr:
-        if value.is_Rational and max(abs(value.p), value.q).bit_length() > MAX_BITS:
+        if _bits(value) > MAX_BITS:
             raise self.error("number is too large or too small", start=token.start)
         if value.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
             raise self.error("division by zero", start=token.start)
         if value.is_real is False or value.has(sp.I):
             raise self.error("the value is not real", start=token.start)
         return value
+
+
+def _bits(value: Expr) -> int:
+    """Bits of the rational factor of ``value``; powers of products multiply it out."""
+    factor = value.as_coeff_Mul(rational=True)[0]
+    return int(max(abs(factor.p), factor.q).bit_length())
+
+
+def _beyond(value: Expr, limit: int) -> bool:
+    """Whether a constant is larger than ``limit``: towers of exponentials cannot be evaluated."""
+    return bool(value.is_number and abs(value.evalf(5)) > limit)

@@ -45,11 +45,11 @@ def sections(system: System) -> list[Section]:
     """Return what there is to print, in reading order; empty sections are left out."""
     equations = [Row(Rate(q), r) for q, r in zip(system.states, system.rates, strict=True)]
     heading = "Equations of motion"
+    mass: list[Row] = []
     if system.mass_matrix is not None:
-        heading = (
-            "Equations of motion: mass matrix times the rates of the states equals the right sides"
-        )
-    mass = [] if system.mass_matrix is None else [Row("mass matrix", system.mass_matrix)]
+        names, block = _coupled_block(system, system.mass_matrix)
+        heading = f"Equations of motion; mass matrix times the rates of {names} = right sides"
+        mass = [Row("mass matrix", block)]
     everything = [
         Section("States", _variables(system.states)),
         Section("Parameters", _variables(system.parameters)),
@@ -65,6 +65,15 @@ def sections(system: System) -> list[Section]:
         Section("Assumptions", tuple(Row(a.name, None, a.meaning) for a in system.assumptions)),
     ]
     return [s for s in everything if s.rows]
+
+
+def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
+    """Return names and mass matrix of the states whose rows differ from those of the identity."""
+    n = len(system.states)
+    keep = [
+        k for k in range(n) if matrix[k, :] != sp.eye(n)[k, :] or matrix[:, k] != sp.eye(n)[:, k]
+    ]
+    return ", ".join(system.states[k].name for k in keep), matrix.extract(keep, keep)
 
 
 def _variables(quantities: Iterable[Quantity]) -> tuple[Row, ...]:

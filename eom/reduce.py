@@ -38,11 +38,15 @@ class Explanation:
 
     def __str__(self) -> str:
         """Return one line a reduction, then the totals."""
-        lines = [f"- {r.what}: {r.why} ({r.saved} operations saved)" for r in self.reductions]
+        lines = [f"- {r.what}: {r.why} ({_counted(r.saved)} saved)" for r in self.reductions]
         total = (
             f"{self.before} operations an evaluation of the general rates, {self.after} of these"
         )
         return "\n".join([*lines, total])
+
+
+def _counted(operations: int) -> str:
+    return f"{operations} operation{'' if operations == 1 else 's'}"
 
 
 def cost(system: System) -> int:

@@ -239,8 +239,9 @@ def _outputs(J: Expr, law: Torque, torque: Vector, attitude: Attitude | None) ->
         for k, c in enumerate(torque.components, 1)
     ]
     if attitude:
-        up = sp.acos(attitude.matrix[2, 2])
-        outputs.append(scalar("tilt", up, "rad", "angle between b3 and a3", "\\beta"))
+        up = attitude.matrix[:, 2]
+        tilt = sp.atan2(sp.sqrt(up[0] ** 2 + up[1] ** 2), up[2])
+        outputs.append(scalar("tilt", tilt, "rad", "angle between b3 and a3", "\\beta"))
         outputs += [scalar(*_with_unit(c)) for c in attitude.constraints]
     return outputs
 
