@@ -7,6 +7,7 @@ or ``(N,)``. Whatever has no column axis is the same at every point.
 from __future__ import annotations
 
 import ctypes
+import errno
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -80,9 +81,16 @@ class CheckedFunction:
                 "numbers of columns differ", got=", ".join(f"{k}: {v}" for k, v in columns.items())
             )
         shape = (self.layout.sizes[self.group], *count)
-        result = np.empty(shape) if out is None else _checked_out(out, shape)
-        self.kernel(time if time.ndim else float(time), states, parameters, inputs, result)
-        return result
+        arguments = (time[()], states, parameters, inputs)
+        if out is not None and _fills_in_place(_checked_out(out, shape), arguments):
+            self.kernel(*arguments, out)
+            return out
+        result = np.empty(shape)
+        self.kernel(*arguments, result)
+        if out is None:
+            return result
+        out[...] = result
+        return out
 
 
 def _real(value: ArrayLike, name: str) -> Array:
@@ -127,6 +135,16 @@ def _checked_out(out: Array, shape: tuple[int, ...]) -> Array:
             "out does not fit", got=got, expected=f"a writable float64 array of shape {shape}"
         )
     return out
+
+
+def _in_whole_doubles(array: Array) -> bool:
+    """Tell whether the distances between elements are whole numbers of doubles."""
+    return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
+
+
+def _fills_in_place(out: Array, arguments: Sequence[Any]) -> bool:
+    """Tell whether no argument lies in ``out``, so that filling it changes none."""
+    return _in_whole_doubles(out) and not any(np.may_share_memory(out, a) for a in arguments)
 
 
 @dataclass(frozen=True)
@@ -290,13 +308,8 @@ def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
 
     def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        step = times.strides[0] // 8 if np.ndim(t) else 0
-        x, p, u = (a if all(s % 8 == 0 for s in a.strides) else a.copy() for a in (x, p, u))
-        if out.ndim == 2 and any(np.may_share_memory(out, a) for a in (x, p, u)):
-            result = np.empty_like(out)
-            run(t, x, p, u, result)
-            out[...] = result
-            return
+        times, x, p, u = (a if _in_whole_doubles(a) else a.copy() for a in (times, x, p, u))
+        step = times.strides[0] // times.itemsize if np.ndim(t) else 0
         count = out.shape[1] if out.ndim == 2 else 1
         function(count, times.ctypes.data, step, *(v for a in (x, p, u, out) for v in strided(a)))
 
@@ -330,6 +343,9 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
     target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)
+        taken = [name for name in files if (target / name).is_dir()]
+        if taken:
+            raise IsADirectoryError(errno.EISDIR, f"{taken[0]} is a folder")
         with tempfile.TemporaryDirectory(prefix=".eom-", dir=target) as staging:
             for name, text in files.items():
                 (Path(staging) / name).write_text(text, encoding="utf-8", newline="\n")

@@ -117,7 +117,8 @@ def _components(
     ]
     inputs = groups[1]
     if general_torque:
-        zero = {k: sp.Symbol(general[k], real=True) for k, c in enumerate(parsed) if c == 0}
+        free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]
+        zero = {k: sp.Symbol(general[k], real=True) for k in free}
         parsed = [zero.get(k, c) for k, c in enumerate(parsed)]
         inputs = (*inputs, *(Quantity(s, "N m") for s in zero.values()))
     a, b, c = parsed

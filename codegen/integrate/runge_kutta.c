@@ -193,14 +193,11 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         s->after_rejection = 0;
         s->which = -1;
 
-        int have_dense = 0;
+        const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
-        if (o->dense != NULL || wants_grid_point(o, t_new, direction)) {
-            prepare_dense(s, k, h, x_new, p, u);
-            have_dense = 1;
-        }
+        if (needs_dense) prepare_dense(s, k, h, x_new, p, u);
         double stop = 2.0;
 #if S
         double after[S];
@@ -212,8 +209,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
             s->closest[m] = fmin(s->closest[m], fabs(after[m]));
         }
         if (check) {
-            if (!have_dense) prepare_dense(s, k, h, x_new, p, u);
-            have_dense = 1;
+            if (!needs_dense) prepare_dense(s, k, h, x_new, p, u);
             stop = find_singular(s, after, p, u);
         }
         for (int m = 0; m < S; ++m) s->singular[m] = after[m];

@@ -20,9 +20,9 @@ def _call(name: str, arity: int = 1) -> Template:
 
 TEMPLATES: dict[str, Template] = {
     "add": infix("+", 10),
-    "sub": infix("-", 10, right_tighter=True),
+    "sub": infix("-", 10),
     "mul": infix("*", 20),
-    "div": infix("/", 20, right_tighter=True),
+    "div": infix("/", 20),
     "neg": Template("-{0}", 15, (20,)),
     "pow": _call("power", 2),
     "sqrt": _call("sqrt"),

@@ -48,9 +48,9 @@ class Body:
     results: tuple[str, ...]
 
 
-def infix(symbol: str, power: int, *, right_tighter: bool = False) -> Template:
+def infix(symbol: str, power: int) -> Template:
     """Return the template of a binary operator that groups to the left."""
-    return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1 if right_tighter else power))
+    return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1))
 
 
 def render(
@@ -139,6 +139,8 @@ class _Renderer:
 
     def _operation(self, k: int) -> None:
         op, args, _ = self.program.instructions[k]
+        if OPS[op].commutative and self._binds_less(op, args):
+            args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
         template = self.templates[op]
         needs = template.needs or (0,) * len(args)
         operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
@@ -147,6 +149,14 @@ class _Renderer:
             self._assign(k, text)
         else:
             self.text[k] = (text, template.power)
+
+    def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
+        """Tell whether the second operand would need brackets and the first would not."""
+        needs = self.templates[op].needs
+        if len(needs) != 2:
+            return False
+        first, second = (self.text[a][1] for a in args)
+        return second < needs[1] <= first and second >= needs[0]
 
     def _operand(self, k: int, need: int) -> str:
         text, power = self.text[k]
