@@ -99,7 +99,7 @@ def fold_definitions(system: System) -> System:
             trivial[definition.symbol] = expression
         else:
             kept.append(replace(definition, expression=expression))
-    return substitute(replace(system, definitions=tuple(kept)), trivial)
+    return replace(substitute(system, trivial), definitions=tuple(kept))
 
 
 def constant_states(system: System) -> tuple[Quantity, ...]:

@@ -1,0 +1,272 @@
+"""The data of a scene: what a scene file may say, and every check that needs no derivation."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+import pydantic
+import sympy as sp
+from pydantic import ConfigDict, Field, FiniteFloat, PositiveFloat
+
+from eom import inertia, solids
+from eom.errors import InputError, unknown_name
+from eom.kinematics import SEQUENCES
+from eom.naming import check_names
+
+Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Formula = str | FiniteFloat
+
+
+class _Part(pydantic.BaseModel):
+    """What all parts of a scene share: frozen, and no key without a meaning."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+
+
+class Body(_Part):
+    """The body by principal moments, by its inertia matrix, or as a named uniform solid.
+
+    ``moments``: I1, I2, I3 (kg m^2); for a spinner I1 (transverse) and I2 (about the axle).
+    ``matrix``: 3 by 3, off-diagonal entries minus the products of inertia.
+    ``solid`` with ``mass`` (kg) and ``size`` (m): see `eom.solids`; symmetric solids have their
+    axis along b3, for a spinner along b2.
+    """
+
+    moments: tuple[FiniteFloat, ...] | None = None
+    matrix: tuple[Triple, Triple, Triple] | None = None
+    solid: str | None = None
+    mass: PositiveFloat | None = None
+    size: dict[str, PositiveFloat] = Field(default_factory=dict)
+
+
+class Weight(_Part):
+    """Weight about a fixed point: gravity along -a3."""
+
+    mass: PositiveFloat
+    gravity: PositiveFloat = 9.81
+    centre_of_mass: Triple
+
+
+class GravityGradient(_Part):
+    """Gravity gradient on a circular orbit; attitude is measured in the orbit frame."""
+
+    orbital_rate: PositiveFloat
+
+
+class Torque(_Part):
+    """At most one of: components in B (numbers or formulas), weight, gravity gradient."""
+
+    components: tuple[Formula, Formula, Formula] | None = None
+    weight: Weight | None = None
+    gravity_gradient: GravityGradient | None = None
+
+
+class Value(_Part):
+    """A number with its unit and meaning."""
+
+    value: FiniteFloat
+    unit: str = ""
+    meaning: str = ""
+
+
+class InitialAttitude(_Part):
+    """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion."""
+
+    sequence: str = "3-1-2"
+    radians: Triple | None = None
+    degrees: Triple | None = None
+    quaternion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+
+
+class Integration(_Part):
+    """End time (s), method, tolerances and the number of output times."""
+
+    t_end: FiniteFloat = 10.0
+    method: str = "auto"
+    rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
+    atol: Annotated[float, Field(gt=0)] | None = None
+    points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
+
+
+def _as_value(value: Any) -> Any:
+    return {"value": value} if isinstance(value, int | float) else value
+
+
+Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
+
+
+class Description(_Part):
+    """One body, its attitude coordinates and torque, numbers, and what is asked for.
+
+    ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
+    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences.
+    ``outputs``: names of states and outputs; nothing else is derived. Empty means all states.
+    ``initial``: values of states at t = 0, or of outputs that determine a missing state.
+    """
+
+    name: str = "scene"
+    title: str = ""
+    description: str = ""
+    model: Literal["rigid body", "spinner"] = "rigid body"
+    body: Body
+    attitude: str = "none"
+    torque: Torque = Torque()
+    parameters: Values = Field(default_factory=dict)
+    inputs: Values = Field(default_factory=dict)
+    initial: dict[str, FiniteFloat] = Field(default_factory=dict)
+    initial_attitude: InitialAttitude | None = None
+    outputs: tuple[str, ...] = ()
+    integration: Integration = Integration()
+
+
+def check(scene: Description) -> None:
+    """Raise `InputError` for what one field alone cannot tell."""
+    check_names([*scene.parameters], "[parameters]")
+    check_names([*scene.inputs], "[inputs]")
+    _check_attitude(scene)
+    _check_body(scene)
+    _check_torque(scene)
+    _check_initial_attitude(scene.initial_attitude)
+    if scene.integration.t_end == 0:
+        raise InputError(
+            "end time is zero", where="[integration] t_end", hint="give the time in seconds"
+        )
+
+
+def principal_values(scene: Description) -> tuple[float, float, float]:
+    """Return I1, I2, I3 (kg m^2) of a body that is given by moments or as a solid."""
+    body, spinner = scene.body, scene.model == "spinner"
+    if body.moments is not None:
+        expected = {2} if spinner else {3}
+        if len(body.moments) not in expected:
+            raise InputError(
+                "wrong number of moments",
+                where="[body] moments",
+                got=len(body.moments),
+                expected="I1 (transverse) and I2 (about the axle)" if spinner else "I1, I2, I3",
+            )
+        first, second, *third = body.moments
+        return (first, second, first) if spinner else (first, second, third[0])
+    formulas = solids.principal_moments(str(body.solid))
+    numbers = {
+        sp.Symbol(n, positive=True): sp.Float(v)
+        for n, v in (*body.size.items(), ("mass", body.mass))
+    }
+    a, b, c = (float(f.xreplace(numbers)) for f in formulas)
+    if not spinner:
+        return a, b, c
+    if a != b:
+        raise InputError(
+            "a spinner is symmetric about its axle", where="[body] solid", got=body.solid
+        )
+    return a, c, a
+
+
+def _check_attitude(scene: Description) -> None:
+    known = ("none", "quaternion", "dcm", *SEQUENCES)
+    if scene.attitude not in known:
+        raise unknown_name("attitude", scene.attitude, known, "attitude")
+    if scene.model == "spinner" and scene.attitude not in {"none", "3-1-2"}:
+        raise InputError(
+            "a spinner has the 3-1-2 angles psi, theta, phi",
+            where="attitude",
+            got=scene.attitude,
+            hint="leave attitude out",
+        )
+
+
+def _check_body(scene: Description) -> None:
+    body = scene.body
+    given = [k for k in ("moments", "matrix", "solid") if getattr(body, k) is not None]
+    if len(given) != 1:
+        raise InputError(
+            "the body needs exactly one description",
+            where="[body]",
+            got=", ".join(given) or "none",
+            expected="moments, matrix or solid",
+        )
+    if body.matrix is not None:
+        if scene.model == "spinner":
+            raise InputError(
+                "a spinner is symmetric",
+                where="[body] matrix",
+                hint="give moments = [I1, I2] or a solid",
+            )
+        inertia.check_matrix(body.matrix, "[body] matrix")
+    if body.solid is not None:
+        _check_solid(body)
+    elif body.mass is not None or body.size:
+        raise InputError(
+            "mass and size belong to a solid",
+            where="[body]",
+            got=given[0],
+            hint="name a solid, or drop them",
+        )
+    if body.matrix is None:
+        inertia.check_principal_moments(principal_values(scene), "[body]")
+
+
+def _check_solid(body: Body) -> None:
+    if body.solid not in solids.SOLIDS:
+        raise unknown_name("solid", str(body.solid), solids.SOLIDS, "[body] solid")
+    if body.mass is None:
+        raise InputError("a solid needs its mass", where="[body] mass", expected="kilograms")
+    sizes = solids.SOLIDS[body.solid].sizes
+    if set(body.size) != set(sizes):
+        raise InputError(
+            f"sizes of a {body.solid}",
+            where="[body] size",
+            got=", ".join(body.size) or "none",
+            expected=", ".join(sizes),
+        )
+    if "inner_radius" in body.size and body.size["inner_radius"] >= body.size["outer_radius"]:
+        raise InputError(
+            "inner radius is not less than outer radius", where="[body] size", got=body.size
+        )
+
+
+def _check_torque(scene: Description) -> None:
+    torque = scene.torque
+    given = [
+        k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None
+    ]
+    if len(given) > 1:
+        raise InputError(
+            "more than one torque", where="[torque]", got=", ".join(given), expected="at most one"
+        )
+    if given and given[0] != "components":
+        if scene.model == "spinner":
+            raise InputError("a spinner takes torque components", where="[torque]", got=given[0])
+        if scene.attitude == "none":
+            raise InputError(
+                f"torque by {given[0]} depends on attitude",
+                where="attitude",
+                got="none",
+                hint='for example attitude = "quaternion"',
+            )
+
+
+def _check_initial_attitude(initial: InitialAttitude | None) -> None:
+    if initial is None:
+        return
+    where = "[initial_attitude]"
+    given = [k for k in ("radians", "degrees", "quaternion") if getattr(initial, k) is not None]
+    if len(given) != 1:
+        raise InputError(
+            "the initial attitude needs exactly one description",
+            where=where,
+            got=", ".join(given) or "none",
+            expected="radians, degrees or quaternion",
+        )
+    if initial.sequence not in SEQUENCES:
+        raise unknown_name("rotation sequence", initial.sequence, SEQUENCES, where)
+    if initial.quaternion is not None:
+        norm = math.hypot(*initial.quaternion)
+        if abs(norm - 1) > 1e-9:
+            raise InputError(
+                "quaternion does not have unit norm",
+                where=where,
+                got=f"norm {norm!r}",
+                expected="1 to within 1e-9",
+            )

@@ -1,0 +1,201 @@
+"""Which module may import which, and what no module may do, read from the source text."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("eom", "codegen")
+FILES = {
+    p: ".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    for package in PACKAGES
+    for p in sorted((ROOT / package).rglob("*.py"))
+}
+TREES = {name: ast.parse(p.read_text(encoding="utf-8")) for p, name in FILES.items()}
+FOLDERS = {name for p, name in FILES.items() if p.name == "__init__.py"}
+
+COMMAND_LINE = "eom.__main__"
+MAX_FUNCTION_LINES = 40
+MAX_MODULE_LINES = 400
+
+
+def absolute(name, node):
+    """Modules that an import statement names, with dots resolved."""
+    if isinstance(node, ast.Import):
+        return [a.name for a in node.names]
+    base = node.module or ""
+    if node.level:
+        parts = name.split(".")
+        parts = parts if name in FOLDERS else parts[:-1]
+        parts = parts[: len(parts) - node.level + 1]
+        base = ".".join([*parts, base]).rstrip(".")
+    children = [f"{base}.{a.name}" for a in node.names]
+    return [c if c in TREES else base for c in children]
+
+
+def is_type_checking(node):
+    test = node.test
+    return "TYPE_CHECKING" in {getattr(test, "id", ""), getattr(test, "attr", "")}
+
+
+def imports(name, *, inside_functions):
+    """(imported module, line) of the imports of a module; those for type checkers left out."""
+    found, stack = [], [TREES[name]]
+    while stack:
+        node = stack.pop()
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            found += [(target, node.lineno) for target in absolute(name, node)]
+        elif isinstance(node, ast.If) and is_type_checking(node):
+            stack += node.orelse
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
+            stack += ast.iter_child_nodes(node) if inside_functions else []
+        else:
+            stack += ast.iter_child_nodes(node)
+    return found
+
+
+def within(module, package):
+    return module == package or module.startswith(package + ".")
+
+
+def broken(names, forbidden, *, inside_functions=True):
+    return [
+        f"{name}:{line} imports {target}"
+        for name in names
+        for target, line in imports(name, inside_functions=inside_functions)
+        if forbidden(target)
+    ]
+
+
+EOM = [n for n in TREES if within(n, "eom")]
+CODEGEN = [n for n in TREES if within(n, "codegen")]
+
+
+def test_the_packages_are_found():
+    assert {"eom.system", "eom.errors", "eom.scene"} <= set(EOM)
+    assert {"codegen.lower", "codegen.targets.c", "codegen.simulation"} <= set(CODEGEN)
+    assert ("eom.errors", 14) not in imports("eom.errors", inside_functions=True)
+    assert any(t == "eom.system" for t, _ in imports("codegen.lower", inside_functions=True))
+
+
+def test_eom_never_imports_arrays():
+    names = [n for n in EOM if n != COMMAND_LINE]
+    assert broken(names, lambda t: within(t, "numpy") or within(t, "scipy")) == []
+
+
+def test_only_the_command_line_of_eom_sees_codegen():
+    names = [n for n in EOM if n != COMMAND_LINE]
+    assert broken(names, lambda t: within(t, "codegen")) == []
+
+
+@pytest.mark.skipif(COMMAND_LINE not in TREES, reason="no command line yet")
+def test_command_line_imports_codegen_and_arrays_late():
+    def late(target):
+        return any(within(target, p) for p in ("codegen", "numpy", "scipy"))
+
+    assert broken([COMMAND_LINE], late, inside_functions=False) == []
+
+
+def test_codegen_knows_the_system_and_the_errors_alone():
+    def foreign(target):
+        return within(target, "eom") and target not in {"eom.system", "eom.errors"}
+
+    assert broken(CODEGEN, foreign) == []
+
+
+def test_import_graph_has_no_cycle():
+    """Remove modules that import nothing left, until none is left."""
+    graph = {
+        n: {t for t, _ in imports(n, inside_functions=False) if t in TREES and t != n}
+        for n in TREES
+    }
+    while graph:
+        free = [n for n, targets in graph.items() if not targets]
+        assert free, f"cycle among {sorted(graph)}"
+        graph = {n: targets - set(free) for n, targets in graph.items() if n not in free}
+
+
+@pytest.mark.parametrize("module", ["eom", "eom.errors", "eom.catalogue"])
+def test_import_is_light(module):
+    code = f"import {module}, sys; print(*sorted({{'sympy', 'numpy', 'scipy'}} & set(sys.modules)))"
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert run.stdout.strip() == ""
+
+
+def test_every_public_name_of_eom_loads():
+    import eom
+
+    assert eom.__all__ == sorted(eom.__all__, key=eom.__all__.index)
+    assert len(set(eom.__all__)) == len(eom.__all__)
+    assert all(getattr(eom, name) is not None for name in eom.__all__)
+    assert set(dir(eom)) == set(eom.__all__)
+    with pytest.raises(AttributeError, match="nobody"):
+        _ = eom.nobody
+
+
+def called(node):
+    function = node.func
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def is_text(node):
+    """Whether an expression is text for certain: a literal, an f-string, str(...)."""
+    if isinstance(node, ast.JoinedStr):
+        return True
+    if isinstance(node, ast.Call):
+        return called(node) in {"str", "repr", "format", "join"}
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_no_text_is_evaluated(name):
+    calls = [n for n in ast.walk(TREES[name]) if isinstance(n, ast.Call)]
+    bare = [n for n in calls if isinstance(n.func, ast.Name)]
+    direct = [f"{called(n)} in line {n.lineno}" for n in bare if called(n) in {"eval", "exec"}]
+    direct += [f"parse_expr in line {n.lineno}" for n in calls if called(n) == "parse_expr"]
+    texts = [
+        f"{called(n)} of text in line {n.lineno}"
+        for n in calls
+        if called(n) in {"sympify", "S", "nsimplify", "parse_expr"}
+        and n.args
+        and is_text(n.args[0])
+    ]
+    assert direct + texts == []
+
+
+def lines(node):
+    return node.end_lineno - node.lineno + 1
+
+
+def code_lines(function):
+    """Lines of a function from ``def`` to its end, its docstring left out."""
+    first = function.body[0]
+    described = ast.get_docstring(function) is not None
+    return lines(function) - (lines(first) if described else 0)
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_functions_are_short(name):
+    functions = [
+        n for n in ast.walk(TREES[name]) if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    long = [
+        f"{f.name}: {code_lines(f)} lines" for f in functions if code_lines(f) > MAX_FUNCTION_LINES
+    ]
+    assert long == []
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_modules_are_short(name):
+    """Tables, which are assignments of a module that hold no function, do not count."""
+    body = TREES[name].body
+    tables = [n for n in body if isinstance(n, ast.Assign | ast.AnnAssign) and lines(n) > 10]
+    count = max((n.end_lineno for n in body), default=0) - sum(map(lines, tables))
+    assert count <= MAX_MODULE_LINES
