@@ -26,6 +26,7 @@ from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
+from codegen.sums import share_sums
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
 from eom.system import System
@@ -233,11 +234,9 @@ def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Progra
     names = system.parameter_names
     given = {n: v for n, v in parameters.items() if n in names}
     to_array(list(given.values()), list(given), "parameter")
-    program, layout = lower_system(system), Layout.of(system)
-    if not given:
-        return program, layout
     fixed = {names.index(n): float(v) for n, v in given.items()}
-    return passes.specialise(program, fixed, len(names)), layout.without(given)
+    program = passes.specialise(lower_system(system), fixed, len(names))
+    return share_sums(program, RATES), Layout.of(system).without(given)
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

@@ -26,6 +26,9 @@ class Numbers(Protocol):
     def add(self, op: str, *args: int) -> int:
         """Return the number of ``op`` on ``args``."""
 
+    def find(self, instruction: Instruction) -> int | None:
+        """Return the number of an instruction that exists already, or None."""
+
     def const(self, value: Fraction | int) -> int:
         """Return the number of an exact constant."""
 
@@ -83,7 +86,10 @@ def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
     if constant(b, x) == 0:
         return b.add("neg", y)
     negative = _negated(b, y)
-    return None if negative is None else b.add("add", x, negative)
+    if negative is not None:
+        return b.add("add", x, negative)
+    opposite = b.find(Instruction("sub", (y, x)))
+    return None if opposite is None else b.add("neg", opposite)
 
 
 def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
@@ -93,8 +99,8 @@ def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
             return x
         if c == 1:
             return y
-        if c is not None and c < 0:
-            return b.add("neg", b.add("mul", b.const(-c), y))
+        if c == -1:
+            return b.add("neg", y)
         negative = _negated(b, x)
         if negative is not None:
             return b.add("neg", b.add("mul", negative, y))
@@ -125,6 +131,13 @@ def _power_of_two(value: Fraction) -> bool:
 
 
 def _neg(b: Numbers, args: tuple[int, ...]) -> int | None:
+    """Undo a negation, or take it into the constant of a product."""
+    op, factors, _ = b.instructions[args[0]]
+    if op == "mul":
+        for x, y in (factors, factors[::-1]):
+            c = constant(b, x)
+            if c is not None:
+                return b.add("mul", b.const(-c), y)
     return _negated(b, args[0])
 
 

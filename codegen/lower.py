@@ -222,7 +222,8 @@ class Lowering:
         def build(numbers: list[int]) -> int:
             total = self.b.const(0)
             for coefficient, number in zip(coefficients, numbers, strict=True):
-                total = self.b.add("add", total, self._scaled(number, coefficient))
+                term = self._scaled(number, abs(coefficient))
+                total = self.b.add("sub" if coefficient < 0 else "add", total, term)
             return self._scaled(total, shared)
 
         return [rest for _, rest in terms], build
@@ -238,7 +239,8 @@ class Lowering:
     def product(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a product as one quotient: factors with negative exponents divide together.
 
-        Factors that are bound earliest come first, so that products of parameters are shared.
+        Factors that are bound earliest come first, so that products of parameters are shared; the
+        numerical coefficient joins them, or comes last where there are none.
         """
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
@@ -252,18 +254,28 @@ class Lowering:
         ]
 
         def build(numbers: list[int]) -> int:
-            above, below = self.b.const(1), self.b.const(1)
-            order = sorted(
-                zip(numbers, split, strict=True), key=lambda factor: self.b.binding[factor[0]]
+            factors = sorted(
+                ((n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)),
+                key=lambda factor: (self.b.binding[factor[0]], factor[2]),
             )
-            for number, (_, exponent) in order:
-                if exponent > 0:
-                    above = self.b.add("mul", above, self._power(number, exponent))
-                else:
-                    below = self.b.add("mul", below, self._power(number, -exponent))
-            return self.b.add("div", self._scaled(above, coefficient), below)
+            below = self._powers((n, -e) for n, e, _ in factors if e < 0)
+            early = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] <= 1]
+            late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
+            above = self._powers(early)
+            if early:
+                above = self._powers(late, self._scaled(above, coefficient))
+            else:
+                above = self._scaled(self._powers(late), coefficient)
+            return self.b.add("div", above, below)
 
         return [b for b, _ in split], build
+
+    def _powers(self, factors: Iterable[tuple[int, Expr]], first: int | None = None) -> int:
+        """Return the product of powers, beginning with ``first``."""
+        product = self.b.const(1) if first is None else first
+        for number, exponent in factors:
+            product = self.b.add("mul", product, self._power(number, exponent))
+        return product
 
     def power(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a power: products for integers, a square root for halves, pow otherwise."""

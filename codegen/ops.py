@@ -48,6 +48,14 @@ def _sign(m: Context, x: Number) -> Number:
     return m.sign(x)
 
 
+def _exact_min(m: Context, a: Number, b: Number) -> Number:
+    return m.nan if m.isnan(a) or m.isnan(b) else min(a, b)
+
+
+def _exact_max(m: Context, a: Number, b: Number) -> Number:
+    return m.nan if m.isnan(a) or m.isnan(b) else max(a, b)
+
+
 def _choose(_: Context, c: Number, a: Number, b: Number) -> Number:
     return a if c != 0 else b
 
@@ -110,8 +118,8 @@ _ROWS = (
     Op("atan2", 2, np.arctan2, lambda m, y, x: m.atan2(y, x), _atan2_partials, ulps=4.0, cost=30),
     Op("abs", 1, np.abs, lambda m, x: abs(x), lambda m, v, x: (_sign(m, x),), ulps=0.0),
     Op("sign", 1, np.sign, _sign, _flat(1), ulps=0.0, cost=2),
-    Op("min", 2, np.minimum, lambda m, a, b: min(a, b), lambda m, v, a, b: (m.mpf(a <= b), m.mpf(b < a)), ulps=0.0, commutative=True),
-    Op("max", 2, np.maximum, lambda m, a, b: max(a, b), lambda m, v, a, b: (m.mpf(a >= b), m.mpf(b > a)), ulps=0.0, commutative=True),
+    Op("min", 2, np.minimum, _exact_min, lambda m, v, a, b: (m.mpf(a <= b), m.mpf(b < a)), ulps=0.0, commutative=True),
+    Op("max", 2, np.maximum, _exact_max, lambda m, v, a, b: (m.mpf(a >= b), m.mpf(b > a)), ulps=0.0, commutative=True),
     _comparison("lt", np.less, lambda a, b: a < b),
     _comparison("le", np.less_equal, lambda a, b: a <= b),
     _comparison("eq", np.equal, lambda a, b: a == b),

@@ -10,14 +10,20 @@ from codegen.ops import OPS, Instruction
 from codegen.program import Builder, Program
 
 
+def needed(program: Program, groups: Iterable[str]) -> set[int]:
+    """Return the numbers of all values that ``groups`` of results depend on."""
+    found = {k for g in groups for k in program.results[g]}
+    for k in range(len(program.instructions) - 1, -1, -1):
+        if k in found:
+            found.update(program.instructions[k].args)
+    return found
+
+
 def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
     """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
-    kept = {g: program.results[g] for g in (program.results if groups is None else groups)}
-    needed = {k for result in kept.values() for k in result}
-    for k in range(len(program.instructions) - 1, -1, -1):
-        if k in needed:
-            needed.update(program.instructions[k].args)
-    return _copy(program, sorted(needed), kept)
+    kept = list(program.results if groups is None else groups)
+    order = sorted(needed(program, kept))
+    return _copy(program, order, {g: program.results[g] for g in kept})
 
 
 def specialise(program: Program, values: Mapping[int, float], count: int) -> Program:

@@ -99,6 +99,10 @@ class Builder:
         folded = fold.fold(self, op, args)
         return self._number(Instruction(op, args)) if folded is None else folded
 
+    def find(self, instruction: Instruction) -> int | None:
+        """Return the number of an instruction that exists already, or None."""
+        return self._numbers.get(instruction)
+
     def name(self, number: int, name: Name) -> None:
         """Call a value by ``name`` unless it has one; leaves keep their own."""
         if self.instructions[number].op not in LEAVES:

@@ -88,10 +88,19 @@ def parse(text: str, names: Mapping[str, Expr], where: str = "") -> Expr:
             expected=f"at most {MAX_LENGTH}",
         )
     parser = _Parser(text, names, where)
-    expression = parser.expression(0, 0)
+    try:
+        expression = parser.expression(0, 0)
+    except InputError:
+        raise
+    except _SYMPY_FAILURES as error:
+        raise parser.error("SymPy cannot evaluate this") from error
     if parser.token.kind != "end":
         raise parser.error("unexpected text after the formula")
     return expression
+
+
+_SYMPY_FAILURES = (ArithmeticError, AttributeError, RecursionError, TypeError, ValueError)
+"""What SymPy raises for some constants, such as acos(sin(exp(700)))."""
 
 
 class _Parser:
@@ -225,6 +234,10 @@ class _Parser:
         if exponent.is_number and not (exponent.is_Rational and abs(exponent) <= MAX_EXPONENT):
             raise self.error(
                 f"constant exponent beyond {MAX_EXPONENT}, or not a fraction", start=operator.start
+            )
+        if base.is_number and exponent.is_number and exponent.q > MAX_EXPONENT:
+            raise self.error(
+                f"root of a constant beyond the {MAX_EXPONENT}th", start=operator.start
             )
         if _bits(base) * (abs(exponent) if exponent.is_number else 1) > MAX_BITS:
             raise self.error("number is too large", start=operator.start)

@@ -1,0 +1,1 @@
+"""Speed beside hand-written C, NumPy and SciPy: ``python -m benchmarks``."""

@@ -1,0 +1,62 @@
+"""``python -m benchmarks``: measure everything side by side, print one table, judge the targets."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import click
+from rich.console import Console
+
+from benchmarks import calls, integration, machine, rates, stages, startup
+from benchmarks.settings import Settings
+from benchmarks.table import Section, missed, table
+from codegen import native
+
+WIDTH = 160
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A section of the report: how to get it, whether it needs a C compiler, whether it is quick."""
+
+    run: Callable[[Settings], Section]
+    needs_compiler: bool = True
+    quick: bool = True
+
+
+MEASUREMENTS = (
+    Measurement(rates.measure),
+    Measurement(calls.measure),
+    Measurement(integration.measure),
+    Measurement(stages.measure, quick=False),
+    Measurement(startup.measure, needs_compiler=False, quick=False),
+)
+
+
+@click.command()
+@click.option("--quick", is_flag=True, help="Check ratios alone, in less than a minute.")
+@click.option("--instructions", is_flag=True, help="Count instructions too, with valgrind.")
+def main(quick: bool, instructions: bool) -> None:
+    """Measure; exit with 0 if every target is met and with 1 otherwise."""
+    settings = Settings(quick, instructions)
+    console = Console() if sys.stdout.isatty() else Console(width=WIDTH)
+    console.print(machine.header(), highlight=False, markup=False, soft_wrap=True)
+    compiler = bool(native.compiler())
+    if not compiler:
+        console.print("There is no C compiler: nothing of C was measured.")
+    chosen = [
+        m for m in MEASUREMENTS if (compiler or not m.needs_compiler) and (m.quick or not quick)
+    ]
+    sections = [m.run(settings) for m in chosen]
+    if not sections:
+        return
+    console.print(table(sections))
+    misses = missed(sections)
+    console.print(f"Missed: {', '.join(misses)}." if misses else "Every target is met.")
+    sys.exit(1 if misses else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,131 @@
+"""Right-hand sides in C by address, and the clock inside C that times them."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen import Compiled, native
+from codegen.names import identifier
+from codegen.targets import c
+
+HERE = Path(__file__).parent
+ALIGNED = ("-falign-functions=64",)
+"""For both sides alike: where a function happens to start shall not be what is measured."""
+
+CALLS = 4000
+STATES = 64
+CACHE_LINE = 64
+SEED = 20240229
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rates:
+    """A C function ``void f(double t, const double *x, const double *p, const double *u, double *dx)``."""
+
+    text: str
+    symbol: str
+    library: ctypes.CDLL
+
+    @classmethod
+    def of_text(cls, text: str, symbol: str) -> Rates:
+        """Compile C text, with the flags of generated code, and load it."""
+        path = native.compile_library(text, ALIGNED)
+        return cls(text, symbol, native.load(path, text, ALIGNED))
+
+    @classmethod
+    def generated(cls, compiled: Compiled) -> Rates:
+        """Return the generated right-hand side."""
+        text = c.single_text(compiled.program, compiled.layout)
+        return cls.of_text(text, f"{identifier(compiled.layout.name)}_rates")
+
+    @classmethod
+    def handwritten(cls, name: str) -> Rates:
+        """Return the hand-written right-hand side of a ready scene."""
+        return cls.of_text((HERE / "handwritten" / f"{name}.c").read_text("utf-8"), "f")
+
+    def copies(self, count: int) -> list[Rates]:
+        """Return the same function at other places of memory: its time depends on that a little."""
+        path = native.compile_library(self.text, ALIGNED)
+        with tempfile.TemporaryDirectory() as folder:
+            files = [shutil.copy(path, Path(folder) / f"{k}{path.suffix}") for k in range(count)]
+            return [Rates(self.text, self.symbol, ctypes.CDLL(str(file))) for file in files]
+
+    @property
+    def address(self) -> int:
+        """The function's address."""
+        return ctypes.cast(getattr(self.library, self.symbol), ctypes.c_void_p).value or 0
+
+    def __call__(self, x: Array, p: Array, u: Array) -> Array:
+        """Return the rates at one point."""
+        function = getattr(self.library, self.symbol)
+        function.argtypes = [ctypes.c_double, *[ctypes.c_void_p] * 4]
+        function.restype = None
+        dx = np.empty_like(x)
+        function(0.0, x.ctypes.data, p.ctypes.data, u.ctypes.data, dx.ctypes.data)
+        return dx
+
+
+@dataclass(frozen=True)
+class Points:
+    """Random arguments: ``x`` (STATES, n), ``p``, ``u``, and room for the rates, all aligned."""
+
+    x: Array
+    p: Array
+    u: Array
+    dx: Array
+
+    @classmethod
+    def of(cls, compiled: Compiled) -> Points:
+        """Draw arguments for a system: states in (-1, 1), parameters in (1/2, 3/2)."""
+        draw = np.random.default_rng(SEED).uniform
+        layout = compiled.layout
+        n = len(layout.states)
+        arrays = (
+            draw(-1.0, 1.0, (STATES, n)),
+            draw(0.5, 1.5, len(layout.parameters)),
+            draw(-1.0, 1.0, len(layout.inputs)),
+            np.zeros(n),
+        )
+        return cls(*(_aligned(a) for a in arrays))
+
+
+def _aligned(values: Array) -> Array:
+    """Return a copy that starts a cache line, so that its place is the same in every run."""
+    room = np.empty(values.size + CACHE_LINE // 8)
+    start = (-room.ctypes.data % CACHE_LINE) // 8
+    result = room[start : start + values.size].reshape(values.shape)
+    result[...] = values
+    return result
+
+
+@cache
+def _clock() -> Any:
+    text = (HERE / "timer.c").read_text("utf-8")
+    function = native.load(native.compile_library(text), text).nanoseconds
+    function.restype = ctypes.c_double
+    function.argtypes = [ctypes.c_void_p, *[ctypes.c_long] * 3, *[ctypes.c_void_p] * 4]
+    return function
+
+
+def sampler(rates: Rates, points: Points) -> Callable[[], float]:
+    """Return a function that gives the seconds a call, over `CALLS` calls with varying states."""
+    clock, address = _clock(), rates.address
+    count, n = points.x.shape
+    places = [a.ctypes.data for a in (points.x, points.p, points.u, points.dx)]
+
+    def sample() -> float:
+        return 1e-9 * float(clock(address, CALLS, count, n, *places))
+
+    return sample
