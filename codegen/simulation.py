@@ -128,12 +128,11 @@ def simulate(
     layout = compiled.layout
     held, signals = _inputs(inputs or {}, names_of(layout.inputs))
     x0 = to_array(initial, names_of(layout.states), "initial value")
-    p = _parameters(compiled, parameters, x0, held)
     span = _span(t_span)
     problem = Problem(
         x0=x0,
         t_span=span,
-        parameters=p,
+        parameters=_parameters(compiled, parameters, x0, held),
         inputs=held,
         rtol=_positive(rtol, "rtol"),
         atol=_tolerances(atol, rtol, len(x0)),
@@ -146,6 +145,12 @@ def simulate(
         max_steps=max_steps,
         progress=progress,
     )
+    return _run(compiled, problem, method, signals)
+
+
+def _run(
+    compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
+) -> Result:
     integrator, used = _integrator(compiled, method, signals)
     began = time.perf_counter()
     trajectory = integrator(problem)

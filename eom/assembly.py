@@ -20,6 +20,18 @@ from eom.system import TIME, Assumption, Quantity, System
 
 Expr = Any
 
+MODEL_NAMES = frozenset(
+    [
+        *(
+            f"{n}_{k}"
+            for n in ("h", "H", "torque", "up", "radial", "normal", "axle")
+            for k in (1, 2, 3)
+        ),
+        *(f"J{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
+        *("I1", "I2", "I3", "T", "E", "H", "tilt", "q_norm", "Omega"),
+    ]
+)
+"""Names that the models give to moments of inertia, definitions and outputs."""
 _SPINNER_STATES = (PSI, THETA, PHI, PSI_DOT, THETA_DOT, SPIN, SPIN_RATE)
 
 
@@ -92,18 +104,13 @@ def _components(
 
 
 def _check_clash(scene: Description, own: dict[str, Expr], states: dict[str, Expr]) -> None:
-    fixed = (
-        ("I1", "I2", "I3")
-        if scene.model == "spinner"
-        else ("I1", "I2", "I3", "J11", "J12", "J13", "J22", "J23", "J33")
-    )
     both = [n for n in scene.parameters if n in scene.inputs]
-    taken = [n for n in own if n in states or n in fixed] + both
+    taken = [n for n in own if n in states or n in MODEL_NAMES] + both
     if taken:
         raise InputError(
             f"name {taken[0]!r} is used twice",
             where="[parameters] or [inputs]",
-            expected="names that are not states, moments of inertia or each other's",
+            expected="names that are not states, outputs, moments of inertia or each other's",
         )
 
 

@@ -14,8 +14,26 @@ from eom.errors import InputError, unknown_name
 from eom.kinematics import SEQUENCES
 from eom.naming import check_names
 
-Triple = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
-Formula = str | FiniteFloat
+
+def _number(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise ValueError("expected a number, not true or false")
+    return value
+
+
+Number = Annotated[FiniteFloat, pydantic.BeforeValidator(_number)]
+Positive = Annotated[PositiveFloat, pydantic.BeforeValidator(_number)]
+Triple = tuple[Number, Number, Number]
+
+
+def _formula(value: Any) -> Any:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (isinstance(value, str) or (number and math.isfinite(value))):
+        raise ValueError("expected a finite number or a formula in quotes")
+    return value
+
+
+Formula = Annotated[str | float, pydantic.BeforeValidator(_formula)]
 
 
 class _Part(pydantic.BaseModel):
@@ -33,25 +51,25 @@ class Body(_Part):
     axis along b3, for a spinner along b2.
     """
 
-    moments: tuple[FiniteFloat, ...] | None = None
+    moments: tuple[Number, ...] | None = None
     matrix: tuple[Triple, Triple, Triple] | None = None
     solid: str | None = None
-    mass: PositiveFloat | None = None
-    size: dict[str, PositiveFloat] = Field(default_factory=dict)
+    mass: Positive | None = None
+    size: dict[str, Positive] = Field(default_factory=dict)
 
 
 class Weight(_Part):
     """Weight about a fixed point: gravity along -a3."""
 
-    mass: PositiveFloat
-    gravity: PositiveFloat = 9.81
+    mass: Positive
+    gravity: Positive = 9.81
     centre_of_mass: Triple
 
 
 class GravityGradient(_Part):
     """Gravity gradient on a circular orbit; attitude is measured in the orbit frame."""
 
-    orbital_rate: PositiveFloat
+    orbital_rate: Positive
 
 
 class Torque(_Part):
@@ -65,7 +83,7 @@ class Torque(_Part):
 class Value(_Part):
     """A number with its unit and meaning."""
 
-    value: FiniteFloat
+    value: Number
     unit: str = ""
     meaning: str = ""
 
@@ -76,13 +94,13 @@ class InitialAttitude(_Part):
     sequence: str = "3-1-2"
     radians: Triple | None = None
     degrees: Triple | None = None
-    quaternion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    quaternion: tuple[Number, Number, Number, Number] | None = None
 
 
 class Integration(_Part):
     """End time (s), method, tolerances and the number of output times."""
 
-    t_end: FiniteFloat = 10.0
+    t_end: Number = 10.0
     method: str = "auto"
     rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
     atol: Annotated[float, Field(gt=0)] | None = None
@@ -90,7 +108,11 @@ class Integration(_Part):
 
 
 def _as_value(value: Any) -> Any:
-    return {"value": value} if isinstance(value, int | float) else value
+    if isinstance(value, int | float):
+        return {"value": value}
+    if not isinstance(value, dict | Value):
+        raise ValueError("expected a number, or { value = ..., unit = ..., meaning = ... }")
+    return value
 
 
 Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
@@ -114,7 +136,7 @@ class Description(_Part):
     torque: Torque = Torque()
     parameters: Values = Field(default_factory=dict)
     inputs: Values = Field(default_factory=dict)
-    initial: dict[str, FiniteFloat] = Field(default_factory=dict)
+    initial: dict[str, Number] = Field(default_factory=dict)
     initial_attitude: InitialAttitude | None = None
     outputs: tuple[str, ...] = ()
     integration: Integration = Integration()
@@ -231,6 +253,13 @@ def _check_torque(scene: Description) -> None:
     given = [
         k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None
     ]
+    unused = [*scene.parameters, *scene.inputs]
+    if unused and torque.components is None:
+        raise InputError(
+            f"no formula uses {unused[0]!r}",
+            where="[parameters] or [inputs]",
+            hint="use it in [torque] components, or remove it",
+        )
     if len(given) > 1:
         raise InputError(
             "more than one torque", where="[torque]", got=", ".join(given), expected="at most one"

@@ -58,6 +58,7 @@ _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)"
     r"|(?P<name>[A-Za-z][A-Za-z0-9_]*)|(?P<operator>\*\*|[-+*/^(),]))"
 )
+_INFINITE = frozenset({sp.zoo, sp.nan, sp.oo, -sp.oo})
 _BINARY: dict[str, int] = {"+": 10, "-": 10, "*": 20, "/": 20, "^": 40, "**": 40}
 _UNARY_POWER = 30
 
@@ -215,7 +216,9 @@ class _Parser:
             )
         if token.text in {"exp", "sinh", "cosh"} and _beyond(arguments[0], MAX_GROWTH):
             raise self.error("number is too large or too small", start=token.start)
-        return self.checked(function(*arguments), token)
+        as_written = count == 1 and not arguments[0].is_number
+        value = function(*arguments, evaluate=False) if as_written else function(*arguments)
+        return self.checked(value, token)
 
     def combine(self, operator: Token, left: Expr, right: Expr) -> Expr:
         if operator.text == "+":
@@ -246,9 +249,9 @@ class _Parser:
     def checked(self, value: Expr, token: Token) -> Expr:
         if _bits(value) > MAX_BITS:
             raise self.error("number is too large or too small", start=token.start)
-        if value.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        if any(part in _INFINITE for part in (value, *value.args)):
             raise self.error("division by zero", start=token.start)
-        if value.is_real is False or value.has(sp.I):
+        if value.is_number and (value.is_real is False or value.has(sp.I)):
             raise self.error("the value is not real", start=token.start)
         return value
 

@@ -166,7 +166,7 @@ def _name_components(torque: Vector) -> tuple[Vector, tuple[Definition, ...]]:
         if component.is_number or component.as_coeff_Mul()[1].is_Symbol:
             symbols.append(component)
             continue
-        symbol = sp.Symbol(f"tau_{k}", real=True)
+        symbol = sp.Symbol(f"torque_{k}", real=True)
         symbols.append(symbol)
         tidy = gather(
             component, sorted((s for s in component.free_symbols if not s.is_positive), key=str)

@@ -6,6 +6,7 @@ what was skipped and why. Every formula in a scene is read by the restricted par
 
 from __future__ import annotations
 
+import re
 import tomllib
 from functools import cached_property
 from pathlib import Path
@@ -145,7 +146,7 @@ def _readable(error: pydantic.ValidationError) -> InputError:
     if ours and isinstance(ours[0], InputError):
         return ours[0]
     first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
-    place = ".".join(str(part) for part in first["loc"] if not str(part).startswith("function-"))
+    place = ".".join(str(part) for part in first["loc"])
     more = f" (and {len(others)} more)" if others else ""
     if first["type"] == "extra_forbidden":
         key = str(first["loc"][-1])
@@ -158,7 +159,7 @@ def _readable(error: pydantic.ValidationError) -> InputError:
         last = first["loc"][-1]
         what = f"missing key {last!r}" if isinstance(last, str) else "too few values"
         return InputError(f"{what}{more}", where=place)
-    expected = first["msg"].removeprefix("Input should be ")
+    expected = re.sub("^(Input should be|Value error, expected) ", "", first["msg"])
     return InputError(
         f"unusable value{more}", where=place, got=repr(first["input"])[:200], expected=expected
     )

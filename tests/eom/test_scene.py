@@ -321,6 +321,7 @@ STILL = {"omega_1": 0, "omega_2": 0, "omega_3": 0}
 IDENTITY = {f"C{i}{j}": float(i == j) for i in (1, 2, 3) for j in (1, 2, 3)}
 
 # name: (scene, parts of what, where and hint that must appear)
+UNUSED = {"components": [0, 0, 0]}
 BAD = {
     "key of the scene": ({**RIGID, "atitude": "dcm"}, "unknown key 'atitude'", "", "attitude"),
     "key called self": ({**RIGID, "self": 1}, "unknown key 'self'", "", ""),
@@ -566,20 +567,38 @@ BAD = {
     "empty name": ({**RIGID, "parameters": {"": 1}}, "cannot be used", "[parameters]", "letters"),
     "long name": ({**RIGID, "parameters": {"k" * 65: 1}}, "cannot be used", "[parameters]", ""),
     "state as a parameter": (
-        {**RIGID, "parameters": {"omega_1": 1}},
+        {**RIGID, "torque": UNUSED, "parameters": {"omega_1": 1}},
         "used twice",
         "[parameters]",
         "",
     ),
-    "moment as a parameter": ({**RIGID, "parameters": {"I1": 1}}, "used twice", "[parameters]", ""),
+    "moment as a parameter": (
+        {**RIGID, "torque": UNUSED, "parameters": {"I1": 1}},
+        "used twice",
+        "[parameters]",
+        "",
+    ),
+    "internal name as a parameter": (
+        {**RIGID, "torque": UNUSED, "parameters": {"torque_1": 1}},
+        "used twice",
+        "[parameters]",
+        "",
+    ),
+    "parameter without a formula": (
+        {**RIGID, "parameters": {"k": 1}},
+        "no formula uses 'k'",
+        "",
+        "",
+    ),
+    "truth as a number": ({**RIGID, "torque": {"components": [True, 0, 0]}}, "a formula", "", ""),
     "moment of a spinner as a parameter": (
-        {"model": "spinner", "body": WHEEL, "parameters": {"I3": 1}},
+        {"model": "spinner", "body": WHEEL, "torque": UNUSED, "parameters": {"I3": 1}},
         "used twice",
         "[parameters]",
         "",
     ),
     "parameter and input": (
-        {**RIGID, "parameters": {"k": 1}, "inputs": {"k": 1}},
+        {**RIGID, "torque": UNUSED, "parameters": {"k": 1}, "inputs": {"k": 1}},
         "used twice",
         "[inputs]",
         "",
@@ -785,3 +804,29 @@ def test_same_scene_gives_the_same_system():
     a, b = (Scene(**SMALL["top: column of the vertical alone"][0]).derive() for _ in range(2))
     assert a == b
     assert str(a.rates) == str(b.rates)
+
+
+SCENES = {
+    **{name: Scene.ready(name) for name in catalogue.names()},
+    "full inertia": Scene(
+        body={"matrix": [[2, 0.1, 0], [0.1, 2.5, 0], [0, 0, 3]]},
+        attitude="dcm",
+        torque={"gravity_gradient": {"orbital_rate": 1.0}},
+    ),
+    "angles": Scene(
+        body={"moments": [1, 2, 2.5]},
+        attitude="3-1-3",
+        torque={"components": ["-k*omega_1*t", 0, 0]},
+        parameters={"k": 1},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_parameter_can_take_a_name_of_the_model(name):
+    """Whatever a model calls its definitions and outputs is refused as a parameter's name."""
+    from eom.assembly import MODEL_NAMES
+
+    system = SCENES[name].full_system
+    named = {*system.output_names, *(d.name for d in system.definitions)}
+    assert {n for n in named if not n.startswith("C_column")} <= MODEL_NAMES
