@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import mpmath
@@ -46,26 +47,38 @@ class Bounded:
 
 
 def interpret(program: Program, point: Point) -> dict[str, list[float]]:
-    """Evaluate each group of results in IEEE double precision, one operation after the other."""
+    """Evaluate each group of results in IEEE double precision, one operation after the other.
+
+    What depends on constants alone is rounded once, as in every target: see `constants`.
+    """
+    known = constants(program)
+    values: list[Any] = []
     with np.errstate(all="ignore"):
-        values = _walk(
-            program, lambda i: np.float64(_leaf_double(i, point)), lambda op, a: OPS[op].double(*a)
-        )
+        for k, instruction in enumerate(program.instructions):
+            if k in known:
+                values.append(np.float64(known[k]))
+            elif instruction.op in OPS:
+                values.append(OPS[instruction.op].double(*(values[a] for a in instruction.args)))
+            else:
+                values.append(np.float64(point.slot(instruction)))
     return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
 
 
-def _leaf_double(instruction: Instruction, point: Point) -> float:
-    if instruction.op == "const":
-        assert isinstance(instruction.value, Fraction)
-        return _nearest_double(instruction.value)
-    return float(np.pi) if instruction.op == "pi" else point.slot(instruction)
+def constants(program: Program) -> dict[int, float]:
+    """Return the double nearest to each value that depends on constants alone.
 
-
-def _nearest_double(value: Fraction) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return float("inf") if value > 0 else float("-inf")
+    Such values are computed with 50 digits and rounded once; no target computes them.
+    """
+    context = _context(50)
+    exact: dict[int, Any] = {}
+    for k, instruction in enumerate(program.instructions):
+        row = OPS.get(instruction.op)
+        if row is None and instruction.op in {"const", "pi"}:
+            exact[k] = _leaf_exact(instruction, Point(), context)
+        elif row is not None and all(a in exact for a in instruction.args):
+            operands = [exact[a] for a in instruction.args]
+            exact[k] = _real(context, partial(row.exact, context, *operands))
+    return {k: float(value) for k, value in exact.items()}
 
 
 def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[str, list[Any]]:

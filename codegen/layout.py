@@ -24,6 +24,8 @@ class Layout:
     inputs: tuple[Quantity, ...]
     results: Mapping[str, tuple[str, ...]]
     """Names of the results by group."""
+    coordinates: tuple[int, ...] = ()
+    """For each singularity the number of the state that it is about, or -1."""
 
     @classmethod
     def of(cls, system: System) -> Layout:
@@ -36,7 +38,17 @@ class Layout:
         }
         assert tuple(results) == GROUPS
         title = system.title or system.name
-        return cls(system.name, title, system.states, system.parameters, system.inputs, results)
+        number = {q.symbol: k for k, q in enumerate(system.states)}
+        coordinates = tuple(number.get(s.coordinate, -1) for s in system.singularities)
+        return cls(
+            system.name,
+            title,
+            system.states,
+            system.parameters,
+            system.inputs,
+            results,
+            coordinates,
+        )
 
     def without(self, fixed: Collection[str]) -> Layout:
         """Return the layout without the parameters that were fixed to numbers."""

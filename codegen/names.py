@@ -121,6 +121,17 @@ _C_LIBRARY = frozenset(
         "size_t",
         "ptrdiff_t",
         "NAN",
+        "HUGE_VAL",
+        "HUGE_VALF",
+        "HUGE_VALL",
+        "FP_NAN",
+        "FP_INFINITE",
+        "FP_ZERO",
+        "FP_NORMAL",
+        "FP_SUBNORMAL",
+        "math_errhandling",
+        "MATH_ERRNO",
+        "MATH_ERREXCEPT",
         "INFINITY",
         "NULL",
         "errno",
@@ -142,7 +153,11 @@ _PYTHON = frozenset(
         "len",
     }
 )
-_OWN = frozenset({"t", "x", "p", "u", "y", "out", "dx", "k", "n", "count", "select"})
+_OWN = frozenset(
+    {"t", "x", "p", "u", "y", "xs", "ps", "us", "ys", "out", "dx", "k", "n", "count", "select"}
+)
+HELPERS = ("sign_", "min_", "max_")
+"""Functions that generated C defines for itself."""
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""

@@ -172,12 +172,25 @@ def _run(command: Sequence[str]) -> str | None:
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:
-    """Load a compiled library; one that cannot be loaded is compiled anew, once."""
+    """Load a compiled library; one that cannot be loaded is compiled anew, once.
+
+    Raises `CompilerError` where the new one cannot be loaded either; the cache then lacks it.
+    """
     try:
         return ctypes.CDLL(str(library))
     except OSError:
         library.unlink(missing_ok=True)
-        return ctypes.CDLL(str(compile_library(source, extra_flags)))
+    made = compile_library(source, extra_flags)
+    try:
+        return ctypes.CDLL(str(made))
+    except OSError as error:
+        made.unlink(missing_ok=True)
+        raise CompilerError(
+            "the C compiler made a library that cannot be loaded",
+            where=str(made),
+            got=str(error),
+            hint="set CC to another compiler, or use the target numpy",
+        ) from None
 
 
 def python_headers() -> Path | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
-from codegen.interpret import Point, interpret_exactly
 from codegen.ops import OPS, Instruction
 from codegen.program import Builder, Program
 
@@ -42,20 +41,6 @@ def specialise(program: Program, values: Mapping[int, float], count: int) -> Pro
         return Instruction("parameter", (), slots[slot])
 
     return prune(_copy(program, range(len(program.instructions)), program.results, leaf))
-
-
-def constants(program: Program) -> dict[int, float]:
-    """Return the double nearest to each value that depends on constants alone.
-
-    Such values are computed with 50 digits and rounded once, so that no target computes them.
-    """
-    known: set[int] = set()
-    for k, (op, args, _) in enumerate(program.instructions):
-        if op in {"const", "pi"} or (op in OPS and all(a in known for a in args)):
-            known.add(k)
-    closed = Program(program.instructions, {"constants": tuple(sorted(known))})
-    values = interpret_exactly(prune(closed), Point())["constants"]
-    return {k: float(v) for k, v in zip(sorted(known), values, strict=True)}
 
 
 def _copy(

@@ -101,21 +101,37 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
 }
 
 #if S
+/* The state that each singularity is about, or -1. */
+static const int coordinate[S] = {@COORDINATES@};
+
+/* In how many parts to search a step for singularities, 0 if they are far: many radians need many. */
+static int parts_to_search(const @PREFIX@ *s, const double *after, const double *x_new) {
+    double turned = 0.0;
+    int near = 0;
+    for (int m = 0; m < S; ++m) {
+        const double least = fmin(fabs(s->singular[m]), fabs(after[m]));
+        const double moved = fabs(after[m] - s->singular[m]);
+        near |= least < 0.1 || least <= s->margin || least < 2.0 * moved || !isfinite(after[m]);
+        if (coordinate[m] >= 0) turned = fmax(turned, fabs(x_new[coordinate[m]] - s->x[coordinate[m]]));
+    }
+    if (!near && turned < 0.5) return 0;
+    return 8 + (int)fmin(8.0 * turned, 4096.0);
+}
+
 /* The first place in the last step at which a singularity is nearer than the margin, or 2. */
-static double find_singular(@PREFIX@ *s, const double *after, const double *p, const double *u) {
-    enum { PARTS = 8 };
+static double find_singular(@PREFIX@ *s, int parts, const double *after, const double *p, const double *u) {
     double y[N], here[S], before[S], first = 2.0;
     for (int k = 0; k < S; ++k) before[k] = s->singular[k];
-    for (int part = 1; part <= PARTS; ++part) {
-        const double right = (double)part / PARTS;
+    for (int part = 1; part <= parts; ++part) {
+        const double right = (double)part / parts;
         interpolate(s, right, y);
         @NAME@_singularities(s->t_old + right * s->h_old, y, p, u, here);
         for (int k = 0; k < S; ++k) {
-            if (part == PARTS) here[k] = after[k];
+            if (part == parts) here[k] = after[k];
             s->closest[k] = fmin(s->closest[k], fabs(here[k]));
             const int crossed = (here[k] > 0.0) != (before[k] > 0.0);
             if (!crossed && fabs(here[k]) > s->margin) continue;
-            double low = right - 1.0 / PARTS, high = right, value[S];
+            double low = right - 1.0 / parts, high = right, value[S];
             for (int turn = 0; turn < 60; ++turn) {
                 const double middle = 0.5 * (low + high);
                 interpolate(s, middle, y);
@@ -201,16 +217,12 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         double stop = 2.0;
 #if S
         double after[S];
-        int check = 0;
         @NAME@_singularities(t_new, x_new, p, u, after);
-        for (int m = 0; m < S; ++m) {
-            const double near = fmin(fabs(s->singular[m]), fabs(after[m])), moved = fabs(after[m] - s->singular[m]);
-            check |= near < 0.1 || near < 2.0 * moved || !isfinite(after[m]);
-            s->closest[m] = fmin(s->closest[m], fabs(after[m]));
-        }
-        if (check) {
+        for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(after[m]));
+        const int parts = parts_to_search(s, after, x_new);
+        if (parts > 0) {
             if (!needs_dense) prepare_dense(s, k, h, x_new, p, u);
-            stop = find_singular(s, after, p, u);
+            stop = find_singular(s, parts, after, p, u);
         }
         for (int m = 0; m < S; ++m) s->singular[m] = after[m];
 #endif
@@ -223,6 +235,10 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         }
         if (stop <= 1.0) {
             interpolate(s, stop, x_new);
+#if S
+            @NAME@_singularities(t_stop, x_new, p, u, s->singular);
+            for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
+#endif
             t_low = 0.0;
             for (int i = 0; i < N; ++i) x_low[i] = 0.0;
         }

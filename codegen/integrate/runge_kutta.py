@@ -68,6 +68,7 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         "HEADER": f"{prefix}.h",
         "STATES": str(n),
         "SINGULARITIES": str(singular),
+        "COORDINATES": ", ".join(map(str, layout.coordinates)),
         "SINGULAR_ROOM": str(max(1, singular)),
         "ORDER": str(tableau.order),
         "LAST": str(last),
@@ -242,8 +243,13 @@ class _Store:
             if count:
                 h[-1] = s.h_old
             solution = DenseSolution(t, h, x, self.dense[:count].copy())
+            if problem.t_eval is not None:
+                direction = np.sign(problem.t_span[1] - problem.t_span[0])
+                reached = s.steps > 0 or stop.kind == "end"
+                t = problem.t_eval[reached & (direction * (problem.t_eval - s.t) <= 0)]
+                x = solution(t).T
         return Trajectory(
-            t=t if self.grid is None else t.copy(),
+            t=t if problem.t_eval is None else t.copy(),
             y=np.ascontiguousarray(x.T),
             stop=stop,
             state_at_stop=np.array(s.x[:]),

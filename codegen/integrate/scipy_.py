@@ -32,10 +32,13 @@ class _Run:
     ) -> None:
         self.problem = problem
         self.singular_function = compiled.functions.get("singularities")
+        self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
         self.inputs = inputs
         self.method = method
         self.evaluations = 0
+        self.broken = -1
+        """Number of a rate that was not finite in the step that is tried, or -1."""
         self.steps = 0
         self.times = [problem.t_span[0]]
         self.points = [problem.x0]
@@ -50,7 +53,11 @@ class _Run:
 
     def _slope(self, t: float, x: Array) -> Array:
         self.evaluations += 1
-        return self.rhs(t, x, self.problem.parameters, self._u(t))
+        slope = self.rhs(t, x, self.problem.parameters, self._u(t))
+        finite = np.isfinite(slope)
+        if not finite.all():
+            self.broken = int(np.argmin(finite))
+        return slope
 
     def _singularities(self, t: float, x: Array) -> Array:
         if self.singular_function is None:
@@ -86,7 +93,8 @@ class _Run:
             "max_step": problem.max_step,
         }
         if problem.first_step:
-            options["first_step"] = problem.first_step
+            span = abs(problem.t_span[1] - problem.t_span[0])
+            options["first_step"] = min(problem.first_step, span)
         return getattr(si, self.method)(
             self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
         )
@@ -95,8 +103,15 @@ class _Run:
         """Take one step; return why the run has to stop, if it has to."""
         if self.problem.steps_left(self.steps) <= 0:
             return Stop("max_steps", solver.t)
-        solver.step()
-        if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
+        self.broken = -1
+        try:
+            solver.step()
+        except ValueError:  # implicit methods refuse a matrix that is not finite
+            if self.broken < 0:
+                raise
+            return self._failure(solver)
+        stuck = solver.t == self.times[-1]  # LSODA goes on for ever where time does not
+        if stuck or solver.status == "failed" or not np.all(np.isfinite(solver.y)):
             return self._failure(solver)
         self.steps += 1
         if self.steps % REPORT_EVERY == 0:
@@ -104,6 +119,8 @@ class _Run:
         dense = solver.dense_output()
         where = self._find_singular(solver, dense)
         t, x = (solver.t, solver.y.copy()) if where is None else (where[0], dense(where[0]))
+        if where is not None:
+            self.closest = np.minimum(self.closest, np.abs(self._singularities(t, x)))
         self._store_grid(t, dense)
         self.times.append(t)
         self.points.append(x)
@@ -112,6 +129,8 @@ class _Run:
         return None if where is None else Stop("singular", t, where[1])
 
     def _failure(self, solver: Any) -> Stop:
+        if self.broken >= 0:
+            return Stop("not finite", self.times[-1], self.broken)
         slope = self._slope(float(solver.t), solver.y)
         finite = np.isfinite(slope) & np.isfinite(solver.y)
         if finite.all() and self._non_finite_ahead(solver):
@@ -133,17 +152,26 @@ class _Run:
         self.singular = after
         if not len(after):
             return None
-        near, moved = np.minimum(np.abs(before), np.abs(after)), np.abs(after - before)
         self.closest = np.minimum(self.closest, np.abs(after))
-        if not np.any((near < 0.1) | (near < 2 * moved) | ~np.isfinite(after)):
+        parts = self._parts_to_search(before, after, solver.y - self.points[-1])
+        if not parts:
             return None
-        return self._scan(solver.t_old, solver.t, dense, before)
+        return self._scan(solver.t_old, solver.t, dense, before, parts)
+
+    def _parts_to_search(self, before: Array, after: Array, change: Array) -> int:
+        """Return in how many parts to search a step, 0 if singularities are far."""
+        near, moved = np.minimum(np.abs(before), np.abs(after)), np.abs(after - before)
+        close = near < np.maximum(0.1, 2 * self.problem.margin)
+        turned = max((abs(float(change[k])) for k in self.coordinates if k >= 0), default=0.0)
+        if not np.any(close | (near < 2 * moved) | ~np.isfinite(after)) and turned < 0.5:
+            return 0
+        return PARTS + int(min(PARTS * turned, 4096))
 
     def _scan(
-        self, t_old: float, t_new: float, dense: Any, before: Array
+        self, t_old: float, t_new: float, dense: Any, before: Array, parts: int
     ) -> tuple[float, int] | None:
         left = t_old
-        for right in np.linspace(t_old, t_new, PARTS + 1)[1:]:
+        for right in np.linspace(t_old, t_new, parts + 1)[1:]:
             here = self._singularities(right, dense(right))
             self.closest = np.minimum(self.closest, np.abs(here))
             hit = ((here > 0) != (before > 0)) | (np.abs(here) <= self.problem.margin)

@@ -56,7 +56,8 @@ TEMPLATES: dict[str, Template] = {
 """Conditions are doubles, 0 or 1, so that every value has one type."""
 
 _HELPERS = {
-    "sign_": "static inline double sign_(double a) { return a > 0.0 ? 1.0 : (a < 0.0 ? -1.0 : a); }",
+    "sign_": "static inline double sign_(double a) { "
+    "return a > 0.0 ? 1.0 : a < 0.0 ? -1.0 : a == 0.0 ? 0.0 : a; }",
     "min_": "static inline double min_(double a, double b) { return a < b || a != a ? a : b; }",
     "max_": "static inline double max_(double a, double b) { return a > b || a != a ? a : b; }",
 }
@@ -171,7 +172,9 @@ def _index_comment(array: str, what: str, quantities: Sequence[Quantity]) -> lis
 def string(text: str) -> str:
     """Return a C string literal; everything but plain ASCII letters, digits and signs is escaped."""
     octal = "".join(
-        chr(b) if chr(b).isalnum() or chr(b) in " _+-*/^()[]{}.,':;=<>" else f"\\{b:03o}"
+        chr(b)
+        if (b < 128 and chr(b).isalnum()) or chr(b) in " _+-*/^()[]{}.,':;=<>"
+        else f"\\{b:03o}"
         for b in text.encode()
     )
     return f'"{octal}"'

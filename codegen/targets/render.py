@@ -10,10 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from codegen.interpret import constants
 from codegen.layout import Layout
-from codegen.names import comment, identifiers
+from codegen.names import HELPERS, comment, identifiers
 from codegen.ops import OPS
-from codegen.passes import constants
 from codegen.program import Program
 
 MAX_INLINE = 72
@@ -117,7 +117,7 @@ class _Renderer:
             for k, n in sorted(self.program.names.items())
             if k not in self.constants and self.program.instructions[k].op in OPS
         ]
-        spelt = identifiers(name for _, name, _, _ in wanted)
+        spelt = identifiers((name for _, name, _, _ in wanted), HELPERS)
         return {k: Line(s, e, comment(c)) for (k, _, e, c), s in zip(wanted, spelt, strict=True)}
 
     def body(self) -> Body:

@@ -1,0 +1,293 @@
+"""The edge to the compiler: without one, with one that fails, with a damaged or open cache."""
+
+import ctypes
+import os
+import stat
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import eom
+from codegen import compile as compile_system
+from codegen import native, simulate
+from eom.errors import InputError
+
+needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
+SOURCE = "double twice(double a);\ndouble twice(double a) { return 2.0 * a; }\n"
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    folder = tmp_path / "cache"
+    folder.mkdir(mode=0o700)
+    monkeypatch.setenv(native.CACHE_VARIABLE, str(folder))
+    return folder
+
+
+def script(path, text):
+    path.write_text(f"#!/bin/sh\n{text}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def twice(library, value=21.0):
+    function = library.twice
+    function.argtypes, function.restype = [ctypes.c_double], ctypes.c_double
+    return function(value)
+
+
+def libraries(folder):
+    return sorted(p.name for p in folder.iterdir())
+
+
+# --- no compiler ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"CC": "/nowhere/cc"}, {"CC": "", "PATH": ""}, {"CC": "/nowhere/cc -O2", "PATH": ""}],
+)
+def test_without_a_compiler_c_is_refused_and_auto_takes_numpy(cache, monkeypatch, environment):
+    for key, value in environment.items():
+        monkeypatch.setenv(key, value)
+    assert native.compiler() == ()
+    with pytest.raises(native.CompilerError, match="no C compiler") as error:
+        compile_system(eom.free_rigid_body(), "c")
+    assert "numpy" in error.value.hint
+    compiled = compile_system(eom.free_rigid_body())
+    assert compiled.target == "numpy"
+    assert "no C compiler" in compiled.notice
+    assert "\n" not in compiled.notice
+    result = simulate(compiled, (1.0, 2.0, 3.0), (0, 1), (1.0, 1.2, 1.5))
+    assert result.success
+    assert result.notice == compiled.notice
+    assert libraries(cache) == []
+
+
+def test_files_of_c_are_generated_without_a_compiler(cache, monkeypatch):
+    from codegen.compiled import generate
+
+    monkeypatch.setenv("CC", "/nowhere/cc")
+    compiled = compile_system(eom.free_rigid_body(), "numpy")
+    files = generate(compiled.program, compiled.layout, "c")
+    assert len(files) == 4
+    assert all(text.isascii() for text in files.values())
+
+
+# --- a compiler that fails ----------------------------------------------------------------------------
+
+
+def test_a_compiler_that_fails_is_quoted_and_leaves_nothing(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "echo 'licence expired' >&2; exit 1"))
+    with pytest.raises(native.CompilerError) as error:
+        compile_system(eom.free_rigid_body(), "c")
+    assert "licence expired" in error.value.got
+    assert "exit status 1" in error.value.got
+    assert str(tmp_path / "cc") in error.value.where
+    assert libraries(cache) == []
+    compiled = compile_system(eom.free_rigid_body())
+    assert compiled.target == "numpy"
+    assert "the C compiler failed" in compiled.notice
+
+
+def test_a_compiler_that_makes_no_file_has_failed(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "exit 0"))
+    with pytest.raises(native.CompilerError, match="it made no file"):
+        native.compile_library(SOURCE)
+    assert libraries(cache) == []
+
+
+def test_a_compiler_that_hangs_is_stopped(cache, tmp_path, monkeypatch):
+    monkeypatch.setattr(native, "TIMEOUT_SECONDS", 0.2)
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "exec sleep 60"))
+    with pytest.raises(native.CompilerError, match="timed out"):
+        native.compile_library(SOURCE)
+    assert libraries(cache) == []
+
+
+def test_output_that_is_no_text_does_not_hide_the_failure(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "printf '\\377\\376 bad' >&2; exit 3"))
+    with pytest.raises(native.CompilerError, match="exit status 3"):
+        native.compile_library(SOURCE)
+
+
+def test_a_compiler_that_makes_rubbish_is_refused(cache, tmp_path, monkeypatch):
+    text = 'while [ "$1" != -o ]; do shift; done; echo rubbish > "$2"'
+    monkeypatch.setenv("CC", script(tmp_path / "cc", text))
+    compiled = compile_system(eom.free_rigid_body())
+    assert compiled.target == "numpy"
+    with pytest.raises(native.CompilerError, match="cannot be loaded"):
+        compile_system(eom.free_rigid_body(), "c")
+    assert libraries(cache) == []
+
+
+@needs_compiler
+def test_source_that_is_wrong_is_quoted(cache):
+    with pytest.raises(native.CompilerError, match="error"):
+        native.compile_library("this is no C")
+    assert libraries(cache) == []
+
+
+@needs_compiler
+def test_a_compiler_without_the_special_flags_is_used_without_them(cache, tmp_path, monkeypatch):
+    command = " ".join(native.compiler())
+    refuse = f"""
+for a in "$@"; do case "$a" in {"|".join(native.NATIVE_FLAGS)}) exit 1;; esac; done
+exec {command} "$@"
+"""
+    monkeypatch.setenv("CC", script(tmp_path / "cc", refuse))
+    assert twice(ctypes.CDLL(str(native.compile_library(SOURCE)))) == 42
+
+
+@needs_compiler
+def test_a_command_with_arguments_and_spaces_is_understood(cache, tmp_path, monkeypatch):
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    log = tmp_path / "log"
+    command = " ".join(native.compiler())
+    path = script(folder / "my cc", f'echo "$1" >> {log}; exec {command} "$@"')
+    monkeypatch.setenv("CC", f"'{path}' -DOWN=1")
+    native.compile_library(SOURCE + "/* spaces */")
+    assert log.read_text().splitlines()[0] == "-DOWN=1"
+
+
+# --- the cache ---------------------------------------------------------------------------------------
+
+
+@needs_compiler
+def test_what_is_in_the_cache_is_not_compiled_again(cache, monkeypatch):
+    first = native.compile_library(SOURCE)
+    before = first.stat()
+    assert native.compile_library(SOURCE) == first
+    assert first.stat().st_mtime_ns == before.st_mtime_ns
+    assert native.compile_library(SOURCE + " ") != first
+    assert native.compile_library(SOURCE, ("-DA=1",)) != first
+    assert len(libraries(cache)) == 3
+
+
+@needs_compiler
+def test_another_compiler_does_not_get_the_first_ones_library(cache, tmp_path, monkeypatch):
+    first = native.compile_library(SOURCE)
+    command = " ".join(native.compiler())
+    monkeypatch.setenv("CC", script(tmp_path / "other", f'exec {command} "$@"'))
+    assert native.compile_library(SOURCE) != first
+
+
+@needs_compiler
+@pytest.mark.parametrize("rubbish", [b"", b"rubbish", b"\x7fELF" + b"\0" * 100])
+def test_a_damaged_library_is_built_anew(cache, rubbish):
+    library = native.compile_library(SOURCE)
+    library.write_bytes(rubbish)
+    assert twice(native.load(library, SOURCE)) == 42
+    assert len(libraries(cache)) == 1
+
+
+@needs_compiler
+def test_a_library_that_vanished_is_built_anew(cache):
+    library = native.compile_library(SOURCE)
+    library.unlink()
+    assert twice(native.load(library, SOURCE)) == 42
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o770, 0o722, 0o702])
+def test_a_cache_that_others_can_write_is_refused(cache, mode):
+    cache.chmod(mode)
+    with pytest.raises(InputError, match="others can write") as error:
+        native.cache_folder()
+    assert "chmod go-w" in error.value.hint
+
+
+@pytest.mark.parametrize("mode", [0o700, 0o755, 0o750])
+def test_a_cache_that_others_can_only_read_is_used(cache, mode):
+    cache.chmod(mode)
+    assert native.cache_folder() == cache
+
+
+def test_a_cache_of_another_user_is_refused(cache, monkeypatch):
+    monkeypatch.setattr(os, "getuid", lambda: cache.stat().st_uid + 1)
+    with pytest.raises(InputError, match="another user"):
+        native.cache_folder()
+
+
+def test_a_cache_below_a_regular_file_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("mine")
+    for path in (tmp_path / "file", tmp_path / "file" / "below"):
+        monkeypatch.setenv(native.CACHE_VARIABLE, str(path))
+        with pytest.raises(InputError, match="cache folder cannot be made") as error:
+            native.cache_folder()
+        assert native.CACHE_VARIABLE in error.value.hint
+
+
+def test_a_cache_is_made_private(tmp_path, monkeypatch):
+    monkeypatch.setenv(native.CACHE_VARIABLE, str(tmp_path / "a" / "b"))
+    folder = native.cache_folder()
+    assert folder == tmp_path / "a" / "b"
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
+@needs_compiler
+def test_an_open_cache_is_an_error_and_no_reason_to_use_numpy_silently(cache):
+    cache.chmod(0o777)
+    with pytest.raises(InputError, match="others can write"):
+        compile_system(eom.free_rigid_body("3-1-3"), "c")
+
+
+RACE = """
+import ctypes, sys
+from codegen import native
+source = sys.stdin.read()
+library = native.compile_library(source)
+f = ctypes.CDLL(str(library)).twice
+f.argtypes, f.restype = [ctypes.c_double], ctypes.c_double
+print(library, f(4.0))
+"""
+
+
+@needs_compiler
+def test_processes_that_compile_the_same_at_once_share_one_library(cache):
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", RACE],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(6)
+    ]
+    for run in runs:
+        run.stdin.write(SOURCE + "/* race */\n")
+        run.stdin.close()
+    printed = {run.stdout.read() for run in runs}
+    assert [run.wait() for run in runs] == [0] * 6
+    for run in runs:
+        run.stdout.close()
+    assert len(printed) == 1
+    assert printed.pop().split()[1] == "8.0"
+    assert len(libraries(cache)) == 1
+
+
+@needs_compiler
+def test_with_and_without_the_quick_way_results_are_the_same(monkeypatch):
+    from codegen import fastcall
+
+    quick = compile_system(eom.free_rigid_body("3-1-2"), "c")
+    monkeypatch.setattr(fastcall, "_extension", lambda: None)
+    slow = compile_system(eom.free_rigid_body("3-1-2"), "c")
+    rng = np.random.default_rng(3)
+    x, p = rng.normal(size=6), np.array([1.0, 1.2, 1.5])
+    for group in ("rhs", "outputs", "invariants", "singularities"):
+        a, b = (getattr(c, group)(0.3, x, p) for c in (quick, slow))
+        np.testing.assert_array_equal(a, b)
+    out = np.empty(6)
+    assert quick.rhs(0.3, x, p, None, out) is out
+    assert quick.rhs(0.3, x, p, out=out) is out
+    assert quick.rhs(t=0.3, x=x, p=p).tolist() == out.tolist()
+    for wrong in ((0.3, x[:5], p), (0.3, x, p[:2]), (0.3, x)):
+        with pytest.raises(InputError):
+            quick.rhs(*wrong)
+    with pytest.raises(TypeError):
+        quick.rhs(0.3)
+    with pytest.raises(TypeError):
+        quick.rhs(0.3, x, p, speed=1)

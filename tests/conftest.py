@@ -1,0 +1,38 @@
+"""Shared by all tests: a private cache of compiled code, and the targets of this machine."""
+
+import os
+
+import pytest
+from hypothesis import Phase, settings
+
+from codegen import native
+
+settings.register_profile(
+    "eom",
+    deadline=None,
+    report_multiple_bugs=False,
+    phases=(Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink),
+)
+settings.load_profile("eom")
+
+TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def private_cache(tmp_path_factory):
+    """Compile into a folder of this session; what is compiled twice is compiled once."""
+    folder = tmp_path_factory.mktemp("cache")
+    folder.chmod(0o700)
+    before = os.environ.get(native.CACHE_VARIABLE)
+    os.environ[native.CACHE_VARIABLE] = str(folder)
+    yield folder
+    if before is None:
+        del os.environ[native.CACHE_VARIABLE]
+    else:
+        os.environ[native.CACHE_VARIABLE] = before
+
+
+@pytest.fixture(scope="session", params=TARGETS)
+def target(request):
+    """Each target that works here; C only where there is a compiler."""
+    return request.param
