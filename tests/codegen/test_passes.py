@@ -51,7 +51,9 @@ def test_prune_keeps_the_names_of_what_stays():
 
 
 @settings(max_examples=50)
-@given(st.dictionaries(st.integers(0, 2), st.sampled_from([0.0, 1.0, -1.0, 0.1, 2.0, 1e300, -7.25])))
+@given(
+    st.dictionaries(st.integers(0, 2), st.sampled_from([0.0, 1.0, -1.0, 0.1, 2.0, 1e300, -7.25]))
+)
 def test_specialised_programs_have_the_values_of_the_general_one(values):
     program = lower_expressions(GROUPS, (x, y), (p, q, r))
     special = passes.specialise(program, values, 3)
