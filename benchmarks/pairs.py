@@ -1,7 +1,7 @@
 """Times side by side: the two are taken in turn, and the ratio is the median over neighbours.
 
 Neighbours share the machine's mood (clock frequency, other jobs), so their ratio is steady where
-their times are not. A target that is missed is measured again, a few times; a real loss stays one.
+their times are not. Where a target is missed, more pairs are taken; the verdict is over all of them.
 """
 
 from __future__ import annotations
@@ -63,11 +63,13 @@ def joined(groups: Iterable[Pairs]) -> Pairs:
 
 
 def settled(measure: Callable[[], Pairs], value: Callable[[Pairs], float], limit: float) -> Pairs:
-    """Measure until ``value`` is at most ``limit``, `ATTEMPTS` times at most; return the least."""
-    results: list[Pairs] = []
-    while len(results) < ATTEMPTS and not (results and value(results[-1]) <= limit):
-        results.append(measure())
-    return min(results, key=value)
+    """Measure until ``value`` of all pairs together is at most ``limit``, `ATTEMPTS` times at most."""
+    pairs = measure()
+    for _ in range(ATTEMPTS - 1):
+        if value(pairs) <= limit:
+            break
+        pairs = joined((pairs, measure()))
+    return pairs
 
 
 def seconds(action: Callable[[], object]) -> float:

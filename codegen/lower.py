@@ -245,7 +245,7 @@ class Lowering:
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
         plain = [
-            (f, 1) if e.is_Symbol else (b, e)
+            (f, 1) if e.is_Symbol or f is sp.I else (b, e)  # I, for SymPy, is a root
             for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
         ]
         split = [

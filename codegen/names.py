@@ -186,7 +186,7 @@ def _spell(character: str) -> str:
         return character
     words = unicodedata.name(character, "").split()
     if words[:1] == ["GREEK"] and "LETTER" in words:
-        return words[words.index("LETTER") + 1].lower()
+        return words[words.index("LETTER") + 1].lower().replace("lamda", "lambda")
     return unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode() or "_"
 
 

@@ -9,8 +9,9 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
+from codegen.interpret import Point, constants, interpret, interpret_exactly, interpret_with_bound
 from codegen.lower import lower_expressions
+from codegen.ops import OPS
 
 x, y = sp.symbols("x y", real=True)
 
@@ -93,3 +94,16 @@ def test_the_bound_is_not_generous():
     assert simple.error <= 4 * math.ulp(15.0)
     (exact,) = interpret_with_bound(program_of(-x), Point(x=[3.0, 5.0]))["f"]
     assert exact.error < 1e-300
+
+
+def test_constants_are_the_nearest_doubles():
+    program = lower_expressions({"f": [sp.sqrt(2) * sp.pi + x, sp.exp(1) / 3]}, (x, y))
+    known = constants(program)
+    values = set(known.values())
+    assert float(sp.N(sp.sqrt(2) * sp.pi, 40)) in values
+    assert float(sp.N(sp.E / 3, 40)) in values
+    for k in known:
+        op, args, _ = program.instructions[k]
+        assert op in {"const", "pi", *OPS}
+        assert all(a in known for a in args)
+    assert not any(program.instructions[k].op == "state" for k in known)

@@ -10,7 +10,6 @@ import eom
 from codegen import passes
 from codegen.interpret import Point, interpret, interpret_exactly
 from codegen.lower import lower_expressions, lower_system
-from codegen.ops import OPS
 
 x, y, p, q, r = sp.symbols("x y p q r", real=True)
 GROUPS = {
@@ -77,16 +76,3 @@ def test_fixed_parameters_are_exact_and_fold(program):
     everything = passes.specialise(program, {0: 1.0, 1: 0.0, 2: 0.0}, 3)
     assert not any(i.op == "parameter" for i in everything.instructions)
     assert "mul" not in everything.counts()
-
-
-def test_constants_are_the_nearest_doubles():
-    program = lower_expressions({"f": [sp.sqrt(2) * sp.pi + x, sp.exp(1) / 3]}, (x,))
-    known = passes.constants(program)
-    values = set(known.values())
-    assert float(sp.N(sp.sqrt(2) * sp.pi, 40)) in values
-    assert float(sp.N(sp.E / 3, 40)) in values
-    for k in known:
-        op, args, _ = program.instructions[k]
-        assert op in {"const", "pi", *OPS}
-        assert all(a in known for a in args)
-    assert not any(program.instructions[k].op == "state" for k in known)
