@@ -239,8 +239,8 @@ class Lowering:
     def product(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a product as one quotient: factors with negative exponents divide together.
 
-        Factors that are bound earliest come first, so that products of parameters are shared; the
-        numerical coefficient joins them, or comes last where there are none.
+        Parameters come first, so that their products are shared, then the numerical coefficient,
+        then sums of parameters; without parameters the coefficient comes last.
         """
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
@@ -254,16 +254,15 @@ class Lowering:
         ]
 
         def build(numbers: list[int]) -> int:
-            factors = sorted(
-                ((n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)),
-                key=lambda factor: (self.b.binding[factor[0]], factor[2]),
-            )
+            factors = [(n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)]
             below = self._powers((n, -e) for n, e, _ in factors if e < 0)
-            early = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] <= 1]
+            early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
             late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
-            above = self._powers(early)
+            above = self._powers((n, e) for n, e, is_sum in early if not is_sum)
             if early:
-                above = self._powers(late, self._scaled(above, coefficient))
+                above = self._scaled(above, coefficient)
+                above = self._powers(((n, e) for n, e, is_sum in early if is_sum), above)
+                above = self._powers(late, above)
             else:
                 above = self._scaled(self._powers(late), coefficient)
             return self.b.add("div", above, below)
