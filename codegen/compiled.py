@@ -165,6 +165,10 @@ class Compiled:
     functions: Mapping[str, Function]
     notice: str = ""
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
+        return (compile, (self.system, self.target, dict(self.fixed)))
+
     @property
     def rhs(self) -> Function:
         """The right-hand side d(states)/dt."""

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
+from math import inf
 from typing import Any
 
 import mpmath
@@ -18,6 +19,9 @@ from codegen.ops import OPS, Instruction
 from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
+SMALLEST = 5e-324
+_EDGED = frozenset({"sqrt", "asin", "acos", "acosh", "atanh", "log"})
+"""Functions whose derivative is infinite, or that end, at the edge of their domain."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,7 @@ def interpret(program: Program, point: Point) -> dict[str, list[float]]:
     return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
 
 
+@lru_cache(maxsize=256)
 def constants(program: Program) -> dict[int, float]:
     """Return the double nearest to each value that depends on constants alone.
 
@@ -103,34 +108,56 @@ def interpret_with_bound(
     Running error analysis to first order (Higham, Accuracy and Stability of Numerical Algorithms,
     2nd ed., sect. 3.3): each operation adds its own rounding error, from the table of operations,
     to those of its arguments times its partial derivatives. The bound is doubled to cover the
-    terms of second order; it says nothing at jumps of ``sign`` and of conditions.
+    terms of second order; it says nothing at jumps of ``sign`` and of conditions, and is infinite
+    where an argument may leave the domain.
     """
     m = _context(digits)
 
     def leaf(instruction: Instruction) -> Bounded:
         value = _leaf_exact(instruction, point, m)
         exact = instruction.op not in {"const", "pi"}
-        return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF)
+        return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF + SMALLEST)
 
     def apply(op: str, args: list[Bounded]) -> Bounded:
         row = OPS[op]
         operands = [a.value for a in args]
         value = _real(m, lambda: row.exact(m, *operands))
         if not m.isfinite(value):
-            return Bounded(value, float("inf"))
-        slopes = row.partials(m, value, *operands)
-        carried = sum(
-            abs(float(s)) * a.error if s and a.error else 0.0
-            for s, a in zip(slopes, args, strict=True)
+            return Bounded(value, inf)
+        carried = _carried(m, op, value, args)
+        rounding = 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)) + (
+            SMALLEST if row.ulps else 0.0
         )
-        return Bounded(value, carried + 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)))
+        return Bounded(value, carried + rounding)
 
     values = _walk(program, leaf, apply)
-    smallest = 5e-324 * len(program.instructions)
     return {
-        g: [Bounded(values[k].value, 2 * values[k].error + smallest) for k in r]
+        g: [Bounded(values[k].value, 2 * values[k].error) for k in r]
         for g, r in program.results.items()
     }
+
+
+def _carried(m: Any, op: str, value: Any, args: list[Bounded]) -> float:
+    """Bound what the errors of the arguments make of the value of an operation.
+
+    To first order by the partial derivatives, but where these fail: the larger error for min and
+    max, the worse end for functions with an edge, infinite at the cut of atan2 (zeros have a sign).
+    """
+    errors = [a.error for a in args]
+    operands = [a.value for a in args]
+    if op == "atan2" and operands[1] <= errors[1] and abs(operands[0]) <= errors[0]:
+        return inf
+    if not any(errors):
+        return 0.0
+    if op in {"min", "max", "abs"}:
+        return max(errors)
+    if op in _EDGED:
+        ends = [
+            _real(m, partial(OPS[op].exact, m, operands[0] + d)) for d in (errors[0], -errors[0])
+        ]
+        return max(float(abs(e - value)) if m.isfinite(e) else inf for e in ends)
+    slopes = OPS[op].partials(m, value, *operands)
+    return sum(abs(float(s)) * e if s and e else 0.0 for s, e in zip(slopes, errors, strict=True))
 
 
 def _context(digits: int) -> Any:

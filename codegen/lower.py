@@ -19,6 +19,8 @@ GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 """Groups of results of a lowered system."""
 
 MAX_UNROLLED_POWER = 64
+MAX_SPLIT_BITS = 512
+"""Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
 
 _FUNCTIONS: dict[Any, str] = {
     sp.sin: "sin", sp.cos: "cos", sp.tan: "tan", sp.asin: "asin", sp.acos: "acos", sp.atan: "atan",
@@ -232,7 +234,7 @@ class Lowering:
         """Multiply by an exact number; a denominator other than a power of two divides."""
         exact = sp.Rational(coefficient)
         p, q = int(exact.p), int(exact.q)
-        if q & (q - 1) == 0:
+        if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
             return self.b.add("mul", self.b.const(Fraction(p, q)), number)
         return self.b.add("div", self.b.add("mul", self.b.const(p), number), self.b.const(q))
 

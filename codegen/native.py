@@ -26,8 +26,9 @@ import platformdirs
 from eom.errors import InputError
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
-NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition")
-"""Flags that some compilers lack; the second lets functions of one library be inlined."""
+NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition", "-ffp-contract=off")
+"""Flags that some compilers lack. The second lets functions of one library be inlined; the third
+keeps clang from fusing products into sums, so that every compiler gives the same numbers."""
 TIMEOUT_SECONDS = 600
 CACHE_VARIABLE = "EOM_CACHE_DIR"
 

@@ -23,9 +23,12 @@ class Name(NamedTuple):
     comment: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
-    """Instructions in order, the results as groups of instruction numbers, and names of values."""
+    """Instructions in order, the results as groups of instruction numbers, and names of values.
+
+    Programs compare by identity; their texts, ``str(program)``, compare by content.
+    """
 
     instructions: tuple[Instruction, ...]
     results: Mapping[str, tuple[int, ...]]

@@ -16,7 +16,7 @@ from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.integrate import runge_kutta, scipy_
 from codegen.integrate.dop853 import DOP853
-from codegen.integrate.trajectory import Array, Problem, Trajectory
+from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
 from eom.errors import InputError, unknown_name
@@ -26,6 +26,8 @@ METHODS = ("auto", "DOP853", *(f"scipy:{m}" for m in scipy_.METHODS))
 """``auto`` is DOP853; DOP853 runs in generated C on the target c, by SciPy otherwise."""
 
 DEFAULT_MARGIN = 1e-6
+RELATIVE_FLOOR = 1e-8
+"""A constant that starts below its change under so small a change of the states counts as zero."""
 
 Values = Mapping[str, float] | Sequence[float] | Array | None
 T = TypeVar("T")
@@ -38,13 +40,15 @@ class Drift:
 
     start: float
     largest: float
+    floor: float = field(compare=False)
+    """Change of the first value if every state changes by `RELATIVE_FLOOR` of itself."""
     over_time: Array = field(compare=False, repr=False)
     """Value less first value at each stored point."""
 
     @property
     def scale(self) -> float:
-        """What the change is compared with: the first value, or 1 if that is zero to the run's accuracy."""
-        return abs(self.start) if abs(self.start) > self.largest else 1.0
+        """What the change is compared with: the first value, or 1 if that is zero but for rounding."""
+        return abs(self.start) if abs(self.start) > self.floor else 1.0
 
     @property
     def relative(self) -> float:
@@ -110,7 +114,7 @@ def simulate(
     dense_output: bool = False,
     first_step: float | None = None,
     max_step: float = math.inf,
-    max_steps: int | None = None,
+    max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
@@ -142,7 +146,7 @@ def simulate(
         dense_output=dense_output,
         first_step=None if first_step is None else _positive(first_step, "first_step"),
         max_step=_positive(max_step, "max_step"),
-        max_steps=max_steps,
+        max_steps=_count(max_steps),
         progress=progress,
     )
     return _run(compiled, problem, method, signals)
@@ -187,6 +191,12 @@ def _positive(value: float, name: str) -> float:
     if not number > 0:
         raise InputError(f"{name} is not positive", got=value)
     return number
+
+
+def _count(value: int) -> int:
+    if not isinstance(value, int) or value < 1:
+        raise InputError("max_steps is not a positive whole number", got=value)
+    return value
 
 
 def _span(t_span: tuple[float, float]) -> tuple[float, float]:
@@ -285,9 +295,9 @@ def _result(
         g: _evaluate(compiled, problem, trajectory, g, signals) for g in (OUTPUTS, INVARIANTS)
     }
     outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
-    drift = {
-        n: _drift(v) for n, v in zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True)
-    }
+    floors = _floors(compiled, problem)
+    rows = zip(layout.results[INVARIANTS], values[INVARIANTS], floors, strict=True)
+    drift = {n: _drift(v, float(f)) for n, v, f in rows}
     stop = trajectory.stop
     return Result(
         t=trajectory.t,
@@ -295,7 +305,7 @@ def _result(
         sol=trajectory.solution,
         nfev=trajectory.evaluations,
         status={"end": 0, "singular": 1}.get(stop.kind, -1),
-        message=_message(compiled, trajectory),
+        message=_message(compiled, trajectory, problem.max_steps),
         outputs=outputs,
         drift=drift,
         margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
@@ -327,14 +337,25 @@ def _evaluate(
     return function(trajectory.t, trajectory.y, problem.parameters, u)
 
 
-def _drift(values: Array) -> Drift:
+def _drift(values: Array, floor: float) -> Drift:
     if not values.size:
-        return Drift(0.0, 0.0, values)
+        return Drift(0.0, 0.0, floor, values)
     change = values - values[0]
-    return Drift(float(values[0]), float(np.max(np.abs(change))), change)
+    return Drift(float(values[0]), float(np.max(np.abs(change))), floor, change)
 
 
-def _message(compiled: Compiled, trajectory: Trajectory) -> str:
+def _floors(compiled: Compiled, problem: Problem) -> Array:
+    """Return for each invariant by how much it changes if the first states change a little."""
+    function = compiled.functions.get(INVARIANTS)
+    if function is None:
+        return np.empty(0)
+    x = problem.x0
+    points = np.column_stack([x, x[:, None] + np.diag(RELATIVE_FLOOR * x)])
+    values = function(problem.t_span[0], points, problem.parameters, problem.inputs)
+    return np.asarray(np.sum(np.abs(values[:, 1:] - values[:, :1]), axis=1))
+
+
+def _message(compiled: Compiled, trajectory: Trajectory, max_steps: int) -> str:
     stop, names = trajectory.stop, names_of(compiled.layout.states)
     at = f"stopped at t = {stop.t:.9g} s"
     if stop.kind == "end":
@@ -352,4 +373,9 @@ def _message(compiled: Compiled, trajectory: Trajectory) -> str:
         return (
             f"{at}: the step fell below the resolution of time; the tolerance cannot be met there"
         )
-    return f"{at}: max_steps were taken"
+    if stop.kind == "memory":
+        return f"{at}: no memory for more steps; give t_eval to store less"
+    return (
+        f"{at}: all of max_steps = {max_steps:,} were tried; look for a jump in the rates "
+        "(friction, sign) or stiffness, or raise max_steps"
+    )

@@ -104,34 +104,39 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
 /* The state that each singularity is about, or -1. */
 static const int coordinate[S] = {@COORDINATES@};
 
-/* In how many parts to search a step for singularities, 0 if they are far: many radians need many. */
-static int parts_to_search(const @PREFIX@ *s, const double *after, const double *x_new) {
-    double turned = 0.0;
-    int near = 0;
+/* The largest turn of these states in a step, in radians where they are angles. */
+static double largest_turn(const @PREFIX@ *s, const double *x_new) {
+    double turn = 0.0;
+    for (int m = 0; m < S; ++m)
+        if (coordinate[m] >= 0) turn = fmax(turn, fabs(x_new[coordinate[m]] - s->x[coordinate[m]]));
+    return turn;
+}
+
+/* Whether a step that ends with the values after may have come near a singularity. */
+static int may_be_singular(const @PREFIX@ *s, const double *after, double turn) {
     for (int m = 0; m < S; ++m) {
-        const double least = fmin(fabs(s->singular[m]), fabs(after[m]));
+        const double near = fmin(fabs(s->singular[m]), fabs(after[m]));
         const double moved = fabs(after[m] - s->singular[m]);
-        near |= least < 0.1 || least <= s->margin || least < 2.0 * moved || !isfinite(after[m]);
-        if (coordinate[m] >= 0) turned = fmax(turned, fabs(x_new[coordinate[m]] - s->x[coordinate[m]]));
+        if (near < 0.1 || near <= s->margin || near < 2.0 * moved || !isfinite(after[m])) return 1;
     }
-    if (!near && turned < 0.5) return 0;
-    return 8 + (int)fmin(8.0 * turned, 4096.0);
+    return turn > 0.25;
 }
 
 /* The first place in the last step at which a singularity is nearer than the margin, or 2. */
-static double find_singular(@PREFIX@ *s, int parts, const double *after, const double *p, const double *u) {
+static double find_singular(@PREFIX@ *s, const double *after, const double *p, const double *u) {
+    enum { PARTS = 8 };
     double y[N], here[S], before[S], first = 2.0;
     for (int k = 0; k < S; ++k) before[k] = s->singular[k];
-    for (int part = 1; part <= parts; ++part) {
-        const double right = (double)part / parts;
+    for (int part = 1; part <= PARTS; ++part) {
+        const double right = (double)part / PARTS;
         interpolate(s, right, y);
         @NAME@_singularities(s->t_old + right * s->h_old, y, p, u, here);
         for (int k = 0; k < S; ++k) {
-            if (part == parts) here[k] = after[k];
+            if (part == PARTS) here[k] = after[k];
             s->closest[k] = fmin(s->closest[k], fabs(here[k]));
             const int crossed = (here[k] > 0.0) != (before[k] > 0.0);
             if (!crossed && fabs(here[k]) > s->margin) continue;
-            double low = right - 1.0 / parts, high = right, value[S];
+            double low = right - 1.0 / PARTS, high = right, value[S];
             for (int turn = 0; turn < 60; ++turn) {
                 const double middle = 0.5 * (low + high);
                 interpolate(s, middle, y);
@@ -172,7 +177,10 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         double t_low, h_abs = fmin(s->h, s->h_max);
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        if (h_abs < smallest && fabs(rest) > smallest) return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
+        if (h_abs < smallest && fabs(rest) > smallest) {
+            if (s->after_rejection) return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
+            h_abs = smallest;
+        }
         const int last = h_abs >= fabs(rest) * (1.0 - 1e-12);
         const double h = last ? rest : h_abs * direction;
         const double t_new = last ? s->t_end : two_sum(s->t, h + s->t_low, &t_low);
@@ -204,6 +212,15 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
             s->after_rejection = 1;
             continue;
         }
+#if S
+        const double turn = largest_turn(s, x_new);
+        if (turn > 1.0) { /* nothing is to be jumped over */
+            s->h = fabs(h) * 0.7 / turn;
+            s->rejected += 1;
+            s->after_rejection = 1;
+            continue;
+        }
+#endif
         double factor = error > 1e-12 ? 0.9 / @ROOT@ : 10.0;
         factor = fmin(s->after_rejection ? 1.0 : 10.0, fmax(0.2, factor));
         s->after_rejection = 0;
@@ -219,10 +236,9 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         double after[S];
         @NAME@_singularities(t_new, x_new, p, u, after);
         for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(after[m]));
-        const int parts = parts_to_search(s, after, x_new);
-        if (parts > 0) {
+        if (may_be_singular(s, after, turn)) {
             if (!needs_dense) prepare_dense(s, k, h, x_new, p, u);
-            stop = find_singular(s, parts, after, p, u);
+            stop = find_singular(s, after, p, u);
         }
         for (int m = 0; m < S; ++m) s->singular[m] = after[m];
 #endif

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -167,33 +167,35 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     store = _Store(method, problem)
     status = method.start(ctypes.addressof(s), p, u)
     while status in {PAUSED, FULL}:
-        store.make_room()
-        status = method.run(
-            ctypes.addressof(s),
-            p,
-            u,
-            ctypes.addressof(store.output),
-            min(STEPS_A_CALL, problem.steps_left(s.steps)),
-        )
-        problem.report(s.t)
-        if status == PAUSED and problem.steps_left(s.steps + s.rejected) <= 0:
+        left = problem.max_steps - s.steps - s.rejected
+        if left <= 0:
             break
-    return store.trajectory(s, _stop(status, s, method), problem)
+        if not store.make_room():
+            return store.trajectory(s, Stop("memory", s.t), problem)
+        attempts = min(STEPS_A_CALL, left)
+        status = method.run(ctypes.addressof(s), p, u, ctypes.addressof(store.output), attempts)
+        problem.report(s.t)
+    return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem)
+
+
+_STOPS = {
+    DONE: "end",
+    SINGULAR: "singular",
+    NOT_FINITE: "not finite",
+    STEP_TOO_SMALL: "step",
+    PAUSED: "max_steps",
+    FULL: "max_steps",
+}
 
 
 def _pointer(array: Array) -> int | None:
     return array.ctypes.data if array.size else None
 
 
-def _stop(status: int, s: Any, method: NativeMethod) -> Stop:  # noqa: ARG001
-    kinds: dict[int, Callable[[], Stop]] = {
-        DONE: lambda: Stop("end", s.t),
-        SINGULAR: lambda: Stop("singular", s.t, s.which),
-        NOT_FINITE: lambda: Stop("not finite", s.t, s.which),
-        STEP_TOO_SMALL: lambda: Stop("step", s.t),
-        PAUSED: lambda: Stop("max_steps", s.t),
-    }
-    return kinds[status]()
+def _doubled(array: Array) -> Array:
+    larger = np.empty((2 * len(array), *array.shape[1:]))
+    larger[: len(array)] = array
+    return larger
 
 
 class _Store:
@@ -219,16 +221,19 @@ class _Store:
         self.output.t, self.output.x = self.t.ctypes.data, self.x.ctypes.data
         self.output.dense = self.dense.ctypes.data if self.dense_output else None
 
-    def make_room(self) -> None:
-        """Double the arrays if they are full; what is stored stays."""
+    def make_room(self) -> bool:
+        """Double the arrays if they are full; False if there is no memory for that."""
         if self.grid is not None or self.output.count < self.output.capacity:
-            return
-        self.t = np.resize(self.t, 2 * len(self.t))
-        self.x = np.resize(self.x, (len(self.t), self.n))
-        if self.dense_output:
-            self.dense = np.resize(self.dense, (len(self.t), self.terms, self.n))
+            return True
+        try:
+            self.t, self.x = _doubled(self.t), _doubled(self.x)
+            if self.dense_output:
+                self.dense = _doubled(self.dense)
+        except MemoryError:
+            return False
         self.output.capacity = len(self.t)
         self._point()
+        return True
 
     def trajectory(self, s: Any, stop: Stop, problem: Problem) -> Trajectory:
         """Return what was stored; without a grid the start is the first point."""

@@ -101,7 +101,7 @@ class _Run:
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""
-        if self.problem.steps_left(self.steps) <= 0:
+        if self.steps >= self.problem.max_steps:
             return Stop("max_steps", solver.t)
         self.broken = -1
         try:
@@ -165,7 +165,7 @@ class _Run:
         turned = max((abs(float(change[k])) for k in self.coordinates if k >= 0), default=0.0)
         if not np.any(close | (near < 2 * moved) | ~np.isfinite(after)) and turned < 0.5:
             return 0
-        return PARTS + int(min(PARTS * turned, 4096))
+        return PARTS + int(min(PARTS * turned, 1e6))
 
     def _scan(
         self, t_old: float, t_new: float, dense: Any, before: Array, parts: int

@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+MAX_STEPS = 10_000_000
+"""Steps that are tried unless more are asked for: a run that chatters ends."""
+
+
 @dataclass(frozen=True)
 class Problem:
     """An initial value problem with everything checked.
@@ -34,12 +38,8 @@ class Problem:
     dense_output: bool = False
     first_step: float | None = None
     max_step: float = math.inf
-    max_steps: int | None = None
+    max_steps: int = MAX_STEPS
     progress: Callable[[float], None] | None = None
-
-    def steps_left(self, taken: int) -> int:
-        """Return how many more steps may be tried."""
-        return 2**62 if self.max_steps is None else self.max_steps - taken
 
     def report(self, t: float) -> None:
         """Tell the progress at time ``t``."""
@@ -50,7 +50,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when a run stopped: end, singular, not finite, step, max_steps.
+    """Why and when a run stopped: end, singular, not finite, step, max_steps, memory.
 
     ``which``: number of the singularity, or of the state that is not finite.
     """
