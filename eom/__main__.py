@@ -209,6 +209,7 @@ def _simulate(scene: Scene, compiled: Compiled) -> Result:
             plan.atol,
             times,
             inputs=scene.input_values(),
+            max_steps=plan.max_steps,
             progress=progress,
         )
 

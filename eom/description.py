@@ -98,13 +98,14 @@ class InitialAttitude(_Part):
 
 
 class Integration(_Part):
-    """End time (s), method, tolerances and the number of output times."""
+    """End time (s), method, tolerances, number of output times, and of steps to try at most."""
 
     t_end: Number = 10.0
     method: str = "auto"
     rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
     atol: Annotated[float, Field(gt=0)] | None = None
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
+    max_steps: Annotated[int, Field(ge=1)] = 10_000_000
 
 
 def _as_value(value: Any) -> Any:

@@ -107,3 +107,29 @@ def test_constants_are_the_nearest_doubles():
         assert op in {"const", "pi", *OPS}
         assert all(a in known for a in args)
     assert not any(program.instructions[k].op == "state" for k in known)
+
+
+z, w = sp.symbols("z w", real=True)
+TINY = sp.Rational(1, 3 * 10**310)
+HARD = {
+    "underflow before a division": (x * y / z, (1e-170, 1e-150, 1e-300, 0.0)),
+    "underflow under a root": (sp.sqrt(x**2 + y**2), (1e-170, 1e-170, 0.0, 0.0)),
+    "kink of a modulus": (sp.Abs(x + y - z - w), (1e16, 1.0, 1e16, 1.0)),
+    "edge of asin": (sp.asin(x + y - z), (1e16, 1.0, 1e16, 0.0)),
+    "near tie": (sp.Max(x + y - z, w), (1e16, 1.0, 1e16, 0.5)),
+    "cut of atan2": (sp.atan2(-y, x), (-1.0, 0.0, 0.0, 0.0)),
+    "constant below the doubles": (sp.Rational(1, 10**320) * x, (1.0, 0.0, 0.0, 0.0)),
+    "constant of long parts": (sp.Rational(10**400 + 1, 10**400) * x, (1.0, 0.0, 0.0, 0.0)),
+    "tiny constant, large variable": (TINY * x, (1e5, 0.0, 0.0, 0.0)),
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_the_bound_holds_where_doubles_are_hard(name):
+    expression, values = HARD[name]
+    program = lower_expressions({"f": [expression]}, (x, y, z, w))
+    point = Point(x=values)
+    (bounded,) = interpret_with_bound(program, point)["f"]
+    (double,) = interpret(program, point)["f"]
+    assert not math.isnan(bounded.error)
+    assert abs(double - bounded.value) <= bounded.error

@@ -15,6 +15,8 @@ from codegen import METHODS, Compiled, simulate
 from codegen import compile as compile_system
 from eom import catalogue
 from eom.errors import AssumptionError, InputError
+from eom.kinematics import SEQUENCES
+from eom.rigidbody import free_rigid_body
 from eom.system import TIME, System
 
 x, v, k, u, w = sp.symbols("x v k u w", real=True)
@@ -644,3 +646,81 @@ def test_the_motion_near_a_pole_agrees_with_high_precision(built):
     with mpmath.workdps(30):
         exact = 1 / (1 - mpmath.mpf(0.999))
         assert abs(result.y[1, -1] - exact) / exact < 1e-8
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy:DOP853"])
+@pytest.mark.parametrize("name", SEQUENCES)
+def test_no_step_jumps_over_a_singular_angle(name, method):
+    """Spins about the second axis have constant rates, so that steps would grow without end."""
+    compiled = compile_system(free_rigid_body(name))
+    singular = math.pi if name[0] == name[-1] else math.pi / 2
+    for start, rate, end, rtol in (
+        (0.3, 1.0, 1e3, 1e-3),
+        (0.3, 0.01, 1e6, 1e-9),
+        (1.1, 1.0, 1e3, 1e-6),
+    ):
+        initial = {f"omega_{k}": rate * (k == int(name[2])) for k in (1, 2, 3)}
+        initial |= {"psi": 0.0, "theta": start, "phi": 0.0}
+        moments = {"I1": 1.0, "I2": 1.5, "I3": 2.0}
+        result = simulate(compiled, initial, (0, end), moments, rtol=rtol, method=method)
+        assert result.status == 1
+        assert result.t_stop == pytest.approx((singular - start) / rate, rel=1e-5)
+
+
+def test_a_run_that_chatters_ends_with_a_reason(built):
+    """Coulomb friction without a model of rest: the sign changes at every step."""
+    x = sp.Symbol("x", real=True)
+    system = System.from_rates("friction", {x: -sp.sign(x)})
+    result = simulate(built(system), [1.0], (0, 2), max_steps=10_000)
+    assert result.status == -1
+    assert result.t_stop == pytest.approx(1.0, abs=1e-2)
+    assert "all of max_steps = 10,000 were tried" in result.message
+    assert "friction" in result.message
+
+
+@pytest.mark.parametrize("limit", [1, 999, 3000, 10_000, 70_000])
+def test_max_steps_counts_rejected_steps_too(limit):
+    x = sp.Symbol("x", real=True)
+    compiled = compile_system(System.from_rates("friction", {x: -sp.sign(x)}))
+    if compiled.target == "c":
+        result = simulate(compiled, [1.0], (0, 2), max_steps=limit)
+        assert result.steps + result.rejected == limit
+
+
+@pytest.mark.parametrize("limit", [0, -1, 2.5, math.inf])
+def test_max_steps_is_a_positive_whole_number(limit):
+    with pytest.raises(InputError, match="max_steps"):
+        simulate(free_rigid_body(), [1, 0, 0], (0, 1), [1, 2, 2.5], max_steps=limit)
+
+
+def test_an_invariant_that_is_lost_shows_a_drift_beyond_one():
+    """At a hopeless tolerance the energy grows many times over; the report must not hide it."""
+    initial, moments = [0.1, 2.0, 0.3], [1e-9, 1.5e-9, 2e-9]
+    result = simulate(free_rigid_body(), initial, (0, 300), moments, rtol=0.1, atol=0.1)
+    energy = 0.5 * np.array(moments) @ result.y**2
+    lost = np.max(np.abs(energy - energy[0])) / energy[0]
+    assert lost > 10
+    assert result.drift["T"].relative == pytest.approx(lost)
+
+
+def test_a_constant_that_starts_at_zero_but_for_rounding_drifts_absolutely():
+    a, b = sp.symbols("a b", real=True)
+    radius = {"zero": a**2 + b**2 - sp.Rational(1, 4)}
+    system = System.from_rates("circle", {a: b, b: -a}, invariants=radius)
+    result = simulate(system, [0.3, 0.4], (0, 10))
+    drift = result.drift["zero"]
+    assert abs(drift.start) < 1e-16
+    assert drift.scale == 1.0
+    assert drift.relative == drift.largest < 1e-7
+
+
+@pytest.mark.parametrize("options", [{}, {"first_step": 1e-7}])
+def test_a_run_may_start_late(built, options):
+    """The first step that the rates suggest is below the resolution of so large a time."""
+    x, y = sp.symbols("x y", real=True)
+    rest = System.from_rates("rest", {x: -x, y: 0 * y})
+    assert simulate(built(rest), [0.0, 0.0], (1e9, 1e9 + 10), **options).status == 0
+    swing = System.from_rates("swing", {x: y, y: -x})
+    result = simulate(built(swing), [1.0, 0.0], (1e9, 1e9 + 10), **options)
+    assert result.status == 0
+    assert result.y[0, -1] == pytest.approx(math.cos(10), abs=1e-6)

@@ -159,3 +159,15 @@ def test_explicit_time_counts():
 
 def test_same_seed_gives_the_same_answer():
     assert [vanishes(sin(x) - x, seed=s) for s in range(5)] == [False] * 5
+
+
+def test_nothing_that_contains_an_input_is_constant():
+    """An input may change with time: energy with a driven torque is no constant."""
+    u = sp.Symbol("u", real=True)
+    v = sp.Symbol("v", real=True)
+    q = sp.Symbol("q", real=True)
+    energy = v**2 / 2 - u * q
+    driven = System.from_rates("driven", {q: v, v: u}, inputs=[u])
+    steady = System.from_rates("steady", {q: v, v: u})
+    assert is_invariant(steady, energy)
+    assert not is_invariant(driven, energy)
