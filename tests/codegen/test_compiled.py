@@ -54,7 +54,7 @@ def build(make, *args):
     """Build a node; what SymPy makes complex or infinite by itself is replaced by its first part."""
     try:
         made = sp.sympify(make(*args))
-    except (TypeError, ValueError, RecursionError):
+    except (AttributeError, TypeError, ValueError, RecursionError):  # some are defects of SymPy
         return args[0]
     return made if isinstance(made, sp.Expr) and usable(made) else args[0]
 
