@@ -165,6 +165,12 @@ class Compiled:
     functions: Mapping[str, Function]
     notice: str = ""
 
+    def __repr__(self) -> str:
+        """Name the system, the target and the functions."""
+        fixed = f", with {', '.join(self.fixed)} fixed" if self.fixed else ""
+        functions = ", ".join("rhs" if g == RATES else g for g in self.functions)
+        return f"Compiled({self.layout.name!r} for {self.target}{fixed}: {functions})"
+
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
         return (compile, (self.system, self.target, dict(self.fixed)))

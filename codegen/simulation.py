@@ -85,6 +85,15 @@ class Result:
     notice: str = ""
     names: tuple[str, ...] = field(default=())
 
+    def __repr__(self) -> str:
+        """Say how the run ended and what it holds."""
+        names = ", ".join((*self.names, *self.outputs))
+        drift = ", ".join(f"{n} {d.relative:.1e}" for n, d in self.drift.items())
+        drifts = f"; drift {drift}" if drift else ""
+        return (
+            f"Result({self.message}; {len(self.t)} points of {names}; {self.steps} steps{drifts})"
+        )
+
     @property
     def success(self) -> bool:
         """True if the end was reached or a singular configuration was located."""

@@ -150,6 +150,18 @@ class System:
             invariants=named[1],
         )
 
+    def __repr__(self) -> str:
+        """Name what there is; `eom.printing.show` writes it out."""
+        groups = {
+            "states": self.state_names,
+            "parameters": self.parameter_names,
+            "inputs": self.input_names,
+            "outputs": self.output_names,
+            "invariants": self.invariant_names,
+        }
+        named = [f"{kind} {', '.join(names)}" for kind, names in groups.items() if names]
+        return f"System({self.name!r}: {'; '.join(named)})"
+
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states, in order."""
