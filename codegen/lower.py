@@ -10,7 +10,7 @@ import sympy as sp
 
 from codegen.program import Builder, Name, Program
 from eom.errors import InputError
-from eom.system import Definition, System
+from eom.system import Definition, System, as_expression
 
 Expr = Any
 
@@ -88,7 +88,7 @@ def lower_expressions(
     slots |= {s: b.leaf("parameter", k) for k, s in enumerate(parameters)}
     lowering = Lowering(b, slots)
     return b.program(
-        {g: [lowering.lower(sp.sympify(e)) for e in group] for g, group in expressions.items()}
+        {g: [lowering.lower(as_expression(e)) for e in group] for g, group in expressions.items()}
     )
 
 
@@ -247,13 +247,10 @@ class Lowering:
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
         plain = [
-            (f, 1) if e.is_Symbol or f is sp.I else (b, e)  # I, for SymPy, is a root
+            (f, sp.Integer(1)) if e.is_Symbol or f is sp.I else (b, e)  # I, for SymPy, is a root
             for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
         ]
-        split = [
-            (b, e) if e.is_Rational else (b**e, sp.Integer(1))
-            for b, e in ((b, sp.sympify(e)) for b, e in plain)
-        ]
+        split = [(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
 
         def build(numbers: list[int]) -> int:
             factors = [(n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)]

@@ -13,6 +13,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
+from eom.system import as_expression
 
 Expr = Any
 
@@ -101,7 +102,7 @@ class Rotation:
 
 def vector(frame: str, components: Iterable[Expr]) -> Vector:
     """Build a vector from three numbers or expressions."""
-    a, b, c = (sp.sympify(component) for component in components)
+    a, b, c = (as_expression(component) for component in components)
     return Vector(frame, (a, b, c))
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.system import System
+from eom.system import System, as_expression
 
 PRIME = 2**61 - 1
 Expr = Any
@@ -36,7 +36,7 @@ def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
     >>> vanishes(sp.sin(2 * x) - 2 * sp.sin(x) * sp.cos(x)), vanishes(sp.sin(x) - x)
     (True, False)
     """
-    full = sp.sympify(expression)
+    full = as_expression(expression)
     return _zero_at_random_points(lambda point: point.value(full), points, seed)
 
 

@@ -14,7 +14,7 @@ import sympy as sp
 
 from eom.algebra import operations
 from eom.identity import is_invariant
-from eom.system import Assumption, Definition, Quantity, System
+from eom.system import Assumption, Definition, Quantity, System, as_expression
 
 Expr = Any
 
@@ -60,7 +60,7 @@ def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
     """Replace symbols everywhere; those replaced leave the variables."""
 
     def over(expression: Expr) -> Expr:
-        return sp.sympify(expression).xreplace(dict(values))
+        return as_expression(expression).xreplace(dict(values))
 
     def named(group: tuple[Definition, ...]) -> tuple[Definition, ...]:
         return tuple(replace(d, expression=over(d.expression)) for d in group)
@@ -233,7 +233,7 @@ def _closure(system: System, wanted: set[Expr]) -> list[int]:
 
 
 def _used_definitions(system: System, expressions: Iterable[Expr]) -> tuple[Definition, ...]:
-    used = set().union(*(sp.sympify(e).free_symbols for e in expressions))
+    used = set().union(*(as_expression(e).free_symbols for e in expressions))
     kept = []
     for definition in reversed(system.definitions):
         if definition.symbol in used:

@@ -18,7 +18,7 @@ from eom.algebra import gather
 from eom.frames import Rotation, Vector, unit_vector
 from eom.kinematics import elementary
 from eom.rigidbody import angular_momentum, momentum_outputs, scalar, with_outputs
-from eom.system import Assumption, Quantity, Singularity, System
+from eom.system import Assumption, Quantity, Singularity, System, as_expression
 from eom.transport import FirstDerivative, first_derivative, time_derivative
 
 Expr = Any
@@ -120,11 +120,11 @@ class SpinningSymmetricBody:
 
     def _over_spin(self, expression: Expr) -> Expr:
         """Replace Omega by C - psi' sin(theta)."""
-        return sp.sympify(expression).xreplace({OMEGA: SPIN - (self.spin - OMEGA)})
+        return as_expression(expression).xreplace({OMEGA: SPIN - (self.spin - OMEGA)})
 
     def _solve_row(self, row: Expr, torque: Expr, unknown: Expr) -> Expr:
         coefficient = row.diff(unknown)
-        rest = self._over_spin(sp.sympify(torque) - row.xreplace({unknown: sp.Integer(0)}))
+        rest = self._over_spin(as_expression(torque) - row.xreplace({unknown: sp.Integer(0)}))
         tidy = gather(rest, (THETA_DOT, PSI_DOT))
         return tidy / coefficient
 

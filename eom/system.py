@@ -20,6 +20,21 @@ Expr = Any  # a SymPy expression; SymPy ships no types
 TIME = sp.Symbol("t", real=True)
 
 
+def as_expression(value: Any) -> Expr:
+    """Return a number or SymPy expression as a SymPy expression; text is never read as one.
+
+    Raises `InputError` for everything else, strings above all.
+    """
+    try:
+        return sp.sympify(value, strict=True)
+    except sp.SympifyError:
+        raise InputError(
+            "not a number or a SymPy expression",
+            got=f"{type(value).__name__} {value!r}"[:200],
+            hint="build expressions from SymPy symbols; formulas as text belong in a scene",
+        ) from None
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A symbol with its SI unit, a one-line meaning and its LaTeX form."""
@@ -136,7 +151,7 @@ class System:
         """
         inputs = tuple(inputs)
         named = [_named(group or {}) for group in (outputs, invariants)]
-        expressions = [sp.sympify(rate) for rate in rates.values()]
+        expressions = [as_expression(rate) for rate in rates.values()]
         everything = [*expressions, *(d.expression for group in named for d in group)]
         free = set().union(*(e.free_symbols for e in everything)) - {*rates, *inputs, time}
         return cls(
@@ -196,7 +211,7 @@ class System:
 
     def expand(self, expression: Expr) -> Expr:
         """Return ``expression`` over states, parameters, inputs and time alone."""
-        return sp.sympify(expression).xreplace(self._full_definitions)
+        return as_expression(expression).xreplace(self._full_definitions)
 
     def rate_of(self, expression: Expr) -> Expr:
         """Return the time derivative of ``expression`` along the motion, by the chain rule.
@@ -215,7 +230,7 @@ class System:
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
     return tuple(
-        Definition(Quantity(sp.Symbol(n, real=True)), sp.sympify(e)) for n, e in group.items()
+        Definition(Quantity(sp.Symbol(n, real=True)), as_expression(e)) for n, e in group.items()
     )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from eom.frames import Vector
+from eom.system import as_expression
 
 Expr = Any
 Rates = Mapping[Any, Any]
@@ -58,9 +59,9 @@ def time_derivative(expression: Expr, rates: Rates, time: Expr | None = None) ->
 
     Symbols without a rate are constant; ``time``, where given, has rate one.
     """
-    terms = [sp.sympify(expression).diff(symbol) * rate for symbol, rate in rates.items()]
+    terms = [as_expression(expression).diff(symbol) * rate for symbol, rate in rates.items()]
     if time is not None:
-        terms.append(sp.sympify(expression).diff(time))
+        terms.append(as_expression(expression).diff(time))
     return sp.Add(*terms)
 
 

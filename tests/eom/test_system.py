@@ -109,3 +109,12 @@ def test_free_symbols_become_parameters_in_order_of_names():
     assert system.input_names == ("u",)
     assert system.outputs[0].expression == x + k
     assert System.from_rates("constant", {x: 1}).rates == (sp.Integer(1),)
+
+
+@pytest.mark.parametrize("text", ["x", "1", "__import__('os').getpid()", "x.diff(x)", ""])
+def test_text_is_never_read_as_an_expression(text):
+    x = sp.Symbol("x", real=True)
+    with pytest.raises(InputError, match="not a number or a SymPy expression"):
+        System.from_rates("text", {x: text})
+    with pytest.raises(InputError, match="not a number or a SymPy expression"):
+        System.from_rates("text", {x: -x}, outputs={"y": text})
