@@ -20,6 +20,8 @@ from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
 SMALLEST = 5e-324
+LARGEST_MAGNITUDE = 1_000_000
+"""Binary exponent beyond which a value counts as infinite: doubles end at 1024."""
 _EDGED = frozenset({"sqrt", "asin", "acos", "acosh", "atanh", "log"})
 """Functions whose derivative is infinite, or that end, at the edge of their domain."""
 
@@ -174,12 +176,15 @@ def _leaf_exact(instruction: Instruction, point: Point, m: Any) -> Any:
 
 
 def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
-    """Evaluate; whatever is not a real number is NaN."""
+    """Evaluate; whatever is not a real number is NaN, and whatever is huge beyond use infinite."""
     try:
         value = evaluate()
     except (ValueError, ZeroDivisionError, OverflowError):
         return m.nan
-    return m.nan if isinstance(value, m.mpc) else value
+    if isinstance(value, m.mpc):
+        return m.nan
+    huge = m.isfinite(value) and value != 0 and m.mag(value) > LARGEST_MAGNITUDE
+    return m.sign(value) * m.inf if huge else value
 
 
 def _walk(

@@ -77,13 +77,20 @@ def _take_out(sums: dict[int, list[Term]], first: int) -> dict[int, Pair]:
         best = min(counts, key=lambda p: (-counts[p], p), default=None)
         if best is None or counts[best] < 2:
             return pairs
+        holders = [terms for terms in sums.values() if best in _pairs(terms)]
+        pair = _oriented(best, holders)
         new = first + len(pairs)
-        pairs[new] = best
-        for terms in sums.values():
-            signs = dict(terms)
-            if best in _pairs(terms):
-                terms[:] = [t for t in terms if t[0] not in {best.left, best.right}]
-                terms.append((new, signs[best.left]))
+        pairs[new] = pair
+        for terms in holders:
+            sign = dict(terms)[pair.left]
+            terms[:] = [t for t in terms if t[0] not in {pair.left, pair.right}]
+            terms.append((new, sign))
+
+
+def _oriented(pair: Pair, holders: list[list[Term]]) -> Pair:
+    """Turn a difference around if most sums hold its negative: they add it then."""
+    balance = sum(dict(terms)[pair.left] for terms in holders)
+    return Pair(pair.right, -1, pair.left) if pair.sign < 0 and balance < 0 else pair
 
 
 def _pairs(terms: Iterable[Term]) -> list[Pair]:

@@ -240,7 +240,7 @@ def _check_names(system: System) -> None:
     groups = {
         "variable or definition": [q.name for q in variables]
         + [d.name for d in system.definitions],
-        "output": list(system.output_names),
+        "output": [*system.state_names, *system.output_names],
         "invariant": list(system.invariant_names),
     }
     for kind, names in groups.items():

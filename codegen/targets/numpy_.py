@@ -96,9 +96,10 @@ def _name_tables(layout: Layout) -> list[str]:
 
 def _function(group: str, body: Body) -> str:
     lines = [f"def {group}(t, x, p=(), u=(), out=None):"]
+    lines += ["    t, x, p, u = (np.asarray(a, dtype=float) for a in (t, x, p, u))"]
     for variable, expression, note in body.lines:
         lines.append(f"    {variable} = {expression}" + (f"  # {note}" if note else ""))
-    shape = "np.broadcast_shapes(np.shape(t), *(np.shape(a)[1:] for a in (x, p, u)))"
+    shape = "np.broadcast_shapes(t.shape, x.shape[1:], p.shape[1:], u.shape[1:])"
     lines += ["    if out is None:", f"        out = np.empty(({len(body.results)}, *{shape}))"]
     lines += [f"    out[{k}] = {result}" for k, result in enumerate(body.results)]
     return "\n".join([*lines, "    return out"])

@@ -182,7 +182,7 @@ def hostile_system():
     around = zip(states, states[1:] + states[:1], gains, strict=True)
     rates = [sp.sin(b) * g + sp.sign(a) for a, b, g in around]
     outputs = tuple(
-        Definition(Quantity(sp.Symbol(n, real=True), n, n), sp.Min(s, 1) ** 2 + s)
+        Definition(Quantity(sp.Symbol(f"{n}*", real=True), n, n), sp.Min(s, 1) ** 2 + s)
         for n, s in zip(reversed(names), states, strict=True)
     )
     quantities = tuple(Quantity(s, "*/", 'unit "*/ \\ \n #error') for s in states)
