@@ -121,6 +121,9 @@ def generate(scene: str, target: str, folder: Path, fixed: bool) -> None:
 @click.option(
     "--points", type=int, default=None, help="Number of stored times.  [default: the scene's]"
 )
+@click.option(
+    "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
+)
 @target_option
 @click.option(
     "--out",
