@@ -230,6 +230,13 @@ def compile(  # noqa: A001 - the word that users expect
     Raises `InputError` for unknown names, values that contradict the system's assumptions and
     expressions without an operation; `CompilerError` where target ``c`` cannot be compiled.
     """
+    if not isinstance(system, System):
+        raise InputError(
+            "not a system of equations",
+            got=type(system).__name__,
+            expected="an eom.System",
+            hint="call derive() of a scene",
+        )
     program, layout = specialised(system, parameters or {})
     build = _TARGETS.get(target)
     if build is None:

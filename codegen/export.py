@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -29,6 +30,14 @@ def check_kinds(table: Path | None, picture: Path | None) -> None:
                 where=str(file),
                 expected=f"a name that ends in {', '.join(endings[:-1])} or {endings[-1]}",
             )
+
+    if picture is not None and not can_draw():
+        raise InputError("Matplotlib is not installed", hint="pip install 'eom-toolkit[plot]'")
+
+
+def can_draw() -> bool:
+    """Tell whether Matplotlib (extra ``plot``) is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
 
 
 def save(result: Result, path: str | Path) -> Path:
@@ -68,13 +77,9 @@ def save_plot(
     """
     file = Path(path)
     check_kinds(None, file)
-    try:
-        import matplotlib as mpl
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise InputError(
-            "Matplotlib is not installed", hint="pip install 'eom-toolkit[plot]'"
-        ) from None
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
     with mpl.rc_context({"font.size": 9}):
         figure = Figure(layout="constrained")
         _draw(figure, result, names, units)

@@ -12,8 +12,6 @@ from codegen.program import Program
 from eom.errors import AssumptionError, InputError, unknown_name
 from eom.system import Assumption, System
 
-TOLERANCE = 1e-9
-
 
 @dataclass(frozen=True)
 class Condition:
@@ -32,7 +30,7 @@ class Condition:
         """
         numbers = [float(values[n]) for n in self.names]
         found = interpret(self.program, Point(p=numbers))["value"][0]
-        slack = TOLERANCE * max(map(abs, numbers)) if len(numbers) > 1 else 0.0
+        slack = self.assumption.tolerance * max(map(abs, numbers)) if len(numbers) > 1 else 0.0
         holds = abs(found) <= slack if self.is_zero else found >= -slack
         if holds:
             return

@@ -33,6 +33,9 @@ class Commands(click.Group):
         except InputError as error:
             click.echo(f"error: {error}", err=True)
             ctx.exit(UNUSABLE)
+        except OSError as error:
+            click.echo(f"error: {error.strerror or error}", err=True)
+            ctx.exit(UNUSABLE)
 
 
 @click.group(
@@ -154,13 +157,18 @@ def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **op
 @target_option
 def run(scene: str, folder: Path, target: str) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
+    from codegen import export
+
     chosen = _scene(scene)
     _print_equations(chosen, "text", explain=True)
     click.echo()
     compiled = _compile(chosen, target)
     _report_files(compiled.write(folder))
     result = _simulate(chosen, compiled)
-    _save(chosen, result, folder / "trajectory.npz", folder / "trajectory.png")
+    picture = folder / "trajectory.png" if export.can_draw() else None
+    _save(chosen, result, folder / "trajectory.npz", picture)
+    if picture is None:
+        click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
     _closing(result)
 
 

@@ -93,6 +93,14 @@ def _components(
         else sp.Rational(str(c))
         for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
     ]
+    used = set().union(*(c.free_symbols for c in parsed))
+    unused = [n for n, symbol in own.items() if symbol not in used]
+    if unused:
+        raise InputError(
+            f"no formula uses {unused[0]!r}",
+            where="[parameters] or [inputs]",
+            hint="use it in [torque] components, or remove it",
+        )
     inputs = groups[1]
     if general_torque:
         free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]

@@ -16,8 +16,8 @@ from eom.naming import check_names
 
 
 def _number(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise ValueError("expected a number, not true or false")
+    if isinstance(value, bool | str):
+        raise ValueError("expected a number, without quotes or unit")
     return value
 
 

@@ -244,6 +244,11 @@ class DirectionCosines:
         )
 
 
+def constraint_value(name: str) -> int:
+    """Return what a constraint of that name equals: 1 for norms, 0 for products of two columns."""
+    return int(not name.startswith("C_column") or name[-1] == name[-2])
+
+
 def rotation_sequence(name: str, angles: Iterable[Expr] | None = None) -> RotationSequence:
     """Return the rotation sequence of that name, with angles psi, theta, phi unless given.
 

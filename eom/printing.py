@@ -158,8 +158,15 @@ def _item(row: Row, side: Callable[[Expr | str | Rate], str]) -> str:
     return f"{name}: {_escape(row.words)}" if row.words else name
 
 
+_ESCAPES = {c: f"\\{c}" for c in "{}$&#%_"} | {
+    "\\": "\\textbackslash{}",
+    "^": "\\^{}",
+    "~": "\\~{}",
+}
+
+
 def _escape(words: str) -> str:
-    return words.replace("_", "\\_").replace("^", "\\^{}").replace("%", "\\%").replace("&", "\\&")
+    return "".join(_ESCAPES.get(c, c) for c in words)
 
 
 def markdown(system: System) -> str:

@@ -17,7 +17,7 @@ from eom.algebra import explicit_rates, gather
 from eom.frames import Vector, vector
 from eom.identity import is_invariant
 from eom.inertia import physical
-from eom.kinematics import Attitude
+from eom.kinematics import Attitude, constraint_value
 from eom.kinematics import attitude as attitude_of_name
 from eom.system import Assumption, Definition, Quantity, System
 from eom.torques import Torque
@@ -142,7 +142,7 @@ def rigid_body(
         inputs=law.inputs,
         definitions=(*law.directions, *torque_definitions, *h_definitions),
         singularities=attitude.singularities if attitude else (),
-        assumptions=_assumptions(J, law),
+        assumptions=(*_assumptions(J, law), *_rotation(attitude)),
     )
     outputs = _outputs(J, law, named_torque, attitude)
     return with_outputs(system, outputs)
@@ -202,6 +202,15 @@ def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
         meaning = "b1, b2, b3 are principal axes of inertia"
         principal = (Assumption("principal_axes", meaning, vanish=products),)
     return (rigid, point, *principal, physical(J), *law.assumptions)
+
+
+def _rotation(attitude: Attitude | None) -> tuple[Assumption, ...]:
+    """The coordinates describe a rotation; loose enough to go on from where a run has ended."""
+    if attitude is None or not attitude.constraints:
+        return ()
+    vanish = tuple(e - constraint_value(n) for n, _, e in attitude.constraints)
+    meaning = f"the {attitude.name} is that of a rotation"
+    return (Assumption("rotation", meaning, vanish=vanish, tolerance=1e-6),)
 
 
 def scalar(name: str, expression: Expr, unit: str, meaning: str, latex: str = "") -> Definition:

@@ -9,7 +9,7 @@ import sympy as sp
 
 from eom.description import Description, principal_values
 from eom.errors import InputError, near_matches
-from eom.kinematics import attitude, quaternion_of_sequence
+from eom.kinematics import attitude, constraint_value, quaternion_of_sequence
 from eom.kinematics import quaternion as quaternion_coordinates
 from eom.system import Definition, System
 
@@ -114,7 +114,7 @@ def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
             found = float(
                 expression.xreplace({s: sp.Float(values[s.name]) for s in expression.free_symbols})
             )
-            expected = 0 if name.startswith("C_column") and name[-1] != name[-2] else 1
+            expected = constraint_value(name)
             if abs(found - expected) > 1e-9:
                 raise InputError(
                     f"{scene.attitude} at the start is no rotation",

@@ -98,6 +98,8 @@ class Assumption:
     meaning: str
     vanish: tuple[Expr, ...] = ()
     nonnegative: tuple[Expr, ...] = ()
+    tolerance: float = 1e-9
+    """How far from holding values may be, relative to the largest of them."""
 
 
 @dataclass(frozen=True)

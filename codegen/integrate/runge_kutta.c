@@ -171,6 +171,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;
     if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
+    if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
     while (s->steps == 0 && wants_grid_point(o, s->t, direction)) store(o, o->grid[o->next++], s->x);
     while (s->t != s->t_end) {
         const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;

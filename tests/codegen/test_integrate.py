@@ -286,3 +286,26 @@ def test_dense_solutions_of_runs_without_a_step_are_constant():
     solution = runge_kutta.DenseSolution(t, np.empty(0), x, np.empty((0, 7, 2)))
     np.testing.assert_array_equal(solution(2.0), [1.0, 5.0])
     np.testing.assert_array_equal(solution([2.0, 3.0]), [[1.0, 1.0], [5.0, 5.0]])
+
+
+@needs_compiler
+def test_a_grid_without_room_is_refused_before_anything_is_written():
+    import ctypes
+
+    compiled = compile_system(eom.free_rigid_body(), "c")
+    method = runge_kutta.build(DOP853, compiled.program, compiled.layout)
+    s = method.state(t=0.0, t_end=1.0, rtol=1e-9, margin=1e-6, h_max=np.inf)
+    s.x[:], s.atol[:] = [1.0, 0.1, 0.0], [1e-12] * 3
+    p = np.array([1.0, 1.5, 2.0])
+    t, x, grid = np.full(4, -1.0), np.full((4, 3), -1.0), np.linspace(0, 1, 11)
+    output = method.output(capacity=4, grid_count=11)
+    output.t, output.x, output.grid = t.ctypes.data, x.ctypes.data, grid.ctypes.data
+    method.start(ctypes.addressof(s), p.ctypes.data, None)
+    too_small = 4
+    assert (
+        method.run(ctypes.addressof(s), p.ctypes.data, None, ctypes.addressof(output), 100)
+        == too_small
+    )
+    assert output.count == 0
+    assert (t == -1).all()
+    assert (x == -1).all()

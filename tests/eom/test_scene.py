@@ -422,7 +422,7 @@ BAD = {
     "infinite moment": ({"body": {"moments": [1, 2, math.inf]}}, "finite", "body.moments.2", ""),
     "moments in words": (
         {"body": {"moments": ["one", 2, 2]}},
-        "valid number",
+        "a number, without quotes",
         "body.moments.0",
         "",
     ),
@@ -588,6 +588,12 @@ BAD = {
         {**RIGID, "parameters": {"k": 1}},
         "no formula uses 'k'",
         "",
+        "",
+    ),
+    "parameter that no formula uses": (
+        {**RIGID, "torque": {"components": ["a", 0, 0]}, "parameters": {"a": 1, "k": 1}},
+        "no formula uses 'k'",
+        "[parameters]",
         "",
     ),
     "truth as a number": ({**RIGID, "torque": {"components": [True, 0, 0]}}, "a formula", "", ""),
