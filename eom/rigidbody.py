@@ -210,7 +210,7 @@ def _rotation(attitude: Attitude | None) -> tuple[Assumption, ...]:
         return ()
     vanish = tuple(e - constraint_value(n) for n, _, e in attitude.constraints)
     meaning = f"the {attitude.name} is that of a rotation"
-    return (Assumption("rotation", meaning, vanish=vanish, tolerance=1e-6),)
+    return (Assumption("rotation", meaning, vanish=vanish, tolerance=1e-4),)
 
 
 def scalar(name: str, expression: Expr, unit: str, meaning: str, latex: str = "") -> Definition:
