@@ -54,8 +54,8 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
     name, last = identifier(layout.name), tableau.main_stages
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     prefix = f"{name}_{tableau.name}"
-    main = [_stage(tableau, name, s, "s->f") for s in range(1, last)]
-    extra = [_stage(tableau, name, s, "") for s in range(last + 1, len(tableau.stages))]
+    main = [_stage(tableau, name, s) for s in range(1, last)]
+    extra = [_stage(tableau, name, s) for s in range(last + 1, len(tableau.stages))]
     dense = [
         f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
     ]
@@ -95,7 +95,7 @@ def _sum(row: Row) -> str:
     )
 
 
-def _stage(tableau: Tableau, name: str, s: int, _: str) -> str:
+def _stage(tableau: Tableau, name: str, s: int) -> str:
     indent = "        " if s < tableau.main_stages else "    "
     return (
         f"{indent}for (int i = 0; i < N; ++i) y[i] = s->x[i] + h * ({_sum(tableau.stages[s])});\n"
