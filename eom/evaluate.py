@@ -1,0 +1,235 @@
+"""The value of a term in a world, and whether an equation holds there.
+
+Nothing of mechanics is known here but the definitions of `eom.vocabulary` and Newton's meaning of the
+primitive quantities, which the world supplies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from eom import series
+from eom.errors import InputError
+from eom.series import Series
+from eom.terms import SCALAR, Equation, Term
+from eom.vocabulary import definition
+from eom.worlds import World
+
+Value = Any
+"""A series, a vector (three of them, in I), a dyadic (in I), a column or a matrix."""
+Env = Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """Values of terms in one world; ``scalars`` says what each SymPy symbol stands for."""
+
+    world: World
+    scalars: Mapping[Any, Term]
+    memo: dict[Any, Value] = field(default_factory=dict)
+
+    def holds(self, equation: Equation) -> bool:
+        """Tell whether both sides agree in every known coefficient."""
+        left, right = self.value(equation.left), self.value(equation.right)
+        return all((a - b).is_zero for a, b in zip(_flat(left), _flat(right), strict=True))
+
+    def value(self, term: Term, env: Env | None = None) -> Value:
+        """Return the value of ``term``; ``env`` numbers the particles that indices stand for."""
+        env = env or {}
+        key = (term, tuple(sorted(env.items())))
+        if key not in self.memo:
+            self.memo[key] = _RULES[term.head](self, term, env)
+        return self.memo[key]
+
+    def scalar(self, expression: Any) -> Series:
+        """Return the value of a SymPy expression over known symbols."""
+        key = ("expr", expression)
+        if key not in self.memo:
+            self.memo[key] = self._scalar(expression)
+        result: Series = self.memo[key]
+        return result
+
+    def _scalar(self, node: Any) -> Series:
+        if node.is_Rational:
+            return self.world.constant(self.world.field.of(int(node.p), int(node.q)))
+        if node.is_Symbol:
+            if node not in self.scalars:
+                raise InputError("symbol without a meaning in this statement", got=node)
+            result: Series = self.value(self.scalars[node])
+            return result
+        if isinstance(node, sp.Add):
+            return series.total([self.scalar(a) for a in node.args])
+        if isinstance(node, sp.Mul):
+            result = self.scalar(node.args[0])
+            for a in node.args[1:]:
+                result = result * self.scalar(a)
+            return result
+        if isinstance(node, sp.Pow) and node.exp.is_Integer:
+            base = self.scalar(node.base)
+            base = base if node.exp > 0 else base.reciprocal()
+            result = base
+            for _ in range(abs(int(node.exp)) - 1):
+                result = result * base
+            return result
+        if isinstance(node, sp.sin | sp.cos | sp.tan):
+            sine, cosine = self._rotation(node.args[0])
+            quotient = {sp.sin: sine, sp.cos: cosine}
+            return quotient.get(type(node)) or sine * cosine.reciprocal()
+        raise InputError("this expression has no value in a world", got=node)
+
+    def _rotation(self, angle: Any) -> tuple[Series, Series]:
+        """Return sine and cosine of an integer combination of angles."""
+        sine, cosine = self.world.constant(0), self.world.constant(1)
+        for part in sp.Add.make_args(angle):
+            count, symbol = part.as_coeff_Mul()
+            s, c = self.world.sine_cosine(self.scalars[symbol].data[1])
+            s = s if count > 0 else -s
+            for _ in range(abs(int(count))):
+                sine, cosine = sine * c + cosine * s, cosine * c - sine * s
+        return sine, cosine
+
+
+def _flat(value: Value) -> list[Series]:
+    return [value] if isinstance(value, Series) else [s for part in value for s in _flat(part)]
+
+
+def _combine(rule: Callable[[Series, Series], Series], a: Value, b: Value) -> Value:
+    if isinstance(a, Series):
+        return rule(a, b)
+    return tuple(_combine(rule, x, y) for x, y in zip(a, b, strict=True))
+
+
+def _each(rule: Callable[[Series], Series], a: Value) -> Value:
+    return rule(a) if isinstance(a, Series) else tuple(_each(rule, x) for x in a)
+
+
+def _sum_of(values: list[Value]) -> Value:
+    result = values[0]
+    for value in values[1:]:
+        result = _combine(lambda x, y: x + y, result, value)
+    return result
+
+
+def _add(e: Evaluator, term: Term, env: Env) -> Value:
+    return _sum_of([e.value(a, env) for a in term.args])
+
+
+def _mul(e: Evaluator, term: Term, env: Env) -> Value:
+    result = e.value(term.args[-1], env)
+    for a in term.args[:-1]:
+        factor = e.value(a, env)
+        result = _each(lambda x, f=factor: f * x, result)  # type: ignore[misc]
+    return result
+
+
+def _dot(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    kinds = tuple(x.kind for x in term.args)
+    if kinds == ("vector", "vector"):
+        return series.dot(a, b)
+    if kinds == ("dyadic", "vector"):
+        return series.apply(a, b)
+    return series.apply(series.transpose(b), a) if kinds[0] == "vector" else series.product(a, b)
+
+
+def _cross(e: Evaluator, term: Term, env: Env) -> Value:
+    return series.cross(*(e.value(x, env) for x in term.args))
+
+
+def _outer(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    return tuple(tuple(x * y for y in b) for x in a)
+
+
+def _der(e: Evaluator, term: Term, env: Env) -> Value:
+    """Differentiate the components in the frame, and come back."""
+    (inside,) = term.args
+    value = e.value(inside, env)
+    frame = term.data[0]
+    if inside.kind in {"vector", "dyadic"} and frame != "I":
+        local = _each(Series.derivative, _turned(e.world.rotation(frame, "I"), value))
+        return _turned(e.world.rotation("I", frame), local)
+    return _each(Series.derivative, value)
+
+
+def _turned(C: series.Matrix, value: Value) -> Value:
+    """Components of a vector or dyadic after a change of frame."""
+    if isinstance(value[0], Series):
+        return series.apply(C, value)
+    return series.product(series.product(C, value), series.transpose(C))
+
+
+def _sum(e: Evaluator, term: Term, env: Env) -> Value:
+    index = term.data[0]
+    over = term.data[1] if term.head == "sum" else "mass"
+    values = []
+    for n in range(e.world.count(over)):
+        value = e.value(term.args[0], {**env, index: n})
+        if over == "mass":
+            weight = e.world.masses[n]
+            value = _each(lambda x, w=weight: w * x, value)  # type: ignore[misc]
+        values.append(value)
+    return _sum_of(values)
+
+
+def _column(e: Evaluator, term: Term, env: Env) -> Value:
+    return _turned(e.world.rotation(term.data[0], "I"), e.value(term.args[0], env))
+
+
+def _matmul(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    return series.product(a, b) if term.kind == "matrix" else series.apply(a, b)
+
+
+def _entries(e: Evaluator, term: Term, env: Env) -> Value:
+    values = [e.value(a, env) for a in term.args]
+    return tuple(values) if len(values) == 3 else (*map(tuple, (values[:3], values[3:6], values[6:])),)
+
+
+def _zero(e: Evaluator, term: Term, _: Env) -> Value:
+    nought = e.world.constant(0)
+    vector = (nought,) * 3
+    return {"vector": vector, "column": vector}.get(term.kind, (vector,) * 3)
+
+
+def _atom(e: Evaluator, term: Term, env: Env) -> Value:
+    name, *labels = term.data
+    defined = definition(term)
+    if defined is not None:
+        return e.value(defined, env)
+    return e.world.primitive(name, [env.get(label, label) for label in labels])
+
+
+def _inner(e: Evaluator, term: Term, env: Env) -> Value:
+    return series.dot(*(e.value(x, env) for x in term.args))
+
+
+_RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
+    "expr": lambda e, t, _: e.scalar(t.data[0]),
+    "zero": _zero,
+    "atom": _atom,
+    "add": _add,
+    "mul": _mul,
+    "dot": _dot,
+    "cross": _cross,
+    "outer": _outer,
+    "der": _der,
+    "sum": _sum,
+    "integral": _sum,
+    "column": _column,
+    "matmul": _matmul,
+    "transpose": lambda e, t, env: series.transpose(e.value(t.args[0], env)),
+    "inverse": lambda e, t, env: series.inverse(e.value(t.args[0], env)),
+    "tilde": lambda e, t, env: series.skew(e.value(t.args[0], env)),
+    "inner": _inner,
+    "outer_column": _outer,
+    "entries": _entries,
+    "rows": lambda e, t, env: tuple(e.value(a, env) for a in t.args),
+}
+"""One rule a head."""
+
+assert SCALAR

@@ -1,0 +1,246 @@
+"""Truncated power series in time over an exact field, and vectors and matrices of them.
+
+A series is the tuple of its coefficients c0 + c1 t + c2 t^2 ...; an operation keeps as many as are
+known for certain, so a derivative is one shorter. The field is the integers modulo a prime, or the
+rationals where ``prime`` is zero.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+PRIME = 2**61 - 1
+
+
+class Singular(ArithmeticError):
+    """A divisor happens to be zero; another world is drawn."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """The integers modulo ``prime``, or the rationals where it is zero."""
+
+    prime: int = PRIME
+
+    def reduce(self, value: Any) -> Any:
+        """Return the representative of ``value``."""
+        return value % self.prime if self.prime else value
+
+    def of(self, numerator: int, denominator: int = 1) -> Any:
+        """Return a fraction."""
+        if not self.prime:
+            return Fraction(numerator, denominator)
+        return numerator * self.inverse(denominator) % self.prime
+
+    def inverse(self, value: Any) -> Any:
+        """Return the reciprocal; raises `Singular` for zero."""
+        if self.reduce(value) == 0:
+            raise Singular
+        return pow(value, -1, self.prime) if self.prime else 1 / Fraction(value)
+
+    def draw(self, generator: random.Random) -> Any:
+        """Return a random element that is not zero: any, or a small fraction."""
+        if self.prime:
+            return generator.randrange(1, self.prime)
+        sign = generator.choice((-1, 1))
+        return sign * Fraction(generator.randint(1, 30), generator.randint(1, 7))
+
+
+@dataclass(frozen=True)
+class Series:
+    """Coefficients in ascending powers of time."""
+
+    field: Field
+    coefficients: tuple[Any, ...]
+
+    def __add__(self, other: Series) -> Series:
+        pairs = zip(self.coefficients, other.coefficients, strict=False)
+        return Series(self.field, tuple(self.field.reduce(a + b) for a, b in pairs))
+
+    def __neg__(self) -> Series:
+        return Series(self.field, tuple(self.field.reduce(-a) for a in self.coefficients))
+
+    def __sub__(self, other: Series) -> Series:
+        return self + -other
+
+    def __mul__(self, other: Series) -> Series:
+        a, b = self.coefficients, other.coefficients
+        reduce = self.field.reduce
+        return Series(
+            self.field,
+            tuple(
+                reduce(sum(a[j] * b[k - j] for j in range(k + 1)))
+                for k in range(min(len(a), len(b)))
+            ),
+        )
+
+    def scaled(self, factor: Any) -> Series:
+        """Return ``factor``, an element of the field, times this series."""
+        return Series(self.field, tuple(self.field.reduce(factor * a) for a in self.coefficients))
+
+    def reciprocal(self) -> Series:
+        """Return 1 / series; raises `Singular` where its first coefficient is zero."""
+        a = self.coefficients
+        first = self.field.inverse(a[0])
+        result = [first]
+        for k in range(1, len(a)):
+            known = sum(a[j] * result[k - j] for j in range(1, k + 1))
+            result.append(self.field.reduce(-known * first))
+        return Series(self.field, tuple(result))
+
+    def derivative(self) -> Series:
+        """Return d/dt; one coefficient is lost."""
+        return Series(
+            self.field,
+            tuple(self.field.reduce(k * a) for k, a in enumerate(self.coefficients) if k),
+        )
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether every known coefficient is zero; there must be one."""
+        assert self.coefficients, "derivatives used up the series"
+        return not any(self.coefficients)
+
+
+Vector = tuple[Series, Series, Series]
+Matrix = tuple[tuple[Series, ...], ...]
+
+
+def constant(field: Field, value: Any, length: int) -> Series:
+    """Return a series that does not change."""
+    return Series(field, (value,) + (0,) * (length - 1))
+
+
+def sine_cosine(angle: Series, sine: Any, cosine: Any) -> tuple[Series, Series]:
+    """Return sin and cos of ``angle`` from their values at t = 0: s' = c angle', c' = -s angle'."""
+    s, c = [sine], [cosine]
+    rate = angle.derivative().coefficients
+    field = angle.field
+    for n in range(len(rate)):
+        step = field.inverse(n + 1)
+        s_next = sum(rate[k] * c[n - k] for k in range(n + 1))
+        c_next = -sum(rate[k] * s[n - k] for k in range(n + 1))
+        s.append(field.reduce(s_next * step))
+        c.append(field.reduce(c_next * step))
+    return Series(field, tuple(s)), Series(field, tuple(c))
+
+
+def total(terms: Sequence[Series]) -> Series:
+    """Return the sum of one series or more."""
+    result = terms[0]
+    for term in terms[1:]:
+        result = result + term
+    return result
+
+
+def add(a: Vector, b: Vector) -> Vector:
+    """Return a + b."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def subtract(a: Vector, b: Vector) -> Vector:
+    """Return a - b."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def scale(factor: Series, a: Vector) -> Vector:
+    """Return factor a."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return a x b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def dot(a: Sequence[Series], b: Sequence[Series]) -> Series:
+    """Return the sum of the products of the components."""
+    return total([x * y for x, y in zip(a, b, strict=True)])
+
+
+def skew(a: Vector) -> Matrix:
+    """Return the matrix of ``a x``."""
+    zero = a[0] - a[0]
+    return ((zero, -a[2], a[1]), (a[2], zero, -a[0]), (-a[1], a[0], zero))
+
+
+def transpose(m: Matrix) -> Matrix:
+    """Return rows as columns."""
+    return tuple(zip(*m, strict=True))
+
+
+def product(a: Matrix, b: Matrix) -> Matrix:
+    """Return the product of two matrices."""
+    columns = transpose(b)
+    return tuple(tuple(dot(row, column) for column in columns) for row in a)
+
+
+def apply(m: Matrix, a: Vector) -> Vector:
+    """Return m a."""
+    x, y, z = (dot(row, a) for row in m)
+    return (x, y, z)
+
+
+def each(rule: Callable[[Series], Series], m: Matrix) -> Matrix:
+    """Apply ``rule`` to every entry."""
+    return tuple(tuple(rule(e) for e in row) for row in m)
+
+
+def entrywise(rule: Callable[[Series, Series], Series], a: Matrix, b: Matrix) -> Matrix:
+    """Combine two matrices of one shape entry by entry."""
+    return tuple(
+        tuple(rule(x, y) for x, y in zip(r, s, strict=True)) for r, s in zip(a, b, strict=True)
+    )
+
+
+def inverse(m: Matrix) -> Matrix:
+    """Return the inverse of a 3 x 3 matrix by its adjugate."""
+    a, b, c = ((row[0], row[1], row[2]) for row in m)
+    adjugate = transpose((cross(b, c), cross(c, a), cross(a, b)))
+    scale_by = dot(a, cross(b, c)).reciprocal()
+    return each(lambda e: e * scale_by, adjugate)
+
+
+def cayley(s: Vector) -> Matrix:
+    """Return the rotation with Gibbs vector ``s``, the axis times tan(angle / 2).
+
+    C = ((1 - s.s) 1 + 2 s s^T - 2 skew(s)) / (1 + s.s) (Hughes, 1986, eq. 2.2-27).
+    """
+    one = constant(s[0].field, 1, len(s[0].coefficients))
+    square = dot(s, s)
+    scale_by = (one + square).reciprocal()
+    skewed = skew(s)
+
+    def entry(i: int, j: int) -> Series:
+        value = (s[i] * s[j] - skewed[i][j]).scaled(2)
+        return (value + one - square if i == j else value) * scale_by
+
+    return tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
+
+
+def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any], field: Field) -> list[Any]:
+    """Solve a small linear system in the field; raises `Singular`."""
+    rows = [[*row, b] for row, b in zip(matrix, right, strict=True)]
+    n = len(rows)
+    for k in range(n):
+        pivot = next((i for i in range(k, n) if field.reduce(rows[i][k]) != 0), None)
+        if pivot is None:
+            raise Singular
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        factor = field.inverse(rows[k][k])
+        rows[k] = [field.reduce(e * factor) for e in rows[k]]
+        for i in range(n):
+            if i != k and rows[i][k] != 0:
+                lead = rows[i][k]
+                rows[i] = [
+                    field.reduce(a - lead * b) for a, b in zip(rows[i], rows[k], strict=True)
+                ]
+    return [row[n] for row in rows]

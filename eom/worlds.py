@@ -1,0 +1,234 @@
+"""Exact random worlds, in which a statement of mechanics is true or false.
+
+A world is a finite set of point masses with random data from an exact field; their motion is a
+truncated power series in time, so that derivatives are exact. Frames turn by random rotations,
+angular velocity is read off them, internal forces obey the third law as far as it is assumed, and
+external forces follow from Newton's second law. Nothing that is to be proved is built in.
+
+A false statement of degree d holds in one world modulo a 61-bit prime with a chance of at most
+d / 2**61 (Schwartz and Zippel). What holds for every finite set of masses and is linear in sums over
+them holds for a continuum, whose integrals are limits of such sums.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+from eom import series
+from eom.errors import InputError, unknown_name
+from eom.series import Field, Matrix, Series, Singular, Vector
+
+LENGTH = 5
+"""Coefficients of a motion: up to four derivatives."""
+
+
+@dataclass(frozen=True)
+class Restriction:
+    """What an assumption says, and which others it needs or cannot stand with."""
+
+    meaning: str
+    needs: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
+
+
+ASSUMPTIONS: dict[str, Restriction] = {
+    "constant_mass": Restriction("each mass is constant"),
+    "newton_2": Restriction("Newton's second law holds in the inertial frame I"),
+    "third_law_weak": Restriction("Newton's third law: the force of j on i is minus that of i on j"),
+    "third_law_strong": Restriction(
+        "strong third law: internal forces are opposite and act along the line between the masses",
+        ("third_law_weak",),
+    ),
+    "rigid": Restriction("the distance of any two points of the body is constant"),
+    "body_frame": Restriction("the frame B is fixed in the body", ("rigid",), ("spin_312",)),
+    "about_centre": Restriction("the reference point O is the centre of mass C"),
+    "O_fixed_in_body": Restriction("the reference point O is fixed in the body", ("rigid",)),
+    "O_fixed_in_space": Restriction("the reference point O is inertially fixed"),
+    "O_at_origin": Restriction(
+        "the reference point O is the origin of the inertial frame", ("O_fixed_in_space",)
+    ),
+    "C_at_rest": Restriction("the centre of mass is at rest"),
+    "principal_axes": Restriction(
+        "b1, b2, b3 are principal axes at the centre of mass", ("body_frame",)
+    ),
+    "symmetric": Restriction("b3 is an axis of inertial symmetry: I1 = I2", ("principal_axes",)),
+    "torque_free": Restriction(
+        "the resultant torque about the centre of mass is zero",
+        ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
+    ),
+    "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
+    "thin_rod": Restriction("all mass lies on one line", ("body_frame",), ("principal_axes",)),
+    "spin_312": Restriction(
+        "A, B, C follow from I by turns about axes 3, 1, 2 through psi, theta, phi; C is fixed in "
+        "the body, whose axis of inertial symmetry is c2 = b2",
+        ("rigid",),
+        ("body_frame", "rotors"),
+    ),
+    "no_torque_2": Restriction("the torque about b2 is zero", ("spin_312", "newton_2")),
+    "no_torque_3": Restriction("the torque about b3 is zero", ("spin_312", "newton_2")),
+    "rotors": Restriction(
+        "rotors, symmetric about axes that are fixed in the body, turn in the body",
+        ("constant_mass",),
+        ("body_frame", "rigid"),
+    ),
+}
+"""Every assumption that a generator knows."""
+
+
+def closure(assumptions: Iterable[str]) -> frozenset[str]:
+    """Return the assumptions with all that they need.
+
+    Raises `InputError` for unknown ones and for those that cannot stand together.
+    """
+    chosen: set[str] = set()
+    waiting = list(assumptions)
+    while waiting:
+        name = waiting.pop()
+        if name not in ASSUMPTIONS:
+            raise unknown_name("assumption", name, ASSUMPTIONS)
+        if name not in chosen:
+            chosen.add(name)
+            waiting.extend(ASSUMPTIONS[name].needs)
+    for name in sorted(chosen):
+        for other in ASSUMPTIONS[name].excludes:
+            if other in chosen:
+                raise InputError("assumptions cannot stand together", got=f"{name} and {other}")
+    return frozenset(chosen)
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """Axis (in B), inertia about it, and angle of a rotor."""
+
+    axis: Vector
+    inertia: Any
+    angle: Series
+
+
+@dataclass(frozen=True)
+class World:
+    """Masses, places, forces, frames and points; vectors are components in I."""
+
+    field: Field
+    seed: int
+    frames: Mapping[str, Matrix]
+    points: Mapping[str, Vector]
+    masses: tuple[Series, ...]
+    places: tuple[Vector, ...]
+    forces: tuple[Vector, ...]
+    internal: tuple[tuple[Vector, ...], ...]
+    angles: Mapping[str, tuple[Series, Series, Series]]
+    rotors: tuple[Rotor, ...] = ()
+    memo: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def constant(self, value: Any) -> Series:
+        """Return a series that does not change."""
+        return series.constant(self.field, value, LENGTH)
+
+    def count(self, over: str) -> int:
+        """Return how many terms a sum has."""
+        return len(self.rotors) if over == "rotors" else len(self.masses)
+
+    def rotation(self, to_frame: str, from_frame: str) -> Matrix:
+        """Return the matrix from components in one frame to those in another."""
+        key = ("C", to_frame, from_frame)
+        if key not in self.memo:
+            a, b = self._frame(to_frame), self._frame(from_frame)
+            self.memo[key] = series.product(a, series.transpose(b))
+        result: Matrix = self.memo[key]
+        return result
+
+    def _frame(self, name: str) -> Matrix:
+        if name not in self.frames:
+            raise unknown_name("frame", name, self.frames)
+        return self.frames[name]
+
+    def sine_cosine(self, angle: str) -> tuple[Series, Series]:
+        """Return sine and cosine of a named angle."""
+        return self.angles[angle][1:]
+
+    def primitive(self, name: str, labels: Sequence[Any]) -> Any:
+        """Return the value of a quantity that has no definition."""
+        key = (name, *labels)
+        if key not in self.memo:
+            self.memo[key] = _PRIMITIVES[name](self, *labels)
+        return self.memo[key]
+
+    def place(self, label: Any) -> Vector:
+        """Return the absolute position of a particle by number, or of a point by name."""
+        if isinstance(label, int):
+            return self.places[label]
+        if label == "P":
+            return self.places[0]
+        if label not in self.points:
+            raise unknown_name("point", str(label), self.points)
+        return self.points[label]
+
+    def free(self, *name: Any) -> random.Random:
+        """Return a generator for a quantity that nothing restricts."""
+        return random.Random(f"{self.seed} {name}")  # noqa: S311 - reproducible, no secret
+
+
+def _angular_velocity(world: World, frame: str, base: str) -> Vector:
+    """Read omega off the rotation: skew(omega) = -dC/dt C^T, components in the turning frame."""
+    C = world.rotation(frame, base)
+    rate = series.each(Series.derivative, C)
+    w = series.product(rate, series.transpose(C))
+    return series.apply(world.rotation("I", frame), (w[1][2], w[2][0], w[0][1]))
+
+
+def _unit_vector(world: World, frame: str, axis: str) -> Vector:
+    row = world.rotation(frame, "I")[int(axis) - 1]
+    return (row[0], row[1], row[2])
+
+
+def _identity(world: World) -> Matrix:
+    return tuple(tuple(world.constant(int(i == j)) for j in range(3)) for i in range(3))
+
+
+def _free_vector(world: World, name: str) -> Vector:
+    return _random_vector(world.field, world.free("vector", name))
+
+
+def _fixed_vector(world: World, name: str, frame: str) -> Vector:
+    generator = world.free("fixed", name)
+    x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
+    return series.apply(world.rotation("I", frame), (x, y, z))
+
+
+def _particle(world: World, label: Any) -> int:
+    return 0 if label == "P" else int(label)
+
+
+_PRIMITIVES: dict[str, Callable[..., Any]] = {
+    "mass": lambda w, i: w.masses[_particle(w, i)],
+    "position": lambda w, of, origin: series.subtract(w.place(of), w.place(origin)),
+    "force": lambda w, i: w.forces[_particle(w, i)],
+    "internal_force": lambda w, i, j: w.internal[i][j],
+    "angular_velocity": _angular_velocity,
+    "unit": _unit_vector,
+    "identity": _identity,
+    "identity_matrix": _identity,
+    "rotation": lambda w, b, a: w.rotation(b, a),
+    "angle": lambda w, name: w.angles[name][0],
+    "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
+    "vector": _free_vector,
+    "fixed_vector": _fixed_vector,
+    "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),
+    "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotors[k].axis),
+    "rotor_speed": lambda w, k: w.rotors[k].angle.derivative(),
+    "rotor_inertia": lambda w, k: w.constant(w.rotors[k].inertia),
+}
+
+
+def _random_series(field_: Field, generator: random.Random) -> Series:
+    return Series(field_, tuple(field_.draw(generator) for _ in range(LENGTH)))
+
+
+def _random_vector(field_: Field, generator: random.Random) -> Vector:
+    x, y, z = (_random_series(field_, generator) for _ in range(3))
+    return (x, y, z)
