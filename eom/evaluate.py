@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -15,7 +16,7 @@ import sympy as sp
 from eom import series
 from eom.errors import InputError
 from eom.series import Series
-from eom.terms import SCALAR, Equation, Term
+from eom.terms import INDICES, Equation, Term, labels_of
 from eom.vocabulary import definition
 from eom.worlds import World
 
@@ -33,8 +34,16 @@ class Evaluator:
     memo: dict[Any, Value] = field(default_factory=dict)
 
     def holds(self, equation: Equation) -> bool:
-        """Tell whether both sides agree in every known coefficient."""
-        left, right = self.value(equation.left), self.value(equation.right)
+        """Tell whether both sides agree in every known coefficient, for all free indices."""
+        free = sorted((labels_of(equation.left) | labels_of(equation.right)) & INDICES)
+        ranges = [range(self.world.count("rotors" if i == "k" else "particles")) for i in free]
+        return all(
+            self._agree(equation, dict(zip(free, numbers, strict=True)))
+            for numbers in product(*ranges)
+        )
+
+    def _agree(self, equation: Equation, env: Env) -> bool:
+        left, right = self.value(equation.left, env), self.value(equation.right, env)
         return all((a - b).is_zero for a, b in zip(_flat(left), _flat(right), strict=True))
 
     def value(self, term: Term, env: Env | None = None) -> Value:
@@ -232,4 +241,3 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
 }
 """One rule a head."""
 
-assert SCALAR

@@ -8,7 +8,7 @@ by coefficient from that condition alone, evaluated on the masses.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -315,7 +315,7 @@ class Stage:
 
 def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
     """Masses that move at will."""
-    n = draw.generator.randint(2, 5)
+    n = 1 if "one_particle" in assumed else draw.generator.randint(2, 5)
     if "constant_mass" in assumed:
         masses = tuple(series.constant(draw.field, draw.mass(), LENGTH) for _ in range(n))
     else:
@@ -505,7 +505,7 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
     )
 
 
-def worlds(assumptions: Iterable[str], count: int, prime: int = PRIME) -> list[World]:
-    """Return ``count`` independent worlds under ``assumptions``."""
+def worlds(assumptions: Iterable[str], count: int, prime: int = PRIME) -> Iterator[World]:
+    """Yield ``count`` independent worlds under ``assumptions``."""
     assumed = closure(assumptions)
-    return [world(assumed, seed, prime) for seed in range(count)]
+    return (world(assumed, seed, prime) for seed in range(count))

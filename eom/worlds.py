@@ -36,6 +36,7 @@ class Restriction:
 
 
 ASSUMPTIONS: dict[str, Restriction] = {
+    "one_particle": Restriction("there is one point mass, P", (), ("rigid", "rotors")),
     "constant_mass": Restriction("each mass is constant"),
     "newton_2": Restriction("Newton's second law holds in the inertial frame I"),
     "third_law_weak": Restriction("Newton's third law: the force of j on i is minus that of i on j"),

@@ -1,0 +1,269 @@
+"""A system of N point masses, for any N: momentum, angular momentum, torque (002: 3.5-3.17)."""
+
+from __future__ import annotations
+
+from eom.derivation import Derivation, Maker
+from eom.derivations.pointmass import SPLIT
+from eom.rules import (
+    Rule,
+    combine,
+    differentiate,
+    differentiate_under,
+    distribute,
+    fold_into,
+    inside,
+    into_sums,
+    parallel,
+    put,
+    regroup_right,
+    symmetrise,
+    take_out,
+    transport,
+    unfold,
+    until_stable,
+    use,
+    vanish,
+)
+from eom.terms import Equation, Term, add, cross, der, mul, relabel, total, zero
+from eom.vocabulary import mass, omega, position, quantity, velocity
+
+EXTERNAL = quantity("external_force", "system")
+MOMENTUM = quantity("linear_momentum", "system")
+FIRST = quantity("first_moment", "system", "O")
+TORQUE = quantity("torque", "system", "O")
+H, h = (quantity(n, "system", "O") for n in ("absolute_angular_momentum", "angular_momentum"))
+TOTAL_MASS = quantity("total_mass", "system")
+INTERNAL = quantity("internal_force", "i", "j")
+OPPOSITE = quantity("internal_force", "j", "i")
+RESULTANT = add(quantity("force", "i"), total(INTERNAL, "j"))
+SPLIT_I = Equation(*(relabel(side, {"P": "i"}) for side in (SPLIT.left, SPLIT.right)))
+
+
+def particle_system() -> Derivation:
+    """Derive the laws of momentum and angular momentum of any number of point masses."""
+    d = Maker("particle-system", "Dynamics of a system of point masses", "Particles")
+    _newton(d)
+    _centre_of_mass(d)
+    _absolute_momentum(d)
+    _torque(d)
+    _rotating_frame(d)
+    return d.finish()
+
+
+def _newton(d: Maker) -> None:
+    d.only("newton_2", "constant_mass")
+    one = Equation(RESULTANT, mul(mass("i"), der(velocity("i"))))
+    law = d.law(one, "Newton's second law for each mass", label="newton", states=["002:E6"])
+    summed = law.both(
+        "sum over all masses", lambda t: distribute(total(t)), label="newton-sum", states=["002:E6"]
+    )
+    d.assume("third_law_weak")
+    third = d.law(Equation(OPPOSITE, -INTERNAL), "Newton's third law", label="third-law")
+    cancel = d.start(total(total(INTERNAL, "j"))).then(
+        "half the sum over both orders; opposite forces cancel",
+        symmetrise("i", "j"),
+        put(third.equation.left, third.equation.right),
+        combine,
+        distribute,
+        label="internal-forces",
+    )
+    external = d.define(EXTERNAL, "total external force")
+    d.recall("newton-sum").both(
+        "internal forces cancel",
+        lambda t: use(external.equation, backwards=True)(use(cancel.equation)(t)),
+        label="external-force",
+    )
+
+
+def _centre_of_mass(d: Maker) -> None:
+    d.only("constant_mass")
+    d.define(TOTAL_MASS, "total mass", label="total-mass")
+    weighted = total(mul(mass("i"), position("i")))
+    centre = d.law(
+        Equation(mul(TOTAL_MASS, position("C")), weighted),
+        "the centre of mass",
+        label="centre",
+        states=["002:E7"],
+    )
+    twice = centre.both(
+        "differentiate twice; masses are constant",
+        lambda t: differentiate_constant(der(t, times=2)),
+        differentiate_constant,
+        label="centre-acceleration",
+    )
+    d.assume("newton_2", "third_law_weak")
+    force = use(d.recall("external-force").equation, backwards=True)
+    twice.then("the sum is the external force", force, label="motion-of-centre", states=["002:E8"])
+    p = d.define(MOMENTUM, "linear momentum of the system", label="momentum")
+    once = centre.both("differentiate", lambda t: differentiate_constant(der(t)), differentiate_constant)
+    named = p.then("the centre of mass", use(once.equation, backwards=True), label="momentum-of-centre")
+    named.both(
+        "differentiate again",
+        der,
+        differentiate_constant,
+        use(d.recall("motion-of-centre").equation),
+        label="momentum-rate",
+        states=["002:E9"],
+    )
+
+
+def differentiate_constant(term: Term) -> Term:
+    """Differentiate sums and products with constant masses."""
+    fixed = [der(mass(i)) for i in ("i", "P", "dm")]
+    fixed += [der(quantity("total_mass", who)) for who in ("system", "body")]
+    for rule in (differentiate_under, differentiate, vanish(*fixed), distribute, combine):
+        term = rule(term)
+    return term
+
+
+def _absolute_momentum(d: Maker) -> None:
+    d.only()
+    split = d.law(SPLIT_I, "position by way of O", label="split")
+    definition = d.define(H, "absolute angular momentum about O", label="H-definition", states=["002:E10"])
+    expanded = (
+        definition.then("p_i = m_i r_i'", unfold("linear_momentum"), distribute, label="H-masses")
+        .then(
+            "r_i = r_O + rho_i", inside("der", use(split.equation)), distribute, label="H-split",
+            states=["002:E10"],
+        )
+        .then("the velocity of O comes out of the sum", take_out, label="H-sums", states=["002:E10"])
+    )
+    first = d.define(FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"])
+    d.state(
+        Equation(first.equation.right, mul(TOTAL_MASS, position("C", "O"))),
+        "the centre of mass relative to O",
+        label="first-moment-of-centre",
+        states=["002:E11"],
+    )
+    about_centre = quantity("first_moment", "system", "C")
+    d.state(
+        Equation(about_centre, zero("vector")),
+        "the centre of mass relative to itself",
+        label="first-moment-vanishes",
+    )
+    d.define(h, "relative angular momentum about O", label="h-definition", states=["002:E12"])
+    named = expanded.then(
+        "name both sums", fold_into(FIRST, h), label="H-and-h", states=["002:E12"]
+    )
+    d.only("about_centre")
+    d.law(Equation(FIRST, zero("vector")), "O is the centre of mass", label="first-moment-zero")
+    named.then("no distinction about the centre of mass", vanish(FIRST), label="H-is-h")
+
+
+def _torque(d: Maker) -> None:
+    d.only("constant_mass")
+    rate = d.recall("h-definition").both(
+        "differentiate each term; masses are constant",
+        der,
+        differentiate_constant,
+        label="h-rate-terms",
+        states=["002:E13"],
+    )
+    crossed = rate.then("a vector crossed with itself is zero", parallel, distribute)
+    relative = Equation(position("i", "O"), add(position("i"), -position("O")))
+    d.law(relative, "rho_i = r_i - r_O", label="relative")
+    parted = crossed.then(
+        "rho_i = r_i - r_O; the acceleration of O comes out of the sum",
+        inside("der", use(relative)),
+        distribute,
+        take_out,
+        label="h-rate",
+        states=["002:E13"],
+    )
+    d.assume("newton_2")
+    law = d.recall("newton").equation
+    forced = parted.then(
+        "Newton's second law for each mass",
+        inside("sum", regroup_right(mass("i"))),
+        use(law, backwards=True),
+        distribute,
+        into_sums,
+        fold_into(FIRST),
+        label="h-rate-forces",
+        states=["002:E14"],
+    )
+    _strong_law(d)
+    d.assume("third_law_strong")
+    torque = d.define(TORQUE, "external torque about O", label="torque", states=["002:E16"])
+    quiet = forced.then(
+        "internal forces have no torque",
+        use(d.recall("internal-torque").equation),
+        use(torque.equation, backwards=True),
+        label="h-rate-torque",
+    )
+    d.state(
+        Equation(TORQUE, add(quiet.equation.left, cross(FIRST, der(velocity("O"))))),
+        "solve for the torque",
+        label="torque-law",
+        states=["002:E16"],
+    )
+    centre = quantity("torque", "system", "C")
+    d.state(
+        Equation(der(quantity("angular_momentum", "system", "C")), centre),
+        "about the centre of mass, whose first moment is zero",
+        label="torque-law-centre",
+        states=["002:E17"],
+    )
+
+
+def _strong_law(d: Maker) -> None:
+    """Show that internal forces along the connecting lines have no torque."""
+    d.assume("third_law_weak")
+    halved = d.start(total(total(cross(position("i", "O"), INTERNAL), "j"))).then(
+        "half the sum over both orders, with f_ji = -f_ij",
+        symmetrise("i", "j"),
+        put(OPPOSITE, -INTERNAL),
+        distribute,
+        label="internal-halves",
+        states=["002:E15"],
+    )
+    d.assume("third_law_strong")
+    along = d.law(
+        Equation(
+            cross(position("i", "O"), INTERNAL), cross(position("j", "O"), INTERNAL)
+        ),
+        "the force acts along the line between the masses",
+        label="along",
+    )
+    halved.then(
+        "so the terms of each pair cancel",
+        put(along.equation.left, along.equation.right),
+        combine,
+        label="internal-torque",
+        states=["002:E15"],
+    )
+
+
+def _rotating_frame(d: Maker) -> None:
+    d.only("newton_2", "third_law_weak", "constant_mass")
+    law = d.state(Equation(EXTERNAL, der(MOMENTUM)), "the law of momentum", label="momentum-law")
+    law.then("as seen from B", transport("B"), label="momentum-law-B", states=["002:E18"])
+    moved = d.state(
+        Equation(EXTERNAL, mul(TOTAL_MASS, der(position("C"), times=2))), "motion of the centre"
+    )
+    seen = moved.then(
+        "the transport theorem, twice",
+        seen_from("B"),
+        label="acceleration-terms",
+    )
+    rate = d.law(Equation(der(omega()), der(omega(), "B")), "omega x omega = 0")
+    seen.then(
+        "the terms of the acceleration in B",
+        parallel,
+        distribute,
+        use(rate.equation),
+        combine,
+        label="acceleration-B",
+        states=["002:E18"],
+    )
+
+
+def seen_from(frame: str) -> Rule:
+    """Return the rule that writes inertial derivatives, innermost first, by those in ``frame``."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "der" and node.data == ("I",) and node.args[0] != omega(frame):
+            return distribute(transport(frame)(differentiate(distribute(node))))
+        return node
+
+    return lambda term: distribute(until_stable(rule)(term))
