@@ -54,52 +54,75 @@ class Evaluator:
             self.memo[key] = _RULES[term.head](self, term, env)
         return self.memo[key]
 
-    def scalar(self, expression: Any) -> Series:
+    def scalar(self, expression: Any, env: Env) -> Series:
         """Return the value of a SymPy expression over known symbols."""
-        key = ("expr", expression)
+        key = (expression, tuple(sorted(env.items())))
         if key not in self.memo:
-            self.memo[key] = self._scalar(expression)
+            rule = next((r for kind, r in _EXPRESSIONS if isinstance(expression, kind)), None)
+            if rule is None:
+                raise InputError("this expression has no value in a world", got=expression)
+            self.memo[key] = rule(self, expression, env)
         result: Series = self.memo[key]
         return result
 
-    def _scalar(self, node: Any) -> Series:
-        if node.is_Rational:
-            return self.world.constant(self.world.field.of(int(node.p), int(node.q)))
-        if node.is_Symbol:
-            if node not in self.scalars:
-                raise InputError("symbol without a meaning in this statement", got=node)
-            result: Series = self.value(self.scalars[node])
-            return result
-        if isinstance(node, sp.Add):
-            return series.total([self.scalar(a) for a in node.args])
-        if isinstance(node, sp.Mul):
-            result = self.scalar(node.args[0])
-            for a in node.args[1:]:
-                result = result * self.scalar(a)
-            return result
-        if isinstance(node, sp.Pow) and node.exp.is_Integer:
-            base = self.scalar(node.base)
-            base = base if node.exp > 0 else base.reciprocal()
-            result = base
-            for _ in range(abs(int(node.exp)) - 1):
-                result = result * base
-            return result
-        if isinstance(node, sp.sin | sp.cos | sp.tan):
-            sine, cosine = self._rotation(node.args[0])
-            quotient = {sp.sin: sine, sp.cos: cosine}
-            return quotient.get(type(node)) or sine * cosine.reciprocal()
-        raise InputError("this expression has no value in a world", got=node)
+    def meaning(self, symbol: Any) -> Term:
+        """Return what a SymPy symbol stands for. Raises `InputError` for unknown ones."""
+        if symbol not in self.scalars:
+            raise InputError("symbol without a meaning in this statement", got=symbol)
+        return self.scalars[symbol]
 
-    def _rotation(self, angle: Any) -> tuple[Series, Series]:
+    def rotation(self, angle: Any) -> tuple[Series, Series]:
         """Return sine and cosine of an integer combination of angles."""
         sine, cosine = self.world.constant(0), self.world.constant(1)
         for part in sp.Add.make_args(angle):
             count, symbol = part.as_coeff_Mul()
-            s, c = self.world.sine_cosine(self.scalars[symbol].data[1])
+            meaning = self.meaning(symbol)
+            if not (count.is_Integer and meaning.data[:1] == ("angle",)):
+                raise InputError("sine or cosine of what is no sum of angles", got=angle)
+            s, c = self.world.sine_cosine(meaning.data[1])
             s = s if count > 0 else -s
             for _ in range(abs(int(count))):
                 sine, cosine = sine * c + cosine * s, cosine * c - sine * s
         return sine, cosine
+
+
+def _power(e: Evaluator, node: Any, env: Env) -> Series:
+    if not node.exp.is_Integer:
+        raise InputError("roots have no exact value in a world", got=node)
+    base = e.scalar(node.base, env)
+    base = base if node.exp > 0 else base.reciprocal()
+    result = base
+    for _ in range(abs(int(node.exp)) - 1):
+        result = result * base
+    return result
+
+
+def _product(e: Evaluator, node: Any, env: Env) -> Series:
+    result = e.scalar(node.args[0], env)
+    for a in node.args[1:]:
+        result = result * e.scalar(a, env)
+    return result
+
+
+def _tangent(e: Evaluator, node: Any, _: Env) -> Series:
+    sine, cosine = e.rotation(node.args[0])
+    return sine * cosine.reciprocal()
+
+
+_EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = (
+    (
+        sp.Rational,
+        lambda e, n, _: e.world.constant(e.world.field.of(int(n.p), int(n.q))),
+    ),
+    (sp.Symbol, lambda e, n, env: e.value(e.meaning(n), env)),
+    (sp.Add, lambda e, n, env: series.total([e.scalar(a, env) for a in n.args])),
+    (sp.Mul, _product),
+    (sp.Pow, _power),
+    (sp.sin, lambda e, n, _: e.rotation(n.args[0])[0]),
+    (sp.cos, lambda e, n, _: e.rotation(n.args[0])[1]),
+    (sp.tan, _tangent),
+)
+"""One rule a kind of SymPy expression."""
 
 
 def _flat(value: Value) -> list[Series]:
@@ -196,7 +219,9 @@ def _matmul(e: Evaluator, term: Term, env: Env) -> Value:
 
 def _entries(e: Evaluator, term: Term, env: Env) -> Value:
     values = [e.value(a, env) for a in term.args]
-    return tuple(values) if len(values) == 3 else (*map(tuple, (values[:3], values[3:6], values[6:])),)
+    return (
+        tuple(values) if len(values) == 3 else (*map(tuple, (values[:3], values[3:6], values[6:])),)
+    )
 
 
 def _zero(e: Evaluator, term: Term, _: Env) -> Value:
@@ -218,7 +243,7 @@ def _inner(e: Evaluator, term: Term, env: Env) -> Value:
 
 
 _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
-    "expr": lambda e, t, _: e.scalar(t.data[0]),
+    "expr": lambda e, t, env: e.scalar(t.data[0], env),
     "zero": _zero,
     "atom": _atom,
     "add": _add,
@@ -240,4 +265,3 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
     "rows": lambda e, t, env: tuple(e.value(a, env) for a in t.args),
 }
 """One rule a head."""
-

@@ -180,9 +180,7 @@ class Body:
     def centre(self, field: Field) -> Point:
         """Return the centre of mass, in the frame."""
         scale = field.inverse(sum(m for m, _ in self.points))
-        x, y, z = (
-            field.reduce(scale * sum(m * p[k] for m, p in self.points)) for k in range(3)
-        )
+        x, y, z = (field.reduce(scale * sum(m * p[k] for m, p in self.points)) for k in range(3))
         return (x, y, z)
 
     def carried(self, draw: Draw, point: Point) -> Vector:
@@ -210,20 +208,31 @@ def _solve_motion(
     Coefficient n of a residual is affine in the coefficients n + 2 of the unknowns, because forces
     are linear in accelerations.
     """
-    field, current = draw.field, list(unknown)
+    current = list(unknown)
     for n in range(LENGTH - 2):
-
-        def at(values: Sequence[Any], order: int = n) -> list[Any]:
-            trial = [_with(s, order + 2, v) for s, v in zip(current, values, strict=True)]
-            return [r.coefficients[order] for r in residual(trial)]
-
-        count = len(current)
-        base = at([0] * count)
-        columns = [at([int(k == j) for k in range(count)]) for j in range(count)]
-        matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(count)] for i in range(count)]
-        found = series.solve(matrix, [field.reduce(-b) for b in base], field)
-        current = [_with(s, n + 2, v) for s, v in zip(current, found, strict=True)]
+        current = _next_coefficients(draw.field, current, residual, n)
     return current
+
+
+def _next_coefficients(
+    field: Field,
+    current: list[Series],
+    residual: Callable[[Sequence[Series]], Sequence[Series]],
+    order: int,
+) -> list[Series]:
+    """Solve for the coefficients ``order + 2`` by trying zero and each unit."""
+
+    def trial(values: Sequence[Any]) -> list[Series]:
+        return [_with(s, order + 2, v) for s, v in zip(current, values, strict=True)]
+
+    def at(values: Sequence[Any]) -> list[Any]:
+        return [r.coefficients[order] for r in residual(trial(values))]
+
+    n = len(current)
+    base = at([0] * n)
+    columns = [at([int(k == j) for k in range(n)]) for j in range(n)]
+    matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
+    return trial(series.solve(matrix, [field.reduce(-b) for b in base], field))
 
 
 def _with(s: Series, place: int, value: Any) -> Series:
@@ -406,9 +415,7 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
         base, centre = draw.fixed_rotation(), draw.fixed(draw.point())
         angle, tau = draw.series(), draw.number()
         scale = draw.field.inverse(1 + tau * tau)
-        turn = _elementary(
-            2, *series.sine_cosine(angle, 2 * tau * scale, (1 - tau * tau) * scale)
-        )
+        turn = _elementary(2, *series.sine_cosine(angle, 2 * tau * scale, (1 - tau * tau) * scale))
         to_B = series.transpose(series.product(turn, base))
         ring = _ring(draw)
         weighted += [(m, series.add(centre, series.apply(to_B, draw.fixed(p)))) for m, p in ring]

@@ -245,7 +245,7 @@ def column(term: Term, frame: str) -> Term:
 
 
 def tilde(term: Term) -> Term:
-    """Return the skew matrix of a column: tilde(a) b is the column of a x b."""
+    """Return the skew matrix of a column, whose product with a column is that of the cross product."""
     return _linear("tilde", term)
 
 
@@ -266,20 +266,19 @@ def entries(rows: Expr) -> Term:
     return make("entries", (e for row in rows for e in row))
 
 
+def _tidy_product(build: Callable[[Term, Term], Term]) -> Callable[..., Term]:
+    return lambda _, args: build(*args)
+
+
 _TIDY: dict[str, Callable[[Term, tuple[Term, ...]], Term]] = {
     "add": lambda _, args: add(*args),
     "mul": lambda _, args: mul(*args),
-    **{
-        head: (lambda build: lambda _, args: build(*args))(build)
-        for head, build in {
-            "dot": dot,
-            "cross": cross,
-            "outer": outer,
-            "matmul": matmul,
-            "inner": inner,
-            "outer_column": outer_column,
-        }.items()
-    },
+    "dot": _tidy_product(dot),
+    "cross": _tidy_product(cross),
+    "outer": _tidy_product(outer),
+    "matmul": _tidy_product(matmul),
+    "inner": _tidy_product(inner),
+    "outer_column": _tidy_product(outer_column),
     **{
         head: lambda term, args: _linear(term.head, args[0], term.data)
         for head in ("der", "sum", "integral", "column", "tilde", "transpose")

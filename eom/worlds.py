@@ -12,15 +12,15 @@ them holds for a continuum, whose integrals are limits of such sums.
 
 from __future__ import annotations
 
+import dataclasses
 import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import Any
 
 from eom import series
 from eom.errors import InputError, unknown_name
-from eom.series import Field, Matrix, Series, Singular, Vector
+from eom.series import Field, Matrix, Series, Vector
 
 LENGTH = 5
 """Coefficients of a motion: up to four derivatives."""
@@ -39,7 +39,9 @@ ASSUMPTIONS: dict[str, Restriction] = {
     "one_particle": Restriction("there is one point mass, P", (), ("rigid", "rotors")),
     "constant_mass": Restriction("each mass is constant"),
     "newton_2": Restriction("Newton's second law holds in the inertial frame I"),
-    "third_law_weak": Restriction("Newton's third law: the force of j on i is minus that of i on j"),
+    "third_law_weak": Restriction(
+        "Newton's third law: the force of j on i is minus that of i on j"
+    ),
     "third_law_strong": Restriction(
         "strong third law: internal forces are opposite and act along the line between the masses",
         ("third_law_weak",),
@@ -124,7 +126,7 @@ class World:
     internal: tuple[tuple[Vector, ...], ...]
     angles: Mapping[str, tuple[Series, Series, Series]]
     rotors: tuple[Rotor, ...] = ()
-    memo: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+    memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
 
     def constant(self, value: Any) -> Series:
         """Return a series that does not change."""
@@ -201,14 +203,14 @@ def _fixed_vector(world: World, name: str, frame: str) -> Vector:
     return series.apply(world.rotation("I", frame), (x, y, z))
 
 
-def _particle(world: World, label: Any) -> int:
+def _particle(label: Any) -> int:
     return 0 if label == "P" else int(label)
 
 
 _PRIMITIVES: dict[str, Callable[..., Any]] = {
-    "mass": lambda w, i: w.masses[_particle(w, i)],
+    "mass": lambda w, i: w.masses[_particle(i)],
     "position": lambda w, of, origin: series.subtract(w.place(of), w.place(origin)),
-    "force": lambda w, i: w.forces[_particle(w, i)],
+    "force": lambda w, i: w.forces[_particle(i)],
     "internal_force": lambda w, i, j: w.internal[i][j],
     "angular_velocity": _angular_velocity,
     "unit": _unit_vector,

@@ -95,8 +95,12 @@ def _centre_of_mass(d: Maker) -> None:
     force = use(d.recall("external-force").equation, backwards=True)
     twice.then("the sum is the external force", force, label="motion-of-centre", states=["002:E8"])
     p = d.define(MOMENTUM, "linear momentum of the system", label="momentum")
-    once = centre.both("differentiate", lambda t: differentiate_constant(der(t)), differentiate_constant)
-    named = p.then("the centre of mass", use(once.equation, backwards=True), label="momentum-of-centre")
+    once = centre.both(
+        "differentiate", lambda t: differentiate_constant(der(t)), differentiate_constant
+    )
+    named = p.then(
+        "the centre of mass", use(once.equation, backwards=True), label="momentum-of-centre"
+    )
     named.both(
         "differentiate again",
         der,
@@ -119,16 +123,25 @@ def differentiate_constant(term: Term) -> Term:
 def _absolute_momentum(d: Maker) -> None:
     d.only()
     split = d.law(SPLIT_I, "position by way of O", label="split")
-    definition = d.define(H, "absolute angular momentum about O", label="H-definition", states=["002:E10"])
+    definition = d.define(
+        H, "absolute angular momentum about O", label="H-definition", states=["002:E10"]
+    )
     expanded = (
         definition.then("p_i = m_i r_i'", unfold("linear_momentum"), distribute, label="H-masses")
         .then(
-            "r_i = r_O + rho_i", inside("der", use(split.equation)), distribute, label="H-split",
+            "r_i = r_O + rho_i",
+            inside("der", use(split.equation)),
+            distribute,
+            label="H-split",
             states=["002:E10"],
         )
-        .then("the velocity of O comes out of the sum", take_out, label="H-sums", states=["002:E10"])
+        .then(
+            "the velocity of O comes out of the sum", take_out, label="H-sums", states=["002:E10"]
+        )
     )
-    first = d.define(FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"])
+    first = d.define(
+        FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"]
+    )
     d.state(
         Equation(first.equation.right, mul(TOTAL_MASS, position("C", "O"))),
         "the centre of mass relative to O",
@@ -219,9 +232,7 @@ def _strong_law(d: Maker) -> None:
     )
     d.assume("third_law_strong")
     along = d.law(
-        Equation(
-            cross(position("i", "O"), INTERNAL), cross(position("j", "O"), INTERNAL)
-        ),
+        Equation(cross(position("i", "O"), INTERNAL), cross(position("j", "O"), INTERNAL)),
         "the force acts along the line between the masses",
         label="along",
     )

@@ -79,7 +79,9 @@ def _angular_momentum(d: Maker) -> None:
     expanded.then("name the second term", known, label="H-and-h", states=["002:E4"])
     d.assume("O_fixed_in_space")
     d.law(Equation(velocity("O"), zero("vector")), "O is inertially fixed")
-    expanded.then("no distinction about a fixed point", vanish(velocity("O")), known, label="H-is-h")
+    expanded.then(
+        "no distinction about a fixed point", vanish(velocity("O")), known, label="H-is-h"
+    )
 
 
 def _energy(d: Maker) -> None:

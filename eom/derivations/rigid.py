@@ -1,0 +1,302 @@
+"""A rigid body of any density: momentum, inertia, torque (000: first page; 002: 3.18-3.25)."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eom.derivation import Chain, Derivation, Maker
+from eom.derivations.common import explicit
+from eom.derivations.particles import differentiate_constant
+from eom.inertia import inertia_of_second_moments
+from eom.rules import (
+    Rule,
+    associate,
+    bac_cab,
+    combine,
+    components,
+    compute,
+    differentiate_under,
+    distribute,
+    dyadic_form,
+    factor_right,
+    fold_into,
+    inside,
+    put,
+    scalars_in,
+    swap,
+    take_out,
+    transport,
+    use,
+    vanish,
+)
+from eom.terms import Equation, Term, add, column, cross, der, integral, matmul, mul, tilde, zero
+from eom.vocabulary import omega, position, quantity, velocity
+
+W = omega()
+R = position("dm", "C")
+RHO = position("dm", "O")
+BODY_MASS = quantity("total_mass", "body")
+FORCE, MOMENTUM = (quantity(n, "body") for n in ("external_force", "linear_momentum"))
+
+
+def rigid_momentum() -> Derivation:
+    """Derive linear and angular momentum of a rigid continuum, and its inertia, about any point."""
+    d = Maker("rigid-body-momentum", "Momentum and inertia of a rigid body", "Rigid body")
+    _linear(d)
+    _about_origin(d)
+    _about_centre(d)
+    J = _inertia_matrix(d)
+    _about_body_point(d)
+    _torque(d)
+    return d.finish(J=J)
+
+
+def _linear(d: Maker) -> None:
+    d.only("rigid", "newton_2", "third_law_weak")
+    d.define(BODY_MASS, "mass of the body", label="mass")
+    centre = d.law(
+        Equation(mul(BODY_MASS, position("C")), integral(position("dm"))),
+        "the centre of mass",
+        label="centre",
+        states=["002:E20"],
+    )
+    rate = d.define(MOMENTUM, "linear momentum", label="momentum").both(
+        "differentiate; the mass of each element is constant",
+        der,
+        differentiate_under,
+        label="momentum-rate",
+        states=["002:E19"],
+    )
+    force = d.state(
+        Equation(FORCE, rate.equation.right),
+        "Newton's laws for every element: internal forces cancel",
+        "law",
+        label="force",
+        states=["002:E19"],
+    )
+    centre.both(
+        "differentiate twice",
+        lambda t: differentiate_constant(der(t, times=2)),
+        differentiate_constant,
+        use(force.equation, backwards=True),
+        label="motion-of-centre",
+        states=["002:E22"],
+    )
+
+
+def _about_origin(d: Maker) -> None:
+    """Part the angular momentum about the inertial origin; the body need not be rigid."""
+    d.only("constant_mass")
+    start = d.define(
+        quantity("absolute_angular_momentum", "body", "OI"),
+        "angular momentum about the inertial origin",
+        label="H-origin",
+        states=["000:E1"],
+    )
+    split = d.law(
+        Equation(position("dm"), add(position("C"), R)),
+        "position by way of the centre of mass",
+        label="split",
+        states=["000:E2", "000:E26"],
+    )
+    parted = (
+        start.then("R = R_C + r", use(split.equation), label="H-inserted", states=["000:E3"])
+        .then("multiply out", distribute, label="H-terms", states=["000:E4"])
+        .then(
+            "what is the same for all elements comes out of the integrals",
+            take_out,
+            fold_into(BODY_MASS),
+            label="H-parted",
+            states=["000:E4"],
+        )
+    )
+    first = d.law(
+        Equation(integral(R), zero("vector")),
+        "r starts at the centre of mass",
+        label="first-moment-zero",
+        states=["000:E5"],
+    )
+    moving = first.both("differentiate", lambda t: differentiate_under(der(t)), label="its-rate")
+    named = parted.then(
+        "two terms vanish",
+        use(first.equation),
+        use(moving.equation),
+        distribute,
+        label="H-origin-parts",
+        states=["000:E6"],
+    )
+    spin = d.define(
+        quantity("angular_momentum", "body", "C"),
+        "angular momentum about the centre of mass",
+        label="h-centre",
+        states=["000:E7"],
+    )
+    named.then(
+        "motion of the centre and spin about it",
+        use(spin.equation, backwards=True),
+        label="H-and-h",
+    )
+
+
+def _about_centre(d: Maker) -> None:
+    d.only("body_frame")
+    rigid = d.law(
+        Equation(der(R, "B"), zero("vector")),
+        "the body is rigid, and B and C are fixed in it",
+        label="rigid",
+        states=["000:E9"],
+    )
+    moved = d.start(der(R)).then(
+        "the transport theorem", transport("B"), label="r-rate-terms", states=["000:E10"]
+    )
+    moved = moved.then("r does not change in B", use(rigid.equation), distribute, label="r-rate", states=["000:E10"])
+    spin = d.recall("h-centre").then(
+        "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11"]
+    )
+    turned = spin.then("omega x r = - r x omega", swap(W, R), distribute)
+    d.in_components(
+        turned,
+        "B",
+        "components in B; omega comes out of the integral",
+        associate,
+        take_out,
+        label="h-tilde",
+        states=["000:E14"],
+    )
+    dyadic_chain(spin, R, "C", label="h-inertia", states=("000:E15", "000:E20"))
+
+
+def dyadic_chain(
+    spin: Chain, arm: Term, about: str, *, label: str, states: tuple[str, ...] = ()
+) -> Chain:
+    """Write the integral of r x (omega x r) dm as J . omega."""
+    return spin.then("r x (omega x r) = omega (r.r) - r (r.omega)", bac_cab).then(
+        "linear in omega: the integral is the inertia dyadic",
+        linear_in(W),
+        fold_into(quantity("inertia", about)),
+        label=label,
+        states=states,
+    )
+
+
+def linear_in(vector: Term) -> Rule:
+    """Return the rule that lets ``vector`` stand once, at the end, behind a dyadic."""
+
+    def rule(term: Term) -> Term:
+        for step in (dyadic_form(vector), factor_right(vector), take_out, combine):
+            term = step(term)
+        return term
+
+    return rule
+
+
+def _inertia_matrix(d: Maker) -> sp.Matrix:
+    d.only("body_frame")
+    d.define(quantity("inertia", "C"), "inertia dyadic about the centre of mass", label="inertia")
+    chain = d.start(column(quantity("inertia", "C"), "B"))
+    written = chain.then(
+        "components in B of the definition",
+        inside("column", lambda t: d.recall("inertia").equation.right if t == quantity("inertia", "C") else t),
+        put(column(quantity("inertia", "C"), "B"), column(d.recall("inertia").equation.right, "B")),
+        components("B"),
+        scalars_in("B"),
+        label="J-matrix",
+    )
+    r = column(R, "B")
+    d.state(
+        Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
+        "the product of two tildes",
+        label="J-tilde",
+        states=["000:E15"],
+    )
+    known = explicit(d, R, "r", "B", "component of r along b{k}")
+    one = d.state(Equation(quantity("identity_matrix"), _identity()), "the unit matrix").equation
+    written.then(
+        "by components",
+        use(known),
+        put(one.left, one.right),
+        compute(),
+        label="J-entries",
+        states=["000:E16"],
+    )
+    S = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
+    return sp.Matrix(inertia_of_second_moments(S))
+
+
+def _identity() -> Term:
+    from eom.terms import entries
+
+    return entries(sp.eye(3))
+
+
+def _about_body_point(d: Maker) -> None:
+    """The same about a point O that is fixed in the body."""
+    d.only("rigid")
+    first = d.define(
+        quantity("first_moment", "body", "O"),
+        "first moment of mass about O",
+        label="first-moment",
+        states=["002:E21"],
+    )
+    d.state(
+        Equation(first.equation.right, mul(BODY_MASS, position("C", "O"))),
+        "the centre of mass relative to O",
+        label="first-moment-of-centre",
+        states=["002:E21"],
+    )
+    momentum = d.define(
+        quantity("angular_momentum", "body", "O"),
+        "angular momentum about O",
+        label="h",
+        states=["002:E23"],
+    )
+    seen = momentum.then(
+        "the transport theorem", transport("B"), label="h-transport", states=["002:E23"]
+    )
+    d.assume("body_frame", "O_fixed_in_body")
+    fixed = d.law(
+        Equation(der(RHO, "B"), zero("vector")), "O and B are fixed in the rigid body", label="rho-fixed"
+    )
+    crossed = seen.then("rho does not change in B", vanish(fixed.equation.left), distribute, label="h-omega")
+    turned = crossed.then(
+        "omega x rho = - rho x omega", swap(W, RHO), distribute, label="h-swapped", states=["002:E23"]
+    )
+    d.define(quantity("inertia", "O"), "inertia dyadic about O", label="inertia-O")
+    dyadic_chain(crossed, RHO, "O", label="h-J", states=("002:E23",))
+    d.in_components(
+        turned, "B", "components in B", label="h-columns", states=["002:E24"]
+    ).then("omega comes out of the integral", associate, take_out, label="h-matrix", states=["002:E24"])
+    d.in_components(d.recall("h-J"), "B", "components in B", label="h-J-matrix", states=["002:E24"])
+    rho = column(RHO, "B")
+    J = column(quantity("inertia", "O"), "B")
+    d.state(
+        Equation(J, -integral(matmul(tilde(rho), tilde(rho)))),
+        "the product of two tildes",
+        label="J-tilde-O",
+        states=["002:E25"],
+    )
+    d.start(J).then(
+        "components in B of the definition",
+        put(J, column(d.recall("inertia-O").equation.right, "B")),
+        components("B"),
+        scalars_in("B"),
+        label="J-matrix-O",
+        states=["002:E25"],
+    )
+
+
+def _torque(d: Maker) -> None:
+    d.only("rigid", "newton_2", "third_law_strong")
+    torque = d.define(
+        quantity("torque", "body", "O"), "external torque about O", label="torque", states=["002:E26"]
+    )
+    h, c = (quantity(n, "body", "O") for n in ("angular_momentum", "first_moment"))
+    law = d.state(
+        Equation(torque.equation.left, add(der(h), cross(c, der(velocity("O"))))),
+        "the law for particles, for elements of a body",
+        label="torque-law",
+        states=["002:E26"],
+    )
+    d.assume("about_centre")
+    d.law(Equation(c, zero("vector")), "O is the centre of mass", label="c-zero")
+    law.then("no second term", vanish(c), distribute, label="torque-law-centre")

@@ -1,0 +1,74 @@
+"""Rewriting rules of vector mechanics: from a term to an equal one.
+
+A rule is a function ``Term -> Term`` that knows one law; a derivation applies rules and gives the
+reason. Rules know no physics beyond the calculus of vectors, sums and derivatives: everything else
+enters through `use` and `put`, which replace one side of an established statement by the other.
+"""
+
+from eom.rules.basic import Rule, apply, at, everywhere, inside, until_stable
+from eom.rules.calculus import (
+    combine,
+    differentiate,
+    differentiate_under,
+    distribute,
+    into_sums,
+    symmetrise,
+    take_out,
+)
+from eom.rules.columns import by_way_of, components, compute, entrywise, scalars_in
+from eom.rules.known import fold_into, match, put, unfold, use, vanish
+from eom.rules.vectors import (
+    associate,
+    bac_cab,
+    commute,
+    dyadic_form,
+    factor_left,
+    factor_right,
+    flip_crosses,
+    parallel,
+    regroup,
+    regroup_right,
+    scalar_triple,
+    swap,
+    transport,
+)
+
+__all__ = [
+    "Rule",
+    "apply",
+    "associate",
+    "at",
+    "bac_cab",
+    "by_way_of",
+    "combine",
+    "commute",
+    "components",
+    "compute",
+    "differentiate",
+    "differentiate_under",
+    "distribute",
+    "dyadic_form",
+    "entrywise",
+    "everywhere",
+    "factor_left",
+    "factor_right",
+    "flip_crosses",
+    "fold_into",
+    "inside",
+    "into_sums",
+    "match",
+    "parallel",
+    "put",
+    "regroup",
+    "regroup_right",
+    "scalar_triple",
+    "scalars_in",
+    "swap",
+    "symmetrise",
+    "take_out",
+    "transport",
+    "unfold",
+    "until_stable",
+    "use",
+    "vanish",
+]
