@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from eom import parse, reduce, torques
-from eom.description import Description, principal_values
+from eom.description import Description, inertia_values, principal_values
 from eom.errors import InputError
 from eom.kinematics import attitude
 from eom.reduce import Explanation, Reduction
@@ -66,7 +66,7 @@ def _rigid_body(scene: Description, general_torque: bool) -> System:
             *_components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
         )
 
-    inertia = principal_inertia() if scene.body.matrix is None else full_inertia()
+    inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
     return rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
 
 
@@ -170,7 +170,7 @@ def _given_torque(scene: Description, system: System) -> Pass:
 
 
 def _equal_moments(scene: Description, system: System) -> Pass:
-    if scene.model == "spinner" or scene.body.matrix is not None:
+    if scene.model == "spinner" or inertia_values(scene) is not None:
         return system, (), ""
     values = principal_values(scene)
     symbols = [sp.Symbol(f"I{k}", positive=True) for k in (1, 2, 3)]

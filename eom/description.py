@@ -157,6 +157,18 @@ def check(scene: Description) -> None:
         )
 
 
+def inertia_values(scene: Description) -> tuple[Triple, Triple, Triple] | None:
+    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe."""
+    body = scene.body
+    if body.solid is None:
+        return body.matrix
+    J = solids.central_inertia(body.solid)
+    if J.is_diagonal():
+        return None
+    a, b, c, d, e, f, g, h, i = (_number_of(entry, body) for entry in J)
+    return (a, b, c), (d, e, f), (g, h, i)
+
+
 def principal_values(scene: Description) -> tuple[float, float, float]:
     """Return I1, I2, I3 (kg m^2) of a body that is given by moments or as a solid."""
     body, spinner = scene.body, scene.model == "spinner"
@@ -171,12 +183,7 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             )
         first, second, *third = body.moments
         return (first, second, first) if spinner else (first, second, third[0])
-    formulas = solids.principal_moments(str(body.solid))
-    numbers = {
-        sp.Symbol(n, positive=True): sp.Float(v)
-        for n, v in (*body.size.items(), ("mass", body.mass))
-    }
-    a, b, c = (float(f.xreplace(numbers)) for f in formulas)
+    a, b, c = (_number_of(f, body) for f in solids.principal_moments(str(body.solid)))
     if not spinner:
         return a, b, c
     if a != b:
@@ -184,6 +191,15 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             "a spinner is symmetric about its axle", where="[body] solid", got=body.solid
         )
     return a, c, a
+
+
+def _number_of(formula: Any, body: Body) -> float:
+    """Put the mass and the sizes of a solid into one of its formulas."""
+    numbers = {
+        sp.Symbol(n, positive=True): sp.Float(v)
+        for n, v in (*body.size.items(), ("mass", body.mass))
+    }
+    return float(formula.xreplace(numbers))
 
 
 def _check_attitude(scene: Description) -> None:
@@ -218,7 +234,7 @@ def _check_body(scene: Description) -> None:
             )
         inertia.check_matrix(body.matrix, "[body] matrix")
     if body.solid is not None:
-        _check_solid(body)
+        _check_solid(scene)
     elif body.mass is not None or body.size:
         raise InputError(
             "mass and size belong to a solid",
@@ -226,26 +242,26 @@ def _check_body(scene: Description) -> None:
             got=given[0],
             hint="name a solid, or drop them",
         )
-    if body.matrix is None:
+    if body.matrix is None and inertia_values(scene) is None:
         inertia.check_principal_moments(principal_values(scene), "[body]")
 
 
-def _check_solid(body: Body) -> None:
-    if body.solid not in solids.SOLIDS:
-        raise unknown_name("solid", str(body.solid), solids.SOLIDS, "[body] solid")
+def _check_solid(scene: Description) -> None:
+    body, name = scene.body, str(scene.body.solid)
+    if name not in solids.SOLIDS:
+        raise unknown_name("solid", name, solids.SOLIDS, "[body] solid")
     if body.mass is None:
         raise InputError("a solid needs its mass", where="[body] mass", expected="kilograms")
-    sizes = solids.SOLIDS[body.solid].sizes
-    if set(body.size) != set(sizes):
+    solids.check_sizes(name, body.size, "[body] size")
+    J = solids.central_inertia(name)
+    if scene.model == "spinner" and not J.is_diagonal():
+        raise InputError("a spinner is symmetric about its axle", where="[body] solid", got=name)
+    if 0 in J.diagonal():
         raise InputError(
-            f"sizes of a {body.solid}",
-            where="[body] size",
-            got=", ".join(body.size) or "none",
-            expected=", ".join(sizes),
-        )
-    if "inner_radius" in body.size and body.size["inner_radius"] >= body.size["outer_radius"]:
-        raise InputError(
-            "inner radius is not less than outer radius", where="[body] size", got=body.size
+            f"a {name} has no moment of inertia about its own axis",
+            where="[body] solid",
+            got=name,
+            hint="give it a thickness: a cylinder with a small radius",
         )
 
 

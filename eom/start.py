@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import sympy as sp
 
-from eom.description import Description, principal_values
+from eom.description import Description, inertia_values, principal_values
 from eom.errors import InputError, near_matches
 from eom.kinematics import attitude, constraint_value, quaternion_of_sequence
 from eom.kinematics import quaternion as quaternion_coordinates
@@ -17,10 +17,9 @@ from eom.system import Definition, System
 def constants(scene: Description) -> dict[str, float]:
     """Return the numbers of the scene that are no initial values, by parameter name."""
     values = {n: v.value for n, v in scene.parameters.items()}
-    if scene.body.matrix is not None:
-        values |= {
-            f"J{i + 1}{j + 1}": scene.body.matrix[i][j] for i in range(3) for j in range(i, 3)
-        }
+    matrix = inertia_values(scene)
+    if matrix is not None:
+        values |= {f"J{i + 1}{j + 1}": matrix[i][j] for i in range(3) for j in range(i, 3)}
     else:
         values |= {f"I{k}": v for k, v in enumerate(principal_values(scene), 1)}
     if scene.torque.weight is not None:
