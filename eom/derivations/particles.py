@@ -36,7 +36,7 @@ TOTAL_MASS = quantity("total_mass", "system")
 INTERNAL = quantity("internal_force", "i", "j")
 OPPOSITE = quantity("internal_force", "j", "i")
 RESULTANT = add(quantity("force", "i"), total(INTERNAL, "j"))
-SPLIT_I = Equation(*(relabel(side, {"P": "i"}) for side in (SPLIT.left, SPLIT.right)))
+SPLIT_I = Equation(relabel(SPLIT.left, {"P": "i"}), relabel(SPLIT.right, {"P": "i"}))
 
 
 def particle_system() -> Derivation:
@@ -54,7 +54,7 @@ def _newton(d: Maker) -> None:
     d.only("newton_2", "constant_mass")
     one = Equation(RESULTANT, mul(mass("i"), der(velocity("i"))))
     law = d.law(one, "Newton's second law for each mass", label="newton", states=["002:E6"])
-    summed = law.both(
+    law.both(
         "sum over all masses", lambda t: distribute(total(t)), label="newton-sum", states=["002:E6"]
     )
     d.assume("third_law_weak")

@@ -1,0 +1,155 @@
+"""Random motions of a rigid body; those that need no torque about an axis are solved for.
+
+The condition alone is used, evaluated on the masses, coefficient by coefficient of the motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eom import series
+from eom.series import Field, Matrix, Series, Vector
+from eom.shapes import Draw, Point, Weighted, along
+from eom.worlds import LENGTH
+
+Turns = dict[str, Matrix]
+Angles = dict[str, tuple[Series, Series, Series]]
+
+
+@dataclass(frozen=True)
+class Body:
+    """Weighted points that are fixed in a frame, with the frame's rotation C_BI."""
+
+    points: tuple[Weighted, ...]
+    attitude: Matrix
+
+    def centre(self, field: Field) -> Point:
+        """Return the centre of mass, in the frame."""
+        scale = field.inverse(sum(m for m, _ in self.points))
+        x, y, z = (field.reduce(scale * sum(m * p[k] for m, p in self.points)) for k in range(3))
+        return (x, y, z)
+
+    def carried(self, draw: Draw, point: Point) -> Vector:
+        """Return a point of the frame from the frame's origin, in I."""
+        return series.apply(series.transpose(self.attitude), draw.fixed(point))
+
+    def torque_about_centre(self, draw: Draw) -> Vector:
+        """Return the sum of r x m r'' about the centre of mass, from the masses alone."""
+        centre = self.centre(draw.field)
+        total: list[Vector] = []
+        for m, p in self.points:
+            r = self.carried(draw, along(draw.field, p, centre, -1))
+            second = tuple(s.derivative().derivative().scaled(m) for s in r)
+            total.append(series.cross(r, (second[0], second[1], second[2])))
+        return tuple(series.total([t[k] for t in total]) for k in range(3))  # type: ignore[return-value]
+
+
+def _solve_motion(
+    draw: Draw,
+    unknown: Sequence[Series],
+    residual: Callable[[Sequence[Series]], Sequence[Series]],
+) -> list[Series]:
+    """Find the coefficients from the third on that make ``residual`` vanish, order by order.
+
+    Coefficient n of a residual is affine in the coefficients n + 2 of the unknowns, because forces
+    are linear in accelerations.
+    """
+    current = list(unknown)
+    for n in range(LENGTH - 2):
+        current = _next_coefficients(draw.field, current, residual, n)
+    return current
+
+
+def _next_coefficients(
+    field: Field,
+    current: list[Series],
+    residual: Callable[[Sequence[Series]], Sequence[Series]],
+    order: int,
+) -> list[Series]:
+    """Solve for the coefficients ``order + 2`` by trying zero and each unit."""
+
+    def trial(values: Sequence[Any]) -> list[Series]:
+        return [_with(s, order + 2, v) for s, v in zip(current, values, strict=True)]
+
+    def at(values: Sequence[Any]) -> list[Any]:
+        return [r.coefficients[order] for r in residual(trial(values))]
+
+    n = len(current)
+    base = at([0] * n)
+    columns = [at([int(k == j) for k in range(n)]) for j in range(n)]
+    matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
+    return trial(series.solve(matrix, [field.reduce(-b) for b in base], field))
+
+
+def _with(s: Series, place: int, value: Any) -> Series:
+    c = s.coefficients
+    return Series(s.field, (*c[:place], value, *c[place + 1 :]))
+
+
+def free_attitude(draw: Draw, points: tuple[Weighted, ...]) -> Matrix:
+    """Return a rotation under which the masses need no torque."""
+
+    def residual(gibbs: Sequence[Series]) -> Sequence[Series]:
+        x, y, z = gibbs
+        return Body(points, series.cayley((x, y, z))).torque_about_centre(draw)
+
+    x, y, z = _solve_motion(draw, draw.vector(), residual)
+    return series.cayley((x, y, z))
+
+
+_TURNS_312 = (("A", "I", 2, "psi"), ("B", "A", 0, "theta"), ("C", "B", 1, "phi"))
+"""Frame, the one before, axis (from 0), angle."""
+
+
+def elementary(axis: int, sine: Series, cosine: Series) -> Matrix:
+    """Return the passive rotation about one axis."""
+    one, zero = cosine.scaled(0), cosine.scaled(0)
+    one = Series(one.field, (1, *one.coefficients[1:]))
+    i, j = ((1, 2), (2, 0), (0, 1))[axis]
+    rows = [[zero, zero, zero] for _ in range(3)]
+    rows[axis][axis] = one
+    rows[i][i] = rows[j][j] = cosine
+    rows[i][j], rows[j][i] = sine, -sine
+    return tuple(tuple(row) for row in rows)
+
+
+def _sequence(draw: Draw, motion: Sequence[Series], start: Sequence[Any]) -> tuple[Turns, Angles]:
+    """Return the frames and angles of the 3-1-2 sequence; ``start``: tangents of half the angles."""
+    frames: Turns = {}
+    angles: Angles = {}
+    previous: Matrix | None = None
+    for (frame, _, axis, name), angle, tau in zip(_TURNS_312, motion, start, strict=True):
+        scale = draw.field.inverse(1 + tau * tau)
+        sine, cosine = series.sine_cosine(
+            angle, draw.field.reduce(2 * tau * scale), draw.field.reduce((1 - tau * tau) * scale)
+        )
+        turn = elementary(axis, sine, cosine)
+        previous = turn if previous is None else series.product(turn, previous)
+        frames[frame] = previous
+        angles[name] = (angle, sine, cosine)
+    return frames, angles
+
+
+def spin_312(
+    draw: Draw, points: tuple[Weighted, ...], assumed: frozenset[str]
+) -> tuple[Turns, Angles]:
+    """Return frames and angles; those that a missing torque determines are solved for."""
+    motion = [draw.series() for _ in _TURNS_312]
+    start = [draw.number() for _ in _TURNS_312]
+    wanted = [(2, 1)] * ("no_torque_2" in assumed) + [(0, 2)] * ("no_torque_3" in assumed)
+
+    def residual(values: Sequence[Series]) -> Sequence[Series]:
+        trial = list(motion)
+        for (place, _), value in zip(wanted, values, strict=True):
+            trial[place] = value
+        frames, _ = _sequence(draw, trial, start)
+        torque = Body(points, frames["C"]).torque_about_centre(draw)
+        in_B = series.apply(frames["B"], torque)
+        return [in_B[axis] for _, axis in wanted]
+
+    solved = _solve_motion(draw, [motion[place] for place, _ in wanted], residual)
+    for (place, _), value in zip(wanted, solved, strict=True):
+        motion[place] = value
+    return _sequence(draw, motion, start)

@@ -1,0 +1,161 @@
+"""Random bodies as weighted points, with principal axes or symmetry where they are asked for.
+
+Several generators serve each demand, so that no accidental symmetry of one of them passes for a law.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eom import series
+from eom.series import Field, Matrix, Series, Vector
+from eom.worlds import LENGTH
+
+Point = tuple[Any, Any, Any]
+Weighted = tuple[Any, Point]
+"""A mass with its place in a frame that is fixed in the body."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Random numbers of one world."""
+
+    field: Field
+    generator: random.Random
+    positive: bool = False
+
+    def number(self) -> Any:
+        """Return a number that is not zero."""
+        return self.field.draw(self.generator)
+
+    def mass(self) -> Any:
+        """Return a mass; its sign matters where numbers have one."""
+        return abs(self.number()) if not self.field.prime else self.number()
+
+    def point(self) -> Point:
+        """Return three numbers."""
+        return (self.number(), self.number(), self.number())
+
+    def series(self) -> Series:
+        """Return a random series."""
+        return Series(self.field, tuple(self.number() for _ in range(LENGTH)))
+
+    def vector(self) -> Vector:
+        """Return a random vector that changes with time."""
+        return (self.series(), self.series(), self.series())
+
+    def fixed(self, point: Point) -> Vector:
+        """Return three numbers as series that do not change."""
+        x, y, z = (series.constant(self.field, c, LENGTH) for c in point)
+        return (x, y, z)
+
+    def rotation(self) -> Matrix:
+        """Return a rotation that changes with time."""
+        return series.cayley(self.vector())
+
+    def fixed_rotation(self) -> Matrix:
+        """Return a constant rotation."""
+        return series.cayley(self.fixed(self.point()))
+
+    def choose(self, *options: Callable[[Draw], list[Weighted]]) -> list[Weighted]:
+        """Return what one of several generators draws."""
+        return self.generator.choice(options)(self)
+
+
+def any_body(draw: Draw) -> list[Weighted]:
+    """Return four to six points at random."""
+    return [(draw.mass(), draw.point()) for _ in range(draw.generator.randint(4, 6))]
+
+
+def _thin_rod(draw: Draw) -> list[Weighted]:
+    direction, start = draw.point(), draw.point()
+    return [
+        (draw.mass(), along(draw.field, start, direction, draw.number()))
+        for _ in range(draw.generator.randint(2, 4))
+    ]
+
+
+def along(field: Field, start: Point, direction: Point, length: Any) -> Point:
+    """Return start + length direction."""
+    x, y, z = (field.reduce(a + length * b) for a, b in zip(start, direction, strict=True))
+    return (x, y, z)
+
+
+def _moved(field: Field, bodies: Sequence[Weighted], shift: Point) -> list[Weighted]:
+    return [(m, along(field, p, shift, 1)) for m, p in bodies]
+
+
+def _mirrored(field: Field, bodies: Sequence[Weighted]) -> list[Weighted]:
+    """Add the point opposite each point: the centre of mass is then at the origin."""
+    x = [(m, (field.reduce(-p[0]), field.reduce(-p[1]), field.reduce(-p[2]))) for m, p in bodies]
+    return [*bodies, *x]
+
+
+def _axis_pairs(draw: Draw) -> list[Weighted]:
+    pairs = []
+    for axis in range(3):
+        a = draw.number()
+        pairs.append((draw.mass(), tuple(a if k == axis else 0 for k in range(3))))
+    return _moved(draw.field, _mirrored(draw.field, pairs), draw.point())  # type: ignore[arg-type]
+
+
+def _products_cancelled(draw: Draw) -> list[Weighted]:
+    """Random mirrored points, and a pair in each coordinate plane that cancels one product."""
+    field = draw.field
+    bodies = _mirrored(field, [(draw.mass(), draw.point()) for _ in range(2)])
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        product = sum(m * p[i] * p[j] for m, p in bodies)
+        mass, a = draw.mass(), draw.number()
+        b = field.reduce(-product * field.inverse(2 * mass * a))
+        point = tuple({i: a, j: b}.get(k, 0) for k in range(3))
+        bodies = [*bodies, *_mirrored(field, [(mass, point)])]  # type: ignore[list-item]
+    return _moved(field, bodies, draw.point())
+
+
+def _quarter_turns(draw: Draw, axis: int) -> list[Weighted]:
+    """Four copies of random points, a quarter turn apart about ``axis`` (0, 1, 2)."""
+    i, j = ((1, 2), (2, 0), (0, 1))[axis]
+    bodies = []
+    for _ in range(2):
+        mass, point = draw.mass(), draw.point()
+        for _ in range(4):
+            turned = list(point)
+            turned[i], turned[j] = draw.field.reduce(-point[j]), point[i]
+            point = (turned[0], turned[1], turned[2])
+            bodies.append((mass, point))
+    return _moved(draw.field, bodies, draw.point())
+
+
+def _equal_moments(draw: Draw, axis: int) -> list[Weighted]:
+    """A body with principal axes, and a pair of masses that makes two moments equal."""
+    field = draw.field
+    bodies = _mirrored(field, _centred_axis_pairs(draw))
+    i, j = ((1, 2), (2, 0), (0, 1))[axis]
+    excess = sum(m * (p[i] ** 2 - p[j] ** 2) for m, p in bodies)
+    a = draw.number()
+    mass = field.reduce(excess * field.inverse(2 * a * a))
+    point = tuple(a if k == j else 0 for k in range(3))
+    bodies = [*bodies, *_mirrored(field, [(mass, point)])]  # type: ignore[list-item]
+    return _moved(field, bodies, draw.point())
+
+
+def _centred_axis_pairs(draw: Draw) -> list[Weighted]:
+    result: list[Weighted] = []
+    for axis in range(3):
+        a = draw.number()
+        result.append((draw.mass(), tuple(a if k == axis else 0 for k in range(3))))  # type: ignore[arg-type]
+    return result
+
+
+def shape(draw: Draw, assumed: frozenset[str]) -> list[Weighted]:
+    """Return a body for the assumptions on its inertia."""
+    if "spin_312" in assumed:
+        return draw.choose(lambda d: _quarter_turns(d, 1), lambda d: _equal_moments(d, 1))
+    if "symmetric" in assumed:
+        return draw.choose(lambda d: _quarter_turns(d, 2), lambda d: _equal_moments(d, 2))
+    if "principal_axes" in assumed:
+        return draw.choose(_axis_pairs, _products_cancelled)
+    return _thin_rod(draw) if "thin_rod" in assumed else any_body(draw)
