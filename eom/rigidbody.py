@@ -142,7 +142,7 @@ def rigid_body(
         inputs=law.inputs,
         definitions=(*law.directions, *torque_definitions, *h_definitions),
         singularities=attitude.singularities if attitude else (),
-        assumptions=(*_assumptions(J, law), *_rotation(attitude)),
+        assumptions=(*_assumptions(J, law), *rotation(attitude)),
     )
     outputs = _outputs(J, law, named_torque, attitude)
     return with_outputs(system, outputs)
@@ -204,7 +204,7 @@ def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
     return (rigid, point, *principal, physical(J), *law.assumptions)
 
 
-def _rotation(attitude: Attitude | None) -> tuple[Assumption, ...]:
+def rotation(attitude: Attitude | None) -> tuple[Assumption, ...]:
     """The coordinates describe a rotation; loose enough to go on from where a run has ended."""
     if attitude is None or not attitude.constraints:
         return ()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from eom.derivation import Chain, Derivation, Maker
@@ -20,7 +22,6 @@ from eom.rules import (
     dyadic_form,
     factor_right,
     fold_into,
-    inside,
     put,
     scalars_in,
     swap,
@@ -29,7 +30,20 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import Equation, Term, add, column, cross, der, integral, matmul, mul, tilde, zero
+from eom.terms import (
+    Equation,
+    Term,
+    add,
+    column,
+    cross,
+    der,
+    entries,
+    integral,
+    matmul,
+    mul,
+    tilde,
+    zero,
+)
 from eom.vocabulary import omega, position, quantity, velocity
 
 W = omega()
@@ -146,10 +160,14 @@ def _about_centre(d: Maker) -> None:
         label="rigid",
         states=["000:E9"],
     )
-    moved = d.start(der(R)).then(
-        "the transport theorem", transport("B"), label="r-rate-terms", states=["000:E10"]
+    seen = d.start(der(R)).then("the transport theorem", transport("B"), label="r-rate-terms")
+    moved = seen.then(
+        "r does not change in B",
+        use(rigid.equation),
+        distribute,
+        label="r-rate",
+        states=["000:E10"],
     )
-    moved = moved.then("r does not change in B", use(rigid.equation), distribute, label="r-rate", states=["000:E10"])
     spin = d.recall("h-centre").then(
         "r' = omega x r", use(moved.equation), label="h-crossed", states=["000:E11"]
     )
@@ -163,12 +181,10 @@ def _about_centre(d: Maker) -> None:
         label="h-tilde",
         states=["000:E14"],
     )
-    dyadic_chain(spin, R, "C", label="h-inertia", states=("000:E15", "000:E20"))
+    to_dyadic(spin, "C", label="h-inertia", states=("000:E15", "000:E20"))
 
 
-def dyadic_chain(
-    spin: Chain, arm: Term, about: str, *, label: str, states: tuple[str, ...] = ()
-) -> Chain:
+def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = ()) -> Chain:
     """Write the integral of r x (omega x r) dm as J . omega."""
     return spin.then("r x (omega x r) = omega (r.r) - r (r.omega)", bac_cab).then(
         "linear in omega: the integral is the inertia dyadic",
@@ -190,18 +206,23 @@ def linear_in(vector: Term) -> Rule:
     return rule
 
 
-def _inertia_matrix(d: Maker) -> sp.Matrix:
-    d.only("body_frame")
-    d.define(quantity("inertia", "C"), "inertia dyadic about the centre of mass", label="inertia")
-    chain = d.start(column(quantity("inertia", "C"), "B"))
-    written = chain.then(
+def _by_definition(d: Maker, about: str, label: str, **options: Any) -> Chain:
+    """Write the inertia matrix in B by the definition of the dyadic."""
+    dyadic = quantity("inertia", about)
+    meaning = d.define(dyadic, "inertia dyadic").equation.right
+    return d.start(column(dyadic, "B")).then(
         "components in B of the definition",
-        inside("column", lambda t: d.recall("inertia").equation.right if t == quantity("inertia", "C") else t),
-        put(column(quantity("inertia", "C"), "B"), column(d.recall("inertia").equation.right, "B")),
+        put(column(dyadic, "B"), column(meaning, "B")),
         components("B"),
         scalars_in("B"),
-        label="J-matrix",
+        label=label,
+        **options,
     )
+
+
+def _inertia_matrix(d: Maker) -> sp.Matrix:
+    d.only("body_frame")
+    written = _by_definition(d, "C", "J-matrix")
     r = column(R, "B")
     d.state(
         Equation(written.equation.left, -integral(matmul(tilde(r), tilde(r)))),
@@ -210,23 +231,18 @@ def _inertia_matrix(d: Maker) -> sp.Matrix:
         states=["000:E15"],
     )
     known = explicit(d, R, "r", "B", "component of r along b{k}")
-    one = d.state(Equation(quantity("identity_matrix"), _identity()), "the unit matrix").equation
+    unit_matrix = quantity("identity_matrix")
+    d.state(Equation(unit_matrix, entries(sp.eye(3))), "the unit matrix")
     written.then(
         "by components",
         use(known),
-        put(one.left, one.right),
+        put(unit_matrix, entries(sp.eye(3))),
         compute(),
         label="J-entries",
         states=["000:E16"],
     )
     S = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
     return sp.Matrix(inertia_of_second_moments(S))
-
-
-def _identity() -> Term:
-    from eom.terms import entries
-
-    return entries(sp.eye(3))
 
 
 def _about_body_point(d: Maker) -> None:
@@ -255,17 +271,24 @@ def _about_body_point(d: Maker) -> None:
     )
     d.assume("body_frame", "O_fixed_in_body")
     fixed = d.law(
-        Equation(der(RHO, "B"), zero("vector")), "O and B are fixed in the rigid body", label="rho-fixed"
+        Equation(der(RHO, "B"), zero("vector")),
+        "O and B are fixed in the rigid body",
+        label="rho-fixed",
     )
-    crossed = seen.then("rho does not change in B", vanish(fixed.equation.left), distribute, label="h-omega")
+    crossed = seen.then(
+        "rho does not change in B", vanish(fixed.equation.left), distribute, label="h-omega"
+    )
     turned = crossed.then(
-        "omega x rho = - rho x omega", swap(W, RHO), distribute, label="h-swapped", states=["002:E23"]
+        "omega x rho = - rho x omega",
+        swap(W, RHO),
+        distribute,
+        label="h-swapped",
+        states=["002:E23"],
     )
-    d.define(quantity("inertia", "O"), "inertia dyadic about O", label="inertia-O")
-    dyadic_chain(crossed, RHO, "O", label="h-J", states=("002:E23",))
-    d.in_components(
-        turned, "B", "components in B", label="h-columns", states=["002:E24"]
-    ).then("omega comes out of the integral", associate, take_out, label="h-matrix", states=["002:E24"])
+    to_dyadic(crossed, "O", label="h-J", states=("002:E23",))
+    d.in_components(turned, "B", "components in B", label="h-columns", states=["002:E24"]).then(
+        "omega comes out of the integral", associate, take_out, label="h-matrix", states=["002:E24"]
+    )
     d.in_components(d.recall("h-J"), "B", "components in B", label="h-J-matrix", states=["002:E24"])
     rho = column(RHO, "B")
     J = column(quantity("inertia", "O"), "B")
@@ -275,20 +298,16 @@ def _about_body_point(d: Maker) -> None:
         label="J-tilde-O",
         states=["002:E25"],
     )
-    d.start(J).then(
-        "components in B of the definition",
-        put(J, column(d.recall("inertia-O").equation.right, "B")),
-        components("B"),
-        scalars_in("B"),
-        label="J-matrix-O",
-        states=["002:E25"],
-    )
+    _by_definition(d, "O", "J-matrix-O", states=["002:E25"])
 
 
 def _torque(d: Maker) -> None:
     d.only("rigid", "newton_2", "third_law_strong")
     torque = d.define(
-        quantity("torque", "body", "O"), "external torque about O", label="torque", states=["002:E26"]
+        quantity("torque", "body", "O"),
+        "external torque about O",
+        label="torque",
+        states=["002:E26"],
     )
     h, c = (quantity(n, "body", "O") for n in ("angular_momentum", "first_moment"))
     law = d.state(

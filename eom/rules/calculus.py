@@ -96,6 +96,17 @@ differentiate = until_stable(_differentiate)
 """The product rule, term by term: (a x b)' = a' x b + a x b'."""
 
 
+def differentiate_in(frame: str) -> Rule:
+    """Return the product rule for the rate of a scalar, each factor differentiated in ``frame``."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "der" and node.kind == SCALAR and node.args[0].head in {*BILINEAR, "mul"}:
+            return _product_rule(make("der", node.args, (frame,)))
+        return _product_rule(node)
+
+    return until_stable(rule)
+
+
 def _under_the_sum(node: Term) -> Term:
     if node.head == "der" and node.args[0].head in {"sum", "integral"}:
         inside = node.args[0]

@@ -155,6 +155,41 @@ commute: Rule = everywhere(_commute)
 """a.b = b.a, with the higher derivative first."""
 
 
+def order_dots(first: Term) -> Rule:
+    """Return the rule a.b = b.a that writes ``first`` first."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "dot" and node.kind == SCALAR and node.args[1] == first:
+            return dot(first, node.args[0])
+        return node
+
+    return everywhere(rule)
+
+
+def symmetric(dyadic: Term) -> Rule:
+    """Return the rule a.(J.b) = b.(J.a) for a symmetric ``dyadic``, the derivative standing last."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "dot" and node.args[1].head == "dot" and node.args[1].args[0] == dyadic:
+            a, b = node.args[0], node.args[1].args[1]
+            if _depth(a) > _depth(b):
+                return dot(b, dot(dyadic, a))
+        return node
+
+    return everywhere(rule)
+
+
+def triple_zero(vector: Term) -> Rule:
+    """Return the rule v.(v x a) = 0."""
+
+    def rule(node: Term) -> Term:
+        if node.head == "dot" and node.args[0] == vector and node.args[1].head == "cross":
+            return zero(SCALAR) if vector in node.args[1].args else node
+        return node
+
+    return everywhere(rule)
+
+
 def _regroup(factor: Term, side: int) -> Rule:
     def rule(node: Term) -> Term:
         if node.head == "mul" and factor in node.args and node.args[-1].head in BILINEAR:

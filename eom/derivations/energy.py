@@ -1,0 +1,197 @@
+"""Kinetic energy of a rigid body: its two parts, its rate, and about a fixed pivot (000)."""
+
+from __future__ import annotations
+
+from eom.derivation import Derivation, Maker
+from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W, linear_in
+from eom.rules import (
+    bac_cab,
+    combine,
+    commute,
+    components,
+    differentiate,
+    differentiate_in,
+    differentiate_under,
+    distribute,
+    fold_into,
+    inside,
+    order_dots,
+    put,
+    regroup,
+    scalar_triple,
+    scalars_in,
+    symmetric,
+    take_out,
+    transport,
+    triple_zero,
+    use,
+    vanish,
+)
+from eom.terms import (
+    Equation,
+    Term,
+    add,
+    cross,
+    der,
+    dot,
+    integral,
+    mul,
+    number,
+    zero,
+)
+from eom.vocabulary import position, quantity, velocity
+
+T = quantity("kinetic_energy", "body")
+ROTATION = quantity("rotational_energy", "body", "C")
+H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
+J, PIVOT_J = quantity("inertia", "C"), quantity("inertia", "O")
+
+
+def kinetic_energy() -> Derivation:
+    """Derive T = M v_C.v_C / 2 + omega.I.omega / 2, its rate, and its form about a pivot."""
+    d = Maker("kinetic-energy", "Kinetic energy of a rigid body", "Rigid body")
+    _koenig(d)
+    _rotation(d)
+    _rate(d)
+    _pivot(d)
+    return d.finish()
+
+
+def _koenig(d: Maker) -> None:
+    """Part the energy; the body need not be rigid."""
+    d.only("constant_mass")
+    energy = d.define(T, "kinetic energy", label="T", states=["000:E26"]).then(
+        "one half comes out of the integral", distribute, label="T-half", states=["000:E26"]
+    )
+    split = d.law(
+        Equation(position("dm"), add(position("C"), R)),
+        "position by way of the centre of mass",
+        label="split",
+        states=["000:E26"],
+    )
+    parted = energy.then("R = R_C + r", use(split.equation), distribute)
+    sums = parted.then(
+        "what is the same for all elements comes out of the integrals",
+        order_dots(velocity("C")),
+        take_out,
+        fold_into(BODY_MASS),
+        combine,
+        label="T-parts",
+        states=["000:E27"],
+    )
+    first = d.law(Equation(integral(R), zero("vector")), "r starts at the centre of mass")
+    rate = first.both("differentiate", lambda t: differentiate_under(der(t)), label="r-sum-rate")
+    koenig = sums.then(
+        "the middle term vanishes",
+        use(rate.equation),
+        distribute,
+        label="T-koenig",
+        states=["000:E28"],
+    )
+    rotation = d.define(
+        ROTATION, "energy of the motion about the centre of mass", label="T-rot"
+    ).then("one half comes out of the integral", distribute, label="T-rot-half", states=["000:E29"])
+    koenig.then(
+        "name the second part",
+        _named(rotation.equation),
+        label="T-sum",
+        states=["000:E28"],
+    )
+
+
+def _named(half: Equation) -> object:
+    """Replace half an integral by its name."""
+    return use(half, backwards=True)
+
+
+def _rotation(d: Maker) -> None:
+    d.only("body_frame")
+    seen = d.start(der(R)).then(
+        "the transport theorem", transport("B"), label="r-rate-terms", states=["000:E29"]
+    )
+    moved = seen.then("r is fixed in B", vanish(der(R, "B")), distribute, label="r-rate")
+    crossed = d.recall("T-rot-half").then(
+        "r' = omega x r", use(moved.equation), label="T-crossed", states=["000:E30"]
+    )
+    outside = crossed.then(
+        "(a x b).c = a.(b x c); omega comes out of the integral",
+        scalar_triple,
+        take_out,
+        label="T-triple",
+        states=["000:E32"],
+    )
+    spin = d.state(Equation(integral(cross(R, cross(W, R))), H), "the angular momentum", label="h")
+    half = outside.then("the integral is h", use(spin.equation), label="T-h", states=["000:E33"])
+    dyadic = half.then("h = J.omega", put(H, dot(J, W)), label="T-J")
+    dyadic.then(
+        "components in B", scalars_in("B"), components("B"), label="T-matrix", states=["000:E33"]
+    )
+    whole = d.recall("T-sum").then(
+        "for a rigid body", use(dyadic.equation), label="T-rigid", states=["000:E34"]
+    )
+    whole.then(
+        "components in B",
+        inside("dot", _only_omega, components("B")),
+        label="T-rigid-matrix",
+        states=["000:E34"],
+    )
+
+
+def _only_omega(term: Term) -> Term:
+    """Take components of omega.J.omega, and leave other products alone."""
+    return scalars_in("B")(term) if term.args[0] == W else term
+
+
+def _rate(d: Maker) -> None:
+    d.only("body_frame", "newton_2", "third_law_strong")
+    motion = Equation(mul(BODY_MASS, der(velocity("C"))), FORCE)
+    d.law(motion, "motion of the centre of mass", label="motion")
+    translation = mul(number(1, 2), BODY_MASS, dot(velocity("C"), velocity("C")))
+    d.start(der(translation)).then(
+        "product rule; the mass is constant",
+        differentiate,
+        vanish(der(BODY_MASS)),
+        commute,
+        combine,
+    ).then(
+        "the power of the force at the centre of mass",
+        regroup(BODY_MASS),
+        use(motion),
+        label="power-translation",
+    )
+    local = d.start(der(mul(number(1, 2), dot(W, dot(J, W))))).then(
+        "product rule in B, where J is constant; J is symmetric",
+        differentiate_in("B"),
+        vanish(der(J, "B")),
+        distribute,
+        symmetric(J),
+        combine,
+        label="rotation-rate",
+    )
+    euler = Equation(dot(J, der(W, "B")), add(TORQUE, -cross(W, dot(J, W))))
+    d.law(euler, "Euler's equation", label="euler")
+    local.then(
+        "Euler's equation; omega.(omega x h) = 0",
+        use(euler),
+        distribute,
+        triple_zero(W),
+        distribute,
+        label="power-rotation",
+    )
+    d.state(
+        Equation(der(T), add(dot(FORCE, velocity("C")), dot(W, TORQUE))),
+        "the energy changes at the power of force and torque; internal forces do no work",
+        label="power",
+    )
+
+
+def _pivot(d: Maker) -> None:
+    d.only("body_frame", "O_fixed_in_body", "O_fixed_in_space")
+    turned = d.law(
+        Equation(velocity("dm"), cross(W, RHO)),
+        "about a pivot every element turns with omega",
+        label="pivot-velocity",
+    )
+    d.recall("T-half").then("r' = omega x rho", use(turned.equation), label="T-pivot-crossed").then(
+        "(a x b).c = a.(b x c); omega comes out of the integral", scalar_triple, take_out
+    ).then("the integral is J_O.omega", bac_cab, linear_in(W), fold_into(PIVOT_J), label="T-pivot")
