@@ -312,7 +312,9 @@ def not_negative(term: Term) -> bool:
     """Tell whether the form of ``term`` shows that it cannot be negative."""
     if term.head == "expr":
         return bool(term.data[0].is_nonnegative)
-    if term.head in {"add", "mul", "sum", "integral"}:
+    if term.head == "mul":
+        return all(not_negative(a) or term.args.count(a) % 2 == 0 for a in term.args)
+    if term.head in {"add", "sum", "integral"}:
         return all(not_negative(a) for a in term.args)
     if term.head in {"dot", "inner"}:
         return term.args[0] == term.args[1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from eom.derivation import Derivation, Maker
-from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W, linear_in
+from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W
 from eom.rules import (
     bac_cab,
     combine,
@@ -15,6 +15,7 @@ from eom.rules import (
     distribute,
     fold_into,
     inside,
+    linear_in,
     order_dots,
     put,
     regroup,
@@ -93,15 +94,10 @@ def _koenig(d: Maker) -> None:
     ).then("one half comes out of the integral", distribute, label="T-rot-half", states=["000:E29"])
     koenig.then(
         "name the second part",
-        _named(rotation.equation),
+        use(rotation.equation, backwards=True),
         label="T-sum",
         states=["000:E28"],
     )
-
-
-def _named(half: Equation) -> object:
-    """Replace half an integral by its name."""
-    return use(half, backwards=True)
 
 
 def _rotation(d: Maker) -> None:

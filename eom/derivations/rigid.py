@@ -11,17 +11,14 @@ from eom.derivations.common import explicit
 from eom.derivations.particles import differentiate_constant
 from eom.inertia import inertia_of_second_moments
 from eom.rules import (
-    Rule,
     associate,
     bac_cab,
-    combine,
     components,
     compute,
     differentiate_under,
     distribute,
-    dyadic_form,
-    factor_right,
     fold_into,
+    linear_in,
     put,
     scalars_in,
     swap,
@@ -32,7 +29,6 @@ from eom.rules import (
 )
 from eom.terms import (
     Equation,
-    Term,
     add,
     column,
     cross,
@@ -193,17 +189,6 @@ def to_dyadic(spin: Chain, about: str, *, label: str, states: tuple[str, ...] = 
         label=label,
         states=states,
     )
-
-
-def linear_in(vector: Term) -> Rule:
-    """Return the rule that lets ``vector`` stand once, at the end, behind a dyadic."""
-
-    def rule(term: Term) -> Term:
-        for step in (dyadic_form(vector), factor_right(vector), take_out, combine):
-            term = step(term)
-        return term
-
-    return rule
 
 
 def _by_definition(d: Maker, about: str, label: str, **options: Any) -> Chain:

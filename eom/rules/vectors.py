@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from eom.rules.basic import Rule, everywhere, until_stable
-from eom.rules.calculus import BILINEAR
+from eom.rules.basic import Rule, apply, everywhere, until_stable
+from eom.rules.calculus import BILINEAR, combine, take_out
 from eom.terms import (
     SCALAR,
     VECTOR,
@@ -164,6 +164,12 @@ def order_dots(first: Term) -> Rule:
         return node
 
     return everywhere(rule)
+
+
+def linear_in(vector: Term) -> Rule:
+    """Return the rule that lets ``vector`` stand once, at the end, behind a dyadic."""
+    steps = (dyadic_form(vector), factor_right(vector), take_out, combine)
+    return lambda term: apply(steps, term)
 
 
 def symmetric(dyadic: Term) -> Rule:
