@@ -1,0 +1,128 @@
+"""Every derivation by name: the results of the lectures, step by step.
+
+Titles are read without SymPy; a derivation is made, and each of its steps verified, when it is asked
+for.
+"""
+
+from __future__ import annotations
+
+import importlib
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from eom.errors import unknown_name
+
+if TYPE_CHECKING:
+    from eom.derivation import Derivation
+
+_MAKERS = {
+    "point-mass": ("pointmass", "point_mass", "Particles", "Dynamics of a point mass"),
+    "particle-system": (
+        "particles",
+        "particle_system",
+        "Particles",
+        "Dynamics of a system of point masses",
+    ),
+    "transport-theorem": (
+        "rotation",
+        "transport_theorem",
+        "Rotation",
+        "Derivatives as seen from a turning frame",
+    ),
+    "tilde-identities": (
+        "rotation",
+        "tilde_identities",
+        "Rotation",
+        "The cross product as a matrix",
+    ),
+    "rigid-body-momentum": (
+        "rigid",
+        "rigid_momentum",
+        "Rigid body",
+        "Momentum and inertia of a rigid body",
+    ),
+    "euler-equations": (
+        "euler",
+        "euler_equations",
+        "Rigid body",
+        "Euler's equations of a rigid body",
+    ),
+    "kinetic-energy": ("energy", "kinetic_energy", "Rigid body", "Kinetic energy of a rigid body"),
+    "inertia-properties": (
+        "inertia",
+        "inertia_properties",
+        "Inertia",
+        "Properties of the inertia matrix",
+    ),
+    "torque-free-motion": (
+        "torquefree",
+        "torque_free_motion",
+        "Torque-free motion",
+        "Torque-free motion of a rigid body",
+    ),
+    "energy-dissipation": (
+        "dissipation",
+        "energy_dissipation",
+        "Torque-free motion",
+        "Energy dissipation and the major-axis rule",
+    ),
+    "spinning-symmetric-body": (
+        "spinner",
+        "spinning_symmetric_body",
+        "Spinning bodies",
+        "The 3-1-2 spinning symmetric body",
+    ),
+    "gyrostat": (
+        "gyrostat",
+        "gyrostat_momentum",
+        "Spinning bodies",
+        "A gyrostat: a body with any number of rotors",
+    ),
+}
+"""Name: module, function, group, title."""
+
+SOLIDS = (
+    "box", "rectangular plate", "triangular plate", "triangular prism", "tetrahedron", "pyramid",
+    "rod", "ring", "disc", "cylinder", "elliptical cylinder", "hollow cylinder", "cylindrical shell",
+    "cone", "frustum", "conical shell", "sphere", "hollow sphere", "spherical shell", "hemisphere",
+    "hemispherical shell", "ellipsoid", "torus",
+)  # fmt: skip
+"""The solids of the catalogue, in reading order."""
+
+
+def _solid_names() -> dict[str, str]:
+    return {"inertia-of-" + solid.replace(" ", "-"): solid for solid in SOLIDS}
+
+
+def titles() -> dict[str, dict[str, str]]:
+    """Return the title of each derivation, by group and name."""
+    groups: dict[str, dict[str, str]] = {}
+    for name, (_, _, group, title) in _MAKERS.items():
+        groups.setdefault(group, {})[name] = title
+    groups["Inertia of solids"] = {n: f"Inertia of the {s}" for n, s in _solid_names().items()}
+    return groups
+
+
+def names() -> list[str]:
+    """Return the names of all derivations.
+
+    >>> names()[:2]
+    ['point-mass', 'particle-system']
+    """
+    return [*_MAKERS, *_solid_names()]
+
+
+@lru_cache(maxsize=64)
+def derivation(name: str) -> Derivation:
+    """Return a derivation, every step verified. Raises `InputError` for unknown names."""
+    solids = _solid_names()
+    if name in solids:
+        module = importlib.import_module("eom.derivations.solids")
+        made: Derivation = module.solid_inertia(solids[name])
+        return made
+    if name not in _MAKERS:
+        raise unknown_name("derivation", name, names())
+    module_name, function, _, _ = _MAKERS[name]
+    module = importlib.import_module(f"eom.derivations.{module_name}")
+    result: Derivation = getattr(module, function)()
+    return result

@@ -1,0 +1,220 @@
+"""The 3-1-2 spinning symmetric body, line by line as in lecture 001."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from eom import spinning
+from eom.derivation import Derivation, Maker
+from eom.rules import components, compute, transport, use
+from eom.spinning import (
+    I1,
+    I2,
+    OMEGA,
+    OMEGA_DOT,
+    PHI,
+    PSI,
+    PSI_DDOT,
+    PSI_DOT,
+    SPIN,
+    THETA,
+    THETA_DDOT,
+    THETA_DOT,
+    SpinningSymmetricBody,
+)
+from eom.terms import (
+    Equation,
+    Term,
+    add,
+    column,
+    cross,
+    der,
+    dot,
+    entries,
+    expr,
+    number,
+)
+from eom.vocabulary import omega, quantity, unit
+
+H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
+J = quantity("inertia", "C")
+B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
+A3 = unit("A", 3)
+
+
+def spinning_symmetric_body() -> Derivation:
+    """Derive lecture 001: frames, momentum, its rate with the term in dOmega/dt kept, and the motion."""
+    d = Maker("spinning-symmetric-body", "The 3-1-2 spinning symmetric body", "Spinning bodies")
+    body = spinning.lecture_torque()
+    d.only("spin_312")
+    _name_angles(d)
+    _frames(d, body)
+    _momentum(d, body)
+    _momentum_rate(d, body)
+    _motion(d, body)
+    return d.finish(
+        equations=body.system(), h_G=body.h_G.column, rate=body.momentum_rate.total.column
+    )
+
+
+def _name_angles(d: Maker) -> None:
+    for symbol, name in ((PSI, "psi"), (THETA, "theta"), (PHI, "phi")):
+        d.name_scalar(symbol, quantity("angle", name), f"the angle {name}")
+    for symbol, of, words in (
+        (PSI_DOT, PSI, "rate of psi"),
+        (THETA_DOT, THETA, "rate of theta"),
+        (OMEGA, PHI, "spin rate of the body in B, the rate of phi"),
+        (PSI_DDOT, PSI_DOT, "second derivative of psi"),
+        (THETA_DDOT, THETA_DOT, "second derivative of theta"),
+        (OMEGA_DOT, OMEGA, "rate of the spin rate"),
+    ):
+        d.name_scalar(symbol, der(expr(of)), words)
+
+
+def _frames(d: Maker, body: SpinningSymmetricBody) -> None:
+    d.state(
+        Equation(quantity("rotation", "B", "A"), entries(body.C_BA.matrix)),
+        "the turn through theta about a1 = b1",
+        "law",
+        label="C_BA",
+        states=["001:E6"],
+    )
+    turns = (
+        (omega("A", "I"), expr(PSI_DOT) * A3, "A turns about a3", "omega-A"),
+        (omega("B", "A"), expr(THETA_DOT) * B1, "B turns about b1", "omega-B"),
+        (omega("C", "B"), expr(OMEGA) * B2, "the body turns about b2", "omega-C"),
+    )
+    laws = []
+    for left, right, reason, label in turns:
+        states = ["001:E7"] if label == "omega-C" else []
+        laws.append(d.law(Equation(left, right), reason, label=label, states=states).equation)
+    added = d.state(
+        Equation(omega("B"), add(omega("A", "I"), omega("B", "A"))), "angular velocities add"
+    )
+    named = added.then(
+        "by the turns", *(use(law) for law in laws), label="omega-BI", states=["001:E7"]
+    )
+    in_B = [
+        d.law(Equation(column(v, "B"), entries(e)), "an axis in B").equation
+        for v, e in (
+            (A3, body.C_BA.matrix * sp.Matrix([0, 0, 1])),
+            (B1, sp.Matrix([1, 0, 0])),
+            (B2, sp.Matrix([0, 1, 0])),
+        )
+    ]
+    _written(d, named.equation, in_B, body.omega_BI.column, "omega-BI-columns", ["001:E7"])
+    total = d.state(
+        Equation(omega("C"), add(omega("B"), omega("C", "B"))), "the body's own angular velocity"
+    )
+    both = total.then("by the turns", use(named.equation), use(laws[2]), label="omega-CI")
+    _written(d, both.equation, in_B, body.omega_CI.column, "omega-CI-columns", [])
+
+
+def _written(
+    d: Maker,
+    equation: Equation,
+    axes: list[Equation],
+    result: sp.Matrix,
+    label: str,
+    states: list[str],
+) -> None:
+    """Take components in B and check that they are those of the derived body."""
+    left = column(equation.left, "B")
+    d.start(left).then(
+        "components in B",
+        lambda _: column(equation.right, "B"),
+        components("B"),
+        *(use(a) for a in axes),
+        compute(),
+        label=label,
+        states=states,
+    )
+    d.check(Equation(left, entries(result)), "the equations of motion have the same")
+
+
+def _momentum(d: Maker, body: SpinningSymmetricBody) -> None:
+    for symbol, axis, words in (
+        (I1, B1, "moment of inertia about b1, and about b3"),
+        (I2, B2, "moment of inertia about the axle b2"),
+    ):
+        d.name_scalar(symbol, dot(axis, dot(J, axis)), words)
+    J_B = d.state(
+        Equation(column(J, "B"), entries(body.inertia)),
+        "the body is symmetric about b2: its inertia in B does not depend on the spin angle",
+        label="J",
+    )
+    d.state(Equation(der(column(J, "B")), entries(sp.zeros(3, 3))), "and is constant there")
+    momentum = d.law(Equation(H, dot(J, omega("C"))), "momentum of a rigid body", label="momentum")
+    columns = d.in_components(
+        momentum, "B", "components in B", label="h-columns", states=["001:E8"]
+    )
+    columns.then(
+        "by components",
+        use(J_B.equation),
+        use(d.recall("omega-CI-columns").equation),
+        compute(),
+        label="h",
+        states=["001:E8"],
+    )
+    d.check(Equation(column(H, "B"), entries(body.h_G.column)), "the equations have the same")
+
+
+def _momentum_rate(d: Maker, body: SpinningSymmetricBody) -> None:
+    seen = d.start(der(H)).then("the transport theorem, with omega of B", transport("B"))
+    columns = d.in_components(
+        seen, "B", "components in B", label="rate-columns", states=["001:E10"]
+    )
+    columns.then(
+        "by components",
+        use(d.recall("h").equation),
+        use(d.recall("omega-BI-columns").equation),
+        compute(spinning.RATES),
+        label="rate-raw",
+    )
+    total = body.momentum_rate.total.map(sp.expand)
+    d.state(
+        Equation(column(der(H), "B"), entries(total.column)),
+        "multiplied out; row 2 holds I2 dOmega/dt, which the lecture leaves out",
+        label="rate",
+        states=["001:E11"],
+    )
+    d.state(
+        Equation(dot(cross(omega("B"), H), B2), number(0)),
+        "omega x h has no component along the axle, as the body is symmetric",
+        label="no-axle-term",
+        states=["001:E12"],
+    )
+
+
+def _motion(d: Maker, body: SpinningSymmetricBody) -> None:
+    d.name_scalar(SPIN, expr(body.spin), "angular velocity of the body about its axle")
+    M1 = body.parameters[0].symbol
+    d.only("spin_312", "newton_2", "third_law_strong")
+    d.law(Equation(der(H), TORQUE), "the torque about the centre of mass", label="law")
+    along: Term = dot(B2, TORQUE)
+    d.state(
+        Equation(along, expr(I2) * der(expr(SPIN))),
+        "row 2: only the axle's own angular velocity counts",
+        label="row-2",
+    )
+    d.name_scalar(M1, -dot(B1, TORQUE), "torque about -b1")
+    d.assume("no_torque_2")
+    d.state(
+        Equation(der(expr(SPIN)), number(0)),
+        "no torque about the axle: Omega + psi' sin theta is constant",
+        label="first-integral",
+    )
+    theta, psi = body.accelerations
+    d.state(
+        Equation(expr(THETA_DDOT), expr(theta)),
+        "row 1, solved for the tilt",
+        label="theta-equation",
+        states=["001:E13"],
+    )
+    d.assume("no_torque_3")
+    d.state(
+        Equation(expr(PSI_DDOT), expr(psi)),
+        "row 3, solved for the precession",
+        label="psi-equation",
+        states=["001:E14"],
+    )
