@@ -19,6 +19,7 @@ from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import worlds
 from eom.identity import vanishes
+from eom.integrals import antiderivative
 from eom.rules import Rule
 from eom.series import Singular
 from eom.system import System
@@ -211,6 +212,10 @@ class Maker:
         inwards = rules.components(frame)
         return chain.both(reason, lambda t: inwards(column(t, frame)), inwards, *applied, **options)
 
+    def check(self, equation: Equation, reason: str) -> None:
+        """Verify a statement without adding it: that a result is what the steps lead to."""
+        verify(equation, self.assumed, self.scalars, where=f"{self.name}: {reason}")
+
     def finish(self, **result: Any) -> Derivation:
         """Return the derivation."""
         return Derivation(
@@ -234,9 +239,12 @@ def verify(
         return "definition"
     if equation.relation == ">=":
         return _verify_sign(equation, where)
-    if is_plain(equation, scalars):
-        return _verify_identity(equation, where)
-    holds = decide(equation, assumptions, scalars, count)
+    if is_plain(equation):
+        if _is_identity(equation):
+            return "exact identity"
+        holds = _has_meaning(equation, scalars) and decide(equation, assumptions, scalars, count)
+    else:
+        holds = decide(equation, assumptions, scalars, count)
     if not holds:
         raise DerivationError(
             "the step is false",
@@ -264,41 +272,47 @@ def decide(
     raise DerivationError("the statement is undefined in every world that was drawn")
 
 
-def is_plain(equation: Equation, scalars: Scalars) -> bool:
-    """Tell whether an equation speaks of plain symbols alone."""
+def is_plain(equation: Equation) -> bool:
+    """Tell whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
-    symbols = {s for n in parts if n.head == "expr" for s in n.data[0].free_symbols}
-    return all(n.head in {"expr", "entries"} for n in parts) and not symbols & set(scalars)
+    return all(n.args or n.head == "expr" for n in parts) and not any(
+        n.head == "der" for n in parts
+    )
 
 
-def _verify_identity(equation: Equation, where: str) -> str:
+def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
+    """Tell whether every symbol stands for a quantity of the worlds."""
+    entries = (*_entries(equation.left), *_entries(equation.right))
+    return all(e.free_symbols <= set(scalars) for e in entries)
+
+
+def _is_identity(equation: Equation) -> bool:
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
-    for a, b in pairs:
-        if not vanishes(_resolved(a) - _resolved(b)):
-            raise DerivationError("the step is false", where=where, got=f"{a} = {b}")
-    return "exact identity"
+    return all(vanishes(_resolved(a) - _resolved(b)) for a, b in pairs)
 
 
 def _entries(term: Term) -> list[Any]:
-    return [term.data[0]] if term.head == "expr" else [a.data[0] for a in term.args]
+    """Return the entries of a term of SymPy expressions, its products carried out."""
+    done = rules.compute()(term)
+    return [done.data[0]] if done.head == "expr" else [a.data[0] for a in done.args]
 
 
 def _resolved(expression: Any) -> Any:
-    """Carry out definite integrals, innermost first."""
-    integrals = expression.atoms(sp.Integral)
-    return expression if not integrals else _integrated(expression)
+    """Carry out determinants and integrals; antiderivatives are checked by differentiating them."""
+    known = expression.replace(
+        lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det(method="berkowitz")
+    )
+    return known.replace(lambda n: isinstance(n, sp.Integral), _integrated)
 
 
-def _integrated(expression: Any) -> Any:
-    from eom.integrals import definite
-
-    def value(node: Any) -> Any:
-        result = node.function
-        for limits in node.limits:
-            result = definite(_resolved(result), tuple(limits))
-        return result
-
-    return expression.replace(lambda n: isinstance(n, sp.Integral), value)
+def _integrated(integral: Any) -> Any:
+    value = _resolved(integral.function)
+    for x, start, end in integral.limits:
+        inside = antiderivative(sp.expand(value), x)
+        if inside is None or not vanishes(inside.diff(x) - value):
+            raise DerivationError("an integral cannot be decided", got=integral)
+        value = inside.xreplace({x: end}) - inside.xreplace({x: start})
+    return value
 
 
 def _verify_sign(equation: Equation, where: str) -> str:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from eom import series
-from eom.motions import Angles, Body, Turns, elementary, free_attitude, spin_312
+from eom.motions import Angles, Body, Turns, elementary, free_attitude, spin_312, viscous_pair
 from eom.series import PRIME, Field, Series, Singular, Vector
-from eom.shapes import Draw, Point, Weighted, along, any_body, shape
-from eom.worlds import LENGTH, Rotor, World, closure
+from eom.shapes import Draw, Point, Weighted, along, any_body, mirrored, shape
+from eom.worlds import LENGTH, Rotor, Slug, World, closure
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class Stage:
     angles: Angles
     points: dict[str, Vector]
     rotors: tuple[Rotor, ...] = ()
+    slug: Slug | None = None
 
 
 def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
@@ -38,20 +39,11 @@ def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
     return Stage(masses, places, frames, {}, _reference_points(draw, assumed, masses, places))
 
 
-def _centre(masses: Sequence[Series], places: Sequence[Vector]) -> Vector:
-    scale = series.total(list(masses)).reciprocal()
-    x, y, z = (
-        series.total([m * p[k] for m, p in zip(masses, places, strict=True)]) * scale
-        for k in range(3)
-    )
-    return (x, y, z)
-
-
 def _reference_points(
     draw: Draw, assumed: frozenset[str], masses: Sequence[Series], places: Sequence[Vector]
 ) -> dict[str, Vector]:
     """Points for particles that move at will."""
-    centre = _centre(masses, places)
+    centre = series.centre(masses, places)
     reference = draw.vector()
     if "O_fixed_in_space" in assumed:
         reference = draw.fixed(draw.point())
@@ -122,15 +114,37 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
         turn = elementary(2, *series.sine_cosine(angle, 2 * tau * scale, (1 - tau * tau) * scale))
         to_B = series.transpose(series.product(turn, base))
         ring = _ring(draw)
+        members = tuple(range(len(weighted), len(weighted) + len(ring)))
         weighted += [(m, series.add(centre, series.apply(to_B, draw.fixed(p)))) for m, p in ring]
         inertia = draw.field.reduce(sum(m * (p[0] ** 2 + p[1] ** 2) for m, p in ring))
-        rotors.append(Rotor((base[2][0], base[2][1], base[2][2]), inertia, angle))
+        rotors.append(Rotor((base[2][0], base[2][1], base[2][2]), inertia, angle, members))
     path = draw.vector()
     to_I = series.transpose(B)
     places = tuple(series.add(path, series.apply(to_I, p)) for _, p in weighted)
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in weighted)
     points = _reference_points(draw, assumed, masses, places)
     return Stage(masses, places, {"A": draw.rotation(), "B": B}, {}, points, tuple(rotors))
+
+
+def _with_slug(draw: Draw, assumed: frozenset[str]) -> Stage:
+    """A body, and a slug of six equal masses on three axes, both about one centre of mass."""
+    body = mirrored(draw.field, [(draw.mass(), draw.point()) for _ in range(2)])
+    mass, a = draw.mass(), draw.number()
+    slug = mirrored(draw.field, [(mass, (a, 0, 0)), (mass, (0, a, 0)), (mass, (0, 0, a))])
+    damping = draw.number()
+    B, S = viscous_pair(draw, body, slug, damping)
+    path = draw.vector()
+    places = [
+        series.add(path, series.apply(series.transpose(C), draw.fixed(p)))
+        for part, C in ((body, B), (slug, S))
+        for _, p in part
+    ]
+    masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in (*body, *slug))
+    points = _reference_points(draw, assumed, masses, places)
+    inertia = draw.field.reduce(4 * mass * a * a)
+    members = tuple(range(len(body), len(body) + len(slug)))
+    frames = {"A": draw.rotation(), "B": B, "S": S}
+    return Stage(masses, tuple(places), frames, {}, points, slug=Slug(inertia, damping, members))
 
 
 def _ring(draw: Draw) -> list[Weighted]:
@@ -198,6 +212,8 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
         make = _rigid
     if "rotors" in assumed:
         make = _with_rotors
+    if "viscous_slug" in assumed:
+        make = _with_slug
     stage = make(draw, assumed)
     internal = _internal_forces(draw, assumed, stage.places)
     origin = draw.fixed((0, 0, 0))
@@ -213,6 +229,7 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
         internal,
         stage.angles,
         stage.rotors,
+        stage.slug,
     )
 
 

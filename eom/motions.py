@@ -99,6 +99,35 @@ def free_attitude(draw: Draw, points: tuple[Weighted, ...]) -> Matrix:
     return series.cayley((x, y, z))
 
 
+def viscous_pair(
+    draw: Draw, body: Sequence[Weighted], slug: Sequence[Weighted], damping: Any
+) -> tuple[Matrix, Matrix]:
+    """Return the rotations of a body and of its slug under the viscous torque between them.
+
+    The conditions: the momentum of both together is constant, and that of the slug changes by
+    minus ``damping`` times its angular velocity relative to the body.
+    """
+
+    def residual(gibbs: Sequence[Series]) -> Sequence[Series]:
+        B, S = (series.cayley((g[0], g[1], g[2])) for g in (gibbs[:3], gibbs[3:]))
+        h_body, h_slug = (_momentum(draw, p, C) for p, C in ((body, B), (slug, S)))
+        relative = series.angular_velocity(series.product(S, series.transpose(B)))
+        torque = series.apply(series.transpose(S), relative)
+        rates = [h_slug[k].derivative() for k in range(3)]
+        balance = [rates[k] + torque[k].scaled(damping) for k in range(3)]
+        return [*balance, *(h_body[k].derivative() + rates[k] for k in range(3))]
+
+    x = _solve_motion(draw, (*draw.vector(), *draw.vector()), residual)
+    return series.cayley((x[0], x[1], x[2])), series.cayley((x[3], x[4], x[5]))
+
+
+def _momentum(draw: Draw, points: Sequence[Weighted], C: Matrix) -> Vector:
+    """Return the angular momentum of points in a frame about their centre of mass."""
+    masses = [series.constant(draw.field, m, LENGTH) for m, _ in points]
+    back = series.transpose(C)
+    return series.spin_momentum(masses, [series.apply(back, draw.fixed(p)) for _, p in points])
+
+
 _TURNS_312 = (("A", "I", 2, "psi"), ("B", "A", 0, "theta"), ("C", "B", 1, "phi"))
 """Frame, the one before, axis (from 0), angle."""
 

@@ -166,6 +166,27 @@ def dot(a: Sequence[Series], b: Sequence[Series]) -> Series:
     return total([x * y for x, y in zip(a, b, strict=True)])
 
 
+def centre(masses: Sequence[Series], places: Sequence[Vector]) -> Vector:
+    """Return the mean of ``places`` with weights ``masses``."""
+    scale_by = total(masses).reciprocal()
+    x, y, z = (
+        total([m * p[k] for m, p in zip(masses, places, strict=True)]) * scale_by for k in range(3)
+    )
+    return (x, y, z)
+
+
+def spin_momentum(masses: Sequence[Series], places: Sequence[Vector]) -> Vector:
+    """Return the angular momentum of particles about their centre of mass."""
+    middle = centre(masses, places)
+    parts = []
+    for mass, place in zip(masses, places, strict=True):
+        r = subtract(place, middle)
+        rate = (r[0].derivative(), r[1].derivative(), r[2].derivative())
+        parts.append(scale(mass, cross(r, rate)))
+    x, y, z = (total([p[axis] for p in parts]) for axis in range(3))
+    return (x, y, z)
+
+
 def skew(a: Vector) -> Matrix:
     """Return the matrix of ``a x``."""
     zero = a[0] - a[0]
@@ -224,6 +245,12 @@ def cayley(s: Vector) -> Matrix:
         return (value + one - square if i == j else value) * scale_by
 
     return tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
+
+
+def angular_velocity(C: Matrix) -> Vector:
+    """Read omega off a rotation: skew(omega) = -dC/dt C^T, components in the turning frame."""
+    w = product(each(Series.derivative, C), transpose(C))
+    return (w[1][2], w[2][0], w[0][1])
 
 
 def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any], field: Field) -> list[Any]:

@@ -88,7 +88,7 @@ def _moved(field: Field, bodies: Sequence[Weighted], shift: Point) -> list[Weigh
     return [(m, along(field, p, shift, 1)) for m, p in bodies]
 
 
-def _mirrored(field: Field, bodies: Sequence[Weighted]) -> list[Weighted]:
+def mirrored(field: Field, bodies: Sequence[Weighted]) -> list[Weighted]:
     """Add the point opposite each point: the centre of mass is then at the origin."""
     x = [(m, (field.reduce(-p[0]), field.reduce(-p[1]), field.reduce(-p[2]))) for m, p in bodies]
     return [*bodies, *x]
@@ -99,19 +99,19 @@ def _axis_pairs(draw: Draw) -> list[Weighted]:
     for axis in range(3):
         a = draw.number()
         pairs.append((draw.mass(), tuple(a if k == axis else 0 for k in range(3))))
-    return _moved(draw.field, _mirrored(draw.field, pairs), draw.point())  # type: ignore[arg-type]
+    return _moved(draw.field, mirrored(draw.field, pairs), draw.point())  # type: ignore[arg-type]
 
 
 def _products_cancelled(draw: Draw) -> list[Weighted]:
     """Random mirrored points, and a pair in each coordinate plane that cancels one product."""
     field = draw.field
-    bodies = _mirrored(field, [(draw.mass(), draw.point()) for _ in range(2)])
+    bodies = mirrored(field, [(draw.mass(), draw.point()) for _ in range(2)])
     for i, j in ((0, 1), (0, 2), (1, 2)):
         product = sum(m * p[i] * p[j] for m, p in bodies)
         mass, a = draw.mass(), draw.number()
         b = field.reduce(-product * field.inverse(2 * mass * a))
         point = tuple({i: a, j: b}.get(k, 0) for k in range(3))
-        bodies = [*bodies, *_mirrored(field, [(mass, point)])]  # type: ignore[list-item]
+        bodies = [*bodies, *mirrored(field, [(mass, point)])]  # type: ignore[list-item]
     return _moved(field, bodies, draw.point())
 
 
@@ -132,13 +132,13 @@ def _quarter_turns(draw: Draw, axis: int) -> list[Weighted]:
 def _equal_moments(draw: Draw, axis: int) -> list[Weighted]:
     """A body with principal axes, and a pair of masses that makes two moments equal."""
     field = draw.field
-    bodies = _mirrored(field, _centred_axis_pairs(draw))
+    bodies = mirrored(field, _centred_axis_pairs(draw))
     i, j = ((1, 2), (2, 0), (0, 1))[axis]
     excess = sum(m * (p[i] ** 2 - p[j] ** 2) for m, p in bodies)
     a = draw.number()
     mass = field.reduce(excess * field.inverse(2 * a * a))
     point = tuple(a if k == j else 0 for k in range(3))
-    bodies = [*bodies, *_mirrored(field, [(mass, point)])]  # type: ignore[list-item]
+    bodies = [*bodies, *mirrored(field, [(mass, point)])]  # type: ignore[list-item]
     return _moved(field, bodies, draw.point())
 
 

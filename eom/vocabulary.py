@@ -141,10 +141,15 @@ QUANTITIES: dict[str, Quantity] = {
     "scalar": Quantity(SCALAR, "any number {0}"),
     "vector": Quantity(VECTOR, "any vector {0}"),
     "fixed_vector": Quantity(VECTOR, "any vector {0} that is fixed in frame {1}"),
-    "body_vector": Quantity(VECTOR, "any vector {0}"),
     "dyadic": Quantity(DYADIC, "any dyadic {0}"),
     "rotor_axis": Quantity(VECTOR, "unit vector along the axis of rotor {0}"),
     "rotor_speed": Quantity(SCALAR, "rate of rotor {0} about its axis, relative to the body"),
+    "rotor_momentum": Quantity(
+        VECTOR, "angular momentum of rotor {0} about its own centre of mass"
+    ),
+    "slug_momentum": Quantity(VECTOR, "angular momentum of the slug about its centre"),
+    "slug_inertia": Quantity(SCALAR, "moment of inertia of the spherical slug"),
+    "slug_damping": Quantity(SCALAR, "viscous torque on the slug for each unit of relative rate"),
     "rotor_inertia": Quantity(SCALAR, "moment of inertia of rotor {0} about its axis"),
     "total_mass": Quantity(
         SCALAR,

@@ -73,6 +73,12 @@ ASSUMPTIONS: dict[str, Restriction] = {
     ),
     "no_torque_2": Restriction("the torque about b2 is zero", ("spin_312", "newton_2")),
     "no_torque_3": Restriction("the torque about b3 is zero", ("spin_312", "newton_2")),
+    "viscous_slug": Restriction(
+        "a spherical slug turns in the body about the centre of mass, against a viscous torque; no "
+        "torque acts from outside, and B is fixed in the body",
+        ("constant_mass", "newton_2"),
+        ("body_frame", "rigid", "spin_312", "rotors", "one_particle"),
+    ),
     "rotors": Restriction(
         "rotors, symmetric about axes that are fixed in the body, turn in the body",
         ("constant_mass",),
@@ -105,11 +111,21 @@ def closure(assumptions: Iterable[str]) -> frozenset[str]:
 
 @dataclass(frozen=True)
 class Rotor:
-    """Axis (in B), inertia about it, and angle of a rotor."""
+    """Axis (in B), inertia about it, angle, and the numbers of its masses."""
 
     axis: Vector
     inertia: Any
     angle: Series
+    members: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Slug:
+    """Moment of inertia, coefficient of the viscous torque, and the numbers of its masses."""
+
+    inertia: Any
+    damping: Any
+    members: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -126,6 +142,7 @@ class World:
     internal: tuple[tuple[Vector, ...], ...]
     angles: Mapping[str, tuple[Series, Series, Series]]
     rotors: tuple[Rotor, ...] = ()
+    slug: Slug | None = None
     memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
 
     def constant(self, value: Any) -> Series:
@@ -177,11 +194,9 @@ class World:
 
 
 def _angular_velocity(world: World, frame: str, base: str) -> Vector:
-    """Read omega off the rotation: skew(omega) = -dC/dt C^T, components in the turning frame."""
-    C = world.rotation(frame, base)
-    rate = series.each(Series.derivative, C)
-    w = series.product(rate, series.transpose(C))
-    return series.apply(world.rotation("I", frame), (w[1][2], w[2][0], w[0][1]))
+    """Return the angular velocity of a frame in another one."""
+    turning = series.angular_velocity(world.rotation(frame, base))
+    return series.apply(world.rotation("I", frame), turning)
 
 
 def _unit_vector(world: World, frame: str, axis: str) -> Vector:
@@ -201,6 +216,18 @@ def _fixed_vector(world: World, name: str, frame: str) -> Vector:
     generator = world.free("fixed", name)
     x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
     return series.apply(world.rotation("I", frame), (x, y, z))
+
+
+def _spin_momentum(world: World, members: Sequence[int]) -> Vector:
+    """Return the angular momentum of some masses about their own centre of mass."""
+    masses = [world.masses[n] for n in members]
+    return series.spin_momentum(masses, [world.places[n] for n in members])
+
+
+def _slug(world: World) -> Slug:
+    if world.slug is None:
+        raise InputError("there is no slug in this world", expected="the assumption viscous_slug")
+    return world.slug
 
 
 def _particle(label: Any) -> int:
@@ -224,6 +251,10 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),
     "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotors[k].axis),
     "rotor_speed": lambda w, k: w.rotors[k].angle.derivative(),
+    "rotor_momentum": lambda w, k: _spin_momentum(w, w.rotors[k].members),
+    "slug_momentum": lambda w: _spin_momentum(w, _slug(w).members),
+    "slug_inertia": lambda w: w.constant(_slug(w).inertia),
+    "slug_damping": lambda w: w.constant(_slug(w).damping),
     "rotor_inertia": lambda w, k: w.constant(w.rotors[k].inertia),
 }
 

@@ -9,14 +9,27 @@ import sympy as sp
 from eom import dissipation as model
 from eom import steady
 from eom.derivation import Derivation, Maker
-from eom.frames import Vector
 from eom.freebody import MOMENTS, H, T
 from eom.rigidbody import OMEGA, angular_momentum
-from eom.terms import Equation, entries, expr
-from eom.transport import first_derivative, time_derivative
+from eom.rules import (
+    combine,
+    differentiate,
+    differentiate_terms,
+    distribute,
+    parallel,
+    transport,
+    use,
+    vanish,
+)
+from eom.terms import Equation, add, der, dot, expr, mul, number, zero
+from eom.vocabulary import omega, quantity
 
 Expr = Any
-SIGMA = model.SIGMA
+W, SIGMA = omega("B"), omega("S", "B")
+H_C, H_SLUG = quantity("angular_momentum", "body", "C"), quantity("slug_momentum")
+J, J_S, DAMPING = (quantity("inertia", "C"), quantity("slug_inertia"), quantity("slug_damping"))
+J_BODY = add(J, -mul(J_S, quantity("identity")))
+T_ROT = quantity("rotational_energy", "body", "C")
 
 
 def energy_dissipation() -> Derivation:
@@ -24,63 +37,85 @@ def energy_dissipation() -> Derivation:
     d = Maker(
         "energy-dissipation", "Energy dissipation and the major-axis rule", "Torque-free motion"
     )
-    system = model.viscous_slug()
-    rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
-    _balance(d, rates)
-    _energy(d, rates)
+    _balance(d)
+    _energy(d)
     rule = _major_axis(d)
     _stability(d)
     _energy_sink(d)
-    return d.finish(equations=system, excess_energy=rule, nutation_rate=model.nutation_rate())
+    return d.finish(
+        equations=model.viscous_slug(), excess_energy=rule, nutation_rate=model.nutation_rate()
+    )
 
 
-def _whole() -> Vector:
-    """Return the momentum of the body and of its slug."""
-    return angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
-
-
-def _balance(d: Maker, rates: dict[Expr, Expr]) -> None:
-    slug, h = model.slug_momentum(), _whole()
-    turning = (OMEGA + SIGMA).scaled(model.SLUG)
-    d.state(
-        Equation(entries(slug.column), entries(turning.column)),
-        "momentum of the spherical slug, which turns with omega + sigma",
+def _balance(d: Maker) -> None:
+    d.only("viscous_slug")
+    d.law(Equation(der(H_C), zero("vector")), "no torque from outside", label="H-constant")
+    d.law(Equation(der(H_SLUG), -(DAMPING * SIGMA)), "the viscous torque on the slug", label="slug")
+    slug = d.state(
+        Equation(H_SLUG, J_S * add(W, SIGMA)),
+        "the slug turns with omega + sigma; its inertia is that of a sphere",
         label="slug-momentum",
     )
     d.state(
-        Equation(entries(first_derivative(h, OMEGA, rates).total.column), entries(sp.zeros(3, 1))),
-        "h = I.omega + J_s (omega + sigma); no torque from outside: dh/dt is zero",
-        label="momentum-rate",
+        Equation(H_C, add(dot(J_BODY, W), slug.equation.right)),
+        "momentum of body and slug, with the inertia of the body alone",
+        label="momentum",
     )
-    d.state(
+    d.state(Equation(der(dot(H_C, H_C)), number(0)), "its magnitude is constant", label="magnitude")
+    d.law(Equation(der(J, "B"), zero("dyadic")), "the inertia of the whole is constant in B")
+    slug.both(
+        "the slug as seen from B",
+        der,
+        differentiate,
+        transport("B"),
+        vanish(der(J_S)),
+        parallel,
+        distribute,
+        label="slug-rate",
+    )
+
+
+def _energy(d: Maker) -> None:
+    energy = d.state(
         Equation(
-            entries(first_derivative(slug, OMEGA, rates).total.column),
-            entries(SIGMA.scaled(-model.DAMPING).column),
+            T_ROT,
+            add(
+                number(1, 2) * dot(W, dot(J_BODY, W)),
+                number(1, 2) * J_S * dot(add(W, SIGMA), add(W, SIGMA)),
+            ),
         ),
-        "the slug feels the viscous torque -c sigma alone",
-        label="slug",
+        "energy of the body and of the slug",
+        label="energy",
     )
-    d.state(
-        Equation(expr(time_derivative(h.dot(h), rates)), expr(sp.Integer(0))),
-        "so the magnitude of h is constant",
-        label="H-constant",
+    body = d.state(
+        Equation(der(energy.equation.right.args[0]), DAMPING * dot(W, SIGMA)),
+        "the body feels the torque +c sigma, whose power is c sigma.omega",
+        label="body-power",
     )
-
-
-def _energy(d: Maker, rates: dict[Expr, Expr]) -> None:
-    energy = model.slug_energy()
-    d.state(
-        Equation(expr(time_derivative(energy, rates)), expr(-model.DAMPING * SIGMA.dot(SIGMA))),
-        "while the energy falls as long as the slug slips: dT/dt = -c sigma.sigma",
+    slug = d.state(
+        Equation(der(energy.equation.right.args[1]), -(DAMPING * dot(add(W, SIGMA), SIGMA))),
+        "the slug the opposite one: -c sigma.(omega + sigma)",
+        label="slug-power",
+    )
+    both = energy.both(
+        "both together",
+        der,
+        differentiate_terms,
+        use(body.equation),
+        use(slug.equation),
+        label="both-powers",
+    )
+    both.then(
+        "energy falls as long as the slug slips, whatever the motion",
+        distribute,
+        combine,
         label="energy-rate",
-    )
-    d.check(
-        Equation(expr(model.energy_rate()), expr(-model.DAMPING * SIGMA.dot(SIGMA))), "as given"
     )
 
 
 def _major_axis(d: Maker) -> tuple[tuple[Expr, Expr], ...]:
-    h, energy = _whole(), model.slug_energy()
+    h = angular_momentum(sp.diag(*MOMENTS), OMEGA) + model.slug_momentum()
+    energy = model.slug_energy()
     squares = model.excess_energy(3)
     greatest = MOMENTS[2] + model.SLUG
     d.state(
@@ -100,14 +135,12 @@ def _stability(d: Maker) -> None:
         spin = model.damped_spin(axis)
         n = len(spin.coefficients) - 1
         polynomial = sum(c * steady.ROOT ** (n - k) for k, c in enumerate(spin.coefficients))
-        A = steady.linearised(model.viscous_slug(), axis)
         across = [k for k in range(6) if k % 3 != axis - 1]
-        block = A.extract(across, across)
-        characteristic = (steady.ROOT * sp.eye(4) - block).det(method="berkowitz")
-        scale = sp.Poly(polynomial, steady.ROOT).LC()
+        block = steady.linearised(model.viscous_slug(), axis).extract(across, across)
+        characteristic = sp.Determinant(sp.ImmutableMatrix(steady.ROOT * sp.eye(4) - block))
         d.state(
-            Equation(expr(polynomial), expr(scale * characteristic)),
-            f"small deviations from spin about b{axis}: characteristic polynomial across the axis",
+            Equation(expr(spin.coefficients[0] * characteristic), expr(polynomial)),
+            f"deviations across the axis from spin about b{axis}: characteristic polynomial",
             label=f"characteristic-{axis}",
         )
 

@@ -182,6 +182,7 @@ def _where_valid(d: Maker) -> None:
         Equation(torque, add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)))),
         "the same about a pivot, fixed in the body and in space",
         label="euler-pivot",
+        states=["000:C1"],
     )
     d.only("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body")
     first = quantity("first_moment", "body", "O")
@@ -190,4 +191,5 @@ def _where_valid(d: Maker) -> None:
         Equation(torque, add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)), carried)),
         "about any point of the body, its acceleration counts",
         label="euler-any-point",
+        states=["000:C1"],
     )

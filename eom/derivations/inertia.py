@@ -66,7 +66,12 @@ def inertia_properties() -> Derivation:
 
 def _sign(d: Maker) -> None:
     d.only()
-    d.law(Equation(transpose(J_B), J_B), "symmetric, as each integrand is", label="symmetric")
+    d.law(
+        Equation(transpose(J_B), J_B),
+        "symmetric, as each integrand is",
+        label="symmetric",
+        states=["002:C1"],
+    )
     x = quantity("vector", "x")
     square = integral(dot(cross(x, RHO), cross(x, RHO)))
     d.start(square).then(
@@ -82,12 +87,14 @@ def _sign(d: Maker) -> None:
         Equation(square, number(0), ">="),
         "so x.J.x is not negative: zero only where all mass lies on the line of x through O",
         label="semi-definite",
+        states=["002:C1"],
     )
     d.only("thin_rod", "about_centre")
     d.state(
         Equation(dot(J, RHO), zero("vector")),
         "the exception: along a thin rod through O the matrix is singular",
         label="thin-rod",
+        states=["002:C1"],
     )
 
 
@@ -228,7 +235,7 @@ def _principal(d: Maker) -> None:
         Equation(C_BA, make("rows", [column(unit("B", k), "A") for k in (1, 2, 3)])),
         "unit eigenvectors in right-handed order are the rows of the rotation matrix",
         label="rows",
-        states=["000:E17"],
+        states=["000:E17", "002:C2"],
     )
     diagonal = entries(sp.diag(*symbols))
     d.state(
@@ -242,5 +249,5 @@ def _principal(d: Maker) -> None:
         Equation(matmul(matmul(inverse(C_AB), column(I_C, "A")), C_AB), diagonal),
         "with the eigenvectors as columns of E = C_AP",
         label="diagonalised",
-        states=["002:E36"],
+        states=["002:E36", "002:C2"],
     )

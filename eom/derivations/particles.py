@@ -215,7 +215,7 @@ def _torque(d: Maker) -> None:
         Equation(der(quantity("angular_momentum", "system", "C")), centre),
         "about the centre of mass, whose first moment is zero",
         label="torque-law-centre",
-        states=["002:E17"],
+        states=["002:E17", "002:C4"],
     )
 
 

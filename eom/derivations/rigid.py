@@ -90,7 +90,7 @@ def _linear(d: Maker) -> None:
         differentiate_constant,
         use(force.equation, backwards=True),
         label="motion-of-centre",
-        states=["002:E22"],
+        states=["002:E22", "002:C3"],
     )
 
 
@@ -303,4 +303,4 @@ def _torque(d: Maker) -> None:
     )
     d.assume("about_centre")
     d.law(Equation(c, zero("vector")), "O is the centre of mass", label="c-zero")
-    law.then("no second term", vanish(c), distribute, label="torque-law-centre")
+    law.then("no second term", vanish(c), distribute, label="torque-law-centre", states=["002:C4"])

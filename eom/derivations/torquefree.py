@@ -9,12 +9,25 @@ import sympy as sp
 from eom import freebody, steady
 from eom.derivation import Derivation, Maker
 from eom.derivations.common import explicit
-from eom.frames import tilde
 from eom.freebody import MOMENTS
 from eom.herpolhode import herpolhode_rate
 from eom.rigidbody import OMEGA, angular_momentum, free_rigid_body
 from eom.rules import components, compute, scalars_in, use
-from eom.terms import Equation, add, column, cross, der, dot, entries, expr, mul, number, zero
+from eom.terms import (
+    Equation,
+    add,
+    column,
+    cross,
+    der,
+    dot,
+    entries,
+    expr,
+    matmul,
+    mul,
+    number,
+    tilde,
+    zero,
+)
 from eom.vocabulary import omega, quantity, unit
 
 Expr = Any
@@ -65,11 +78,13 @@ def _constants(d: Maker) -> None:
         Equation(der(dot(H, H)), number(0)),
         "its magnitude is constant in every frame, though it may turn in B",
         label="magnitude",
+        states=["000:C5"],
     )
     d.state(
         Equation(der(ENERGY), number(0)),
         "and the energy of rotation is constant",
         label="T-constant",
+        states=["000:C6"],
     )
 
 
@@ -131,16 +146,18 @@ def _ellipsoids(d: Maker) -> None:
 
 
 def _polhode(d: Maker) -> None:
-    T_form, H_form = freebody.constants()
+    w = OMEGA.components
     for k in (1, 2, 3):
         conic = freebody.projection(k)
         (i, j), (a, b) = conic.axes, conic.coefficients
-        w = OMEGA.components
-        level = conic.level.xreplace({T_SYMBOL: T_form}).subs(H_SYMBOL**2, H_form)
+        level = add(dot(H, H), -(expr(2 * MOMENTS[k - 1]) * ENERGY))
         d.state(
-            Equation(expr(a * w[i - 1] ** 2 + b * w[j - 1] ** 2), expr(level)),
+            Equation(level, expr(a * w[i - 1] ** 2 + b * w[j - 1] ** 2)),
             f"omega_{k} eliminated from both constants: the polhode as seen along b{k}",
             label=f"polhode-{k}",
+        )
+        d.check(
+            Equation(expr(conic.level), expr(H_SYMBOL**2 - 2 * MOMENTS[k - 1] * T_SYMBOL)), "level"
         )
 
 
@@ -150,7 +167,7 @@ def _stability(d: Maker) -> None:
         A = steady.linearised(free_rigid_body(), k)
         d.state(
             Equation(
-                expr((steady.ROOT * sp.eye(3) - A).det(method="berkowitz")),
+                expr(sp.Determinant(sp.ImmutableMatrix(steady.ROOT * sp.eye(3) - A))),
                 expr(spin.characteristic),
             ),
             f"Euler's equations linearised at a spin about b{k}: characteristic polynomial",
@@ -179,7 +196,7 @@ def _herpolhode(d: Maker) -> None:
     rho = OMEGA - h.scaled(OMEGA.dot(h) / h.dot(h))
     swept = herpolhode_rate() * sp.sqrt(h.dot(h)) * rho.dot(rho)
     d.state(
-        Equation(dot(H, cross(W, der(W))), expr(swept)),
+        Equation(dot(H, cross(W, der(W))), expr(sp.factor(swept))),
         "the tip turns about h at the rate (rho x rho').h/(H rho^2): the herpolhode",
         label="herpolhode",
     )
@@ -218,10 +235,10 @@ def _precession(d: Maker) -> None:
 def _constant_rates(d: Maker) -> None:
     """The claim of 000 that rates are constant only without torque and about one principal axis."""
     for k, (case, motion) in enumerate(steady.constant_rate_counterexamples().items(), 1):
-        omega_ = motion.omega.column
-        gyroscopic = tilde(motion.omega.components) * sp.Matrix(motion.inertia) * omega_
+        rates, inertia = entries(motion.omega.column), entries(sp.Matrix(motion.inertia))
         d.state(
-            Equation(entries(sp.Matrix(gyroscopic)), entries(motion.torque.column)),
+            Equation(matmul(tilde(rates), matmul(inertia, rates)), entries(motion.torque.column)),
             f"rates stay constant, as omega x J.omega is the torque: {case}",
             label=f"constant-rates-{k}",
+            states=["000:C2", "000:C3", "000:C4"],
         )

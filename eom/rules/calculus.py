@@ -80,6 +80,14 @@ def _product_rule(node: Term) -> Term:
     return node
 
 
+def _differentiate_terms(node: Term) -> Term:
+    return _spread(node) if node.head == "der" and node.args[0].head == "add" else node
+
+
+differentiate_terms = until_stable(_differentiate_terms)
+"""The derivative of a sum of terms is the sum of their derivatives: (a + b)' = a' + b'."""
+
+
 def _rate(term: Term, frame: str) -> Term:
     if term.head == "expr" and term.data[0].is_number:
         return zero(term.kind)
