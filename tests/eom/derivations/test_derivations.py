@@ -1,0 +1,172 @@
+"""Every derivation of the registry: made, verified again in other worlds, quick, and of use."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+import sympy as sp
+
+from eom.derivation import DerivationError, Maker, verify
+from eom.derivations import derivation, names, titles
+from eom.errors import InputError
+from eom.evaluate import Evaluator
+from eom.generators import world
+from eom.series import Singular
+from eom.solids import SOLIDS
+from eom.system import System
+from eom.worlds import closure
+
+ALL = names()
+
+
+def test_registry_and_titles_agree():
+    listed = [n for group in titles().values() for n in group]
+    assert sorted(listed) == sorted(ALL)
+    assert len(set(ALL)) == len(ALL)
+    assert {n.removeprefix("inertia-of-").replace("-", " ") for n in ALL} >= set(SOLIDS)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_each_is_made_with_every_step_verified(name):
+    d = derivation(name)
+    titled = {n: (group, title) for group, made in titles().items() for n, title in made.items()}
+    assert (d.group, d.title) == titled[name]
+    assert len(d.steps) > 3
+    assert all(s.evidence for s in d.steps)
+    assert all(s.kind == "definition" or s.evidence != "definition" for s in d.steps)
+    assert len({s.label for s in d.steps}) == len(d.steps)
+    assert all(s.reason for s in d.steps)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_each_step_holds_in_worlds_of_other_seeds(name):
+    d = derivation(name)
+    for step in d.steps:
+        if step.evidence.startswith("held"):
+            assumed = closure(step.assumptions)
+            found = 0
+            for seed in range(1000, 1012):
+                try:
+                    assert Evaluator(world(assumed, seed), d.scalars).holds(step.statement), step
+                except Singular:
+                    continue
+                found += 1
+                if found == 2:
+                    break
+            assert found == 2
+
+
+@pytest.mark.parametrize("name", ["particle-system", "euler-equations", "spinning-symmetric-body"])
+def test_steps_hold_in_exact_rationals_too(name):
+    d = derivation(name)
+    checked = 0
+    for step in d.steps[:: max(1, len(d.steps) // 6)]:
+        if step.evidence.startswith("held"):
+            exact = world(closure(step.assumptions), 7, 0)
+            assert Evaluator(exact, d.scalars).holds(step.statement), step.label
+            checked += 1
+    assert checked > 2
+
+
+NEEDED = [
+    ("point-mass", "force-is-momentum-rate", "constant_mass"),
+    ("point-mass", "H-is-h", "O_fixed_in_space"),
+    ("particle-system", "internal-forces", "third_law_weak"),
+    ("particle-system", "torque-law", "third_law_strong"),
+    ("particle-system", "torque-law", "newton_2"),
+    ("particle-system", "H-is-h", "about_centre"),
+    ("rigid-body-momentum", "h-tilde", "body_frame"),
+    ("rigid-body-momentum", "h-J", "O_fixed_in_body"),
+    ("rigid-body-momentum", "torque-law-centre", "about_centre"),
+    ("euler-equations", "euler-dyadic", "body_frame"),
+    ("euler-equations", "euler-1", "principal_axes"),
+    ("euler-equations", "euler-pivot", "O_fixed_in_space"),
+    ("euler-equations", "euler-pivot", "O_fixed_in_body"),
+    ("kinetic-energy", "T-pivot", "O_fixed_in_space"),
+    ("kinetic-energy", "power", "third_law_strong"),
+    ("torque-free-motion", "precession", "symmetric"),
+    ("torque-free-motion", "invariable-plane", "torque_free"),
+    ("spinning-symmetric-body", "first-integral", "no_torque_2"),
+    ("spinning-symmetric-body", "psi-equation", "no_torque_3"),
+]
+
+
+@pytest.mark.parametrize(("name", "label", "assumption"), NEEDED)
+def test_without_its_assumption_the_step_is_false(name, label, assumption):
+    d = derivation(name)
+    step = d[label]
+    assert assumption in closure(step.assumptions)
+    rest = {a for a in closure(step.assumptions) if assumption not in closure([a])}
+    with pytest.raises(DerivationError, match="false"):
+        verify(step.statement, rest, d.scalars)
+
+
+def test_time_of_each_and_of_all():
+    code = (
+        "import time\nfrom eom.derivations import derivation, names\n"
+        "for n in names():\n t = time.process_time(); derivation(n)\n"
+        " print(n, time.process_time() - t)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    seconds = {n: float(s) for n, s in (line.split() for line in run.stdout.splitlines())}
+    assert max(seconds.values()) < 4, seconds  # 2 s on a quiet machine; measured by benchmarks
+    assert sum(seconds.values()) < 60
+
+
+def test_titles_need_no_sympy():
+    code = "import eom.derivations as d, sys; d.titles(); print('sympy' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "False"
+
+
+def test_unknown_names_are_refused_with_a_near_match():
+    with pytest.raises(InputError, match="euler-equations"):
+        derivation("euler-equation")
+
+
+@pytest.mark.parametrize(
+    "name", ["euler-equations", "torque-free-motion", "spinning-symmetric-body", "gyrostat"]
+)
+def test_results_are_systems(name):
+    assert isinstance(derivation(name).system, System)
+
+
+def test_results_of_the_spinner_are_those_of_the_lecture():
+    """Lecture 001, the boxed column and both equations of motion, with I2 dOmega/dt restored."""
+    d = derivation("spinning-symmetric-body")
+    theta, th, ps, thdd, psdd, Om, Omd = sp.symbols(
+        "theta theta_dot psi_dot theta_ddot psi_ddot Omega Omega_dot", real=True
+    )
+    I1, I2 = sp.symbols("I1 I2", positive=True)
+    s, c = sp.sin(theta), sp.cos(theta)
+    expected = sp.Matrix(
+        [
+            I1 * ps**2 * s * c + I1 * thdd - I2 * ps * (Om + ps * s) * c,
+            I2 * (psdd * s + ps * th * c) + I2 * Omd,
+            I1 * psdd * c - 2 * I1 * ps * th * s + I2 * th * (Om + ps * s),
+        ]
+    )
+    assert (d.result["rate"] - expected).applyfunc(sp.expand).is_zero_matrix
+
+
+def test_a_step_knows_what_it_rests_on():
+    d = derivation("euler-equations")
+    assert d["euler-1"].states == ("000:E25", "001:E3", "002:E37")
+    assert "principal_axes" in d["euler-1"].assumptions
+    assert "principal_axes" not in d["euler-dyadic"].assumptions
+    with pytest.raises(KeyError):
+        d["nobody"]
+
+
+def test_making_is_not_slower_than_linear_in_the_steps():
+    start = time.process_time()
+    d = Maker("many", "many", "tests")
+    from eom.rules import transport
+    from eom.terms import der
+    from eom.vocabulary import quantity
+
+    for k in range(60):
+        d.start(der(quantity("vector", f"v{k}"))).then("transport", transport("B"))
+    assert len(d.finish().steps) == 60
+    assert time.process_time() - start < 5
