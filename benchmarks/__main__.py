@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import click
 from rich.console import Console
 
-from benchmarks import calls, integration, machine, rates, stages, startup
+from benchmarks import calls, derivations, integration, machine, rates, stages, startup
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
 from codegen import native
@@ -32,6 +32,7 @@ MEASUREMENTS = (
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),
     Measurement(startup.measure, needs_compiler=False, quick=False),
+    Measurement(derivations.measure, needs_compiler=False, quick=False),
 )
 
 

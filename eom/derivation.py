@@ -123,7 +123,15 @@ class Chain:
         """Do the same to both sides; ``applied`` are rules for the new right side."""
         left = operation(self.equation.left)
         right = rules.apply(applied, operation(self.equation.right))
+        if Equation(left, right) == self.equation:
+            raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
         return self.maker.state(Equation(left, right), reason, label=label, states=states)
+
+
+    def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
+        """State ``right = left``."""
+        sides = Equation(self.equation.right, self.equation.left)
+        return self.maker.state(sides, reason, label=label, states=states)
 
 
 @dataclass

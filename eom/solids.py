@@ -225,7 +225,7 @@ def inertia(name: str, point: str = CENTRE) -> Expr:
     >>> inertia("rod", "end")[0, 0]
     length**2*mass/3
     """
-    return mass_properties(name, point).inertia
+    return central_inertia(name) if point == CENTRE else mass_properties(name, point).inertia
 
 
 @lru_cache
@@ -250,7 +250,10 @@ def principal_moments(name: str) -> tuple[Expr, Expr, Expr]:
 @lru_cache
 def central_inertia(name: str) -> Expr:
     """Return `inertia` about the centre of mass, kept for the next call."""
-    return inertia(name)
+    body = properties(_solid(name).region)
+    c, factor = body.first_moment, MASS / body.mass
+    central = (body.second_moments - c * c.T / body.mass) * factor
+    return MassProperties(MASS, sp.zeros(3, 1), central).inertia
 
 
 def check_sizes(name: str, sizes: Mapping[str, float], where: str = "sizes") -> None:

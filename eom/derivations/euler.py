@@ -10,6 +10,7 @@ from eom.derivations.common import explicit
 from eom.kinematics import attitude
 from eom.rigidbody import OMEGA, principal_inertia, rigid_body
 from eom.rules import (
+    apply,
     compute,
     differentiate,
     distribute,
@@ -105,11 +106,8 @@ def _dyadic(d: Maker) -> None:
         use(momentum.equation),
         label="rate-dyadic",
         states=["001:E1"],
-    ).both(
-        "dh/dt is the torque: Euler's equation",
-        use(law.equation),
-        label="euler-dyadic",
-        states=["000:E23", "001:E1"],
+    ).both("dh/dt is the torque", use(law.equation)).turned(
+        "Euler's equation", label="euler-dyadic", states=["000:E23", "001:E1"]
     )
 
 
@@ -144,13 +142,9 @@ def _principal(d: Maker) -> None:
     known = dict(zip(OMEGA.components, OMEGA_DOT, strict=True))
     for symbol, rate in known.items():
         d.name_scalar(rate, der(expr(symbol)), f"rate of {symbol}")
+    by_components = (put(J_B, entries(matrix)), use(rates), use(torque), compute(known))
     written = d.recall("euler-matrix").both(
-        "by components",
-        lambda t: compute(known)(use(torque)(t)),
-        put(J_B, entries(matrix)),
-        use(rates),
-        compute(known),
-        label="euler-principal",
+        "by components", lambda t: apply(by_components, t), label="euler-principal"
     )
     ids = (
         ("000:E25", "001:E3", "002:E37"),
@@ -158,10 +152,10 @@ def _principal(d: Maker) -> None:
         ("000:E25", "001:E5", "002:E39"),
     )
     system = principal_system()
-    for k, (entry, states) in enumerate(zip(written.equation.right.args, ids, strict=True)):
+    for k, (entry, states) in enumerate(zip(written.equation.left.args, ids, strict=True)):
         tidy = gather(entry.data[0], (*OMEGA.components, *OMEGA_DOT))
         d.state(
-            Equation(expr(TAU[k]), expr(tidy)),
+            Equation(expr(tidy), expr(TAU[k])),
             f"row {k + 1}",
             label=f"euler-{k + 1}",
             states=states,
@@ -179,7 +173,7 @@ def _where_valid(d: Maker) -> None:
     d.only(*pivot)
     inertia, torque = quantity("inertia", "O"), quantity("torque", "body", "O")
     d.state(
-        Equation(torque, add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)))),
+        Equation(add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W))), torque),
         "the same about a pivot, fixed in the body and in space",
         label="euler-pivot",
         states=["000:C1"],
@@ -188,7 +182,7 @@ def _where_valid(d: Maker) -> None:
     first = quantity("first_moment", "body", "O")
     carried = cross(first, der(quantity("position", "O", "OI"), times=2))
     d.state(
-        Equation(torque, add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)), carried)),
+        Equation(add(dot(inertia, der(W, "B")), cross(W, dot(inertia, W)), carried), torque),
         "about any point of the body, its acceleration counts",
         label="euler-any-point",
         states=["000:C1"],

@@ -1,0 +1,59 @@
+"""Time to make and verify each derivation, and to integrate the inertia of each solid."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from benchmarks.settings import Settings
+from benchmarks.table import Row, Section, time_text
+
+EACH_DERIVATION, ALL_DERIVATIONS, EACH_SOLID = 2.0, 60.0, 0.2
+
+_DERIVATIONS = """
+import time
+from eom.derivations import derivation, names
+for name in names():
+    start = time.process_time()
+    derivation(name)
+    print(name, time.process_time() - start)
+"""
+
+_SOLIDS = """
+import time
+from sympy.core.cache import clear_cache
+from eom import solids
+for name in solids.SOLIDS:
+    clear_cache()
+    start = time.process_time()
+    solids.inertia(name)
+    print(name.replace(" ", "-"), time.process_time() - start)
+"""
+
+
+def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements are called alike
+    """Return times on one core, each in a fresh process with SymPy's caches empty."""
+    steps, moments = _seconds(_DERIVATIONS), _seconds(_SOLIDS)
+    rows = (
+        _slowest("derivation", steps, EACH_DERIVATION),
+        _row(f"all {len(steps)} derivations", sum(steps.values()), ALL_DERIVATIONS),
+        _slowest("inertia of a solid", moments, EACH_SOLID),
+        _row(f"all {len(moments)} solids", sum(moments.values()), None),
+    )
+    return Section("derivations: time on one core, the first call", rows)
+
+
+def _slowest(what: str, found: dict[str, float], limit: float) -> Row:
+    name = max(found, key=found.__getitem__)
+    return _row(f"slowest {what}: {name}", found[name], limit)
+
+
+def _row(what: str, seconds: float, limit: float | None) -> Row:
+    if limit is None:
+        return Row(what, time_text(seconds))
+    return Row(what, time_text(seconds), target=f"<= {time_text(limit)}", met=seconds <= limit)
+
+
+def _seconds(code: str) -> dict[str, float]:
+    run = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True)
+    return {name: float(value) for name, value in map(str.split, run.stdout.splitlines())}
