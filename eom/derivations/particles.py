@@ -5,7 +5,6 @@ from __future__ import annotations
 from eom.derivation import Derivation, Maker
 from eom.derivations.pointmass import SPLIT
 from eom.rules import (
-    Rule,
     combine,
     differentiate,
     differentiate_under,
@@ -16,16 +15,16 @@ from eom.rules import (
     parallel,
     put,
     regroup_right,
+    seen_from,
     symmetrise,
     take_out,
     transport,
     unfold,
-    until_stable,
     use,
     vanish,
 )
 from eom.terms import Equation, Term, add, cross, der, mul, relabel, total, zero
-from eom.vocabulary import mass, omega, position, quantity, velocity
+from eom.vocabulary import mass, position, quantity, velocity
 
 EXTERNAL = quantity("external_force", "system")
 MOMENTUM = quantity("linear_momentum", "system")
@@ -257,24 +256,9 @@ def _rotating_frame(d: Maker) -> None:
         seen_from("B"),
         label="acceleration-terms",
     )
-    rate = d.law(Equation(der(omega()), der(omega(), "B")), "omega x omega = 0")
     seen.then(
-        "the terms of the acceleration in B",
-        parallel,
-        distribute,
-        use(rate.equation),
+        "equal terms together: local, Coriolis, Euler and centripetal acceleration",
         combine,
         label="acceleration-B",
         states=["002:E18"],
     )
-
-
-def seen_from(frame: str) -> Rule:
-    """Return the rule that writes inertial derivatives, innermost first, by those in ``frame``."""
-
-    def rule(node: Term) -> Term:
-        if node.head == "der" and node.data == ("I",) and node.args[0] != omega(frame):
-            return distribute(transport(frame)(differentiate(distribute(node))))
-        return node
-
-    return lambda term: distribute(until_stable(rule)(term))

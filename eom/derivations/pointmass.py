@@ -13,6 +13,7 @@ from eom.rules import (
     inside,
     regroup,
     scalars_in,
+    seen_from,
     transport,
     unfold,
     use,
@@ -126,3 +127,18 @@ def _components(d: Maker) -> None:
         components("A"),
         label="momentum-A",
     )
+    _in_turning_frame(d)
+
+
+def _in_turning_frame(d: Maker) -> None:
+    d.only("one_particle", "newton_2")
+    force = d.recall("newton").then(
+        "the second derivative as seen from A", seen_from("A"), combine, label="force-A-terms"
+    )
+    d.in_components(force, "A", "components in A", label="force-A")
+    for label, quantity_of in (("h-A", "h-definition"), ("energy-A", "energy")):
+        seen = d.recall(quantity_of).then("velocities as seen from A", seen_from("A"), combine)
+        if label == "h-A":
+            d.in_components(seen, "A", "components in A", label=label)
+        else:
+            seen.then("components in A", scalars_in("A"), components("A"), label=label)

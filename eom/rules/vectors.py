@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from eom.rules.basic import Rule, apply, everywhere, until_stable
-from eom.rules.calculus import BILINEAR, combine, take_out
+from eom.rules.calculus import BILINEAR, combine, differentiate, distribute, take_out
 from eom.terms import (
+    INERTIAL,
     SCALAR,
     VECTOR,
     Term,
@@ -227,3 +228,21 @@ def _associate(node: Term) -> Term:
 
 associate = until_stable(_associate)
 """A (B c) = (A B) c."""
+
+
+def seen_from(frame: str) -> Rule:
+    """Return the rule that writes inertial derivatives, innermost first, by those in ``frame``.
+
+    The derivative of the angular velocity is the same in both frames.
+    """
+    w = omega(frame)
+
+    def rule(node: Term) -> Term:
+        if node.head != "der" or node.data != (INERTIAL,) or node.kind != VECTOR:
+            return node
+        if node.args[0] == w:
+            return der(w, frame)
+        parted = differentiate(distribute(node))
+        return parted if parted != node else transport(frame)(node)
+
+    return lambda term: distribute(until_stable(rule)(term))
