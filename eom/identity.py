@@ -16,14 +16,11 @@ from typing import Any
 
 import sympy as sp
 
+from eom.series import PRIME, Field, Singular, solve
 from eom.system import System, as_expression
 
-PRIME = 2**61 - 1
 Expr = Any
-
-
-class _Undefined(ArithmeticError):
-    """The point happens to be a pole; another one is drawn."""
+_FIELD = Field(PRIME)
 
 
 def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
@@ -62,7 +59,7 @@ def is_invariant(system: System, expression: Expr, *, points: int = 3, seed: int
     def residual(point: RandomPoint) -> int:
         velocity = [point.value(r) for r in rates]
         if mass is not None:
-            velocity = _solve([[point.value(e) for e in row] for row in mass], velocity)
+            velocity = solve([[point.value(e) for e in row] for row in mass], velocity, _FIELD)
         work = sum(point.value(g) * v for g, v in zip(gradient, velocity, strict=True))
         return (work + point.value(explicit)) % PRIME
 
@@ -76,30 +73,12 @@ def _zero_at_random_points(residual: Callable[[RandomPoint], int], points: int, 
         try:
             if residual(RandomPoint(generator)) != 0:
                 return False
-        except _Undefined:
+        except Singular:
             continue
         found += 1
         if found == points:
             return True
     return False
-
-
-def _solve(matrix: list[list[int]], right: list[int]) -> list[int]:
-    """Solve a linear system modulo the prime by elimination; a singular one is undefined."""
-    rows = [[*row, b] for row, b in zip(matrix, right, strict=True)]
-    n = len(rows)
-    for k in range(n):
-        pivot = next((i for i in range(k, n) if rows[i][k] % PRIME), None)
-        if pivot is None:
-            raise _Undefined
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        scale = _inverse(rows[k][k])
-        rows[k] = [e * scale % PRIME for e in rows[k]]
-        for i in range(n):
-            if i != k and rows[i][k]:
-                factor = rows[i][k]
-                rows[i] = [(a - factor * b) % PRIME for a, b in zip(rows[i], rows[k], strict=True)]
-    return [row[n] for row in rows]
 
 
 def equal(left: Expr, right: Expr, *, seed: int = 0) -> bool:
@@ -187,11 +166,7 @@ def _angle_terms(angle: Expr) -> list[tuple[Expr, int]]:
     return terms
 
 
-def _inverse(value: int) -> int:
-    if value % PRIME == 0:
-        raise _Undefined
-    return pow(value, -1, PRIME)
-
+_inverse = _FIELD.inverse
 
 _TRIGONOMETRIC: dict[Any, Callable[[int, int], int]] = {
     sp.sin: lambda c, s: s,

@@ -11,6 +11,7 @@ from eom.rules import (
     differentiate,
     distribute,
     inside,
+    order_dots,
     regroup,
     scalars_in,
     seen_from,
@@ -24,6 +25,7 @@ from eom.vocabulary import mass, position, quantity, velocity
 
 M, FORCE = mass("P"), quantity("force", "P")
 NEWTON = Equation(FORCE, mul(M, der(velocity("P"))))
+LOCAL = der(position("P"), "A")
 SPLIT = Equation(position("P"), add(position("O"), position("P", "O")))
 
 
@@ -137,7 +139,9 @@ def _in_turning_frame(d: Maker) -> None:
     )
     d.in_components(force, "A", "components in A", label="force-A")
     for label, quantity_of in (("h-A", "h-definition"), ("energy-A", "energy")):
-        seen = d.recall(quantity_of).then("velocities as seen from A", seen_from("A"), combine)
+        seen = d.recall(quantity_of).then(
+            "velocities as seen from A", seen_from("A"), order_dots(LOCAL), combine
+        )
         if label == "h-A":
             d.in_components(seen, "A", "components in A", label=label)
         else:
