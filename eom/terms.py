@@ -185,13 +185,20 @@ def add(*terms: Term) -> Term:
     return kept[0] if len(kept) == 1 else make("add", kept)
 
 
+def _place_in_product(factor: Term) -> int:
+    """Masses and other quantities first, then products of vectors, last what is no scalar."""
+    if factor.kind != SCALAR:
+        return 2
+    return int(factor.head in {"dot", "inner"})
+
+
 def mul(*factors: Term) -> Term:
     """Return a product: flat, SymPy factors gathered in front."""
     flat = [u for f in factors for u in (f.args if f.head == "mul" else (f,))]
     made = make("mul", flat)
     coefficient = sp.Mul(*(f.data[0] for f in flat if f.head == "expr"))
     rest = [f for f in flat if f.head != "expr"]
-    rest = [f for f in rest if f.kind == SCALAR] + [f for f in rest if f.kind != SCALAR]
+    rest.sort(key=_place_in_product)
     if coefficient == 0 or any(f.is_zero for f in rest):
         return zero(made.kind)
     if coefficient != 1 or not rest:

@@ -98,7 +98,10 @@ def _centre_of_mass(d: Maker) -> None:
         "differentiate", lambda t: differentiate_constant(der(t)), differentiate_constant
     )
     named = p.then(
-        "the centre of mass", use(once.equation, backwards=True), label="momentum-of-centre"
+        "the centre of mass",
+        use(once.equation, backwards=True),
+        label="momentum-of-centre",
+        states=["002:E9"],
     )
     named.both(
         "differentiate again",
