@@ -127,7 +127,6 @@ class Chain:
             raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
         return self.maker.state(Equation(left, right), reason, label=label, states=states)
 
-
     def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
         """State ``right = left``."""
         sides = Equation(self.equation.right, self.equation.left)
@@ -248,7 +247,7 @@ def verify(
     if equation.relation == ">=":
         return _verify_sign(equation, where)
     if is_plain(equation):
-        if _is_identity(equation):
+        if _is_identity(equation, scalars):
             return "exact identity"
         holds = _has_meaning(equation, scalars) and decide(equation, assumptions, scalars, count)
     else:
@@ -294,9 +293,13 @@ def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
     return all(e.free_symbols <= set(scalars) for e in entries)
 
 
-def _is_identity(equation: Equation) -> bool:
+def _is_identity(equation: Equation, scalars: Scalars) -> bool:
+    """Tell whether both sides are equal for all values; named expressions are put in."""
+    known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
-    return all(vanishes(_resolved(a) - _resolved(b)) for a, b in pairs)
+    return all(
+        vanishes(_resolved(a.xreplace(known)) - _resolved(b.xreplace(known))) for a, b in pairs
+    )
 
 
 def _entries(term: Term) -> list[Any]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import sympy as sp
 
 from eom.derivation import Derivation, Maker
-from eom.frames import tilde
+from eom.mass import MassProperties
 from eom.regions import Region, X, properties
-from eom.solids import MASS, SOLIDS, mass_properties
+from eom.solids import CENTRE, MASS, SOLIDS, mass_properties
 from eom.terms import Equation, entries, expr
 
 Expr = Any
 PREFIX = "inertia-of-"
+FIRST = sp.Matrix([sp.Symbol(f"c_{k}", real=True) for k in (1, 2, 3)])
+SECOND = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S_{min(i, j) + 1}{max(i, j) + 1}", real=True))
+PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
 CONTENT = {1: "length", 2: "area", 3: "volume"}
 
 
@@ -29,36 +31,45 @@ def solid_inertia(solid: str) -> Derivation:
     d = Maker(name, f"Inertia of the {solid}", "Inertia of solids")
     region = SOLIDS[solid].region
     _element(d, region)
-    content = properties(region).mass
-    whole = properties(region).of_mass(MASS)
-    d.state(
-        Equation(_integral(region, sp.Integer(1)), expr(content)),
-        f"the {CONTENT[region.dimension]}",
-        label="content",
-    )
-    first = [[MASS / content * _plain(region, x)] for x in X]
-    d.state(
-        Equation(entries(sp.Matrix(first)), entries(whole.first_moment)),
-        "first moments of the mass, from the origin of the solid's coordinates",
-        label="first-moments",
-    )
-    second = sp.Matrix(3, 3, lambda i, j: MASS / content * _plain(region, X[i] * X[j]))
-    d.state(
-        Equation(entries(second), entries(whole.second_moments)),
-        "second moments",
-        label="second-moments",
-    )
-    S = sp.Matrix(whole.second_moments)
-    d.state(
-        Equation(entries(sp.eye(3) * S.trace() - S), entries(sp.Matrix(whole.inertia))),
-        "the inertia matrix about that origin: J = tr(S) 1 - S",
-        label="inertia-origin",
-    )
+    whole = _moments(d, region)
     return d.finish(**_about_points(d, solid, whole))
 
 
+def _moments(d: Maker, region: Region) -> MassProperties:
+    """State content, first and second moments as integrals."""
+    body = properties(region)
+    whole = body.of_mass(MASS)
+    kind = CONTENT[region.dimension]
+    d.state(
+        Equation(expr(_integral(region, sp.Integer(1))), expr(body.mass)), f"the {kind}", label=kind
+    )
+    density = MASS / body.mass
+    for k, x in enumerate(X):
+        integral, value = density * _integral(region, x), whole.first_moment[k]
+        _name(d, FIRST[k], integral, value, f"first moment of the mass: integral of {x} dm")
+    for i, j in PAIRS:
+        integral = density * _integral(region, X[i] * X[j])
+        words = f"second moment of the mass: integral of {X[i]} {X[j]} dm"
+        _name(d, SECOND[i, j], integral, whole.second_moments[i, j], words)
+    return whole
+
+
+def _name(d: Maker, symbol: Expr, integral: Expr, value: Expr, words: str) -> None:
+    """Let ``symbol`` stand for a moment, and state its value; what vanishes by form needs no words."""
+    d.name_scalar(symbol, expr(integral), words, label=f"{symbol}-integral")
+    if integral != value:
+        d.state(Equation(expr(symbol), expr(value)), "carried out", label=str(symbol))
+
+
 def _element(d: Maker, region: Region) -> None:
-    jacobian = sp.Matrix(region.position).jacobian(region.parameters)
+    place = sp.Matrix(region.position)
+    d.state(
+        Equation(entries(sp.Matrix(X)), entries(place), ":="),
+        "coordinates of the points of the solid: " + ", ".join(map(_range, region.bounds)),
+        "definition",
+        label="coordinates",
+    )
+    jacobian = place.jacobian(region.parameters)
     gram = (jacobian.T * jacobian).det(method="berkowitz")
     d.state(
         Equation(expr(region.element**2), expr(gram)),
@@ -67,30 +78,29 @@ def _element(d: Maker, region: Region) -> None:
     )
 
 
-def _plain(region: Region, f: Expr) -> Expr:
-    """Return the unevaluated integral of ``f`` over the region."""
-    return sp.Integral(region.at(f) * region.element, *region.bounds)
+def _range(bound: tuple[Expr, Expr, Expr]) -> str:
+    parameter, start, end = bound
+    return f"{parameter} from {start} to {end}"
 
 
-def _integral(region: Region, f: Expr) -> Any:
-    return expr(_plain(region, f))
+def _integral(region: Region, f: Expr) -> Expr:
+    """Return the integral of ``f`` over the region, not carried out."""
+    integrand = region.at(f) * region.element
+    return sp.Integer(0) if integrand == 0 else sp.Integral(integrand, *region.bounds)
 
 
-def _about_points(d: Maker, solid: str, whole: Any) -> dict[str, Expr]:
-    """State the matrix about the centre of mass and each named point by the parallel-axis theorem."""
+def _about_points(d: Maker, solid: str, whole: MassProperties) -> dict[str, Expr]:
+    """State the inertia matrix about the centre of mass and each named point."""
     found: dict[str, Expr] = {}
-    points: Sequence[str] = ("centre of mass", *SOLIDS[solid].points)
-    for point in points:
+    for point in (CENTRE, *SOLIDS[solid].points):
         moved = mass_properties(solid, point)
-        step = whole.centre - moved.centre
-        c, r = tilde(whole.first_moment), tilde(step)
-        shifted = whole.inertia + r * c + c * r - MASS * r * r
+        r = whole.centre - moved.centre
+        shifted = MassProperties(MASS, FIRST, SECOND).shifted(r).inertia
+        where = "the centre of mass" if point == CENTRE else f"the point {point}"
         d.state(
-            Equation(entries(sp.Matrix(shifted)), entries(sp.Matrix(moved.inertia))),
-            f"about the point {point}: J + r~ c~ + c~ r~ - m r~ r~"
-            if point != "centre of mass"
-            else "about the centre of mass: J + r~ c~ + c~ r~ - m r~ r~",
+            Equation(entries(shifted), entries(moved.inertia)),
+            f"inertia matrix about {where}, at {tuple(r)}: J = tr(S) 1 - S, moved there",
             label=f"inertia-{point.replace(' ', '-')}",
         )
-        found[point] = moved.inertia
-    return {f"J about {point}": J for point, J in found.items()}
+        found[f"J about {where}"] = moved.inertia
+    return found
