@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom import catalogue
-from eom.errors import InputError
+from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Compiled, Result
@@ -61,35 +61,63 @@ target_option = click.option(
 
 
 @main.command("list")
-def list_scenes() -> None:
-    """List the scenes that ship with the package."""
+def list_names() -> None:
+    """List the scenes and derivations that ship with the package."""
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("scene", "title", box=None)
-    for name, title in catalogue.titles().items():
-        table.add_row(name, title)
-    Console().print(table)
-    click.echo("\nTry: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
+    from eom import derivations
+
+    table = Table(box=None, show_header=False, pad_edge=False)
+    for group, titles in {"Scenes": catalogue.titles(), **derivations.titles()}.items():
+        table.add_row(f"[bold]{group}[/bold]")
+        for name, title in titles.items():
+            table.add_row(f"  {name}", title)
+        table.add_row()
+    Console(soft_wrap=True).print(table)
+    click.echo("Try: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
+    click.echo("or:  eom derive euler-equations --notation underline --as html > euler.html")
 
 
 @main.command()
-@scene_argument
+@click.argument("name", metavar="NAME")
 @click.option(
     "--as",
     "style",
     default="text",
     show_default=True,
-    metavar="text|latex|markdown",
-    help="Format.",
+    metavar="text|latex|markdown|html",
+    help="Format; html for derivations alone.",
 )
 @click.option(
-    "--explain/--no-explain", default=True, help="Say what was skipped and why (text only)."
+    "--explain/--no-explain",
+    default=None,
+    help="Scenes: say what was skipped and why (text only).  [default: explain]",
 )
-def derive(scene: str, style: str, explain: bool) -> None:
-    """Derive the equations of motion of SCENE and print them."""
-    chosen = _scene(scene)
-    _print_equations(chosen, style, explain)
+@click.option(
+    "--notation",
+    default=None,
+    metavar="arrow|superscript|underline|kane",
+    help="Derivations: how vectors and frames are written.  [default: arrow]",
+)
+@click.option(
+    "--steps/--no-steps",
+    default=None,
+    help="Derivations: every step, or the statements alone.  [default: steps]",
+)
+def derive(
+    name: str, style: str, explain: bool | None, notation: str | None, steps: bool | None
+) -> None:
+    """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
+
+    NAME is the name of a ready scene or derivation (see: eom list) or a TOML file.
+    """
+    if _is_derivation(name):
+        _refuse(name, "scenes", {"--explain": explain})
+        _print_derivation(name, style, notation or "arrow", steps is not False)
+    else:
+        _refuse(name, "derivations", {"--notation": notation, "--steps": steps})
+        _print_equations(_scene(name), style, explain is not False)
 
 
 @main.command()
@@ -172,12 +200,40 @@ def run(scene: str, folder: Path, target: str) -> None:
     _closing(result)
 
 
+def _is_derivation(name: str) -> bool:
+    """Tell derivations from scenes and files. Raises `InputError` for names of neither."""
+    from eom import derivations
+
+    if _is_file(name) or name in catalogue.names():
+        return False
+    if name not in derivations.names():
+        raise unknown_name("scene or derivation", name, [*catalogue.names(), *derivations.names()])
+    return True
+
+
+def _refuse(name: str, kind: str, options: dict[str, object]) -> None:
+    for option, value in options.items():
+        if value is not None:
+            raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")
+
+
+def _print_derivation(name: str, style: str, notation: str, steps: bool) -> None:
+    from eom.derivations import derivation
+    from eom.showing import check_choices, show_derivation
+
+    check_choices(style, notation)
+    click.echo(show_derivation(derivation(name), style, notation, steps))
+
+
+def _is_file(name: str) -> bool:
+    return name.endswith(".toml") or "/" in name
+
+
 def _scene(name: str, **options: Any) -> Scene:
     """Return a ready scene or one from a file, with the options that were given."""
     from eom.scene import Scene
 
-    is_file = name.endswith(".toml") or "/" in name
-    scene = Scene.from_toml(name) if is_file else Scene.ready(name)
+    scene = Scene.from_toml(name) if _is_file(name) else Scene.ready(name)
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene

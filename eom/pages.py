@@ -8,94 +8,25 @@ a sum.
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from eom.boxes import Box, Operator, Row, Unseen
+from eom.blocks import (
+    EQUALS,
+    WIDTH,
+    Block,
+    Bullets,
+    Display,
+    Heading,
+    Line,
+    Note,
+    Paragraph,
+    Steps,
+    broken,
+    is_wide,
+)
+from eom.boxes import Box, Row, Unseen
 from eom.markup import escape_latex, render, width
-
-
-@dataclass(frozen=True)
-class Heading:
-    """A heading; level 1 is the title of a page."""
-
-    words: str
-    level: int = 2
-
-
-@dataclass(frozen=True)
-class Paragraph:
-    """Words."""
-
-    words: str
-
-
-@dataclass(frozen=True)
-class Bullets:
-    """A list of a name or formula (or none) and words."""
-
-    items: tuple[tuple[Box | str | None, str], ...]
-
-
-@dataclass(frozen=True)
-class Line:
-    """An equation: left side (None: that of the line before), relation, pieces, what it means."""
-
-    left: Box | None
-    relation: Box
-    right: tuple[Box, ...]
-    words: str = ""
-
-
-@dataclass(frozen=True)
-class Display:
-    """Equations one under the other."""
-
-    lines: tuple[Line, ...]
-
-
-@dataclass(frozen=True)
-class Note:
-    """Why a step holds: its number, the reason, what else there is to say, what is assumed anew."""
-
-    number: int
-    reason: str
-    remarks: str = ""
-    assumed: str = ""
-
-
-@dataclass(frozen=True)
-class Steps:
-    """Lines with the same left side, each with its note."""
-
-    lines: tuple[Line, ...]
-    notes: tuple[Note, ...]
-
-
-Block = Heading | Paragraph | Bullets | Display | Steps
-Render = Callable[[Any], list[str]]
-
-WIDTH = 78
-"""Letters that fit on a line of a formula."""
-EQUALS = Operator("=")
-
-
-def broken(line: Line, limit: int = WIDTH) -> list[Line]:
-    """Return a line as lines of at most ``limit`` letters, broken between its pieces."""
-    used = width(line.left) if line.left else 0
-    found: list[list[Box]] = [[]]
-    length = used
-    for piece in line.right:
-        needed = width(piece)
-        if found[-1] and length + needed > limit:
-            found.append([])
-            length = used
-        found[-1].append(piece)
-        length += needed
-    first = Line(line.left, line.relation, tuple(found[0]), line.words)
-    return [first, *(Line(None, Row(()), tuple(more)) for more in found[1:])]
-
 
 # -- text ------------------------------------------------------------------------------------
 
@@ -136,20 +67,18 @@ def _text_display(block: Display, letters: str) -> list[str]:
 
 def _text_line(line: Line, letters: str, size: int) -> str:
     left = _padded(_text_side(line.left, letters), size)
-    right = render(Row(line.right), letters).strip()
-    return f"  {left} {render(line.relation, letters).strip()} {right}".rstrip()
+    relation = render(line.relation, letters).strip() or "  "
+    return f"  {left} {relation} {render(Row(line.right), letters).strip()}".rstrip()
 
 
 def _text_steps(block: Steps, letters: str) -> list[str]:
-    size = _length(_text_side(block.lines[0].left, letters))
+    size = _length(_text_side(block.indent, letters))
     lines = []
-    for line, note in zip(block.lines, block.notes, strict=True):
+    for note, group in zip(block.notes, block.lines, strict=True):
         lines += [f"     {note.assumed}"] if note.assumed else []
         lines += [f"{note.number:>3}. {note.reason}{f'  [{note.remarks}]' if note.remarks else ''}"]
-        first, *others = broken(line, WIDTH + 12)
-        lines.append(f"   {_text_line(first, letters, size)}")
-        room = " " * (size + 7 + len(render(line.relation, letters)))
-        lines += [f"{room}{render(Row(p.right), letters).strip()}" for p in others]
+        parts = [p for line in group for p in broken(line, WIDTH + 12)]
+        lines += [f"   {_text_line(p, letters, size)}" for p in parts]
     return [*lines, ""]
 
 
@@ -165,7 +94,7 @@ def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
 
 # -- LaTeX -----------------------------------------------------------------------------------
 
-_SMALLER = ((170, r"\tiny"), (130, r"\scriptsize"), (98, r"\footnotesize"))
+_SMALLER = ((115, r"\tiny"), (98, r"\scriptsize"), (82, r"\footnotesize"))
 """Sizes for what cannot be broken and is wider than so many letters."""
 
 
@@ -209,8 +138,14 @@ def _latex_display(block: Display) -> list[str]:
 
 def _latex_note(note: Note) -> str:
     remarks = f" {{\\small [{escape_latex(note.remarks)}]}}" if note.remarks else ""
-    assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\\\\n" if note.assumed else ""
+    assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\endgraf\\noindent\n" if note.assumed else ""
     return f"\\noindent {assumed}\\textbf{{{note.number}.}} {escape_latex(note.reason)}{remarks}"
+
+
+def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
+    for note, group in zip(block.notes, block.lines, strict=True):
+        yield _latex_note(note), group[0]
+        yield from (("", line) for line in group[1:])
 
 
 def _latex_bullets(block: Bullets) -> list[str]:
@@ -230,17 +165,17 @@ def _named(name: Box | str | None, words: str, show: Callable[[Box | str], str])
     return f"{show(name)}: {escaped}" if words else show(name)
 
 
+_SECTIONS = {1: "section*", 2: "subsection*", 3: "subsubsection*", 4: "paragraph*"}
+
 _LATEX: dict[type, Callable[[Any], list[str]]] = {
-    Heading: lambda b: [
-        f"\\{'sub' * (b.level - 1)}section*{{{escape_latex(b.words)}}}",
-    ],
+    Heading: lambda b: [f"\\{_SECTIONS[b.level]}{{{escape_latex(b.words)}}}"],
     Paragraph: lambda b: [f"\\noindent {escape_latex(b.words)}", ""],
     Bullets: _latex_bullets,
     Display: _latex_display,
-    Steps: lambda b: _latex_aligned(zip(map(_latex_note, b.notes), b.lines, strict=True)),
+    Steps: lambda b: _latex_aligned(_latex_noted(b)),
 }
 
-LATEX_DOCUMENT = r"""\documentclass{article}
+LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
 \usepackage{amsmath,amssymb}
 \usepackage[margin=25mm]{geometry}
 \allowdisplaybreaks
@@ -293,9 +228,11 @@ def _markdown_steps(block: Steps) -> list[str]:
         found += [f"*{note.assumed}*", ""] if note.assumed else []
         remarks = f" — <small>{note.remarks}</small>" if note.remarks else ""
         found += [f"**{note.number}.** {note.reason}{remarks}", ""]
-    single = len(block.lines) == 1
-    numbers = ["" if single else f" && ({note.number})" for note in block.notes]
-    return [*found, _markdown_formula(zip(block.lines, numbers, strict=True)), ""]
+    lines = []
+    for note, group in zip(block.notes, block.lines, strict=True):
+        number = f" && ({note.number})" if len(block.notes) > 1 else ""
+        lines += [(line, number if line is group[-1] else "") for line in group]
+    return [*found, _markdown_formula(lines), ""]
 
 
 _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
@@ -326,12 +263,16 @@ def _html_bullets(block: Bullets) -> list[str]:
     return ["<table>", *rows, "</table>"]
 
 
-def _html_line(line: Line, left: Box) -> str:
-    """Return the lines of a formula; those after the first leave out the left side but not its room."""
-    first, *others = broken(line, WIDTH + 20)
-    start = first.left or Unseen(left)
-    parts = [_math(start, first.relation, *first.right)]
-    parts += [_math(Unseen(Row((left, first.relation))), *p.right) for p in others]
+def _html_line(line: Line, indent: Box) -> str:
+    """Return the lines of a formula; those without a left side keep its room."""
+    parts = [
+        _math(
+            p.left or Unseen(indent if p.relation != Row(()) else Row((indent, EQUALS))),
+            p.relation,
+            *p.right,
+        )
+        for p in broken(line, WIDTH + 20)
+    ]
     return f'<div class="formula">{"<br/>".join(parts)}</div>'
 
 
@@ -339,19 +280,19 @@ def _html_display(block: Display) -> list[str]:
     found = []
     for line in block.lines:
         words = f'<p class="why">{html.escape(line.words)}:</p>' if line.words else ""
-        found.append(words + _html_line(line, line.left or Row(())))
+        indent = Row(()) if line.left is None or is_wide(line.left) else line.left
+        found.append(words + _html_line(line, indent))
     return found
 
 
 def _html_steps(block: Steps) -> list[str]:
-    left = block.lines[0].left or Row(())
     found = ['<div class="chain">']
-    for line, note in zip(block.lines, block.notes, strict=True):
+    for note, group in zip(block.notes, block.lines, strict=True):
         found += [f'<p class="assumed">{html.escape(note.assumed)}</p>'] if note.assumed else []
         remarks = f" <small>{html.escape(note.remarks)}</small>" if note.remarks else ""
         reason = html.escape(note.reason)
         found.append(f'<p class="why"><b>{note.number}.</b> {reason}{remarks}</p>')
-        found.append(_html_line(line, left))
+        found += [_html_line(line, block.indent) for line in group]
     return [*found, "</div>"]
 
 

@@ -1,70 +1,117 @@
 """A system as text, LaTeX or Markdown: variables, equations, constants, singularities, assumptions.
 
-The layout is one list of sections; each format is a table of how sections and formulas are written.
+`blocks` lists what there is to print, in reading order; `eom.pages` writes it in each format. Where an
+output or a constant of the motion holds the right side of a definition, its name is printed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import sympy as sp
 
+from eom import pages
+from eom.blocks import EQUALS, Block, Bullets, Display, Heading, Line
+from eom.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
 from eom.errors import unknown_name
+from eom.markup import symbol_latex
 from eom.system import Definition, Quantity, System
+from eom.writing import expression_pieces
+
+__all__ = ["FORMATS", "blocks", "latex", "markdown", "show", "symbol_latex", "text"]
 
 Expr = Any
+Names = Mapping[Expr, str]
+
+_OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
+"""A letter with an index, or commands; words that came as LaTeX would be set as products."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """One line of a section: a formula (left and right side) or a symbol, and words."""
-
-    left: Expr | str
-    right: Expr | None = None
-    words: str = ""
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading with its rows."""
-
-    heading: str
-    rows: tuple[Row, ...]
-
-
-@dataclass(frozen=True)
-class Rate:
-    """The time derivative of a state, as the left side of an equation."""
-
-    state: Quantity
-
-
-def sections(system: System) -> list[Section]:
-    """Return what there is to print, in reading order; empty sections are left out."""
-    equations = [Row(Rate(q), r) for q, r in zip(system.states, system.rates, strict=True)]
-    heading = "Equations of motion"
-    mass: list[Row] = []
-    if system.mass_matrix is not None:
-        names, block = _coupled_block(system, system.mass_matrix)
-        heading = f"Equations of motion; mass matrix times the rates of {names} = right sides"
-        mass = [Row("mass matrix", block)]
-    everything = [
-        Section("States", _variables(system.states)),
-        Section("Parameters", _variables(system.parameters)),
-        Section("Inputs", _variables(system.inputs)),
-        Section("Definitions", _definitions(system.definitions)),
-        Section(heading, (*mass, *equations)),
-        Section("Outputs", _definitions(system.outputs)),
-        Section("Constants of the motion", _definitions(system.invariants)),
-        Section(
-            "Singular where",
-            tuple(Row(s.expression, sp.Integer(0), s.meaning) for s in system.singularities),
+def blocks(system: System, *, primes: bool = False) -> list[Block]:
+    """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
+    names = _latex_names(system)
+    return [
+        *_variables("States", system.states, names),
+        *_variables("Parameters", system.parameters, names),
+        *_variables("Inputs", system.inputs, names),
+        *_section("Definitions", _definitions(system.definitions, names)),
+        *_section(*_equations(system, names, primes)),
+        *_section("Outputs", _definitions(system.outputs, names, _named_parts(system))),
+        *_section(
+            "Constants of the motion",
+            _definitions(system.invariants, names, _named_parts(system)),
         ),
-        Section("Assumptions", tuple(Row(a.name, None, a.meaning) for a in system.assumptions)),
+        *_section(
+            "Singular where",
+            [
+                _line(Formula(s.expression, names), sp.S.Zero, names, s.meaning)
+                for s in system.singularities
+            ],
+        ),
+        *_assumptions(system),
     ]
-    return [s for s in everything if s.rows]
+
+
+def _latex_names(system: System) -> Names:
+    groups = (system.states, system.parameters, system.inputs)
+    quantities = [q for group in groups for q in group]
+    quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
+    return {q.symbol: q.latex for q in quantities if _OWN_LATEX.fullmatch(q.latex)}
+
+
+def _variables(heading: str, quantities: Iterable[Quantity], names: Names) -> list[Block]:
+    items = tuple((Formula(q.symbol, names), q.description) for q in quantities)
+    return [Heading(heading), Bullets(items)] if items else []
+
+
+def _assumptions(system: System) -> list[Block]:
+    items = tuple((a.name, a.meaning) for a in system.assumptions)
+    return [Heading("Assumptions"), Bullets(items)] if items else []
+
+
+def _section(heading: str, lines: Iterable[Line]) -> list[Block]:
+    kept = tuple(lines)
+    return [Heading(heading), Display(kept)] if kept else []
+
+
+def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
+    return Line(left, EQUALS, expression_pieces(right, names), words)
+
+
+def _definitions(
+    definitions: Iterable[Definition], names: Names, parts: Mapping[Expr, Expr] | None = None
+) -> list[Line]:
+    return [
+        _line(
+            Formula(d.symbol, names),
+            d.expression.xreplace(parts or {}),
+            names,
+            d.quantity.description,
+        )
+        for d in definitions
+    ]
+
+
+def _named_parts(system: System) -> dict[Expr, Expr]:
+    """Return the sums that definitions name, with their names."""
+    sums = [d for d in system.definitions if isinstance(d.expression, sp.Add)]
+    return {d.expression: d.symbol for d in sums}
+
+
+def _equations(system: System, names: Names, primes: bool) -> tuple[str, list[Line]]:
+    """Return heading and lines of the equations of motion, the mass matrix first."""
+    lines = [
+        _line(_rate(q, names, primes), r, names)
+        for q, r in zip(system.states, system.rates, strict=True)
+    ]
+    if system.mass_matrix is None:
+        return "Equations of motion", lines
+    coupled, block = _coupled_block(system, system.mass_matrix)
+    mass = Line(Words("mass matrix"), EQUALS, (Formula(block, names),))
+    heading = f"Equations of motion; mass matrix times the rates of {coupled} = right sides"
+    return heading, [mass, *lines]
 
 
 def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
@@ -76,12 +123,17 @@ def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
     return ", ".join(system.states[k].name for k in keep), matrix.extract(keep, keep)
 
 
-def _variables(quantities: Iterable[Quantity]) -> tuple[Row, ...]:
-    return tuple(Row(q.symbol, None, q.description) for q in quantities)
+def _rate(state: Quantity, names: Names, primes: bool) -> Box:
+    """Return the time derivative of a state, as the left side of an equation."""
+    name = Formula(state.symbol, names)
+    if primes:
+        return Row((name, Words("'")))
+    d = Operator("d")
+    return Row((Fraction(d, Row((d, Symbol("t")))), Operator("times"), name))
 
 
-def _definitions(definitions: Iterable[Definition]) -> tuple[Row, ...]:
-    return tuple(Row(d.symbol, d.expression, d.quantity.description) for d in definitions)
+def _page(system: System, *, primes: bool = False) -> list[Block]:
+    return [Heading(system.title or system.name, 1), *blocks(system, primes=primes)]
 
 
 def text(system: System) -> str:
@@ -97,92 +149,17 @@ def text(system: System) -> str:
     Equations of motion
       x' = -x
     """
-
-    def side(value: Expr | str | Rate) -> str:
-        if isinstance(value, Rate):
-            return f"{value.state.name}'"
-        return str(value.tolist()) if isinstance(value, sp.MatrixBase) else str(value)
-
-    lines = [system.title or system.name]
-    for section in sections(system):
-        lines += ["", section.heading]
-        width = max((len(side(r.left)) for r in section.rows), default=0)
-        for row in section.rows:
-            formula = f"{side(row.left):<{width}}" + (
-                f" = {side(row.right)}" if row.right is not None else ""
-            )
-            words = f"  # {row.words}" if row.right is not None and row.words else f"  {row.words}"
-            lines.append(f"  {formula}{words}".rstrip())
-    return "\n".join(lines)
-
-
-def _latex_of(system: System) -> Callable[[Expr | str | Rate], str]:
-    groups = (system.states, system.parameters, system.inputs)
-    quantities = [q for group in groups for q in group]
-    quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
-    names = {q.symbol: q.latex for q in quantities if q.latex}
-
-    def side(value: Expr | str | Rate) -> str:
-        if isinstance(value, Rate):
-            state = names.get(value.state.symbol, sp.latex(value.state.symbol))
-            return f"\\frac{{\\mathrm{{d}}}}{{\\mathrm{{d}}t}} {state}"
-        return (
-            f"\\text{{{value}}}"
-            if isinstance(value, str)
-            else str(sp.latex(value, symbol_names=names))
-        )
-
-    return side
+    return pages.text_page(_page(system, primes=True), "ascii")
 
 
 def latex(system: System) -> str:
     """Return a system as LaTeX: a heading and an aligned display a section (package amsmath)."""
-    side = _latex_of(system)
-    lines = [f"\\section*{{{_escape(system.title or system.name)}}}"]
-    for section in sections(system):
-        lines += [f"\\subsection*{{{_escape(section.heading)}}}"]
-        if all(r.right is None for r in section.rows):
-            lines += [
-                "\\begin{itemize}",
-                *(f"\\item {_item(r, side)}" for r in section.rows),
-                "\\end{itemize}",
-            ]
-        else:
-            rows = [f"{side(r.left)} &= {side(r.right)}" for r in section.rows]
-            lines += ["\\begin{align*}", " \\\\\n".join(rows), "\\end{align*}"]
-    return "\n".join(lines)
-
-
-def _item(row: Row, side: Callable[[Expr | str | Rate], str]) -> str:
-    name = _escape(row.left) if isinstance(row.left, str) else f"${side(row.left)}$"
-    return f"{name}: {_escape(row.words)}" if row.words else name
-
-
-_ESCAPES = {c: f"\\{c}" for c in "{}$&#%_"} | {
-    "\\": "\\textbackslash{}",
-    "^": "\\^{}",
-    "~": "\\~{}",
-}
-
-
-def _escape(words: str) -> str:
-    return "".join(_ESCAPES.get(c, c) for c in words)
+    return pages.latex_page(_page(system))
 
 
 def markdown(system: System) -> str:
     """Return a system as Markdown with formulas between dollar signs."""
-    side = _latex_of(system)
-    lines = [f"# {system.title or system.name}"]
-    for section in sections(system):
-        lines += ["", f"## {section.heading}", ""]
-        for row in section.rows:
-            if row.right is None:
-                name = f"`{row.left}`" if isinstance(row.left, str) else f"${side(row.left)}$"
-                lines.append(f"- {name}: {row.words}" if row.words else f"- {name}")
-            else:
-                words = [f"{row.words}:", ""] if row.words else []
-                lines += [*words, f"$${side(row.left)} = {side(row.right)}$$", ""]
-    return "\n".join(lines).rstrip() + "\n"
+    return pages.markdown_page(_page(system))
 
 
 FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "markdown": markdown}

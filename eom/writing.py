@@ -25,46 +25,15 @@ from eom.boxes import (
     Row,
     Scripts,
     Symbol,
-    joined,
     row,
     symbol,
 )
-from eom.markup import render
+from eom.letters import Notation, Written, letter_box, quantity_box
+from eom.markup import render, width
 from eom.terms import DYADIC, INERTIAL, SCALAR, VECTOR, Equation, Term, nodes
 
 ADD, OPEN, PRODUCT, SCALED, JUXTAPOSED, ATOM = range(6)
 """How firmly a box holds together. OPEN: a sum, integral or d/dt reaches to the right."""
-
-Written = tuple[Box, int]
-Nucleus = Callable[[str], Box]
-
-
-@dataclass(frozen=True)
-class Notation:
-    """A row of `eom.notation.NOTATIONS`: letters, nuclei by kind, points, frames, and special cases.
-
-    ``letters``: of each quantity; what follows ``_`` is an upright index, what follows ``^`` a raised
-    one. ``atoms``: quantities that are written in their own way. ``derivative``, ``column``, ``tilde``:
-    how the notation writes these heads.
-    """
-
-    name: str
-    title: str
-    letters: Mapping[str, str]
-    nuclei: Mapping[str, Nucleus]
-    point: Callable[[str], Box]
-    frame: Callable[[str], Box]
-    atoms: Mapping[str, Callable[..., Box]]
-    derivative: Callable[[Writer, Term], Written]
-    column: Callable[[Writer, Term], Written]
-    tilde: Callable[[Writer, Term], Written]
-    domain: Box
-    outer: str = "times"
-    frames_outside: bool = True
-    """Whether the frame of a derivative stands before the whole fraction, or within it."""
-    juxtaposed: bool = False
-    """Whether a dyadic stands beside its vector without a dot."""
-    markup: str = "latex"
 
 
 @dataclass(frozen=True)
@@ -107,17 +76,19 @@ def write(term: Term, notation: Notation, markup: str = "") -> str:
     return render(term_box(term, notation), markup or notation.markup)
 
 
-def equation_parts(equation: Equation, notation: Notation) -> tuple[Box, Box, tuple[Box, ...]]:
-    """Return left side, relation, and the pieces of the right side between which a line may break."""
+def equation_parts(
+    equation: Equation, notation: Notation
+) -> tuple[tuple[Box, ...], Box, tuple[Box, ...]]:
+    """Return left side, relation and right side; a line may break between the pieces of a side."""
     writer = writer_for(notation, [equation.left, equation.right])
-    left = writer.box(equation.left)
-    return left, Operator(equation.relation), pieces(writer, equation.right)
+    left, right = (pieces(writer, t) for t in (equation.left, equation.right))
+    return left, Operator(equation.relation), right
 
 
 def write_equation(equation: Equation, notation: Notation, markup: str = "") -> str:
     """Return an equation in a notation, on one line."""
     left, relation, right = equation_parts(equation, notation)
-    return render(Row((left, relation, *right)), markup or notation.markup)
+    return render(Row((*left, relation, *right)), markup or notation.markup)
 
 
 # -- sums: signs between terms -----------------------------------------------------------------
@@ -125,13 +96,37 @@ def write_equation(equation: Equation, notation: Notation, markup: str = "") -> 
 
 def pieces(writer: Writer, term: Term) -> tuple[Box, ...]:
     """Return the terms of a sum with their signs, or the one box."""
+    if term.head == "expr":
+        return expression_pieces(term.data[0])
     signed = [s for a in (term.args if term.head == "add" else (term,)) for s in _signed(writer, a)]
     return _with_signs(signed)
 
 
 def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tuple[Box, ...]:
-    """Return the terms of a SymPy sum with their signs."""
-    return _with_signs(_signed_expression(value, names or {}))
+    """Return the terms of a SymPy sum with their signs; a long product opens its longest sum."""
+    parts = _with_signs(_signed_expression(value, names or {}))
+    if len(parts) > 1 or width(parts[0]) <= LONG:
+        return parts
+    return _opened(value, names or {}) or parts
+
+
+LONG = 90
+"""Letters from which on a product with a sum is broken within the sum."""
+
+
+def _opened(value: Any, names: Mapping[Any, str]) -> tuple[Box, ...]:
+    """Return c (a + b + ...) in pieces, or none for what is no such product."""
+    numerator, denominator = sp.fraction(value)
+    factors = sp.Mul.make_args(numerator)
+    sums = [f for f in factors if isinstance(f, sp.Add)]
+    if not sums:
+        return ()
+    longest = max(sums, key=lambda f: len(f.args))
+    rest = sp.Mul(*(f for f in factors if f is not longest)) / denominator
+    first, *others = _with_signs(_signed_expression(longest, names))
+    before = expression_pieces(rest, names) if rest != 1 else ()
+    *inner, last = [*others] or [Row(())]
+    return (Row((*before, Operator("open"), first)), *inner, Row((last, Operator("close"))))
 
 
 def _with_signs(signed: list[tuple[bool, Box]]) -> tuple[Box, ...]:
@@ -240,7 +235,12 @@ def _coefficient(value: Any) -> Box:
 
 
 def _juxtapose(boxes: list[Box]) -> Box:
-    return joined(boxes, "times") or Row(())
+    """Return boxes side by side, with a little room before what begins with a script."""
+    parts: list[Box] = []
+    for b in boxes:
+        scripted = isinstance(b, Scripts) and b.left is not None
+        parts += [Operator("thin" if scripted else "times"), b]
+    return row(*parts[1:])
 
 
 def raised(box: Box, sup: Box) -> Box:
@@ -372,83 +372,6 @@ def _atom(writer: Writer, term: Term) -> Written:
     if special:
         return special(writer.notation, *labels), ATOM
     return quantity_box(writer.notation, name, labels, term.kind), ATOM
-
-
-ROLES: dict[str, tuple[str, ...]] = {
-    "mass": ("who",),
-    "force": ("who",),
-    "internal_force": ("who", "who"),
-    "identity": (),
-    "identity_matrix": (),
-    "angle": ("letter",),
-    "scalar": ("letter",),
-    "vector": ("letter",),
-    "fixed_vector": ("letter", ""),
-    "dyadic": ("letter",),
-    "rotor_axis": ("index",),
-    "rotor_speed": ("index",),
-    "rotor_inertia": ("index",),
-    "rotor_momentum": ("index",),
-    "slug_momentum": (),
-    "slug_inertia": (),
-    "slug_damping": (),
-    "total_mass": ("who",),
-    "linear_momentum": ("who",),
-    "external_force": ("who",),
-    "first_moment": ("who", "point"),
-    "absolute_angular_momentum": ("who", "point"),
-    "angular_momentum": ("who", "point"),
-    "torque": ("who", "point"),
-    "kinetic_energy": ("who",),
-    "rotational_energy": ("who", "point"),
-    "inertia": ("point",),
-}
-"""What the labels of a quantity are to its symbol: an index, a point, its letter, or nothing."""
-
-SILENT = frozenset({"P", "body", "system"})
-"""Owners that need no index: there is but one."""
-
-
-def quantity_box(notation: Notation, name: str, labels: Iterable[str], kind: str) -> Box:
-    """Return letter and indices of a quantity; of an element of mass it is a differential."""
-    labelled = list(zip(ROLES[name], labels, strict=True))
-    letter = next((n for role, n in labelled if role == "letter"), notation.letters.get(name, name))
-    subs = [_index(notation, role, label) for role, label in labelled]
-    box = letter_box(notation, letter, kind, subs)
-    element = any(role == "who" and label == "dm" for role, label in labelled)
-    return Row((Operator("d"), box)) if element else box
-
-
-def _index(notation: Notation, role: str, label: str) -> Box | None:
-    if role == "point":
-        return notation.point(label)
-    silent = role not in {"who", "index"} or label in {*SILENT, "dm"}
-    return None if silent else symbol(label)
-
-
-def letter_box(
-    notation: Notation, letter: str, kind: str, subs: Iterable[Box | None] = (), left: str = ""
-) -> Box:
-    """Return a letter in the nucleus of its kind with indices; ``left``: a frame to its upper left."""
-    letter, _, above = letter.partition("^")
-    spelt = symbol(letter) if "_" in letter or letter[-1].isdigit() else Symbol(letter)
-    own = spelt.sub if isinstance(spelt, Scripts) else None
-    base = spelt.base if isinstance(spelt, Scripts) else spelt
-    name = base.name if isinstance(base, Symbol) else letter
-    sub = _indices([own, *subs])
-    sup = Symbol(above, "roman") if above else None
-    before = notation.frame(left) if left else None
-    nucleus = notation.nuclei[kind](name)
-    if isinstance(nucleus, Fence) and sub is not None:
-        return Fence(Scripts(nucleus.inner, sub, sup, before), nucleus.opening)
-    return Scripts(nucleus, sub, sup, before) if sub or sup or before else nucleus
-
-
-def _indices(boxes: Iterable[Box | None]) -> Box | None:
-    """Return indices side by side; a comma separates all but plain letters."""
-    kept = [b for b in boxes if b is not None]
-    plain = all(isinstance(b, Symbol) and len(b.name) == 1 for b in kept)
-    return row(*kept) if plain and kept else joined(kept)
 
 
 def _zero(writer: Writer, term: Term) -> Written:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from eom import catalogue
+from eom import catalogue, derivations
 from eom.__main__ import main
 
 
@@ -47,7 +47,8 @@ main(["list"], standalone_mode=False)
 print(sorted({"sympy", "numpy", "scipy", "matplotlib"} & set(sys.modules)))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert all(name in done.stdout for name in catalogue.names())
+    assert all(name in done.stdout for name in [*catalogue.names(), *derivations.names()])
+    assert all(group in done.stdout for group in ["Scenes", *derivations.titles()])
     assert done.stdout.splitlines()[-1] == "[]"
 
 
@@ -71,6 +72,22 @@ def test_derived_latex_has_balanced_braces_and_environments(run):
         text = run("derive", name, "--as", "latex").output
         assert text.count("{") == text.count("}")
         assert text.count("\\begin{align*}") == text.count("\\end{align*}") > 0
+
+
+@pytest.mark.parametrize("style", ["text", "latex", "markdown", "html"])
+def test_derive_prints_a_derivation_in_every_format(run, style):
+    done = run("derive", "point-mass", "--as", style, "--notation", "underline")
+    assert done.exit_code == 0
+    assert "Dynamics of a point mass" in done.output
+    assert "002:E1" in done.output
+    assert len(run("derive", "point-mass", "--as", style, "--no-steps").output) < len(done.output)
+
+
+def test_notations_differ(run):
+    names = ["arrow", "superscript", "underline", "kane"]
+    shown = {run("derive", "point-mass", "--notation", n).output for n in names}
+    assert len(shown) == len(names)
+    assert run("derive", "point-mass").output in shown
 
 
 @pytest.mark.parametrize(("target", "files"), [("c", 4), ("numpy", 1)])
@@ -189,6 +206,21 @@ BAD = {
     "no such scene": (["derive", "bycicle-wheel"], "did you mean bicycle-wheel?"),
     "no such file": (["derive", "missing.toml"], "no such scene file"),
     "no such format": (["derive", "t-handle", "--as", "html"], "unknown format 'html'"),
+    "misspelt derivation": (["derive", "euler-equation"], "did you mean euler-equations?"),
+    "no such notation": (
+        ["derive", "point-mass", "--notation", "underlined"],
+        "did you mean underline?",
+    ),
+    "no such format of a derivation": (
+        ["derive", "point-mass", "--as", "markdwon"],
+        "did you mean markdown?",
+    ),
+    "notation of a scene": (
+        ["derive", "t-handle", "--notation", "kane"],
+        "--notation is for derivations",
+    ),
+    "steps of a scene": (["derive", "t-handle", "--no-steps"], "--steps is for derivations"),
+    "explained derivation": (["derive", "point-mass", "--explain"], "--explain is for scenes"),
     "no such target": (["simulate", "t-handle", "--target", "fortran"], "unknown target 'fortran'"),
     "no such generated target": (
         ["generate", "t-handle", "--target", "rust", "--out", "x"],

@@ -1,0 +1,161 @@
+"""Boxes in LaTeX, Unicode, ASCII and MathML."""
+
+from xml.etree import ElementTree
+
+import pytest
+import sympy as sp
+
+from eom.boxes import (
+    GREEK,
+    STYLES,
+    Accent,
+    Big,
+    Fence,
+    Formula,
+    Fraction,
+    Grid,
+    Operator,
+    Row,
+    Scripts,
+    Symbol,
+    Unseen,
+    Words,
+    accented,
+    symbol,
+)
+from eom.errors import InputError
+from eom.markup import (
+    ACCENTS,
+    OPERATORS,
+    RENDERERS,
+    SIGNS,
+    escape_latex,
+    render,
+    symbol_latex,
+    width,
+)
+
+R = Symbol("r", "bold")
+
+NAMES = {
+    "theta_dot": (r"\dot{\theta}", "θ̇"),
+    "psi_ddot": (r"\ddot{\psi}", "ψ̈"),
+    "omega_1": (r"\omega_{1}", "ω₁"),
+    "omega_1_dot": (r"\dot{\omega}_{1}", "ω̇₁"),
+    "I1": ("I_{1}", "I₁"),
+    "J12": ("J_{12}", "J₁₂"),
+    "h_G_2": ("h_{G,2}", "h_(G,2)"),
+    "radial_2": (r"\mathrm{radial}_{2}", "radial₂"),
+    "ring_radius": (r"\mathrm{ring\_radius}", "ring_radius"),
+    "Omega": (r"\Omega", "Ω"),
+    "lambda_1": (r"\lambda_{1}", "λ₁"),
+    "Alpha": ("A", "Α"),
+    "q_norm": (r"q_{\mathrm{norm}}", "qₙₒᵣₘ"),
+    "m": ("m", "m"),
+}
+
+BOXES = {
+    "left superscript": (
+        Scripts(Symbol("omega", "bold"), sup=Symbol("B"), left=Symbol("I")),
+        r"{}^{I}\boldsymbol{\omega}^{B}",
+        "ᴵωᴮ",
+    ),
+    "calligraphic": (Symbol("I", "calligraphic"), r"\mathcal{I}", "I"),
+    "blackboard": (Symbol("I", "blackboard"), r"\mathbb{I}", "𝕀"),
+    "bold Greek": (Symbol("rho", "bold"), r"\boldsymbol{\rho}", "ρ"),
+    "arrow": (Accent("vec", Symbol("r")), r"\vec{r}", "r⃗"),
+    "dotted arrow": (accented("dot", Accent("vec", Symbol("r"))), r"\dot{\vec{r}}", "r⃗̇"),
+    "underline": (Accent("underline", Symbol("omega")), r"\underline{\omega}", "ω̲"),
+    "fraction": (Fraction(Symbol("1"), Symbol("2")), r"\frac{1}{2}", "1/2"),
+    "bracket": (Fence(R, "["), r"\left[ \mathbf{r} \right]", "[r]"),
+    "matrix": (
+        Grid(((Symbol("1"), Symbol("0")), (Symbol("0"), Symbol("1")))),
+        r"\begin{bmatrix} 1 & 0 \\ 0 & 1 \end{bmatrix}",
+        "[[1, 0], [0, 1]]",
+    ),
+    "integral": (Big("integral", Symbol("B")), r"\int_{B}", "∫_B"),
+    "sum": (
+        Big("sum", Row((Symbol("i"), Operator("="), Symbol("1"))), Symbol("N")),
+        r"\sum_{i = 1}^{N}",
+        "Σᵢ ",
+    ),
+    "cross": (Row((R, Operator("cross"), R)), r"\mathbf{r} \times \mathbf{r}", "r × r"),
+    "formula": (
+        Formula(sp.Symbol("I1") * sp.Symbol("psi_dot") ** 2),
+        r"I_{1} \dot{\psi}^{2}",
+        "I₁ ψ̇²",
+    ),
+    "words": (Words("a & b"), r"\text{a \& b}", "a & b"),
+    "room": (Unseen(Symbol("h")), r"\phantom{h}", " "),
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_become_symbols(name):
+    latex, text = NAMES[name]
+    assert symbol_latex(name) == latex
+    assert render(symbol(name), "text") == text
+    ElementTree.fromstring(render(symbol(name), "mathml"))
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_boxes_in_every_language(name):
+    box, latex, text = BOXES[name]
+    assert render(box, "latex") == latex
+    assert render(box, "text").rstrip() == text.rstrip()
+    ElementTree.fromstring(render(box, "mathml"))
+    assert render(box, "ascii").isascii()
+
+
+def test_every_renderer_has_every_kind_of_box():
+    kinds = set(RENDERERS["latex"])
+    assert len(kinds) == 12
+    assert all(set(table) == kinds for table in RENDERERS.values())
+
+
+@pytest.mark.parametrize("markup", RENDERERS)
+def test_every_row_of_the_tables_renders(markup):
+    boxes = [Accent(mark, R) for mark in ACCENTS]
+    boxes += [Operator(name) for name in OPERATORS]
+    boxes += [Big(sign, R, R) for sign in SIGNS]
+    boxes += [Symbol(letter, style) for style in STYLES for letter in (*GREEK, "Omega", "B", "1")]
+    for box in boxes:
+        written = render(box, markup)
+        if markup == "mathml":
+            ElementTree.fromstring(written)
+        if markup == "ascii":
+            assert written.isascii()
+        if markup != "latex":
+            assert "\\" not in written
+
+
+def test_mathml_of_expressions_has_no_named_entities():
+    x, y = sp.symbols("theta_dot I_1")
+    integral = sp.Integral(sp.sin(x) ** 2 / y, (x, 0, sp.pi))
+    written = render(Formula(integral), "mathml")
+    ElementTree.fromstring(written)
+    assert "θ" in written or "&#952;" in written
+
+
+def test_a_third_dot_is_left_to_fractions():
+    twice = accented("dot", accented("dot", Symbol("x")))
+    assert twice == Accent("ddot", Symbol("x"))
+    assert accented("dot", twice) is None
+    assert accented("dot", Fence(R)) is None
+
+
+def test_words_are_escaped_for_latex():
+    assert escape_latex("100% of I_1 & ω ≤ \\x²") == (
+        r"100\% of I\_1 \& $\omega$ $\le$ \textbackslash{}x2"
+    )
+
+
+def test_width_counts_letters_not_commands():
+    assert width(Accent("vec", Symbol("r"))) == 1
+    assert width(Fraction(Symbol("1"), Symbol("m"))) == 1
+    assert width(Formula(sp.Symbol("a") / sp.Symbol("b"))) == 1
+
+
+def test_unknown_markup_is_refused():
+    with pytest.raises(InputError, match="did you mean mathml"):
+        render(R, "mathlm")
