@@ -1,9 +1,9 @@
-"""The torque-free rigid body in principal axes: ellipsoids, polhode and herpolhode.
+"""The torque-free rigid body in principal axes: constants, ellipsoids and polhode.
 
 Everything follows from h = J omega, T = omega . h / 2 and dh/dt = 0 (Hughes, Spacecraft Attitude
-Dynamics, 1986, ch. 4; Goldstein, Poole, Safko, 2002, sect. 5.6). Numbers are compared exactly,
-floats with the relative tolerance `TOLERANCE`. Steady spin is in `eom.dissipation`, precession of
-the symmetric body in `eom.gyrostat`.
+Dynamics, 1986, ch. 4; Goldstein, Poole, Safko, 2002, sect. 5.6). Numbers are compared as
+`eom.exact` says. The herpolhode is in `eom.herpolhode`, steady spin in `eom.steady`, precession of
+the symmetric body in `eom.precession`.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
-from sympy.core.evalf import PrecisionExhausted
 
 from eom.errors import InputError
+from eom.exact import number, sign, tolerance
 from eom.frames import Vector, vector
 from eom.inertia import check_principal_moments
-from eom.rigidbody import OMEGA, angular_momentum, euler_equations, principal_inertia
+from eom.rigidbody import OMEGA, angular_momentum, principal_inertia
 from eom.system import as_expression
-from eom.transport import first_derivative
 
 Expr = Any
 
@@ -28,9 +27,6 @@ MOMENTS = tuple(q.symbol for q in principal_inertia()[1])
 T, H = sp.Symbol("T", positive=True), sp.Symbol("H", positive=True)
 SQUARES = tuple(sp.Symbol(f"s_{k}", nonnegative=True) for k in (1, 2, 3))
 """Squares of omega_1, omega_2, omega_3: 2 T and H^2 are linear in them."""
-
-TOLERANCE = sp.Rational(1, 10**12)
-"""Where a float is among the numbers, what is smaller than this part of its scale is zero."""
 
 
 def constants(moments: Sequence[Expr] = MOMENTS, omega: Vector = OMEGA) -> tuple[Expr, Expr]:
@@ -62,7 +58,7 @@ def energy_ellipsoid() -> Ellipsoid:
     >>> energy_ellipsoid().semi_axes[0]
     sqrt(2)*sqrt(T)/sqrt(I1)
     """
-    return Ellipsoid(sp.ImmutableMatrix(sp.diag(*_linear_constants(MOMENTS).row(0))), 2 * T)
+    return Ellipsoid(sp.ImmutableMatrix(sp.diag(*linear_constants(MOMENTS).row(0))), 2 * T)
 
 
 def momentum_ellipsoid() -> Ellipsoid:
@@ -71,10 +67,10 @@ def momentum_ellipsoid() -> Ellipsoid:
     >>> momentum_ellipsoid().semi_axes[2]
     H/I3
     """
-    return Ellipsoid(sp.ImmutableMatrix(sp.diag(*_linear_constants(MOMENTS).row(1))), H**2)
+    return Ellipsoid(sp.ImmutableMatrix(sp.diag(*linear_constants(MOMENTS).row(1))), H**2)
 
 
-def _linear_constants(moments: Sequence[Expr]) -> Expr:
+def linear_constants(moments: Sequence[Expr]) -> Expr:
     """Coefficients of the squares of omega in 2 T and H^2, as the rows of a 2 x 3 matrix."""
     energy, momentum = constants(moments)
     rows = ((2 * energy).as_poly(*OMEGA.components), momentum.as_poly(*OMEGA.components))
@@ -119,7 +115,7 @@ def projection(
     >>> projection(3).level
     H**2 - 2*I3*T
     """
-    rows = _linear_constants(moments)
+    rows = linear_constants(moments)
     k = eliminated - 1
     i, j = (n for n in range(3) if n != k)
     multiplier = rows[1, k] / rows[0, k]
@@ -150,7 +146,7 @@ class Polhode:
 
 
 @dataclass(frozen=True)
-class _Motion:
+class Motion:
     """Exact numbers of one motion, and the tolerance under which they are compared."""
 
     moments: tuple[Expr, ...]
@@ -169,9 +165,11 @@ class _Motion:
 
     @property
     def constants(self) -> tuple[Expr, Expr]:
+        """Kinetic energy T and squared angular momentum H^2."""
         return constants(self.moments, self.omega)
 
     def unequal(self, i: int, j: int) -> int:
+        """Sign of the difference of the moments with indices ``i`` and ``j``."""
         return self.sign(self.moments[i] - self.moments[j], self.moments[self.order[2]])
 
     @property
@@ -190,6 +188,7 @@ class _Motion:
 
     @property
     def spherical(self) -> bool:
+        """Whether all three moments are equal."""
         return not self.unequal(self.order[0], self.order[2])
 
     @property
@@ -207,8 +206,17 @@ class _Motion:
         limit = 2 * energy * self.moments[self.order[1]]
         return self.sign(squared - limit, squared + limit)
 
+    def root(self, square: Expr) -> Expr:
+        """Square root, as a float where floats were given."""
+        return float(sp.sqrt(sp.Float(square, 30))) if self.tolerance else sp.sqrt(square)
 
-KINDS: Mapping[str, Callable[[_Motion], bool]] = {
+    def root_range(self, squares: Sequence[Expr]) -> tuple[Expr, Expr]:
+        """Roots of the least and of the greatest of ``squares``."""
+        ordered = sorted(squares, key=lambda e: e.evalf(40))
+        return self.root(ordered[0]), self.root(ordered[-1])
+
+
+KINDS: Mapping[str, Callable[[Motion], bool]] = {
     "spherical (omega constant)": lambda m: m.spherical,
     "spin about an axis": lambda m: m.steady is not None,
     "axisymmetric (oblate)": lambda m: m.symmetry == m.order[2],
@@ -220,24 +228,29 @@ KINDS: Mapping[str, Callable[[_Motion], bool]] = {
 """Kinds of polhode and their conditions; the first that holds is the kind."""
 
 
+def kind_of(motion: Motion) -> str:
+    """Return the kind of polhode, a key of `KINDS`."""
+    return next(k for k, holds in KINDS.items() if holds(motion))
+
+
 def classify(moments: Sequence[Expr], omega: Sequence[Expr]) -> Polhode:
     """Classify the polhode of a body with principal ``moments`` (kg m^2) that starts at ``omega``.
 
     ``moments`` belong to b1, b2, b3 in any order; ``omega`` (rad/s) has components in B. Integers,
-    fractions and SymPy numbers are compared exactly, floats within `TOLERANCE` of the largest
-    moment, of H, and of H^2. Raises `InputError` for moments that no body has, for rates that are
-    zero or not finite. (Hughes, 1986, ch. 4; Goldstein, Poole, Safko, 2002, sect. 5.6.)
+    fractions and SymPy numbers are compared exactly, floats within `eom.exact.TOLERANCE` of the
+    largest moment, of H, and of H^2. Raises `InputError` for moments that no body has, for rates
+    that are zero or not finite. (Hughes, 1986, ch. 4; Goldstein, Poole, Safko, 2002, sect. 5.6.)
 
     >>> p = classify((3, 1, 2), (0, 5, 1))
     >>> p.kind, p.axis, p.projections
     ('about the minor axis', 2, ('ellipse', 'ellipse', 'hyperbola'))
     """
-    motion = _motion(moments, omega)
-    kind = next(k for k, holds in KINDS.items() if holds(motion))
+    motion = motion_of(moments, omega)
+    kind = kind_of(motion)
     axis = _axis_of(motion, kind)
     low, mid, high = motion.order
     energy, squared = motion.constants
-    ends = _ends(motion, kind)
+    ends = ends_of(motion, kind)
     projections = [_conic_kind(motion, k) for k in (1, 2, 3)]
     return Polhode(
         kind=kind,
@@ -245,20 +258,20 @@ def classify(moments: Sequence[Expr], omega: Sequence[Expr]) -> Polhode:
         role=_role(motion, axis),
         order=(low + 1, mid + 1, high + 1),
         energy=float(energy) if motion.tolerance else energy,
-        momentum=_root(motion, squared),
-        extremes=tuple(_range(motion, [end[k] for end in ends]) for k in range(3)),
+        momentum=motion.root(squared),
+        extremes=tuple(motion.root_range([end[k] for end in ends]) for k in range(3)),
         projections=(projections[0], projections[1], projections[2]),
     )
 
 
-def _axis_of(motion: _Motion, kind: str) -> int | None:
+def _axis_of(motion: Motion, kind: str) -> int | None:
     low, _, high = motion.order
     axes = {"about the major axis": high, "about the minor axis": low}
     axes |= {"axisymmetric (oblate)": high, "axisymmetric (prolate)": low}
     return motion.steady if kind == "spin about an axis" else axes.get(kind)
 
 
-def _role(motion: _Motion, axis: int | None) -> str:
+def _role(motion: Motion, axis: int | None) -> str:
     if axis is None:
         return ""
     symmetry = motion.symmetry
@@ -267,14 +280,14 @@ def _role(motion: _Motion, axis: int | None) -> str:
     return ("minor", "intermediate", "major")[motion.order.index(axis)]
 
 
-def _ends(motion: _Motion, kind: str) -> list[list[Expr]]:
+def ends_of(motion: Motion, kind: str) -> list[list[Expr]]:
     """Squares of omega_1..3 at both ends of the segment that they run along.
 
     2 T and H^2 are linear in the squares, so that these run along a straight line, whose direction
     is normal to both rows of coefficients; it ends where the first of the squares is zero.
     """
     start = [w**2 for w in motion.omega.components]
-    rows = _linear_constants(motion.moments)
+    rows = linear_constants(motion.moments)
     direction = list(rows.row(0).cross(rows.row(1)))
     if kind in {"spherical (omega constant)", "spin about an axis"}:
         return [start]
@@ -287,7 +300,7 @@ def _ends(motion: _Motion, kind: str) -> list[list[Expr]]:
     return ends
 
 
-def _conic_kind(motion: _Motion, eliminated: int) -> str:
+def _conic_kind(motion: Motion, eliminated: int) -> str:
     energy, squared = motion.constants
     conic = projection(eliminated, motion.moments, energy, squared)
     largest = motion.moments[motion.order[2]]
@@ -299,7 +312,8 @@ def _conic_kind(motion: _Motion, eliminated: int) -> str:
     return CONICS[lead * signs[0], lead * signs[1], lead * signs[2]]
 
 
-def _motion(moments: Sequence[Expr], omega: Sequence[Expr]) -> _Motion:
+def motion_of(moments: Sequence[Expr], omega: Sequence[Expr]) -> Motion:
+    """Return the exact numbers of a motion; arguments and errors as in `classify`."""
     given = (*moments, *omega)
     if len(moments) != 3 or len(omega) != 3:
         got = f"{len(moments)} and {len(omega)}"
@@ -308,102 +322,4 @@ def _motion(moments: Sequence[Expr], omega: Sequence[Expr]) -> _Motion:
     check_principal_moments([float(m) for m in exact[:3]], "torque-free body")
     if all(w == 0 for w in exact[3:]):
         raise InputError("the body does not turn", got="omega = 0", expected="a rate")
-    rounded = any(as_expression(v).has(sp.Float) for v in given)
-    tolerance = TOLERANCE if rounded else sp.Integer(0)
-    return _Motion(tuple(exact[:3]), vector("B", exact[3:]), tolerance)
-
-
-def number(value: Any) -> Expr:
-    """Return a real number exactly, floats as fractions; raise `InputError` for what is none."""
-    given = as_expression(value)
-    if not (isinstance(given, sp.Expr) and given.is_number and given.is_finite and given.is_real):
-        raise InputError("not a finite real number", where="torque-free body", got=value)
-    exact = sp.Rational(given.evalf()) if given.has(sp.Float) else given
-    if not abs(exact.evalf(20)) < sp.Integer(10) ** 100:
-        raise InputError("number out of range", got=value, expected="below 1e100 in size")
-    return exact
-
-
-def sign(value: Expr, slack: Expr = 0) -> int:
-    """Return the sign of an exact number; zero where its size is at most ``slack``.
-
-    An algebraic number is zero where its minimal polynomial says so, any other to 100 digits.
-    """
-    value, x = sp.expand(value), sp.Dummy("x")
-    if value == 0 or (slack != 0 and abs(value.evalf(40)) <= slack):
-        return 0
-    try:
-        return 1 if value.evalf(40, strict=True) > 0 else -1
-    except PrecisionExhausted:
-        zero = not value.is_algebraic or sp.minimal_polynomial(value, x) == x
-        return 0 if zero else int(sp.sign(value.evalf(40, maxn=100000)))
-
-
-def _root(motion: _Motion, square: Expr) -> Expr:
-    return float(sp.sqrt(sp.Float(square, 30))) if motion.tolerance else sp.sqrt(square)
-
-
-def _range(motion: _Motion, squares: Sequence[Expr]) -> tuple[Expr, Expr]:
-    ordered = sorted(squares, key=lambda e: e.evalf(40))
-    return _root(motion, ordered[0]), _root(motion, ordered[-1])
-
-
-@dataclass(frozen=True)
-class Herpolhode:
-    """The curve of omega on the invariable plane, which stands normal to h (Poinsot).
-
-    ``distance``: of the plane from the fixed point, 2 T/H; ``inner`` and ``outer``: least and
-    greatest distance of the curve from the foot of h. All in rad/s.
-    """
-
-    distance: Expr
-    inner: Expr
-    outer: Expr
-
-
-def herpolhode(moments: Sequence[Expr], omega: Sequence[Expr]) -> Herpolhode:
-    """Return plane and radii of the herpolhode; arguments, numbers and errors as in `classify`.
-
-    >>> herpolhode((2, 2, 1), (3, 0, 4))
-    Herpolhode(distance=17*sqrt(13)/13, inner=6*sqrt(13)/13, outer=6*sqrt(13)/13)
-    """
-    motion = _motion(moments, omega)
-    energy, squared = motion.constants
-    foot = (2 * energy) ** 2 / squared
-    kind = next(k for k, holds in KINDS.items() if holds(motion))
-    inner, outer = _range(motion, [sp.Add(*end) - foot for end in _ends(motion, kind)])
-    return Herpolhode(_root(motion, foot), inner, outer)
-
-
-def turning_point(k: int, moments: Sequence[Expr] = MOMENTS) -> tuple[Expr, ...]:
-    """Return the squares of omega_1..3 where the polhode crosses omega_k = 0, over T and H.
-
-    They are points of the motion where none of them is negative.
-    """
-    equations = _linear_constants(moments) * sp.Matrix(SQUARES) - sp.Matrix([2 * T, H**2])
-    (solution,) = sp.linsolve([*equations, SQUARES[k - 1]], SQUARES)
-    return tuple(solution)
-
-
-def herpolhode_radius(k: int) -> Expr:
-    """Return the radius where omega_k = 0; for I1 < I2 < I3 the extremes have k = 2 and 1 or 3.
-
-    It is the length of omega less its part along h, 2 T/H.
-    """
-    return sp.sqrt(sp.Add(*turning_point(k)) - (2 * T / H) ** 2)
-
-
-def herpolhode_rate() -> Expr:
-    """Return the rate (rad/s) at which the herpolhode turns about h, over omega and the moments.
-
-    rho = omega - (omega . h) h/H^2 has the inertial derivative of omega, since h and T are
-    constant; the rate is (rho x rho') . h/(H rho^2). It is 0/0 in steady spin, where rho = 0.
-    """
-    J, _ = principal_inertia()
-    _, rates = euler_equations(J, vector("B", (0, 0, 0)))
-    h = angular_momentum(J, OMEGA)
-    squared = h.dot(h)
-    rho = OMEGA - h.scaled(OMEGA.dot(h) / squared)
-    moving = dict(zip(OMEGA.components, rates, strict=True))
-    rho_dot = first_derivative(OMEGA, OMEGA, moving).total
-    return rho.cross(rho_dot).dot(h) / (sp.sqrt(squared) * rho.dot(rho))
+    return Motion(tuple(exact[:3]), vector("B", exact[3:]), tolerance(given))
