@@ -166,7 +166,9 @@ def _angle_terms(angle: Expr) -> list[tuple[Expr, int]]:
     return terms
 
 
-_inverse = _FIELD.inverse
+def _inverse(value: int) -> int:
+    return int(_FIELD.inverse(value))
+
 
 _TRIGONOMETRIC: dict[Any, Callable[[int, int], int]] = {
     sp.sin: lambda c, s: s,

@@ -111,7 +111,7 @@ def _products_cancelled(draw: Draw) -> list[Weighted]:
         mass, a = draw.mass(), draw.number()
         b = field.reduce(-product * field.inverse(2 * mass * a))
         point = tuple({i: a, j: b}.get(k, 0) for k in range(3))
-        bodies = [*bodies, *mirrored(field, [(mass, point)])]  # type: ignore[list-item]
+        bodies = [*bodies, *mirrored(field, [(mass, point)])]
     return _moved(field, bodies, draw.point())
 
 

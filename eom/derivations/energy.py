@@ -155,6 +155,15 @@ def _rate(d: Maker) -> None:
         use(motion),
         label="power-translation",
     )
+    _rate_of_rotation(d)
+    d.state(
+        Equation(der(T), add(dot(FORCE, velocity("C")), dot(W, TORQUE))),
+        "the energy changes at the power of force and torque; internal forces do no work",
+        label="power",
+    )
+
+
+def _rate_of_rotation(d: Maker) -> None:
     local = d.start(der(mul(number(1, 2), dot(W, dot(J, W))))).then(
         "product rule in B, where J is constant; J is symmetric",
         differentiate_in("B"),
@@ -173,11 +182,6 @@ def _rate(d: Maker) -> None:
         triple_zero(W),
         distribute,
         label="power-rotation",
-    )
-    d.state(
-        Equation(der(T), add(dot(FORCE, velocity("C")), dot(W, TORQUE))),
-        "the energy changes at the power of force and torque; internal forces do no work",
-        label="power",
     )
 
 

@@ -135,15 +135,19 @@ def _rotation(d: Maker) -> None:
         "a cross product may be formed in either frame",
         label="turned-tilde",
     )
-    product = inserted.then(
+    inserted.then(
         "for both factors", use(identity.equation), label="J-B-turned", states=["002:E31"]
     )
+    _rotations_out(d, in_A)
+
+
+def _rotations_out(d: Maker, in_A: Term) -> None:
     d.law(
         Equation(matmul(C_AB, C_BA), quantity("identity_matrix")),
         "orthonormal",
         label="orthonormal",
     )
-    outside = product.then(
+    outside = d.recall("J-B-turned").then(
         "C_AB C_BA = 1; the rotations come out of the integral",
         associate,
         put(matmul(matmul(matmul(C_BA, tilde(in_A)), C_AB), C_BA), matmul(C_BA, tilde(in_A))),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eom.derivation import Derivation, Maker
+from eom.derivation import Chain, Derivation, Maker
 from eom.derivations.pointmass import SPLIT
 from eom.rules import (
     combine,
@@ -141,6 +141,17 @@ def _absolute_momentum(d: Maker) -> None:
             "the velocity of O comes out of the sum", take_out, label="H-sums", states=["002:E10"]
         )
     )
+    _first_moment(d)
+    d.define(h, "relative angular momentum about O", label="h-definition", states=["002:E12"])
+    named = expanded.then(
+        "name both sums", fold_into(FIRST, h), label="H-and-h", states=["002:E12"]
+    )
+    d.only("about_centre")
+    d.law(Equation(FIRST, zero("vector")), "O is the centre of mass", label="first-moment-zero")
+    named.then("no distinction about the centre of mass", vanish(FIRST), label="H-is-h")
+
+
+def _first_moment(d: Maker) -> None:
     first = d.define(
         FIRST, "first moment of mass about O", label="first-moment", states=["002:E11"]
     )
@@ -156,41 +167,16 @@ def _absolute_momentum(d: Maker) -> None:
         "the centre of mass relative to itself",
         label="first-moment-vanishes",
     )
-    d.define(h, "relative angular momentum about O", label="h-definition", states=["002:E12"])
-    named = expanded.then(
-        "name both sums", fold_into(FIRST, h), label="H-and-h", states=["002:E12"]
-    )
-    d.only("about_centre")
-    d.law(Equation(FIRST, zero("vector")), "O is the centre of mass", label="first-moment-zero")
-    named.then("no distinction about the centre of mass", vanish(FIRST), label="H-is-h")
 
 
 def _torque(d: Maker) -> None:
     d.only("constant_mass")
-    rate = d.recall("h-definition").both(
-        "differentiate each term; masses are constant",
-        der,
-        differentiate_constant,
-        label="h-rate-terms",
-        states=["002:E13"],
-    )
-    crossed = rate.then("a vector crossed with itself is zero", parallel, distribute)
-    relative = Equation(position("i", "O"), add(position("i"), -position("O")))
-    d.law(relative, "rho_i = r_i - r_O", label="relative")
-    parted = crossed.then(
-        "rho_i = r_i - r_O; the acceleration of O comes out of the sum",
-        inside("der", use(relative)),
-        distribute,
-        take_out,
-        label="h-rate",
-        states=["002:E13"],
-    )
+    parted = _momentum_rate(d)
     d.assume("newton_2")
-    law = d.recall("newton").equation
     forced = parted.then(
         "Newton's second law for each mass",
         inside("sum", regroup_right(mass("i"))),
-        use(law, backwards=True),
+        use(d.recall("newton").equation, backwards=True),
         distribute,
         into_sums,
         fold_into(FIRST),
@@ -218,6 +204,28 @@ def _torque(d: Maker) -> None:
         "about the centre of mass, whose first moment is zero",
         label="torque-law-centre",
         states=["002:E17", "002:C4"],
+    )
+
+
+def _momentum_rate(d: Maker) -> Chain:
+    """Differentiate h_O, by the accelerations of the masses and of O."""
+    rate = d.recall("h-definition").both(
+        "differentiate each term; masses are constant",
+        der,
+        differentiate_constant,
+        label="h-rate-terms",
+        states=["002:E13"],
+    )
+    crossed = rate.then("a vector crossed with itself is zero", parallel, distribute)
+    relative = Equation(position("i", "O"), add(position("i"), -position("O")))
+    d.law(relative, "rho_i = r_i - r_O", label="relative")
+    return crossed.then(
+        "rho_i = r_i - r_O; the acceleration of O comes out of the sum",
+        inside("der", use(relative)),
+        distribute,
+        take_out,
+        label="h-rate",
+        states=["002:E13"],
     )
 
 

@@ -120,6 +120,10 @@ def _about_origin(d: Maker) -> None:
             states=["000:E4"],
         )
     )
+    _two_parts(d, parted)
+
+
+def _two_parts(d: Maker, parted: Chain) -> None:
     first = d.law(
         Equation(integral(R), zero("vector")),
         "r starts at the centre of mass",
@@ -254,6 +258,10 @@ def _about_body_point(d: Maker) -> None:
     seen = momentum.then(
         "the transport theorem", transport("B"), label="h-transport", states=["002:E23"]
     )
+    _inertia_about_body_point(d, seen)
+
+
+def _inertia_about_body_point(d: Maker, seen: Chain) -> None:
     d.assume("body_frame", "O_fixed_in_body")
     fixed = d.law(
         Equation(der(RHO, "B"), zero("vector")),

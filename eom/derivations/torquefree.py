@@ -122,13 +122,17 @@ def _ellipsoids(d: Maker) -> None:
         label="T",
         states=["000:E39"],
     )
+    _normal_forms(d, square.equation.right.data[0], level.equation.right.data[0])
+
+
+def _normal_forms(d: Maker, square: Expr, level: Expr) -> None:
     T_form, H_form = freebody.constants()
     d.check(Equation(ENERGY, expr(T_form)), "the library has the same T")
     d.check(Equation(dot(H, H), expr(H_form)), "the library has the same H^2")
     d.state(
         Equation(
             expr(sum((w / (H_SYMBOL / moment)) ** 2 for w, moment in PAIRS)),
-            expr(square.equation.right.data[0] / H_SYMBOL**2),
+            expr(square / H_SYMBOL**2),
         ),
         "the momentum ellipsoid, of semi-axes H/I1, H/I2, H/I3 in the space of rates",
         label="momentum-ellipsoid",
@@ -137,7 +141,7 @@ def _ellipsoids(d: Maker) -> None:
     d.state(
         Equation(
             expr(sum(w**2 / (2 * T_SYMBOL / moment) for w, moment in PAIRS)),
-            expr(level.equation.right.data[0] / T_SYMBOL),
+            expr(level / T_SYMBOL),
         ),
         "the energy ellipsoid, of squared semi-axes 2T/I1, 2T/I2, 2T/I3",
         label="energy-ellipsoid",
