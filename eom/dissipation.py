@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import sympy as sp
@@ -170,14 +170,18 @@ def excess_energy(major: int) -> tuple[tuple[Expr, Expr], ...]:
 class DampedSpin:
     """Small deviations from a steady spin about b_k, k = ``axis``, of the body with its slug.
 
-    ``coefficients``: of the quartic in lambda of the transverse motion, highest power first.
-    ``conditions``: Hurwitz's determinants; the spin is stable where all are positive. Over the
-    moments of the body, J_s, c and the rate nu.
+    ``block``: Jacobian of the motion across the axis. ``coefficients``: of its characteristic
+    quartic in lambda, highest power first. Over the moments of the body, J_s, c and the rate nu.
     """
 
     axis: int
+    block: Expr
     coefficients: tuple[Expr, ...]
-    conditions: tuple[Expr, ...]
+
+    @cached_property
+    def conditions(self) -> tuple[Expr, ...]:
+        """Hurwitz's determinants; the spin is stable where all are positive."""
+        return hurwitz_determinants(self.coefficients)
 
 
 @lru_cache
@@ -192,9 +196,10 @@ def damped_spin(axis: int) -> DampedSpin:
     along = [k for k in range(6) if k % 3 == axis - 1]
     assert A.extract(across, along).is_zero_matrix
     assert A.extract(along, across).is_zero_matrix
-    polynomial = A.extract(across, across).charpoly(ROOT)
+    block = sp.ImmutableMatrix(A.extract(across, across))
+    polynomial = block.charpoly(ROOT)
     scaled = sp.Poly(sp.numer(sp.together(polynomial.as_expr())), ROOT).all_coeffs()
-    return DampedSpin(axis, tuple(scaled), hurwitz_determinants(scaled))
+    return DampedSpin(axis, block, tuple(scaled))
 
 
 def damped_stability(

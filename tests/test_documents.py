@@ -40,10 +40,11 @@ def test_the_scene_of_the_readme_runs(tmp_path):
 
 def test_readme_gives_set_up_main_job_and_test_command():
     lines = [line for block in blocks("bash") for line in block.splitlines()]
-    assert len(lines) == 4
+    assert len(lines) == 5
     assert lines[0].startswith("python3 -m venv")
     assert "eom run" in lines[2]
-    assert "pytest" in lines[3]
+    assert "eom derive" in lines[3]
+    assert "pytest" in lines[4]
 
 
 @pytest.mark.parametrize(

@@ -135,9 +135,7 @@ def _stability(d: Maker) -> None:
         spin = model.damped_spin(axis)
         n = len(spin.coefficients) - 1
         polynomial = sum(c * steady.ROOT ** (n - k) for k, c in enumerate(spin.coefficients))
-        across = [k for k in range(6) if k % 3 != axis - 1]
-        block = steady.linearised(model.viscous_slug(), axis).extract(across, across)
-        characteristic = sp.Determinant(sp.ImmutableMatrix(steady.ROOT * sp.eye(4) - block))
+        characteristic = sp.Determinant(steady.ROOT * sp.eye(4) - spin.block)
         d.state(
             Equation(expr(spin.coefficients[0] * characteristic), expr(polynomial)),
             f"deviations across the axis from spin about b{axis}: characteristic polynomial",
