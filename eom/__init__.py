@@ -9,6 +9,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from eom.derivation import Derivation as Derivation
+    from eom.derivations import derive as derive
     from eom.errors import AssumptionError as AssumptionError
     from eom.errors import InputError as InputError
     from eom.rigidbody import euler_equations as euler_equations
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOME = {
+    "Derivation": "derivation",
+    "derive": "derivations",
     "AssumptionError": "errors",
     "InputError": "errors",
     "euler_equations": "rigidbody",

@@ -32,9 +32,7 @@ class Field:
 
     def of(self, numerator: int, denominator: int = 1) -> Any:
         """Return a fraction."""
-        if not self.prime:
-            return Fraction(numerator, denominator)
-        return numerator * self.inverse(denominator) % self.prime
+        return self.reduce(numerator * self.inverse(denominator))
 
     def inverse(self, value: Any) -> Any:
         """Return the reciprocal; raises `Singular` for zero."""

@@ -19,7 +19,7 @@ Expr = Any
 Labels = tuple[str, ...]
 
 SCALAR, VECTOR, DYADIC, COLUMN, MATRIX = "scalar", "vector", "dyadic", "column", "matrix"
-INDICES = frozenset({"i", "j", "k", "dm"})
+INDICES = frozenset({"i", "j", "k", "l", "n", "dm"})
 """Labels that stand for any particle, rotor or element of mass; all others name one thing."""
 INERTIAL = "I"
 
@@ -114,7 +114,9 @@ HEADS: dict[str, Callable[[tuple[str, ...]], str | None]] = {
     "tilde": _exactly(MATRIX, COLUMN),
     "inner": _exactly(SCALAR, COLUMN, COLUMN),
     "outer_column": _exactly(MATRIX, COLUMN, COLUMN),
-    "entries": lambda kinds: {3: COLUMN, 9: MATRIX}.get(len(kinds)) if _same(kinds) else None,
+    "entries": lambda kinds: (
+        {3: COLUMN, 9: MATRIX}.get(len(kinds)) if set(kinds) == {SCALAR} else None
+    ),
     "rows": _exactly(MATRIX, COLUMN, COLUMN, COLUMN),
 }
 """Heads with arguments: from the kinds of the arguments to the kind of the term, or None."""
@@ -302,15 +304,16 @@ def labels_of(term: Term) -> frozenset[str]:
 
 
 def relabel(term: Term, names: Mapping[str, str]) -> Term:
-    """Exchange labels of atoms; a bound index is exchanged with its atoms."""
-
-    def rename(node: Term) -> Term:
-        if node.head == "atom":
-            data = (node.data[0], *(names.get(label, label) for label in node.data[1:]))
-            return Term("atom", (), data, node.kind)
-        if node.head == "sum":
-            index = names.get(node.data[0], node.data[0])
-            return make("sum", node.args, (index, *node.data[1:]))
-        return node
-
-    return replace(term, rename)
+    """Exchange free labels of atoms; a sum whose index would catch a new label takes another one."""
+    if term.head == "atom":
+        data = (term.data[0], *(names.get(label, label) for label in term.data[1:]))
+        return Term("atom", (), data, term.kind)
+    if term.head not in {"sum", "integral"}:
+        return rebuild(term, (relabel(a, names) for a in term.args))
+    index, (body,) = term.data[0], term.args
+    free = {old: new for old, new in names.items() if old in labels_of(body) - {index}}
+    if index in free.values():
+        used = {*free.values(), *labels_of(body), *names}
+        index = min(INDICES - used)
+        body = relabel(body, {term.data[0]: index})
+    return make(term.head, (relabel(body, free),), (index, *term.data[1:]))

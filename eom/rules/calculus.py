@@ -17,6 +17,7 @@ from eom.terms import (
     labels_of,
     make,
     mul,
+    nodes,
     number,
     rebuild,
     relabel,
@@ -127,14 +128,16 @@ differentiate_under = until_stable(_under_the_sum)
 
 
 def _depends(term: Term, index: str) -> bool:
-    return index in labels_of(term)
+    """Tell whether a term may depend on an index; a symbol may stand for what does."""
+    named = any(n.head == "expr" and n.data[0].free_symbols for n in nodes(term))
+    return named or index in labels_of(term)
 
 
 def _take_out(node: Term) -> Term:
     """Move what does not depend on the index out of a sum or integral."""
     if node.head not in {"sum", "integral"}:
         return node
-    index = "dm" if node.head == "integral" else node.data[0]
+    index = node.data[0]
     (body,) = node.args
     factors = list(body.args) if body.head == "mul" else [body]
     free = [f for f in factors if f.kind == SCALAR and not _depends(f, index)]
@@ -204,6 +207,8 @@ def _product_with_sum(node: Term) -> Term:
     """Return a x sum b_j as sum a x b_j, where the second factor is a sum."""
     if node.head in BILINEAR and node.args[1].head in {"sum", "integral"}:
         a, s = node.args
+        if s.data[0] in labels_of(a):
+            return node
         return rebuild(s, [rebuild(node, [a, s.args[0]])])
     return node
 

@@ -11,6 +11,7 @@ import sympy as sp
 from eom.frames import tilde as skew
 from eom.rules.basic import Rule, everywhere, until_stable
 from eom.terms import (
+    COLUMN,
     DYADIC,
     SCALAR,
     Term,
@@ -35,7 +36,7 @@ def by_way_of(frame: str, to_frame: str = "I") -> Rule:
     C = quantity("rotation", to_frame, frame)
 
     def rule(node: Term) -> Term:
-        if node.head == "column" and node.data == (to_frame,):
+        if node.head == "column" and node.data == (to_frame,) and node.kind == COLUMN:
             return matmul(C, column(node.args[0], frame))
         return node
 

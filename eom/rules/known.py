@@ -6,29 +6,44 @@ from collections.abc import Mapping
 from typing import Any
 
 from eom.rules.basic import Rule, everywhere
-from eom.terms import INDICES, Equation, Term, relabel, zero
+from eom.terms import (
+    INDICES,
+    Equation,
+    Term,
+    relabel,
+    zero,
+)
 from eom.vocabulary import definition
 
 
 def match(pattern: Term, term: Term, bound: Mapping[str, str]) -> dict[str, str] | None:
-    """Return what the indices of ``pattern`` stand for in ``term``, or None."""
+    """Return what the free indices of ``pattern`` stand for in ``term``, or None."""
     if (pattern.head, len(pattern.args)) != (term.head, len(term.args)):
         return None
-    found = dict(bound)
     if pattern.head == "atom":
-        return _match_labels(pattern.data, term.data, found)
+        return _match_labels(pattern.data, term.data, dict(bound))
     if pattern.head in {"sum", "integral"}:
-        if pattern.data[1:] != term.data[1:]:
-            return None
-        found[pattern.data[0]] = term.data[0]
-    elif pattern.data != term.data:
+        return _match_sum(pattern, term, bound)
+    if pattern.data != term.data:
         return None
+    found: dict[str, str] | None = dict(bound)
     for p, t in zip(pattern.args, term.args, strict=True):
-        next_found = match(p, t, found)
-        if next_found is None:
-            return None
-        found = next_found
+        found = match(p, t, found) if found is not None else None
     return found
+
+
+def _match_sum(pattern: Term, term: Term, bound: Mapping[str, str]) -> dict[str, str] | None:
+    """Match the summands; the indices of the sums correspond, and nothing else stands for them."""
+    ours, theirs = pattern.data[0], term.data[0]
+    if pattern.data[1:] != term.data[1:]:
+        return None
+    found = match(pattern.args[0], term.args[0], {**bound, ours: theirs})
+    if found is None:
+        return None
+    outer = {k: v for k, v in found.items() if k != ours}
+    if theirs in outer.values():
+        return None
+    return {**outer, **({ours: bound[ours]} if ours in bound else {})}
 
 
 def _match_labels(
@@ -78,8 +93,9 @@ def fold_into(*quantities: Term) -> Rule:
     def rule(node: Term) -> Term:
         for q in quantities:
             meaning = definition(q)
-            if meaning is not None and match(meaning, node, {}) is not None:
-                return q
+            found = match(meaning, node, {}) if meaning is not None else None
+            if found is not None:
+                return relabel(q, found)
         return node
 
     return everywhere(rule)

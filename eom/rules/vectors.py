@@ -49,7 +49,7 @@ bac_cab: Rule = everywhere(_bac_cab)
 
 
 def _scalar_triple(node: Term) -> Term:
-    if node.head == "dot" and node.args[0].head == "cross":
+    if node.head == "dot" and node.kind == SCALAR and node.args[0].head == "cross":
         (a, b), c = node.args[0].args, node.args[1]
         return dot(a, cross(b, c))
     return node
@@ -83,6 +83,8 @@ def dyadic_form(vector: Term) -> Rule:
         if node.head != "mul":
             return node
         *scalars, last = node.args
+        if node.kind != VECTOR:
+            return node
         if last == vector:
             return dot(mul(*scalars, identity), vector)
         for k, s in enumerate(scalars):
@@ -199,7 +201,7 @@ def triple_zero(vector: Term) -> Rule:
 
 def _regroup(factor: Term, side: int) -> Rule:
     def rule(node: Term) -> Term:
-        if node.head == "mul" and factor in node.args and node.args[-1].head in BILINEAR:
+        if node.head == "mul" and factor in node.args[:-1] and node.args[-1].head in BILINEAR:
             rest, sides = list(node.args[:-1]), list(node.args[-1].args)
             rest.remove(factor)
             sides[side] = mul(factor, sides[side])
