@@ -1,0 +1,105 @@
+"""Single edits of the steps of every derivation: false ones are caught, true ones are let pass.
+
+The truth is decided by numerics that know nothing of the checker (`oracle`). The complete form is
+``python -m benchmarks.mutants``.
+"""
+
+import random
+
+import pytest
+
+from eom.derivations import derivation, names
+from eom.terms import Equation, column, cross, der, dot, integral, matmul, number, tilde, zero
+from eom.vocabulary import omega, position, quantity, unit, velocity
+from tests.eom import mutants as trial
+from tests.eom import oracle
+from tests.eom.mutants import Count, edits_of, judged_steps, mutants
+
+STEPS = 60
+TORQUE = quantity("torque", "body", "C")
+
+
+@pytest.fixture(scope="module")
+def sample():
+    """Six edits of each of some steps, drawn at random."""
+    generator = random.Random(1)
+    made = [derivation(n) for n in names()]
+    chosen = []
+    steps = [(d, step) for d in made for step in judged_steps(d)]
+    for d, step in generator.sample(steps, STEPS):
+        found = list(mutants(step.statement, step.assumptions))
+        chosen += [(d, step, m) for m in generator.sample(found, min(6, len(found)))]
+    return chosen
+
+
+def test_edits_that_are_really_false_are_rejected_and_true_ones_are_not(sample):
+    count = Count()
+    for one in sample:
+        count.add(*one)
+    assert count.really_false > 200
+    assert not count.missed, "\n".join(count.wrong)
+
+
+@pytest.mark.parametrize("verdict", ["accepted", "rejected"])
+def test_a_checker_that_does_not_look_is_found_out(sample, monkeypatch, verdict):
+    monkeypatch.setattr(trial, "judge", lambda *_: verdict)
+    count = Count()
+    for one in sample:
+        count.add(*one)
+    assert count.missed
+    assert count.wrong
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_step_is_true_by_numerics(name):
+    d = derivation(name)
+    for step in judged_steps(d):
+        assert oracle.is_true(step.statement, step.assumptions, d.scalars), step.label
+
+
+@pytest.mark.parametrize(
+    ("assumption", "vector"),
+    [
+        (("torque_free",), TORQUE),
+        (("torque_free", "symmetric"), TORQUE),
+        (("rigid", "body_frame"), der(position("dm", "C"), "B")),
+        (("O_fixed_in_body", "body_frame"), der(position("O", "C"), "B")),
+        (("C_at_rest", "rigid"), velocity("C")),
+        (("O_at_origin",), position("O")),
+    ],
+)
+def test_motions_of_the_oracle_satisfy_their_assumptions_and_no_more(assumption, vector):
+    equation = Equation(vector, zero("vector"))
+    assert oracle.is_true(equation, assumption, {})
+    assert not oracle.is_true(equation, ("newton_2", "rigid", "third_law_strong"), {})
+
+
+@pytest.mark.parametrize("axis", [2, 3])
+def test_spin_without_torque_needs_none_about_that_axis_alone(axis):
+    about = ("third_law_strong", "newton_2", f"no_torque_{axis}")
+    for k in (1, 2, 3):
+        row = Equation(dot(unit("B", k), TORQUE), number(0))
+        assert oracle.is_true(row, about, {}) == (k == axis)
+
+
+def test_frames_of_the_oracle_turn_with_their_angular_velocity():
+    C = quantity("rotation", "B", "I")
+    turning = matmul(tilde(column(omega(), "B")), C)
+    for assumed in ((), ("torque_free",), ("spin_312",), ("viscous_slug",), ("no_torque_3",)):
+        assert oracle.is_true(Equation(der(C), -turning), assumed, {})
+        assert not oracle.is_true(Equation(der(C), turning), assumed, {})
+
+
+def test_edits_are_single_distinct_and_of_every_kind():
+    d = derivation("rigid-body-momentum")
+    found = [m for _, _, m in edits_of([d]) if m.equation is not None]
+    kinds = {m.kind for m in found}
+    assert kinds == set("sign factor transpose dropped exchanged frame derivative index".split())
+    step = d["H-terms"]
+    one = [m.equation for m in mutants(step.statement, ()) if m.equation]
+    assert len(set(one)) == len(one) > 20
+    assert step.statement not in one
+    r = position("dm", "C")
+    crossed = Equation(integral(cross(r, der(r))), zero("vector"))
+    swapped = Equation(integral(cross(der(r), r)), zero("vector"))
+    assert swapped in [m.equation for m in mutants(crossed, ())]
