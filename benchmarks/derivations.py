@@ -12,10 +12,10 @@ EACH_DERIVATION, ALL_DERIVATIONS, EACH_SOLID = 2.0, 60.0, 0.2
 
 _DERIVATIONS = """
 import time
-from eom.derivations import derivation, names
+from eom.derivations import derive, names
 for name in names():
     start = time.process_time()
-    derivation(name)
+    derive(name)
     print(name, time.process_time() - start)
 """
 
@@ -55,5 +55,7 @@ def _row(what: str, seconds: float, limit: float | None) -> Row:
 
 
 def _seconds(code: str) -> dict[str, float]:
-    run = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True
+    )
     return {name: float(value) for name, value in map(str.split, run.stdout.splitlines())}

@@ -13,7 +13,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from eom.derivations import derivation, names
+from eom.derivations import derive, names
 from tests.eom.mutants import Count, edits_of
 
 COLUMNS = {
@@ -35,7 +35,7 @@ def main(chosen: tuple[str, ...], most: int | None) -> None:
     """Judge every edit of the derivations CHOSEN, or of all."""
     count = Count()
     for name in chosen or names():
-        edits = list(edits_of([derivation(name)]))
+        edits = list(edits_of([derive(name)]))
         if most is not None and most < len(edits):
             edits = random.Random(name).sample(edits, most)
         for one in edits:

@@ -218,11 +218,11 @@ def _refuse(name: str, kind: str, options: dict[str, object]) -> None:
 
 
 def _print_derivation(name: str, style: str, notation: str, steps: bool) -> None:
-    from eom.derivations import derivation
+    from eom.derivations import derive
     from eom.showing import check_choices, show_derivation
 
     check_choices(style, notation)
-    click.echo(show_derivation(derivation(name), style, notation, steps))
+    click.echo(show_derivation(derive(name), style, notation, steps))
 
 
 def _is_file(name: str) -> bool:

@@ -23,9 +23,12 @@ from eom.integrals import antiderivative
 from eom.rules import Rule
 from eom.series import Singular
 from eom.system import System
-from eom.terms import Equation, Term, column, nodes
+from eom.terms import MATRIX, SCALAR, Equation, Term, column, expr, nodes
 from eom.vocabulary import definition
 from eom.worlds import ASSUMPTIONS, closure
+
+RELATIONS = ("=", ":=", ">=")
+"""Equal, defined as, not negative."""
 
 WORLDS = 3
 """Worlds in which every step must hold."""
@@ -167,8 +170,12 @@ class Maker:
 
     def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
         """Let a SymPy symbol stand for a scalar."""
-        from eom.terms import expr
-
+        known = self.scalars.get(symbol, meaning)
+        inside = {s for n in nodes(meaning) if n.head == "expr" for s in n.data[0].free_symbols}
+        if known != meaning or symbol in inside:
+            raise DerivationError(
+                "a symbol has one meaning, without itself", where=self.name, got=symbol
+            )
         self.scalars[symbol] = meaning
         return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
 
@@ -242,10 +249,12 @@ def verify(
     if equation.left.kind != equation.right.kind:
         kinds = f"{equation.left.kind} = {equation.right.kind}"
         raise DerivationError("the two sides are of different kinds", where=where, got=kinds)
+    if equation.relation not in RELATIONS:
+        raise DerivationError("unknown relation", where=where, got=equation.relation)
     if equation.relation == ":=":
-        return "definition"
+        return _verify_definition(equation, scalars, where)
     if equation.relation == ">=":
-        return _verify_sign(equation, where)
+        return _verify_sign(equation, scalars, where)
     if is_plain(equation):
         if _is_identity(equation, scalars):
             return "exact identity"
@@ -282,8 +291,8 @@ def decide(
 def is_plain(equation: Equation) -> bool:
     """Tell whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
-    return all(n.args or n.head == "expr" for n in parts) and not any(
-        n.head == "der" for n in parts
+    return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
+        n.head in {"der", "sum", "integral", "column"} for n in parts
     )
 
 
@@ -304,6 +313,8 @@ def _is_identity(equation: Equation, scalars: Scalars) -> bool:
 
 def _entries(term: Term) -> list[Any]:
     """Return the entries of a term of SymPy expressions, its products carried out."""
+    if term.head == "zero":
+        return [sp.Integer(0)] * (9 if term.kind == MATRIX else 3)
     done = rules.compute()(term)
     return [done.data[0]] if done.head == "expr" else [a.data[0] for a in done.args]
 
@@ -326,22 +337,41 @@ def _integrated(integral: Any) -> Any:
     return value
 
 
-def _verify_sign(equation: Equation, where: str) -> str:
+def _verify_definition(equation: Equation, scalars: Scalars, where: str) -> str:
+    """A definition is that of the vocabulary, the meaning of a symbol, or names new symbols."""
+    left, right = equation.left, equation.right
+    if left.head == "atom":
+        sound = definition(left) == right
+    else:
+        symbols = [n.data[0] for n in nodes(left) if n.head == "expr"]
+        known = [scalars[s] for s in symbols if s in scalars]
+        sound = all(s.is_Symbol for s in symbols) and left.head in {"expr", "entries"}
+        sound = sound and (known == [right] if known else is_plain(equation))
+    if not sound:
+        raise DerivationError("this does not define its left side", where=where, got=plain(left))
+    return "definition"
+
+
+def _verify_sign(equation: Equation, scalars: Scalars, where: str) -> str:
     """Not negative by its form: sums of products of masses and squares."""
-    if not (equation.right.is_zero and not_negative(equation.left)):
+    if not (equation.right.is_zero and not_negative(equation.left, scalars)):
         raise DerivationError("the sign cannot be decided", where=where, got=plain(equation.left))
     return "sum of squares"
 
 
-def not_negative(term: Term) -> bool:
-    """Tell whether the form of ``term`` shows that it cannot be negative."""
+def not_negative(term: Term, scalars: Scalars) -> bool:
+    """Tell whether the form of ``term`` shows that it cannot be negative.
+
+    A symbol that stands for a quantity counts for nothing, whatever its own assumptions say.
+    """
     if term.head == "expr":
-        return bool(term.data[0].is_nonnegative)
+        unknown = not term.data[0].free_symbols & set(scalars)
+        return unknown and bool(term.data[0].is_nonnegative)
     if term.head == "mul":
-        return all(not_negative(a) or term.args.count(a) % 2 == 0 for a in term.args)
+        return all(not_negative(a, scalars) or term.args.count(a) % 2 == 0 for a in term.args)
     if term.head in {"add", "sum", "integral"}:
-        return all(not_negative(a) for a in term.args)
-    if term.head in {"dot", "inner"}:
+        return all(not_negative(a, scalars) for a in term.args)
+    if term.head in {"dot", "inner"} and term.kind == SCALAR:
         return term.args[0] == term.args[1]
     return term.head == "atom" and term.data[0] in {"mass", "total_mass"}
 

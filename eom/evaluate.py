@@ -16,7 +16,7 @@ import sympy as sp
 from eom import series
 from eom.errors import InputError
 from eom.series import Series
-from eom.terms import INDICES, Equation, Term, labels_of
+from eom.terms import INDICES, Equation, Term, labels_of, nodes
 from eom.vocabulary import definition
 from eom.worlds import World
 
@@ -35,12 +35,18 @@ class Evaluator:
 
     def holds(self, equation: Equation) -> bool:
         """Tell whether both sides agree in every known coefficient, for all free indices."""
-        free = sorted((labels_of(equation.left) | labels_of(equation.right)) & INDICES)
+        free = sorted((self.labels(equation.left) | self.labels(equation.right)) & INDICES)
         ranges = [range(self.world.count("rotors" if i == "k" else "particles")) for i in free]
         return all(
             self._agree(equation, dict(zip(free, numbers, strict=True)))
             for numbers in product(*ranges)
         )
+
+    def labels(self, term: Term) -> frozenset[str]:
+        """Return the free labels of a term and of what its symbols stand for."""
+        symbols = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+        meanings = (self.scalars[s] for s in symbols if s in self.scalars)
+        return labels_of(term).union(*(self.labels(m) for m in meanings))
 
     def _agree(self, equation: Equation, env: Env) -> bool:
         left, right = self.value(equation.left, env), self.value(equation.right, env)

@@ -9,9 +9,9 @@ from functools import lru_cache
 
 from eom import series
 from eom.motions import Angles, Body, Turns, elementary, free_attitude, spin_312, viscous_pair
-from eom.series import PRIME, Field, Series, Singular, Vector
-from eom.shapes import Draw, Point, Weighted, along, any_body, mirrored, shape
-from eom.worlds import LENGTH, Rotor, Slug, World, closure
+from eom.series import LENGTH, PRIME, Field, Series, Singular, Vector
+from eom.shapes import Draw, Point, Weighted, along, any_body, central, mirrored, shape
+from eom.worlds import Rotor, Slug, World, closure
 
 
 @dataclass(frozen=True)
@@ -33,25 +33,29 @@ def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
     if "constant_mass" in assumed:
         masses = tuple(series.constant(draw.field, draw.mass(), LENGTH) for _ in range(n))
     else:
-        masses = tuple(draw.series() for _ in range(n))
-    places = tuple(draw.vector() for _ in range(n))
+        masses = tuple(draw.changing_mass() for _ in range(n))
     frames = {name: draw.rotation() for name in ("A", "B")}
-    return Stage(masses, places, frames, {}, _reference_points(draw, assumed, masses, places))
+    places, points = _settled(draw, assumed, masses, [draw.vector() for _ in range(n)])
+    return Stage(masses, places, frames, {}, points)
 
 
-def _reference_points(
+def _settled(
     draw: Draw, assumed: frozenset[str], masses: Sequence[Series], places: Sequence[Vector]
-) -> dict[str, Vector]:
-    """Points for particles that move at will."""
-    centre = series.centre(masses, places)
-    reference = draw.vector()
+) -> tuple[tuple[Vector, ...], dict[str, Vector]]:
+    """Return places and reference points; all is moved where the centre of mass has to rest."""
+    reference, rest = draw.vector(), draw.fixed(draw.point())
     if "O_fixed_in_space" in assumed:
-        reference = draw.fixed(draw.point())
-    if "O_at_origin" in assumed:
-        reference = draw.fixed((0, 0, 0))
+        reference = draw.fixed((0, 0, 0)) if "O_at_origin" in assumed else rest
+    centre = series.centre(masses, places)
+    pinned = "about_centre" in assumed and "O_fixed_in_space" in assumed
+    if pinned or "C_at_rest" in assumed:
+        goal = reference if pinned else draw.fixed(draw.point())
+        shift = series.subtract(goal, centre)
+        places = [series.add(p, shift) for p in places]
+        centre = series.centre(masses, places)
     if "about_centre" in assumed:
         reference = centre
-    return {"O": reference, "C": centre}
+    return tuple(places), {"O": reference, "C": centre}
 
 
 def _rigid(draw: Draw, assumed: frozenset[str]) -> Stage:
@@ -120,31 +124,31 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
         rotors.append(Rotor((base[2][0], base[2][1], base[2][2]), inertia, angle, members))
     path = draw.vector()
     to_I = series.transpose(B)
-    places = tuple(series.add(path, series.apply(to_I, p)) for _, p in weighted)
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in weighted)
-    points = _reference_points(draw, assumed, masses, places)
+    moving = [series.add(path, series.apply(to_I, p)) for _, p in weighted]
+    places, points = _settled(draw, assumed, masses, moving)
     return Stage(masses, places, {"A": draw.rotation(), "B": B}, {}, points, tuple(rotors))
 
 
 def _with_slug(draw: Draw, assumed: frozenset[str]) -> Stage:
     """A body, and a slug of six equal masses on three axes, both about one centre of mass."""
-    body = mirrored(draw.field, [(draw.mass(), draw.point()) for _ in range(2)])
+    body = central(draw)
     mass, a = draw.mass(), draw.number()
     slug = mirrored(draw.field, [(mass, (a, 0, 0)), (mass, (0, a, 0)), (mass, (0, 0, a))])
     damping = draw.number()
     B, S = viscous_pair(draw, body, slug, damping)
     path = draw.vector()
-    places = [
+    moving = [
         series.add(path, series.apply(series.transpose(C), draw.fixed(p)))
         for part, C in ((body, B), (slug, S))
         for _, p in part
     ]
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in (*body, *slug))
-    points = _reference_points(draw, assumed, masses, places)
+    places, points = _settled(draw, assumed, masses, moving)
     inertia = draw.field.reduce(4 * mass * a * a)
     members = tuple(range(len(body), len(body) + len(slug)))
     frames = {"A": draw.rotation(), "B": B, "S": S}
-    return Stage(masses, tuple(places), frames, {}, points, slug=Slug(inertia, damping, members))
+    return Stage(masses, places, frames, {}, points, slug=Slug(inertia, damping, members))
 
 
 def _ring(draw: Draw) -> list[Weighted]:
@@ -198,7 +202,7 @@ def world(assumptions: frozenset[str], seed: int, prime: int = PRIME) -> World:
     assumed = closure(assumptions)
     for attempt in range(100):
         text = f"{sorted(assumed)} {seed} {attempt}"
-        draw = Draw(Field(prime), random.Random(text))  # noqa: S311 - reproducible, no secret
+        draw = Draw(Field(prime), random.Random(text), seed)  # noqa: S311 - reproducible
         try:
             return _build(draw, assumed, seed)
         except Singular:

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom import series
-from eom.series import Field, Matrix, Series, Vector
+from eom.series import LENGTH, Field, Matrix, Series, Vector
 from eom.shapes import Draw, Point, Weighted, along
-from eom.worlds import LENGTH
 
 Turns = dict[str, Matrix]
 Angles = dict[str, tuple[Series, Series, Series]]

@@ -13,7 +13,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from eom.errors import InputError
+
 PRIME = 2**61 - 1
+LENGTH = 5
+"""Coefficients of a motion: up to four derivatives."""
 
 
 class Singular(ArithmeticError):
@@ -100,7 +104,10 @@ class Series:
     @property
     def is_zero(self) -> bool:
         """Whether every known coefficient is zero; there must be one."""
-        assert self.coefficients, "derivatives used up the series"
+        if not self.coefficients:
+            raise InputError(
+                "more derivatives than a world holds", expected=f"at most {LENGTH - 1} in all"
+            )
         return not any(self.coefficients)
 
 

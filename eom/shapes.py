@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom import series
-from eom.series import Field, Matrix, Series, Vector
-from eom.worlds import LENGTH
+from eom.series import LENGTH, Field, Matrix, Series, Vector
 
 Point = tuple[Any, Any, Any]
 Weighted = tuple[Any, Point]
@@ -25,7 +24,7 @@ class Draw:
 
     field: Field
     generator: random.Random
-    positive: bool = False
+    turn: int = 0
 
     def number(self) -> Any:
         """Return a number that is not zero."""
@@ -38,6 +37,10 @@ class Draw:
     def point(self) -> Point:
         """Return three numbers."""
         return (self.number(), self.number(), self.number())
+
+    def changing_mass(self) -> Series:
+        """Return a mass that changes with time."""
+        return Series(self.field, (self.mass(), *self.series().coefficients[1:]))
 
     def series(self) -> Series:
         """Return a random series."""
@@ -61,8 +64,8 @@ class Draw:
         return series.cayley(self.fixed(self.point()))
 
     def choose(self, *options: Callable[[Draw], list[Weighted]]) -> list[Weighted]:
-        """Return what one of several generators draws."""
-        return self.generator.choice(options)(self)
+        """Return what one of several generators draws: they take turns, the first begins."""
+        return options[self.turn % len(options)](self)
 
 
 def any_body(draw: Draw) -> list[Weighted]:
@@ -94,25 +97,32 @@ def mirrored(field: Field, bodies: Sequence[Weighted]) -> list[Weighted]:
     return [*bodies, *x]
 
 
+def _principal(draw: Draw) -> list[Weighted]:
+    """Return a body without any symmetry whose principal axes are those of its coordinates.
+
+    The columns of its coordinates, weighted by mass, are made orthogonal to that of ones and to each
+    other (Gram and Schmidt, without roots).
+    """
+    field = draw.field
+    masses = [draw.mass() for _ in range(6)]
+    columns: list[list[Any]] = [[1] * len(masses)]
+    for _ in range(3):
+        column = [draw.number() for _ in masses]
+        for other in columns:
+            above = sum(m * a * b for m, a, b in zip(masses, column, other, strict=True))
+            below = sum(m * b * b for m, b in zip(masses, other, strict=True))
+            factor = above * field.inverse(below)
+            column = [field.reduce(a - factor * b) for a, b in zip(column, other, strict=True)]
+        columns.append(column)
+    return [(m, p) for m, p in zip(masses, zip(*columns[1:], strict=True), strict=True)]
+
+
 def _axis_pairs(draw: Draw) -> list[Weighted]:
     pairs = []
     for axis in range(3):
         a = draw.number()
         pairs.append((draw.mass(), tuple(a if k == axis else 0 for k in range(3))))
-    return _moved(draw.field, mirrored(draw.field, pairs), draw.point())  # type: ignore[arg-type]
-
-
-def _products_cancelled(draw: Draw) -> list[Weighted]:
-    """Random mirrored points, and a pair in each coordinate plane that cancels one product."""
-    field = draw.field
-    bodies = mirrored(field, [(draw.mass(), draw.point()) for _ in range(2)])
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        product = sum(m * p[i] * p[j] for m, p in bodies)
-        mass, a = draw.mass(), draw.number()
-        b = field.reduce(-product * field.inverse(2 * mass * a))
-        point = tuple({i: a, j: b}.get(k, 0) for k in range(3))
-        bodies = [*bodies, *mirrored(field, [(mass, point)])]
-    return _moved(field, bodies, draw.point())
+    return mirrored(draw.field, pairs)  # type: ignore[arg-type]
 
 
 def _quarter_turns(draw: Draw, axis: int) -> list[Weighted]:
@@ -126,36 +136,39 @@ def _quarter_turns(draw: Draw, axis: int) -> list[Weighted]:
             turned[i], turned[j] = draw.field.reduce(-point[j]), point[i]
             point = (turned[0], turned[1], turned[2])
             bodies.append((mass, point))
-    return _moved(draw.field, bodies, draw.point())
+    return bodies
 
 
 def _equal_moments(draw: Draw, axis: int) -> list[Weighted]:
-    """A body with principal axes, and a pair of masses that makes two moments equal."""
+    """Return a body without symmetry, and a pair of masses that makes two moments equal."""
     field = draw.field
-    bodies = mirrored(field, _centred_axis_pairs(draw))
+    bodies = _principal(draw)
     i, j = ((1, 2), (2, 0), (0, 1))[axis]
     excess = sum(m * (p[i] ** 2 - p[j] ** 2) for m, p in bodies)
+    if not field.prime and excess < 0:
+        i, j, excess = j, i, -excess
     a = draw.number()
     mass = field.reduce(excess * field.inverse(2 * a * a))
     point = tuple(a if k == j else 0 for k in range(3))
-    bodies = [*bodies, *mirrored(field, [(mass, point)])]  # type: ignore[list-item]
-    return _moved(field, bodies, draw.point())
+    return [*bodies, *mirrored(field, [(mass, point)])]  # type: ignore[list-item]
 
 
-def _centred_axis_pairs(draw: Draw) -> list[Weighted]:
-    result: list[Weighted] = []
-    for axis in range(3):
-        a = draw.number()
-        result.append((draw.mass(), tuple(a if k == axis else 0 for k in range(3))))  # type: ignore[arg-type]
-    return result
+def central(draw: Draw) -> list[Weighted]:
+    """Return random points with the centre of mass at the origin."""
+    bodies = any_body(draw)
+    scale = draw.field.inverse(sum(m for m, _ in bodies))
+    x, y, z = (scale * sum(m * p[k] for m, p in bodies) for k in range(3))
+    return _moved(draw.field, bodies, (-x, -y, -z))
 
 
 def shape(draw: Draw, assumed: frozenset[str]) -> list[Weighted]:
-    """Return a body for the assumptions on its inertia."""
+    """Return a body for the assumptions on its inertia, its centre of mass anywhere."""
     if "spin_312" in assumed:
-        return draw.choose(lambda d: _quarter_turns(d, 1), lambda d: _equal_moments(d, 1))
-    if "symmetric" in assumed:
-        return draw.choose(lambda d: _quarter_turns(d, 2), lambda d: _equal_moments(d, 2))
-    if "principal_axes" in assumed:
-        return draw.choose(_axis_pairs, _products_cancelled)
-    return _thin_rod(draw) if "thin_rod" in assumed else any_body(draw)
+        body = draw.choose(lambda d: _equal_moments(d, 1), lambda d: _quarter_turns(d, 1))
+    elif "symmetric" in assumed:
+        body = draw.choose(lambda d: _equal_moments(d, 2), lambda d: _quarter_turns(d, 2))
+    elif "principal_axes" in assumed:
+        body = draw.choose(_principal, _axis_pairs)
+    else:
+        return _thin_rod(draw) if "thin_rod" in assumed else any_body(draw)
+    return _moved(draw.field, body, draw.point())

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from eom.errors import unknown_name
+from eom.errors import InputError, unknown_name
 from eom.terms import (
     DYADIC,
     MATRIX,
@@ -47,6 +47,13 @@ def quantity(name: str, *labels: str) -> Term:
     """Return a quantity of the table as a term. Raises `InputError` for other names."""
     if name not in QUANTITIES:
         raise unknown_name("quantity", name, QUANTITIES)
+    wanted = QUANTITIES[name].words.count("{")
+    if len(labels) != wanted:
+        raise InputError(
+            f"wrong number of labels of {name}",
+            got=labels,
+            expected=f"{wanted}: {QUANTITIES[name].words}",
+        )
     return atom(name, *labels, kind=QUANTITIES[name].kind)
 
 

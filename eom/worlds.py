@@ -20,10 +20,7 @@ from typing import Any
 
 from eom import series
 from eom.errors import InputError, unknown_name
-from eom.series import Field, Matrix, Series, Vector
-
-LENGTH = 5
-"""Coefficients of a motion: up to four derivatives."""
+from eom.series import LENGTH, Field, Matrix, Series, Vector
 
 
 @dataclass(frozen=True)
@@ -46,7 +43,9 @@ ASSUMPTIONS: dict[str, Restriction] = {
         "strong third law: internal forces are opposite and act along the line between the masses",
         ("third_law_weak",),
     ),
-    "rigid": Restriction("the distance of any two points of the body is constant"),
+    "rigid": Restriction(
+        "the distance of any two points of the body is constant", ("constant_mass",)
+    ),
     "body_frame": Restriction("the frame B is fixed in the body", ("rigid",), ("spin_312",)),
     "about_centre": Restriction("the reference point O is the centre of mass C"),
     "O_fixed_in_body": Restriction("the reference point O is fixed in the body", ("rigid",)),
@@ -64,7 +63,9 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
     ),
     "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
-    "thin_rod": Restriction("all mass lies on one line", ("body_frame",), ("principal_axes",)),
+    "thin_rod": Restriction(
+        "all mass lies on one line", ("body_frame",), ("principal_axes", "torque_free")
+    ),
     "spin_312": Restriction(
         "A, B, C follow from I by turns about axes 3, 1, 2 through psi, theta, phi; C is fixed in "
         "the body, whose axis of inertial symmetry is c2 = b2",
@@ -87,6 +88,9 @@ ASSUMPTIONS: dict[str, Restriction] = {
 }
 """Every assumption that a generator knows."""
 
+TOO_MUCH = (frozenset({"C_at_rest", "O_fixed_in_body", "O_fixed_in_space"}),)
+"""Sets that leave only special motions, here those about an axis through O and C."""
+
 
 def closure(assumptions: Iterable[str]) -> frozenset[str]:
     """Return the assumptions with all that they need.
@@ -102,6 +106,11 @@ def closure(assumptions: Iterable[str]) -> frozenset[str]:
         if name not in chosen:
             chosen.add(name)
             waiting.extend(ASSUMPTIONS[name].needs)
+    for together in TOO_MUCH:
+        if together <= chosen and "about_centre" not in chosen:
+            raise InputError(
+                "no generator knows these assumptions together", got=", ".join(sorted(together))
+            )
     for name in sorted(chosen):
         for other in ASSUMPTIONS[name].excludes:
             if other in chosen:
@@ -150,8 +159,17 @@ class World:
         return series.constant(self.field, value, LENGTH)
 
     def count(self, over: str) -> int:
-        """Return how many terms a sum has."""
-        return len(self.rotors) if over == "rotors" else len(self.masses)
+        """Return how many terms a sum has. Raises `InputError` for rotors where there are none."""
+        if over != "rotors":
+            return len(self.masses)
+        if not self.rotors:
+            raise InputError("there are no rotors in this world", expected="the assumption rotors")
+        return len(self.rotors)
+
+    def rotor(self, k: int) -> Rotor:
+        """Return a rotor. Raises `InputError` where there are none."""
+        self.count("rotors")
+        return self.rotors[k]
 
     def rotation(self, to_frame: str, from_frame: str) -> Matrix:
         """Return the matrix from components in one frame to those in another."""
@@ -169,7 +187,13 @@ class World:
 
     def sine_cosine(self, angle: str) -> tuple[Series, Series]:
         """Return sine and cosine of a named angle."""
-        return self.angles[angle][1:]
+        return self.angle(angle)[1:]
+
+    def angle(self, name: str) -> tuple[Series, Series, Series]:
+        """Return an angle with its sine and cosine. Raises `InputError` for unknown ones."""
+        if name not in self.angles:
+            raise unknown_name("angle", name, self.angles, "worlds without a rotation sequence")
+        return self.angles[name]
 
     def primitive(self, name: str, labels: Sequence[Any]) -> Any:
         """Return the value of a quantity that has no definition."""
@@ -244,18 +268,18 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "identity": _identity,
     "identity_matrix": _identity,
     "rotation": lambda w, b, a: w.rotation(b, a),
-    "angle": lambda w, name: w.angles[name][0],
+    "angle": lambda w, name: w.angle(name)[0],
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
     "vector": _free_vector,
     "fixed_vector": _fixed_vector,
     "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),
-    "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotors[k].axis),
-    "rotor_speed": lambda w, k: w.rotors[k].angle.derivative(),
-    "rotor_momentum": lambda w, k: _spin_momentum(w, w.rotors[k].members),
+    "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotor(k).axis),
+    "rotor_speed": lambda w, k: w.rotor(k).angle.derivative(),
+    "rotor_momentum": lambda w, k: _spin_momentum(w, w.rotor(k).members),
     "slug_momentum": lambda w: _spin_momentum(w, _slug(w).members),
     "slug_inertia": lambda w: w.constant(_slug(w).inertia),
     "slug_damping": lambda w: w.constant(_slug(w).damping),
-    "rotor_inertia": lambda w, k: w.constant(w.rotors[k].inertia),
+    "rotor_inertia": lambda w, k: w.constant(w.rotor(k).inertia),
 }
 
 

@@ -113,7 +113,7 @@ def names() -> list[str]:
 
 
 @lru_cache(maxsize=64)
-def derivation(name: str) -> Derivation:
+def derive(name: str) -> Derivation:
     """Return a derivation, every step verified. Raises `InputError` for unknown names."""
     solids = _solid_names()
     if name in solids:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from eom.derivations import derivation, names
+from eom.derivations import derive, names
 
 DISPLAYS = {"000": 39, "001": 14, "002": 39}
 """How many equations each lecture displays."""
@@ -100,7 +100,7 @@ def equation_map() -> dict[str, Entry]:
     for name in names():
         if name.startswith("inertia-of-"):
             continue
-        for step in derivation(name).steps:
+        for step in derive(name).steps:
             for identifier in step.states:
                 found[identifier].append((name, step.label))
     return {

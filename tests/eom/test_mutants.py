@@ -8,7 +8,7 @@ import random
 
 import pytest
 
-from eom.derivations import derivation, names
+from eom.derivations import derive, names
 from eom.terms import Equation, column, cross, der, dot, integral, matmul, number, tilde, zero
 from eom.vocabulary import omega, position, quantity, unit, velocity
 from tests.eom import mutants as trial
@@ -23,7 +23,7 @@ TORQUE = quantity("torque", "body", "C")
 def sample():
     """Six edits of each of some steps, drawn at random."""
     generator = random.Random(1)
-    made = [derivation(n) for n in names()]
+    made = [derive(n) for n in names()]
     chosen = []
     steps = [(d, step) for d in made for step in judged_steps(d)]
     for d, step in generator.sample(steps, STEPS):
@@ -52,7 +52,7 @@ def test_a_checker_that_does_not_look_is_found_out(sample, monkeypatch, verdict)
 
 @pytest.mark.parametrize("name", names())
 def test_every_step_is_true_by_numerics(name):
-    d = derivation(name)
+    d = derive(name)
     for step in judged_steps(d):
         assert oracle.is_true(step.statement, step.assumptions, d.scalars), step.label
 
@@ -91,7 +91,7 @@ def test_frames_of_the_oracle_turn_with_their_angular_velocity():
 
 
 def test_edits_are_single_distinct_and_of_every_kind():
-    d = derivation("rigid-body-momentum")
+    d = derive("rigid-body-momentum")
     found = [m for _, _, m in edits_of([d]) if m.equation is not None]
     kinds = {m.kind for m in found}
     assert kinds == set("sign factor transpose dropped exchanged frame derivative index".split())

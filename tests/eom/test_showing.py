@@ -95,7 +95,7 @@ def test_html_is_one_escaped_page_without_scripts(small):
 
 
 def test_statements_alone_are_the_ends_of_chains():
-    derivation = derivations.derivation("particle-system")
+    derivation = derivations.derive("particle-system")
     shown = show_derivation(derivation, "text", "underline", steps=False)
     assert "τ̲_O = h̲_O^• + c̲_O × r̲_O^••" in " ".join(shown.split())
     assert "random worlds" not in shown
@@ -103,7 +103,7 @@ def test_statements_alone_are_the_ends_of_chains():
 
 
 def test_chains_share_a_left_side():
-    steps = derivations.derivation("particle-system").steps
+    steps = derivations.derive("particle-system").steps
     groups = chains(steps)
     assert [s for group in groups for s in group] == list(steps)
     assert any(len(group) > 2 for group in groups)
@@ -112,7 +112,7 @@ def test_chains_share_a_left_side():
 
 
 def test_a_chain_is_aligned():
-    shown = show_derivation(derivations.derivation("particle-system"), "latex", "underline")
+    shown = show_derivation(derivations.derive("particle-system"), "latex", "underline")
     chain = re.search(
         r"\\begin\{align\*\}\n\\underline\{H\}_\{O\}.*?\\end\{align\*\}", shown, re.DOTALL
     )
@@ -147,7 +147,7 @@ def test_unknown_choices_are_refused(small):
 def some():
     """Every kind of derivation; of the solids, one with long integrals."""
     names = [n for n in derivations.names() if not n.startswith("inertia-of-")]
-    return [derivations.derivation(n) for n in [*names, "inertia-of-torus"]]
+    return [derivations.derive(n) for n in [*names, "inertia-of-torus"]]
 
 
 @pytest.mark.parametrize("notation", NOTATIONS)

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from eom.derivation import DerivationError, Maker, verify
-from eom.derivations import derivation, names, titles
+from eom.derivations import derive, names, titles
 from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import world
@@ -29,7 +29,7 @@ def test_registry_and_titles_agree():
 
 @pytest.mark.parametrize("name", ALL)
 def test_each_is_made_with_every_step_verified(name):
-    d = derivation(name)
+    d = derive(name)
     titled = {n: (group, title) for group, made in titles().items() for n, title in made.items()}
     assert (d.group, d.title) == titled[name]
     assert len(d.steps) > 3
@@ -41,7 +41,7 @@ def test_each_is_made_with_every_step_verified(name):
 
 @pytest.mark.parametrize("name", ALL)
 def test_each_step_holds_in_worlds_of_other_seeds(name):
-    d = derivation(name)
+    d = derive(name)
     for step in d.steps:
         if step.evidence.startswith("held"):
             assumed = closure(step.assumptions)
@@ -59,7 +59,7 @@ def test_each_step_holds_in_worlds_of_other_seeds(name):
 
 @pytest.mark.parametrize("name", ["particle-system", "euler-equations", "spinning-symmetric-body"])
 def test_steps_hold_in_exact_rationals_too(name):
-    d = derivation(name)
+    d = derive(name)
     checked = 0
     for step in d.steps[:: max(1, len(d.steps) // 6)]:
         if step.evidence.startswith("held"):
@@ -94,7 +94,7 @@ NEEDED = [
 
 @pytest.mark.parametrize(("name", "label", "assumption"), NEEDED)
 def test_without_its_assumption_the_step_is_false(name, label, assumption):
-    d = derivation(name)
+    d = derive(name)
     step = d[label]
     assert assumption in closure(step.assumptions)
     rest = {a for a in closure(step.assumptions) if assumption not in closure([a])}
@@ -104,8 +104,8 @@ def test_without_its_assumption_the_step_is_false(name, label, assumption):
 
 def test_time_of_each_and_of_all():
     code = (
-        "import time\nfrom eom.derivations import derivation, names\n"
-        "for n in names():\n t = time.process_time(); derivation(n)\n"
+        "import time\nfrom eom.derivations import derive, names\n"
+        "for n in names():\n t = time.process_time(); derive(n)\n"
         " print(n, time.process_time() - t)"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -122,19 +122,19 @@ def test_titles_need_no_sympy():
 
 def test_unknown_names_are_refused_with_a_near_match():
     with pytest.raises(InputError, match="euler-equations"):
-        derivation("euler-equation")
+        derive("euler-equation")
 
 
 @pytest.mark.parametrize(
     "name", ["euler-equations", "torque-free-motion", "spinning-symmetric-body", "gyrostat"]
 )
 def test_results_are_systems(name):
-    assert isinstance(derivation(name).system, System)
+    assert isinstance(derive(name).system, System)
 
 
 def test_results_of_the_spinner_are_those_of_the_lecture():
     """Lecture 001, the boxed column and both equations of motion, with I2 dOmega/dt restored."""
-    d = derivation("spinning-symmetric-body")
+    d = derive("spinning-symmetric-body")
     theta, th, ps, thdd, psdd, Om, Omd = sp.symbols(
         "theta theta_dot psi_dot theta_ddot psi_ddot Omega Omega_dot", real=True
     )
@@ -151,7 +151,7 @@ def test_results_of_the_spinner_are_those_of_the_lecture():
 
 
 def test_a_step_knows_what_it_rests_on():
-    d = derivation("euler-equations")
+    d = derive("euler-equations")
     assert d["euler-1"].states == ("000:E25", "001:E3", "002:E37")
     assert "principal_axes" in d["euler-1"].assumptions
     assert "principal_axes" not in d["euler-dyadic"].assumptions

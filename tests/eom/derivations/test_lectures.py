@@ -2,7 +2,7 @@
 
 import pytest
 
-from eom.derivations import derivation
+from eom.derivations import derive
 from eom.derivations.lectures import (
     CLAIMS,
     DISPLAYS,
@@ -25,7 +25,7 @@ def test_each_is_stated_by_a_verified_step(identifier):
         return
     assert entry.steps
     for name, label in entry.steps:
-        step = derivation(name)[label]
+        step = derive(name)[label]
         assert identifier in step.states
         assert step.evidence
 
@@ -33,7 +33,7 @@ def test_each_is_stated_by_a_verified_step(identifier):
 def test_every_tag_of_a_step_is_in_the_map():
     from eom.derivations import names
 
-    tags = {t for n in names() for s in derivation(n).steps for t in s.states}
+    tags = {t for n in names() for s in derive(n).steps for t in s.states}
     assert tags == set(identifiers()) - set(NO_EQUATION)
 
 
