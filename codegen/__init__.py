@@ -2,6 +2,19 @@
 
 from codegen.compiled import Compiled, compile
 from codegen.integrate.trajectory import Stop
+from codegen.linear import Linear, SparseJacobian, compiled_jacobian, linearise
 from codegen.simulation import METHODS, Drift, Result, simulate
 
-__all__ = ["METHODS", "Compiled", "Drift", "Result", "Stop", "compile", "simulate"]
+__all__ = [
+    "METHODS",
+    "Compiled",
+    "Drift",
+    "Linear",
+    "Result",
+    "SparseJacobian",
+    "Stop",
+    "compile",
+    "compiled_jacobian",
+    "linearise",
+    "simulate",
+]

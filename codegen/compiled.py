@@ -238,9 +238,9 @@ def compile(  # noqa: A001 - the word that users expect
             hint="call derive() of a scene",
         )
     program, layout = specialised(system, parameters or {})
-    build = _TARGETS.get(target)
+    build = TARGETS.get(target)
     if build is None:
-        raise unknown_name("target", target, _TARGETS)
+        raise unknown_name("target", target, TARGETS)
     used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, dict(parameters or {}), functions, notice)
 
@@ -344,7 +344,7 @@ def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         )
 
 
-_TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
+TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
     "auto": _automatic,
     "c": _native,
     "numpy": _numpy,

@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+import sympy as sp
+
+import codegen
+from codegen.linear import KINDS, compiled_jacobian, linearise
+from eom.errors import InputError
+from eom.scene import Scene
+from eom.system import Definition, Quantity, System
+
+x, v, m, k, c, f = sp.symbols("x v m k c f", real=True)
+
+
+def oscillator():
+    """A damped mass on a spring that stiffens, with a force as input and its power as output."""
+    return System(
+        name="oscillator",
+        states=(Quantity(x, "m", "place"), Quantity(v, "m/s", "velocity")),
+        rates=(v, (f - c * v - k * x - x**3) / m),
+        parameters=tuple(Quantity(s, "1", "parameter") for s in (m, k, c)),
+        inputs=(Quantity(f, "N", "force"),),
+        outputs=(Definition(Quantity(sp.Symbol("power", real=True), "W", "power"), f * v),),
+    )
+
+
+P = (2.0, 3.0, 0.5)
+TARGETS = ["c", "numpy"]
+
+
+@pytest.fixture(scope="module", params=TARGETS)
+def compiled(request):
+    try:
+        return codegen.compile(oscillator(), request.param)
+    except InputError:
+        pytest.skip("no C compiler")
+
+
+def test_entries_have_their_places(compiled):
+    J = compiled_jacobian(compiled)
+    assert list(zip(J.rows, J.columns, strict=True)) == [(0, 1), (1, 0), (1, 1)]
+    value, entries = J.with_value(0.0, (0.5, -1.0), P, (7.0,))
+    assert np.allclose(value, compiled.rhs(0.0, (0.5, -1.0), P, (7.0,)), rtol=1e-15)
+    assert np.allclose(entries, [1, -(3 + 3 * 0.25) / 2, -0.25], rtol=1e-15)
+    dense = J.dense(0.0, (0.5, -1.0), P, (7.0,))
+    assert np.array_equal(dense, J.sparse(0.0, (0.5, -1.0), P, (7.0,)).toarray())
+    assert dense.shape == J.shape == (2, 2)
+    assert J.colours == {0: 1, 1: 0}
+
+
+def test_a_batch_is_its_columns_one_by_one(compiled):
+    J = compiled_jacobian(compiled)
+    points = np.random.default_rng(3).normal(size=(2, 9))
+    batch = J.dense(0.0, points, P, (7.0,))
+    assert batch.shape == (2, 2, 9)
+    for n in range(9):
+        one = J.dense(0.0, np.ascontiguousarray(points[:, n]), P, (7.0,))
+        assert np.allclose(batch[..., n], one, rtol=1e-15)
+
+
+def test_linearisation_is_that_of_the_textbook(compiled):
+    linear = linearise(compiled, (0.5, -1.0), P, (7.0,))
+    assert np.allclose(linear.A, [[0, 1], [-(3 + 0.75) / 2, -0.25]])
+    assert np.allclose(linear.B, [[0], [0.5]])
+    assert np.allclose(linear.C, [[0, 7]])
+    assert np.allclose(linear.D, [[-1]])
+    assert (linear.states, linear.inputs, linear.outputs) == (("x", "v"), ("f",), ("power",))
+
+
+def test_along_a_trajectory_there_is_one_more_axis(compiled):
+    path = np.random.default_rng(5).normal(size=(2, 4))
+    linear = linearise(compiled, path, P, (7.0,))
+    assert linear.A.shape == (2, 2, 4)
+    assert linear.C.shape == (1, 2, 4)
+
+
+def test_parameters_and_time(compiled):
+    J = compiled_jacobian(compiled, "parameters")
+    at = (0.5, -1.0), P, (7.0,)
+    rate = compiled.rhs(0.0, *at)[1]
+    assert np.allclose(J.dense(0.0, *at)[1], [-rate / 2, -0.25, 0.5])
+    assert compiled_jacobian(compiled, "time").rows == ()
+
+
+@pytest.mark.parametrize("by", KINDS)
+def test_against_differences(by):
+    scene = Scene.ready("gravity-gradient-satellite")
+    compiled = codegen.compile(scene.derive(), "numpy")
+    states = np.array(list(scene.initial_values().values()))
+    p = np.array(list(scene.parameter_values().values()))
+    J = compiled_jacobian(compiled, by).dense(0.0, states, p)
+    base = {"states": states, "parameters": p, "inputs": np.empty(0), "time": np.zeros(1)}[by]
+    for column in range(len(base)):
+        width = 1e-6 * max(1e-3, abs(base[column]))
+        sides = []
+        for s in (1, -1):
+            moved = base.copy()
+            moved[column] += s * width
+            args = {"states": (0.0, moved, p), "parameters": (0.0, states, moved)}
+            sides.append(compiled.rhs(*args.get(by, (moved[0], states, p))))
+        slope = (sides[0] - sides[1]) / (2 * width)
+        assert np.allclose(J[:, column], slope, rtol=1e-6, atol=1e-9 * (1 + np.abs(slope).max()))
+
+
+def test_other_words_are_refused(compiled):
+    with pytest.raises(InputError, match="states"):
+        compiled_jacobian(compiled, "state")
+    with pytest.raises(InputError, match="group of results"):
+        compiled_jacobian(compiled, of="outptus")
+    with pytest.raises(InputError, match="wrong shape"):
+        compiled_jacobian(compiled)(0.0, (1.0,), P, (1.0,))
