@@ -6,7 +6,7 @@ primitive quantities, which the world supplies.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -35,12 +35,19 @@ class Evaluator:
 
     def holds(self, equation: Equation) -> bool:
         """Tell whether both sides agree in every known coefficient, for all free indices."""
-        free = sorted((self.labels(equation.left) | self.labels(equation.right)) & INDICES)
+        both = self.labels(equation.left) | self.labels(equation.right)
+        return all(self._agree(equation, env) for env in self.numberings(both))
+
+    def lowest(self, term: Term) -> Any:
+        """Return the least value at t = 0 of a scalar, over all free indices; for rational worlds."""
+        numberings = self.numberings(self.labels(term))
+        return min(self.value(term, env).coefficients[0] for env in numberings)
+
+    def numberings(self, labels: frozenset[str]) -> Iterator[Env]:
+        """Yield every way to number the free indices among ``labels``."""
+        free = sorted(labels & INDICES)
         ranges = [range(self.world.count("rotors" if i == "k" else "particles")) for i in free]
-        return all(
-            self._agree(equation, dict(zip(free, numbers, strict=True)))
-            for numbers in product(*ranges)
-        )
+        return (dict(zip(free, numbers, strict=True)) for numbers in product(*ranges))
 
     def labels(self, term: Term) -> frozenset[str]:
         """Return the free labels of a term and of what its symbols stand for."""

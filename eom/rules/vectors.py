@@ -7,6 +7,8 @@ from collections.abc import Callable
 from eom.rules.basic import Rule, apply, everywhere, until_stable
 from eom.rules.calculus import BILINEAR, combine, differentiate, distribute, take_out
 from eom.terms import (
+    DYADIC,
+    INDICES,
     INERTIAL,
     SCALAR,
     VECTOR,
@@ -156,6 +158,30 @@ def _commute(node: Term) -> Term:
 
 commute: Rule = everywhere(_commute)
 """a.b = b.a, with the higher derivative first."""
+
+
+def _ordered(node: Term) -> Term:
+    if node.head not in {"dot", "cross"} or len({a.kind for a in node.args}) > 1:
+        return node
+    a, b = sorted(node.args, key=repr)
+    if node.kind == DYADIC or (a, b) == node.args:
+        return node
+    return dot(a, b) if node.head == "dot" else -cross(a, b)
+
+
+def _from_points(node: Term) -> Term:
+    """The position of a fixed point from an element is minus that of the element from it."""
+    if node.head == "atom" and node.data[0] == "position":
+        _, of, origin = node.data
+        if origin in INDICES and of not in INDICES:
+            return -quantity("position", origin, of)
+    return node
+
+
+def ordered(term: Term) -> Term:
+    """Write products in one order: a.b = b.a, a x b = -(b x a), factors in front."""
+    ordering = everywhere(_ordered)
+    return distribute(ordering(distribute(everywhere(_from_points)(term))))
 
 
 def order_dots(first: Term) -> Rule:

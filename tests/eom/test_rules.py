@@ -6,7 +6,6 @@ import pytest
 import sympy as sp
 
 from eom import rules
-from eom.derivation import decide
 from eom.terms import (
     Equation,
     add,
@@ -30,6 +29,7 @@ from eom.terms import (
     transpose,
     zero,
 )
+from eom.verification import decide
 from eom.vocabulary import mass, omega, position, quantity, unit, velocity
 
 A, B, V = (quantity("vector", n) for n in "abv")

@@ -4,11 +4,11 @@ import string
 
 import pytest
 
-from eom.derivation import decide
 from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import world
 from eom.terms import Equation, add, cross, der, dot, integral, mul, number, total, zero
+from eom.verification import decide
 from eom.vocabulary import (
     QUANTITIES,
     definition,

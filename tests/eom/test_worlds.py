@@ -5,11 +5,11 @@ from itertools import combinations
 import pytest
 
 from eom import series
-from eom.derivation import decide
 from eom.errors import InputError
 from eom.generators import world, worlds
 from eom.series import Series
 from eom.terms import Equation, add, column, cross, der, dot, integral, mul, number, outer, zero
+from eom.verification import decide
 from eom.vocabulary import mass, omega, position, quantity, unit, velocity
 from eom.worlds import ASSUMPTIONS, closure
 

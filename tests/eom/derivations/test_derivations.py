@@ -7,7 +7,7 @@ import time
 import pytest
 import sympy as sp
 
-from eom.derivation import DerivationError, Maker, verify
+from eom.derivation import Maker
 from eom.derivations import derive, names, titles
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -15,6 +15,7 @@ from eom.generators import world
 from eom.series import Singular
 from eom.solids import SOLIDS
 from eom.system import System
+from eom.verification import DerivationError, verify
 from eom.worlds import closure
 
 ALL = names()
