@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen import fastcall, native, passes
+from codegen.elsewhere import as_system
 from codegen.guard import Guard
 from codegen.integrate import runge_kutta
 from codegen.integrate.dop853 import DOP853
@@ -222,21 +223,17 @@ class Compiled:
 
 
 def compile(  # noqa: A001 - the word that users expect
-    system: System, target: str = "auto", parameters: Mapping[str, float] | None = None
+    system: System | Any, target: str = "auto", parameters: Mapping[str, float] | None = None
 ) -> Compiled:
     """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
 
+    ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
+    LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded.
     Raises `InputError` for unknown names, values that contradict the system's assumptions and
     expressions without an operation; `CompilerError` where target ``c`` cannot be compiled.
     """
-    if not isinstance(system, System):
-        raise InputError(
-            "not a system of equations",
-            got=type(system).__name__,
-            expected="an eom.System",
-            hint="call derive() of a scene",
-        )
+    system = as_system(system)
     program, layout = specialised(system, parameters or {})
     build = TARGETS.get(target)
     if build is None:
