@@ -124,18 +124,45 @@ def derive(
 @scene_argument
 @click.option("--target", default="c", show_default=True, metavar="c|numpy", help="Language.")
 @click.option(
-    "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
+    "--out",
+    "folder",
+    type=click.Path(path_type=Path),
+    help="Folder to write to; may be left out with --report.",
 )
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
-def generate(scene: str, target: str, folder: Path, fixed: bool) -> None:
+@click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
+def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: bool) -> None:
     """Write the equations of SCENE as C (with an integrator) or as a NumPy module."""
     from codegen.compiled import generate as generate_files
     from codegen.compiled import specialised, write_files
 
+    if folder is None and not report:
+        raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
     chosen = _scene(scene)
     values = chosen.parameter_values() if fixed else {}
-    files = generate_files(*specialised(chosen.derive(), values), target)
-    _report_files(write_files(files, folder))
+    if report:
+        _print_report(chosen, values, target)
+    if folder is not None:
+        files = generate_files(*specialised(chosen.derive(), values), target)
+        _report_files(write_files(files, folder))
+
+
+def _print_report(scene: Scene, values: dict[str, float], target: str) -> None:
+    """Print what code generation leaves to compute; nothing is compiled."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from codegen.report import report
+
+    found = report(scene.derive(), values, target)
+    stages = Table("right-hand side", "operations", "cost in additions", box=None, pad_edge=False)
+    for stage in found.stages:
+        stages.add_row(stage.name, f"{stage.operations:,}", f"{stage.cost:,}" if stage.cost else "")
+    console = Console(soft_wrap=True)
+    console.print(stages)
+    console.print("kinds: " + ", ".join(f"{n} {op}" for op, n in found.kinds.items()))
+    for name, size in found.sizes.items():
+        console.print(f"{name}: {size:,} bytes")
 
 
 @main.command()

@@ -289,3 +289,20 @@ def test_missing_initial_value_is_named(run, scene_file):
 def test_help_names_every_command(run):
     text = run("--help").output
     assert all(word in text for word in ("list", "derive", "generate", "simulate", "run"))
+
+
+def test_generate_reports_operations_before_compiling(run, tmp_path):
+    done = run("generate", "heavy-top", "--report")
+    assert done.exit_code == 0
+    assert "as written" in done.output
+    assert "heavy_top.c: " in done.output
+    both = run("generate", "heavy-top", "--report", "--fixed", "--out", tmp_path / "top")
+    assert "compiled in" in both.output
+    written = (tmp_path / "top" / "heavy_top.c").stat().st_size
+    assert f"heavy_top.c: {written:,} bytes" in both.output
+
+
+def test_generate_needs_a_folder_or_a_report(run):
+    done = run("generate", "heavy-top")
+    assert done.exit_code == 2
+    assert "--out FOLDER" in done.stderr
