@@ -156,8 +156,8 @@ _PYTHON = frozenset(
 _OWN = frozenset(
     {"t", "x", "p", "u", "y", "xs", "ps", "us", "ys", "out", "dx", "k", "n", "count", "select"}
 )
-HELPERS = ("sign_", "min_", "max_")
-"""Functions that generated C defines for itself."""
+HELPERS = ("sign_", "min_", "max_", "carried_")
+"""Functions, and an array, that generated C defines for itself."""
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""

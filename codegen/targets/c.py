@@ -10,7 +10,7 @@ from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.names import comment, identifier
 from codegen.passes import prune
 from codegen.program import Program
-from codegen.targets.render import Body, Template, infix, render
+from codegen.targets.render import Body, Line, Template, infix, render, split
 from eom.system import Quantity
 
 
@@ -54,6 +54,9 @@ TEMPLATES: dict[str, Template] = {
     "select": Template("({0} != 0.0 ? {1} : {2})", 100, (6, 3, 3)),
 }
 """Conditions are doubles, 0 or 1, so that every value has one type."""
+
+PART_LINES = 400
+"""Functions with more assignments are split into parts of so many."""
 
 _HELPERS = {
     "sign_": "static inline double sign_(double a) { "
@@ -211,19 +214,54 @@ def _stride(text: str) -> str:
 
 
 def _kernel(name: str, group: str, body: Body) -> str:
-    """The computation over strided arrays: all loads, then all stores, so that y may overlap x."""
-    lines = [
-        f"static inline void {name}_{group}_kernel(double t, const double *x, ptrdiff_t xs,",
-        "    const double *p, ptrdiff_t ps, const double *u, ptrdiff_t us, double *y, ptrdiff_t ys) {",
-        "    (void)t, (void)x, (void)xs, (void)p, (void)ps, (void)u, (void)us, (void)y, (void)ys;",
-    ]
-    for variable, expression, note in body.lines:
-        lines.append(
-            f"    const double {variable} = {_stride(expression)};"
-            + (f" /* {note} */" if note else "")
+    """The computation over strided arrays: all loads, then all stores, so that y may overlap x.
+
+    A long one is split into parts, so that the time of compilers stays linear; what a later part
+    needs of an earlier one goes through an array on the stack.
+    """
+    stores = [f"    {_stride(f'y[{k} * ys]')} = {r};" for k, r in enumerate(body.results)]
+    head = f"{name}_{group}_kernel"
+    if len(body.lines) <= PART_LINES:
+        return _static(
+            head, "inline void", "double *y, ptrdiff_t ys", [*_assigned(body.lines), *stores]
         )
-    lines += [f"    {_stride(f'y[{k} * ys]')} = {result};" for k, result in enumerate(body.results)]
-    return "\n".join([*lines, "}"])
+    parts = split(body, PART_LINES)
+    texts, calls = [], []
+    for k, part in enumerate(parts):
+        lines = [f"    const double {v} = carried_[{slot}];" for v, slot in part.loads]
+        lines += _assigned(part.lines)
+        lines += [f"    carried_[{slot}] = {v};" for v, slot in part.stores]
+        last = k == len(parts) - 1
+        more = "double *carried_" + (", double *y, ptrdiff_t ys" if last else "")
+        texts.append(_static(f"{head}_{k}", "void", more, [*lines, *(stores if last else [])]))
+        calls.append(
+            f"    {head}_{k}(t, x, xs, p, ps, u, us, carried_{', y, ys' if last else ''});"
+        )
+    size = max((slot + 1 for part in parts for _, slot in part.stores), default=1)
+    body_lines = [f"    double carried_[{size}];", *calls]
+    return "\n\n".join([*texts, _static(head, "void", "double *y, ptrdiff_t ys", body_lines)])
+
+
+def _static(name: str, kind: str, more: str, lines: Sequence[str]) -> str:
+    """Return a static function over the strided arrays and ``more`` arguments."""
+    extra = [a.split()[-1].lstrip("*") for a in more.split(",")]
+    unused = ", ".join(f"(void){a}" for a in ("t", "x", "xs", "p", "ps", "u", "us", *extra))
+    return "\n".join(
+        [
+            f"static {kind} {name}(double t, const double *x, ptrdiff_t xs,",
+            f"    const double *p, ptrdiff_t ps, const double *u, ptrdiff_t us, {more}) {{",
+            f"    {unused};",
+            *lines,
+            "}",
+        ]
+    )
+
+
+def _assigned(lines: Sequence[Line]) -> list[str]:
+    return [
+        f"    const double {variable} = {_stride(expression)};" + (f" /* {note} */" if note else "")
+        for variable, expression, note in lines
+    ]
 
 
 def _scalar(name: str, group: str) -> str:

@@ -6,6 +6,7 @@ short; everything else is assigned to a variable. The order of operations never 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -46,6 +47,43 @@ class Body:
 
     lines: tuple[Line, ...]
     results: tuple[str, ...]
+
+
+class Part(NamedTuple):
+    """Some lines of a body, with what they load from earlier parts and store for later ones.
+
+    ``loads``, ``stores``: (variable, slot of the array that is carried from part to part).
+    """
+
+    lines: tuple[Line, ...]
+    loads: tuple[tuple[str, int], ...]
+    stores: tuple[tuple[str, int], ...]
+
+
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
+
+def split(body: Body, most: int) -> list[Part]:
+    """Return the lines in parts of at most ``most``; the results belong to the last one."""
+    groups = [body.lines[k : k + most] for k in range(0, len(body.lines), most)]
+    home = {line.variable: k for k, lines in enumerate(groups) for line in lines}
+    needed: list[dict[str, None]] = []
+    for k, lines in enumerate(groups):
+        texts = [line.expression for line in lines]
+        texts += body.results if k == len(groups) - 1 else ()
+        words = dict.fromkeys(w for text in texts for w in _WORD.findall(text))
+        needed.append({w: None for w in words if home.get(w, k) < k})
+    slots = {v: n for n, v in enumerate(dict.fromkeys(v for names in needed for v in names))}
+    return [
+        Part(
+            lines,
+            tuple((v, slots[v]) for v in needed[k]),
+            tuple(
+                (line.variable, slots[line.variable]) for line in lines if line.variable in slots
+            ),
+        )
+        for k, lines in enumerate(groups)
+    ]
 
 
 def infix(symbol: str, power: int) -> Template:

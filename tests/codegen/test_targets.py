@@ -7,6 +7,8 @@ import subprocess
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
@@ -15,6 +17,7 @@ from codegen.compiled import generate, write_files
 from codegen.lower import _CHAINS, _COMPARISONS, _FUNCTIONS, lower_expressions
 from codegen.ops import OPS
 from codegen.targets import c, load_module, numpy_
+from codegen.targets.render import Body, Line, split
 from eom.errors import InputError
 from eom.system import Definition, Quantity, System
 
@@ -162,6 +165,60 @@ def test_headers_can_be_included_alone_and_twice(compiler, tmp_path):
     strictly_compile(files, tmp_path, compiler)
 
 
+# --- long functions are split --------------------------------------------------------------------------
+
+
+@needs_compiler
+@pytest.mark.parametrize("most", [1, 3, 17])
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_parts_give_the_same_numbers_to_the_last_bit(name, most, monkeypatch):
+    system = SYSTEMS[name]()
+    whole = compile_system(system, "c")
+    monkeypatch.setattr(c, "PART_LINES", most)
+    parts = compile_system(system, "c")
+    rng = np.random.default_rng(4)
+    sizes = len(system.states), len(system.parameters), len(system.inputs)
+    xs, ps, us = (rng.uniform(0.2, 1.3, n) for n in sizes)
+    batch = rng.uniform(0.2, 1.3, (sizes[0], 5))
+    for group, function in whole.functions.items():
+        np.testing.assert_array_equal(
+            parts.functions[group](0.3, xs, ps, us), function(0.3, xs, ps, us)
+        )
+        np.testing.assert_array_equal(
+            parts.functions[group](0.3, batch, ps, us), function(0.3, batch, ps, us)
+        )
+    state = xs.copy()
+    assert np.array_equal(parts.rhs(0.3, state, ps, us, out=state), whole.rhs(0.3, xs, ps, us))
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_parts_pass_strict_compilers(compiler, tmp_path, monkeypatch):
+    monkeypatch.setattr(c, "PART_LINES", 2)
+    strictly_compile(files_of(SYSTEMS["all operations"]()), tmp_path, compiler)
+    strictly_compile(files_of(hostile_system()), tmp_path, compiler)
+
+
+@given(st.integers(1, 40), st.integers(1, 9), st.randoms(use_true_random=False))
+def test_parts_load_what_earlier_parts_stored(count, most, random):
+    lines = []
+    for k in range(count):
+        used = random.sample(range(k), min(k, 2))
+        lines.append(Line(f"v{k}_", " + ".join(["1.0", *(f"v{n}_" for n in used)])))
+    body = Body(tuple(lines), ("v0_", f"v{count - 1}_"))
+    parts = split(body, most)
+    assert [line for part in parts for line in part.lines] == lines
+    assert all(len(part.lines) <= most for part in parts)
+    carried = {}
+    for k, part in enumerate(parts):
+        known = {v: carried[slot] for v, slot in part.loads}
+        assert all(known[v] == v for v in known)
+        known |= {line.variable: line.variable for line in part.lines}
+        texts = [line.expression for line in part.lines]
+        texts += body.results if k == len(parts) - 1 else []
+        assert {w for t in texts for w in re.findall(r"v\d+_", t)} <= set(known)
+        carried |= {slot: v for v, slot in part.stores}
+
+
 # --- hostile names ----------------------------------------------------------------------------------------
 
 HOSTILE = [
@@ -170,7 +227,7 @@ HOSTILE = [
     "v1_", "v2_", "for", "main", "π", "δ", "∂", "q̇", "xs", "ps", "us", "ys", "N", "S", "j", "count",
     "a" * 300, "a" * 300 + "b", "rates", "outputs", "None", "True", "True_", "sign_", "min_",
     "__import__('os')", "double", "restrict", "INFINITY", "HUGE_VAL", "FP_NAN",
-    "min", "sign", "_Bool", "complex", "k", "s",
+    "min", "sign", "_Bool", "complex", "k", "s", "carried_",
 ]  # fmt: skip
 
 
