@@ -1,6 +1,7 @@
 """SymPy expressions become programs: powers, sums, deep nests, mass matrices, refusals."""
 
 import mpmath
+import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given, settings
@@ -140,3 +141,25 @@ def test_a_mass_matrix_that_is_not_symmetric_is_refused():
         lower_system(system)
     assert "(1, 2) and (2, 1)" in error.value.where
     assert error.value.got == "q and -q"
+
+
+@pytest.mark.parametrize("slip", [0, sp.Rational(1, 10**20)])
+def test_entries_that_are_written_differently_are_compared_by_value(slip):
+    mass = sp.ImmutableMatrix(
+        [
+            [3, sp.sin(2 * x) + p * (q + 1)],
+            [2 * sp.sin(x) * sp.cos(x) + p * q + p + slip, 5 + p * q],
+        ]
+    )
+    system = System(
+        "twice", (Quantity(x), Quantity(y)), (y, -x), (Quantity(p), Quantity(q)), mass_matrix=mass
+    )
+    if slip:
+        with pytest.raises(InputError, match="not symmetric"):
+            lower_system(system)
+        return
+    program = lower_system(system)
+    at = {x: 0.3, y: -0.4, p: 0.2, q: 0.7}
+    found = interpret(program, Point(x=(0.3, -0.4), p=(0.2, 0.7)))["rates"]
+    numbers = [[float(e.xreplace(at)) for e in row] for row in mass.tolist()]
+    assert np.allclose(found, np.linalg.solve(numbers, [-0.4, -0.3]), rtol=1e-14)
