@@ -13,7 +13,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from eom.errors import InputError
-from eom.system import Quantity, System
+from eom.system import Quantity, System, as_expression
 
 Expr = Any
 
@@ -59,7 +59,7 @@ def _entries(values: Any, what: str) -> list[Expr]:
     found = list(values)
     if not all(isinstance(v, sp.Expr | int | float) for v in found):
         raise InputError(f"{what} are not expressions", got=str(found)[:200])
-    return [sp.sympify(v, strict=True) for v in found]
+    return [as_expression(v) for v in found]
 
 
 def _kane(method: Any) -> Parts:

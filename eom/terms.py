@@ -16,7 +16,6 @@ import sympy as sp
 from eom.errors import InputError
 
 Expr = Any
-Labels = tuple[str, ...]
 
 SCALAR, VECTOR, DYADIC, COLUMN, MATRIX = "scalar", "vector", "dyadic", "column", "matrix"
 INDICES = frozenset({"i", "j", "k", "l", "n", "dm"})

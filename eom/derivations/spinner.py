@@ -38,7 +38,7 @@ from eom.vocabulary import omega, quantity, unit
 
 H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J = quantity("inertia", "C")
-B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
+B1, B2 = (unit("B", k) for k in (1, 2))
 A3 = unit("A", 3)
 
 
