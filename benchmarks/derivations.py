@@ -1,14 +1,20 @@
-"""Time to make and verify each derivation, and to integrate the inertia of each solid."""
+"""Time to make and verify each derivation; time and error of the inertia of each solid."""
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
+from eom.meshes import mesh_properties
+from eom.solids import SOLIDS
+from tests.eom.test_meshes import icosphere
+from tests.eom.test_solids import cubature_error
 
 EACH_DERIVATION, ALL_DERIVATIONS, EACH_SOLID = 2.0, 60.0, 0.2
+CUBATURE_ERROR, MESH_ORDER = 1e-10, 2.0
 
 _DERIVATIONS = """
 import time
@@ -39,8 +45,28 @@ def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements a
         _row(f"all {len(steps)} derivations", sum(steps.values()), ALL_DERIVATIONS),
         _slowest("inertia of a solid", moments, EACH_SOLID),
         _row(f"all {len(moments)} solids", sum(moments.values()), None),
+        _cubature(),
+        _meshes(),
     )
-    return Section("derivations: time on one core, the first call", rows)
+    return Section("derivations: time on one core, the first call; errors of inertia", rows)
+
+
+def _cubature() -> Row:
+    """Return the greatest error of the closed forms at three random sizes of each solid."""
+    errors = {name: max(cubature_error(name, seed) for seed in range(3)) for name in SOLIDS}
+    worst = max(errors, key=errors.__getitem__)
+    what = f"closed forms against cubature, worst: {worst}"
+    met = errors[worst] <= CUBATURE_ERROR
+    return Row(what, f"{errors[worst]:.1e}", target=f"<= {CUBATURE_ERROR:g}", met=met)
+
+
+def _meshes() -> Row:
+    """Return the order in edge length at which meshes of a sphere converge."""
+    exact = 8 * math.pi / 15
+    errors = [1 - float(mesh_properties(*icosphere(k)).about_centre[2, 2]) / exact for k in (4, 5)]
+    order = math.log2(errors[0] / errors[1])
+    met = abs(order - MESH_ORDER) < 0.01
+    return Row("meshes of a sphere: order of the inertia", f"{order:.3f}", target="2", met=met)
 
 
 def _slowest(what: str, found: dict[str, float], limit: float) -> Row:

@@ -9,6 +9,7 @@ import sympy as sp
 from eom import dissipation as model
 from eom import steady
 from eom.derivation import Derivation, Maker
+from eom.frames import vector
 from eom.freebody import MOMENTS, H, T
 from eom.rigidbody import OMEGA, angular_momentum
 from eom.rules import (
@@ -21,7 +22,9 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import Equation, add, der, dot, expr, mul, number, zero
+from eom.system import System
+from eom.terms import Equation, add, der, dot, entries, expr, mul, number, zero
+from eom.transport import first_derivative, time_derivative
 from eom.vocabulary import omega, quantity
 
 Expr = Any
@@ -42,9 +45,23 @@ def energy_dissipation() -> Derivation:
     rule = _major_axis(d)
     _stability(d)
     _energy_sink(d)
-    return d.finish(
-        equations=model.viscous_slug(), excess_energy=rule, nutation_rate=model.nutation_rate()
-    )
+    system = model.viscous_slug()
+    _check_equations(d, system)
+    return d.finish(equations=system, excess_energy=rule, nutation_rate=model.nutation_rate())
+
+
+def _check_equations(d: Maker, system: System) -> None:
+    """The equations in principal axes obey the laws of the steps: momentum, slug, energy."""
+    rates = dict(zip((q.symbol for q in system.states), system.rates, strict=True))
+    slug = model.slug_momentum()
+    whole = angular_momentum(sp.diag(*MOMENTS), OMEGA) + slug
+    viscous = model.SIGMA.scaled(-model.DAMPING)
+    for h, torque in ((whole, vector("B", (0, 0, 0))), (slug, viscous)):
+        rate = first_derivative(h, OMEGA, rates).total
+        d.check(Equation(entries(rate.column), entries(torque.column)), "momentum of the system")
+    power = viscous.dot(model.SIGMA)
+    d.check(Equation(expr(time_derivative(model.slug_energy(), rates)), expr(power)), "its energy")
+    d.check(Equation(expr(model.energy_rate()), expr(power)), "its rate of energy")
 
 
 def _balance(d: Maker) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import sympy as sp
+
 from eom.derivation import Derivation, Maker
+from eom.frames import vector
 from eom.gyrostat import gyrostat
+from eom.rigidbody import OMEGA
 from eom.rules import (
     differentiate,
     differentiate_under,
@@ -14,7 +18,9 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import Equation, add, cross, der, dot, mul, number, total, zero
+from eom.system import System
+from eom.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
+from eom.transport import first_derivative, time_derivative
 from eom.vocabulary import omega, quantity
 
 W = omega()
@@ -31,7 +37,24 @@ def gyrostat_momentum() -> Derivation:
     d = Maker("gyrostat", "A gyrostat: a body with any number of rotors", "Spinning bodies")
     _body(d)
     _rotor(d)
-    return d.finish(equations=gyrostat(1))
+    system = gyrostat(2)
+    _check_equations(d, system)
+    return d.finish(equations=system)
+
+
+def _check_equations(d: Maker, system: System) -> None:
+    """Two rotors about b1 and b2, in principal axes: dh/dt = 0, and each axial momentum has its motor."""
+    full = map(system.expand, system.rates)
+    rates = dict(zip((q.symbol for q in system.states), full, strict=True))
+    outputs = {o.name: system.expand(o.expression) for o in system.outputs}
+    h = vector("B", (outputs[f"h_{k}"] for k in (1, 2, 3)))
+    rate = first_derivative(h, OMEGA, rates).total
+    d.check(Equation(entries(rate.column), entries(sp.zeros(3, 1))), "momentum of the system")
+    speeds = [outputs[f"Omega_{k}"] for k in (1, 2)]
+    for k, (speed, motor) in enumerate(zip(speeds, system.inputs, strict=True)):
+        inertia = sp.Symbol(f"Js_{k + 1}", positive=True)
+        turning = inertia * time_derivative(speed + OMEGA.components[k], rates)
+        d.check(Equation(expr(turning), expr(motor.symbol)), "a rotor of the system")
 
 
 def _body(d: Maker) -> None:

@@ -208,6 +208,15 @@ def by_cubature(name, sizes):
     return dm.sum(), r @ dm, (r * dm) @ r.T
 
 
+def cubature_error(name, seed):
+    """Greatest error of the second moments about the origin, relative to their trace."""
+    sizes = random_sizes(name, seed)
+    values = {sp.Symbol(n, positive=True): v for n, v in sizes.items()}
+    _, _, second = by_cubature(name, sizes)
+    found = np.array(properties_of(name).second_moments.subs(values), dtype=float)
+    return float(np.abs(found - second).max() / np.trace(second))
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(("name", "point"), EVERY_POINT)
 def test_closed_forms_against_cubature(name, point, seed):
