@@ -10,7 +10,6 @@ import pytest
 import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from eom import InputError, dissipation
@@ -23,26 +22,13 @@ from eom.dissipation import (
 from eom.identity import equal, is_invariant
 from eom.kinematics import attitude
 from eom.steady import linearised, spin_stability
+from tests.eom.motion import run
 
 I1, I2, I3, J_s, c = sp.symbols("I1 I2 I3 J_s c", positive=True)
 nu = sp.Symbol("nu", positive=True)
 w = sp.symbols("omega_1:4", real=True)
 s = sp.symbols("sigma_1:4", real=True)
 MOMENTS = (I1, I2, I3)
-
-
-def run(system, values, start, t_end, points=200):
-    """Integrate by SciPy with functions that SymPy prints."""
-    states = [q.symbol for q in system.states]
-    numbers = {q.symbol: values[q.name] for q in system.parameters}
-    rates = [system.expand(r).subs(numbers) for r in system.rates]
-    function = sp.lambdify([states], rates, "math")
-    grid = np.linspace(0, t_end, points)
-    found = solve_ivp(
-        lambda t, x: function(x), (0, t_end), start, "DOP853", grid, rtol=1e-11, atol=1e-13
-    )
-    assert found.success
-    return grid, found.y, states, numbers
 
 
 def along(system, expression, history, states, numbers):

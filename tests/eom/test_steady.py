@@ -9,7 +9,6 @@ import pytest
 import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from eom import InputError
 from eom.frames import vector
@@ -24,25 +23,12 @@ from eom.steady import (
     steady_spin,
 )
 from eom.system import System
+from tests.eom.motion import run
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
 nu = sp.Symbol("nu", positive=True)
 w = sp.symbols("omega_1:4", real=True)
 MOMENTS = (I1, I2, I3)
-
-
-def run(system, values, start, t_end, points=200):
-    """Integrate by SciPy with functions that SymPy prints."""
-    states = [q.symbol for q in system.states]
-    numbers = {q.symbol: values[q.name] for q in system.parameters}
-    rates = [system.expand(r).subs(numbers) for r in system.rates]
-    function = sp.lambdify([states], rates, "math")
-    grid = np.linspace(0, t_end, points)
-    found = solve_ivp(
-        lambda t, x: function(x), (0, t_end), start, "DOP853", grid, rtol=1e-11, atol=1e-13
-    )
-    assert found.success
-    return grid, found.y, states, numbers
 
 
 def test_counterexamples_have_constant_rates():
