@@ -3,17 +3,27 @@
 import os
 
 import pytest
-from hypothesis import Phase, settings
+from hypothesis import HealthCheck, Phase, settings
 
 from codegen import native
 
 settings.register_profile(
-    "eom",
+    "same",
     deadline=None,
+    derandomize=True,
+    database=None,
     report_multiple_bugs=False,
-    phases=(Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink),
+    phases=(Phase.explicit, Phase.generate, Phase.shrink),
+    suppress_health_check=[
+        HealthCheck.too_slow,
+        HealthCheck.data_too_large,
+        HealthCheck.filter_too_much,
+    ],
 )
-settings.load_profile("eom")
+settings.register_profile("other", settings.get_profile("same"), derandomize=False)
+settings.load_profile("same")
+"""The same examples each time, so that a change alone can turn a test red; others on request:
+pytest --hypothesis-profile=other."""
 
 TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
 

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import eom
@@ -25,7 +25,6 @@ from eom.torques import applied, gravity_gradient
 
 x, y, z, p, q = sp.symbols("x y z p q", real=True)
 VARIABLES = (x, y, z, p, q, TIME)
-RELAXED = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
 
 
 # --- random expressions --------------------------------------------------------------------------
@@ -177,7 +176,7 @@ def check_against_bound(program, group, point, got):
 # --- random expressions against the interpreter ----------------------------------------------------
 
 
-@settings(max_examples=25, suppress_health_check=RELAXED)
+@settings(max_examples=25)
 @given(several(expressions, 4, 10), several(points(extreme), 6, 6))
 def test_random_expressions_stay_within_the_error_bound(target, exprs, values):
     compiled = compile_system(system_of(exprs), target)
@@ -206,7 +205,7 @@ def test_the_check_against_the_bound_checks_most_values(target):
         check_against_bound(compiled.program, "outputs", as_point(v), wrong)
 
 
-@settings(max_examples=60, suppress_health_check=RELAXED)
+@settings(max_examples=60)
 @given(expressions, points(modest))
 def test_lowered_expressions_have_the_value_that_sympy_gives_them(e, v):
     program = lower_expressions({"f": [e]}, (x, y, z), (p, q, TIME))
@@ -241,7 +240,7 @@ ARITHMETIC = st.recursive(
 )  # fmt: skip
 
 
-@settings(max_examples=25, suppress_health_check=RELAXED)
+@settings(max_examples=25)
 @given(several(ARITHMETIC, 4, 10), several(points(extreme), 8, 8))
 def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(target, exprs, values):
     """Correctly rounded operations leave a target no choice, also for NaN and infinity."""

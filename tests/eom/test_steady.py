@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
@@ -23,6 +23,7 @@ from eom.steady import (
     steady_spin,
 )
 from eom.system import System
+from tests.draws import nonzero
 from tests.eom.motion import run
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
@@ -147,9 +148,8 @@ def test_hurwitz_determinants_of_the_cubic_are_the_printed_ones():
 
 
 @settings(max_examples=60)
-@given(st.lists(st.floats(-3, 3), min_size=4, max_size=4))
+@given(st.tuples(*[nonzero(0.05, 3)] * 4))
 def test_hurwitz_determinants_tell_the_side_of_the_roots(roots):
-    assume(all(abs(r) > 0.05 for r in roots))
     coefficients = [sp.Rational(x) for x in np.poly([roots[0], roots[1], *_pair(*roots[2:])]).real]
     positive = all(d > 0 for d in hurwitz_determinants(coefficients))
     assert positive == (max(roots[:3]) < 0)
