@@ -37,7 +37,9 @@ def per_call(rates: Rates) -> int | None:
         if subprocess.run([*command, "-ldl"], capture_output=True, check=False).returncode:
             return None
         run = [valgrind, "--tool=callgrind", "--callgrind-out-file=/dev/null", str(program)]
-        few, many = (_total([*run, str(library), rates.symbol, str(k)]) for k in (FEW, MANY))
+        few, many = (
+            _total([*run, str(library), rates.symbol, rates.prepare, str(k)]) for k in (FEW, MANY)
+        )
     return None if few is None or many is None else round((many - few) / (MANY - FEW))
 
 

@@ -6,7 +6,7 @@ import ctypes
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,8 @@ ALIGNED = ("-falign-functions=64",)
 CALLS = 4000
 STATES = 64
 CACHE_LINE = 64
+ROOM = 256
+"""Doubles that the constants of a right-hand side may take."""
 SEED = 20240229
 
 Array = NDArray[np.float64]
@@ -32,48 +34,62 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rates:
-    """A C function ``void f(double t, const double *x, const double *p, const double *u, double *dx)``."""
+    """A C function ``void f(double t, const double *x, const void *c, const double *u, double *dx)``.
+
+    ``prepare``: the function ``void prepare(const double *p, void *c)`` that fills c from parameters.
+    """
 
     text: str
     symbol: str
+    prepare: str
     library: ctypes.CDLL
 
     @classmethod
-    def of_text(cls, text: str, symbol: str) -> Rates:
+    def of_text(cls, text: str, symbol: str, prepare: str) -> Rates:
         """Compile C text, with the flags of generated code, and load it."""
         path = native.compile_library(text, ALIGNED)
-        return cls(text, symbol, native.load(path, text, ALIGNED))
+        return cls(text, symbol, prepare, native.load(path, text, ALIGNED))
 
     @classmethod
     def generated(cls, compiled: Compiled) -> Rates:
         """Return the generated right-hand side."""
         text = c.single_text(compiled.program, compiled.layout)
-        return cls.of_text(text, f"{identifier(compiled.layout.name)}_rates")
+        name = identifier(compiled.layout.name)
+        return cls.of_text(text, f"{name}_rates", f"{name}_prepare")
 
     @classmethod
     def handwritten(cls, name: str) -> Rates:
         """Return the hand-written right-hand side of a ready scene."""
-        return cls.of_text((HERE / "handwritten" / f"{name}.c").read_text("utf-8"), "f")
+        return cls.of_text((HERE / "handwritten" / f"{name}.c").read_text("utf-8"), "f", "prepare")
 
     def copies(self, count: int) -> list[Rates]:
         """Return the same function at other places of memory: its time depends on that a little."""
         path = native.compile_library(self.text, ALIGNED)
         with tempfile.TemporaryDirectory() as folder:
             files = [shutil.copy(path, Path(folder) / f"{k}{path.suffix}") for k in range(count)]
-            return [Rates(self.text, self.symbol, ctypes.CDLL(str(file))) for file in files]
+            return [replace(self, library=ctypes.CDLL(str(file))) for file in files]
 
     @property
     def address(self) -> int:
         """The function's address."""
         return ctypes.cast(getattr(self.library, self.symbol), ctypes.c_void_p).value or 0
 
+    def constants(self, p: Array) -> Array:
+        """Return what the function needs of the parameters."""
+        prepare = getattr(self.library, self.prepare)
+        prepare.argtypes = [ctypes.c_void_p] * 2
+        prepare.restype = None
+        made = _aligned(np.zeros(ROOM))
+        prepare(p.ctypes.data, made.ctypes.data)
+        return made
+
     def __call__(self, x: Array, p: Array, u: Array) -> Array:
         """Return the rates at one point."""
         function = getattr(self.library, self.symbol)
         function.argtypes = [ctypes.c_double, *[ctypes.c_void_p] * 4]
         function.restype = None
-        dx = np.empty_like(x)
-        function(0.0, x.ctypes.data, p.ctypes.data, u.ctypes.data, dx.ctypes.data)
+        dx, c = np.empty_like(x), self.constants(p)
+        function(0.0, x.ctypes.data, c.ctypes.data, u.ctypes.data, dx.ctypes.data)
         return dx
 
 
@@ -123,9 +139,11 @@ def sampler(rates: Rates, points: Points) -> Callable[[], float]:
     """Return a function that gives the seconds a call, over `CALLS` calls with varying states."""
     clock, address = _clock(), rates.address
     count, n = points.x.shape
-    places = [a.ctypes.data for a in (points.x, points.p, points.u, points.dx)]
+    arrays = (points.x, rates.constants(points.p), points.u, points.dx)
+    places = [a.ctypes.data for a in arrays]
 
     def sample() -> float:
+        assert len(arrays) == len(places)  # the arrays live as long as their addresses
         return 1e-9 * float(clock(address, CALLS, count, n, *places))
 
     return sample

@@ -27,6 +27,7 @@ from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
+from codegen.stages import by_parameters, reciprocals
 from codegen.sums import share_sums
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
@@ -250,7 +251,7 @@ def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Progra
     to_array(list(given.values()), list(given), "parameter")
     fixed = {names.index(n): float(v) for n, v in given.items()}
     program = passes.specialise(lower_system(system), fixed, len(names))
-    return share_sums(program, RATES), Layout.of(system).without(given)
+    return reciprocals(share_sums(program, RATES)), Layout.of(system).without(given)
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:
@@ -296,17 +297,23 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     library = native.load(native.compile_library(text), text)
     name = identifier(layout.name)
     functions = {}
+    prepare = _address(library, f"{name}_prepare")
+    constants = max(1, len(by_parameters(program, layout.sizes).values))
     for group in layout.sizes:
         checked = CheckedFunction(group, layout, _batch_kernel(library, f"{name}_{group}_batch"))
-        address = ctypes.cast(getattr(library, f"{name}_{group}"), ctypes.c_void_p).value
         lengths = (
             len(layout.states),
             len(layout.parameters),
             len(layout.inputs),
             layout.sizes[group],
         )
-        functions[group] = fastcall.bind(address or 0, lengths, checked)
+        addresses = _address(library, f"{name}_{group}"), prepare
+        functions[group] = fastcall.bind(addresses, lengths, constants, checked)
     return "c", functions, ""
+
+
+def _address(library: ctypes.CDLL, symbol: str) -> int:
+    return ctypes.cast(getattr(library, symbol), ctypes.c_void_p).value or 0
 
 
 def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:

@@ -1,18 +1,26 @@
 /* A quick way from Python into compiled functions of the form
- *     void f(double t, const double *x, const double *p, const double *u, double *y)
+ *     void f(double t, const double *x, const constants *c, const double *u, double *y)
+ * after void prepare(const double *p, constants *c), which runs where p is new,
  * for contiguous arrays of doubles of the right length. Every other call goes to a Python function,
  * which converts, checks and explains. Limited API of Python 3.11. */
 #define Py_LIMITED_API 0x030b0000
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 
-typedef void (*function_t)(double, const double *, const double *, const double *, double *);
+#include <string.h>
+
+typedef void (*function_t)(double, const double *, const void *, const double *, double *);
+typedef void (*prepare_t)(const double *, void *);
 
 enum { X, P, U, Y, ARRAYS };
 
 typedef struct {
     function_t function;
+    prepare_t prepare;
     Py_ssize_t length[ARRAYS];
+    double *constants; /* what prepare made of parameters, and the parameters behind it */
+    double *parameters;
+    int prepared;
     PyObject *fallback; /* called with the same arguments where the quick way does not fit */
     PyObject *new_result; /* makes an array of length[Y] doubles */
 } target_t;
@@ -22,8 +30,18 @@ static void release(PyObject *capsule) {
     if (target != NULL) {
         Py_XDECREF(target->fallback);
         Py_XDECREF(target->new_result);
+        PyMem_Free(target->constants);
         PyMem_Free(target);
     }
+}
+
+/* Compute the constants unless the parameters are, bit for bit, those of the last call. */
+static void prepare(target_t *target, const double *p) {
+    const size_t size = (size_t)target->length[P] * sizeof *p;
+    if (target->prepared && (size == 0 || memcmp(p, target->parameters, size) == 0)) return;
+    if (size > 0) memcpy(target->parameters, p, size);
+    target->prepare(target->parameters, target->constants);
+    target->prepared = 1;
 }
 
 /* Fill view if the object is a one-dimensional contiguous array of length doubles. */
@@ -87,7 +105,8 @@ static PyObject *call(PyObject *self, PyObject *const *args, Py_ssize_t count, P
         else quick = held[k] = fits(given[k], &views[k], target->length[k], k == Y);
     }
     if (quick) {
-        target->function(PyFloat_AsDouble(args[0]), held[X] ? views[X].buf : NULL, held[P] ? views[P].buf : NULL,
+        prepare(target, held[P] ? views[P].buf : NULL);
+        target->function(PyFloat_AsDouble(args[0]), held[X] ? views[X].buf : NULL, target->constants,
                          held[U] ? views[U].buf : NULL, views[Y].buf);
         result = given[Y];
         Py_INCREF(result);
@@ -101,22 +120,30 @@ static PyObject *call(PyObject *self, PyObject *const *args, Py_ssize_t count, P
 static PyMethodDef call_method = {"rates", (PyCFunction)(void (*)(void))call, METH_FASTCALL | METH_KEYWORDS,
                                   "rates(t, x, p=None, u=None, out=None): see the object that it belongs to"};
 
-/* bind(address, (nx, np, nu, ny), fallback, new_result) -> function */
+/* bind(address, address of prepare, (nx, np, nu, ny), constants, fallback, new_result) -> function */
 static PyObject *bind(PyObject *module, PyObject *args) {
     (void)module;
-    PyObject *address, *fallback, *new_result;
-    Py_ssize_t length[ARRAYS];
-    if (!PyArg_ParseTuple(args, "O(nnnn)OO", &address, &length[X], &length[P], &length[U], &length[Y], &fallback,
-                          &new_result))
+    PyObject *address, *preparing, *fallback, *new_result;
+    Py_ssize_t length[ARRAYS], constants;
+    if (!PyArg_ParseTuple(args, "OO(nnnn)nOO", &address, &preparing, &length[X], &length[P], &length[U], &length[Y],
+                          &constants, &fallback, &new_result))
         return NULL;
-    void *pointer = PyLong_AsVoidPtr(address);
-    if (pointer == NULL) {
+    void *pointer = PyLong_AsVoidPtr(address), *preparation = PyLong_AsVoidPtr(preparing);
+    if (pointer == NULL || preparation == NULL) {
         if (!PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "address of the function is null");
         return NULL;
     }
     target_t *target = PyMem_Malloc(sizeof *target);
     if (target == NULL) return PyErr_NoMemory();
+    target->constants = PyMem_Malloc((size_t)(constants + length[P]) * sizeof(double));
+    if (target->constants == NULL) {
+        PyMem_Free(target);
+        return PyErr_NoMemory();
+    }
+    target->parameters = target->constants + constants;
+    target->prepared = 0;
     target->function = (function_t)pointer;
+    target->prepare = (prepare_t)preparation;
     for (int k = 0; k < ARRAYS; ++k) target->length[k] = length[k];
     Py_INCREF(fallback);
     Py_INCREF(new_result);
@@ -126,6 +153,7 @@ static PyObject *bind(PyObject *module, PyObject *args) {
     if (capsule == NULL) {
         Py_DECREF(fallback);
         Py_DECREF(new_result);
+        PyMem_Free(target->constants);
         PyMem_Free(target);
         return NULL;
     }

@@ -37,17 +37,21 @@ def _extension() -> Any | None:
 
 
 def bind(
-    address: int, lengths: tuple[int, int, int, int], fallback: Callable[..., Any]
+    addresses: tuple[int, int],
+    lengths: tuple[int, int, int, int],
+    constants: int,
+    fallback: Callable[..., Any],
 ) -> Callable[..., Any]:
-    """Return a quick function for the C function at ``address``.
+    """Return a quick function for the C function and its preparation at ``addresses``.
 
-    ``lengths``: numbers of states, parameters, inputs and results. ``fallback`` serves every call
+    ``lengths``: numbers of states, parameters, inputs and results. ``constants``: doubles that the
+    preparation fills. ``fallback`` serves every call
     that is not (float, contiguous arrays of doubles of these lengths); it must keep the code loaded.
     """
     extension = _extension()
     if extension is None:
         return fallback
     function: Callable[..., Any] = extension.bind(
-        address, lengths, fallback, partial(np.empty, lengths[3])
+        *addresses, lengths, constants, fallback, partial(np.empty, lengths[3])
     )
     return function

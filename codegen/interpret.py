@@ -28,18 +28,26 @@ _EDGED = frozenset({"sqrt", "asin", "acos", "acosh", "atanh", "log"})
 
 @dataclass(frozen=True)
 class Point:
-    """Where a program is evaluated: time, states, parameters, inputs."""
+    """Where a program is evaluated: time, states, parameters, inputs, and the arrays of stages."""
 
     t: float = 0.0
     x: Sequence[float] = ()
     p: Sequence[float] = ()
     u: Sequence[float] = ()
+    constants: Sequence[float] = ()
+    clock: Sequence[float] = ()
 
     def slot(self, instruction: Instruction) -> float:
         """Return the number that a leaf reads."""
         if instruction.op == "time":
             return self.t
-        arrays = {"state": self.x, "parameter": self.p, "input": self.u}
+        arrays = {
+            "state": self.x,
+            "parameter": self.p,
+            "input": self.u,
+            "constant": self.constants,
+            "clock": self.clock,
+        }
         assert isinstance(instruction.value, int)
         return float(arrays[instruction.op][instruction.value])
 

@@ -154,7 +154,26 @@ _PYTHON = frozenset(
     }
 )
 _OWN = frozenset(
-    {"t", "x", "p", "u", "y", "xs", "ps", "us", "ys", "out", "dx", "k", "n", "count", "select"}
+    {
+        "t",
+        "x",
+        "p",
+        "u",
+        "y",
+        "c",
+        "w",
+        "constants",
+        "xs",
+        "ps",
+        "us",
+        "ys",
+        "out",
+        "dx",
+        "k",
+        "n",
+        "count",
+        "select",
+    }
 )
 HELPERS = ("sign_", "min_", "max_", "carried_")
 """Functions, and an array, that generated C defines for itself."""

@@ -134,15 +134,15 @@ OPS: dict[str, Op] = {row.name: row for row in _ROWS}
 TRUTH_VALUES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 """Operations whose value is 0 or 1 and serves as a condition."""
 
-LEAVES = ("const", "pi", "time", "state", "parameter", "input")
+LEAVES = ("const", "pi", "time", "state", "parameter", "input", "constant", "clock")
 """Instructions without operands: exact constants, and slots of the arrays of values."""
 
 
 class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
-    ``value``: the exact number of a ``const``, the slot of a ``time``, ``state``, ``parameter``
-    or ``input``; None otherwise.
+    ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
+    ``constant`` or ``clock`` (see `codegen.stages`); None otherwise.
     """
 
     op: str

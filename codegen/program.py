@@ -74,7 +74,8 @@ def verify(program: Program) -> None:
     assert all(0 <= r < size for group in program.results.values() for r in group)
 
 
-_BINDING = {"parameter": 1, "time": 2, "state": 3, "input": 3}
+BINDING = {"parameter": 1, "constant": 1, "time": 2, "clock": 2, "state": 3, "input": 3}
+"""When leaves are known: 1 with the parameters, 2 with the time, 3 in each call; others always."""
 
 
 class Builder:
@@ -117,7 +118,7 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            own = _BINDING.get(instruction.op, 0)
+            own = BINDING.get(instruction.op, 0)
             self.binding.append(max((self.binding[a] for a in instruction.args), default=own))
         return known
 

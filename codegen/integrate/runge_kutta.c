@@ -35,14 +35,14 @@ static double scaled_norm(const @PREFIX@ *s, const double *v) {
 }
 
 /* Length of the first step (Hairer, Norsett and Wanner, sect. II.4). */
-static double first_step(@PREFIX@ *s, const double *p, const double *u, double direction) {
+static double first_step(@PREFIX@ *s, const double *u, double direction) {
     const double span = fabs(s->t_end - s->t);
     const double d0 = scaled_norm(s, s->x), d1 = scaled_norm(s, s->f);
     double h0 = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
     double x1[N], f1[N];
     h0 = fmin(h0, span);
     for (int i = 0; i < N; ++i) x1[i] = s->x[i] + h0 * direction * s->f[i];
-    @NAME@_rates(s->t + h0 * direction, x1, p, u, f1);
+    @NAME@_rates(s->t + h0 * direction, x1, &s->constants, u, f1);
     s->evaluations += 1;
     for (int i = 0; i < N; ++i) f1[i] -= s->f[i];
     const double d2 = scaled_norm(s, f1) / h0;
@@ -60,11 +60,12 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     s->after_rejection = 0;
     s->which = -1;
     for (int i = 0; i < N; ++i) s->x_low[i] = 0.0;
-    @NAME@_rates(s->t, s->x, p, u, s->f);
+    @NAME@_prepare(p, &s->constants);
+    @NAME@_rates(s->t, s->x, &s->constants, u, s->f);
     s->which = first_bad(s->f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
 #if S
-    @NAME@_singularities(s->t, s->x, p, u, s->singular);
+    @NAME@_singularities(s->t, s->x, &s->constants, u, s->singular);
     for (int k = 0; k < S; ++k) {
         s->closest[k] = fabs(s->singular[k]);
         if (s->closest[k] <= s->margin) {
@@ -73,12 +74,12 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
         }
     }
 #endif
-    if (s->h <= 0.0) s->h = first_step(s, p, u, direction);
+    if (s->h <= 0.0) s->h = first_step(s, u, direction);
     return s->status = @UPPER@_PAUSED;
 }
 
 /* Coefficients of the interpolant of the last step; three more evaluations. */
-static void prepare_dense(@PREFIX@ *s, double k[][N], double h, const double *x_new, const double *p, const double *u) {
+static void prepare_dense(@PREFIX@ *s, double k[][N], double h, const double *x_new, const double *u) {
     double y[N];
 @DENSE_STAGES@
     s->evaluations += @DENSE_EVALUATIONS@;
@@ -123,14 +124,14 @@ static int may_be_singular(const @PREFIX@ *s, const double *after, double turn) 
 }
 
 /* The first place in the last step at which a singularity is nearer than the margin, or 2. */
-static double find_singular(@PREFIX@ *s, const double *after, const double *p, const double *u) {
+static double find_singular(@PREFIX@ *s, const double *after, const double *u) {
     enum { PARTS = 8 };
     double y[N], here[S], before[S], first = 2.0;
     for (int k = 0; k < S; ++k) before[k] = s->singular[k];
     for (int part = 1; part <= PARTS; ++part) {
         const double right = (double)part / PARTS;
         interpolate(s, right, y);
-        @NAME@_singularities(s->t_old + right * s->h_old, y, p, u, here);
+        @NAME@_singularities(s->t_old + right * s->h_old, y, &s->constants, u, here);
         for (int k = 0; k < S; ++k) {
             if (part == PARTS) here[k] = after[k];
             s->closest[k] = fmin(s->closest[k], fabs(here[k]));
@@ -140,7 +141,7 @@ static double find_singular(@PREFIX@ *s, const double *after, const double *p, c
             for (int turn = 0; turn < 60; ++turn) {
                 const double middle = 0.5 * (low + high);
                 interpolate(s, middle, y);
-                @NAME@_singularities(s->t_old + middle * s->h_old, y, p, u, value);
+                @NAME@_singularities(s->t_old + middle * s->h_old, y, &s->constants, u, value);
                 if ((value[k] > 0.0) != (before[k] > 0.0) || fabs(value[k]) <= s->margin) high = middle;
                 else low = middle;
             }
@@ -166,7 +167,7 @@ static int wants_grid_point(const @PREFIX@_output *o, double t, double direction
     return o->grid != NULL && o->next < o->grid_count && direction * (o->grid[o->next] - t) <= 0.0;
 }
 
-int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output *o, long long max_steps) {
+int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;
@@ -194,7 +195,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
             const double change = h * (@UPDATE@);
             x_new[i] = two_sum(s->x[i], change + s->x_low[i], &x_low[i]);
         }
-        @NAME@_rates(t_new, x_new, p, u, k[@LAST@]);
+        @NAME@_rates(t_new, x_new, &s->constants, u, k[@LAST@]);
         double high = 0.0, low = 0.0;
         for (int i = 0; i < N; ++i) {
             const double scale = 1.0 / (s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
@@ -231,15 +232,15 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
-        if (needs_dense) prepare_dense(s, k, h, x_new, p, u);
+        if (needs_dense) prepare_dense(s, k, h, x_new, u);
         double stop = 2.0;
 #if S
         double after[S];
-        @NAME@_singularities(t_new, x_new, p, u, after);
+        @NAME@_singularities(t_new, x_new, &s->constants, u, after);
         for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(after[m]));
         if (may_be_singular(s, after, turn)) {
-            if (!needs_dense) prepare_dense(s, k, h, x_new, p, u);
-            stop = find_singular(s, after, p, u);
+            if (!needs_dense) prepare_dense(s, k, h, x_new, u);
+            stop = find_singular(s, after, u);
         }
         for (int m = 0; m < S; ++m) s->singular[m] = after[m];
 #endif
@@ -253,7 +254,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output 
         if (stop <= 1.0) {
             interpolate(s, stop, x_new);
 #if S
-            @NAME@_singularities(t_stop, x_new, p, u, s->singular);
+            @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
             for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
 #endif
             t_low = 0.0;

@@ -32,6 +32,7 @@ typedef struct {
     double singular[@SINGULAR_ROOM@], closest[@SINGULAR_ROOM@];
     long long steps, rejected, evaluations;
     int status, which, after_rejection;
+    @NAME@_constants constants; /* what depends on the parameters alone */
 } @PREFIX@;
 
 /* Where results go: the states at each step, or at the times of grid. Arrays of the caller:
@@ -46,7 +47,7 @@ typedef struct {
 
 size_t @PREFIX@_size(void);
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u);
-int @PREFIX@_run(@PREFIX@ *s, const double *p, const double *u, @PREFIX@_output *o, long long max_steps);
+int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps);
 
 #ifdef __cplusplus
 }

@@ -18,6 +18,7 @@ from codegen.layout import Layout
 from codegen.lower import SINGULARITIES
 from codegen.names import comment, identifier
 from codegen.program import Program
+from codegen.stages import by_parameters
 from codegen.targets import c
 
 NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED = -2, -1, 0, 1, 2, 3
@@ -99,13 +100,13 @@ def _stage(tableau: Tableau, name: str, s: int) -> str:
     indent = "        " if s < tableau.main_stages else "    "
     return (
         f"{indent}for (int i = 0; i < N; ++i) y[i] = s->x[i] + h * ({_sum(tableau.stages[s])});\n"
-        f"{indent}{name}_rates(s->t + {tableau.nodes[s]!r} * h, y, p, u, k[{s}]);"
+        f"{indent}{name}_rates(s->t + {tableau.nodes[s]!r} * h, y, &s->constants, u, k[{s}]);"
     )
 
 
 @cache
 def _structures(
-    prefix: str, n: int, room: int, terms: int
+    prefix: str, n: int, room: int, terms: int, constants: int
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of runge_kutta.h."""
     double: Any = ctypes.c_double
@@ -118,6 +119,7 @@ def _structures(
     state += [("dense", vector * terms), ("singular", double * room), ("closest", double * room)]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
+    state += [("constants", double * constants)]
     output: list[tuple[str, Any]] = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
     output += [(f, ctypes.c_size_t) for f in ("capacity", "count", "grid_count", "next")]
     kinds = (
@@ -146,13 +148,14 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     library = native.load(native.compile_library(text), text)
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
-    state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms)
+    constants = max(1, len(by_parameters(program, layout.sizes).values))
+    state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms, constants)
     size = getattr(library, f"{prefix}_size")
     size.restype = ctypes.c_size_t
     assert size() == ctypes.sizeof(state)
     start, run = getattr(library, f"{prefix}_start"), getattr(library, f"{prefix}_run")
     start.argtypes = [ctypes.c_void_p] * 3
-    run.argtypes = [*[ctypes.c_void_p] * 4, ctypes.c_longlong]
+    run.argtypes = [*[ctypes.c_void_p] * 3, ctypes.c_longlong]
     return NativeMethod(tableau, start, run, state, output, library)
 
 
@@ -173,7 +176,7 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
         if not store.make_room():
             return store.trajectory(s, Stop("memory", s.t), problem)
         attempts = min(STEPS_A_CALL, left)
-        status = method.run(ctypes.addressof(s), p, u, ctypes.addressof(store.output), attempts)
+        status = method.run(ctypes.addressof(s), u, ctypes.addressof(store.output), attempts)
         problem.report(s.t)
     return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem)
 

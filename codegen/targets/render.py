@@ -7,7 +7,7 @@ short; everything else is assigned to a variable. The order of operations never 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +15,9 @@ from codegen.interpret import constants
 from codegen.layout import Layout
 from codegen.names import HELPERS, comment, identifiers
 from codegen.ops import OPS
-from codegen.program import Program
+from codegen.program import Name, Program
+from codegen.stages import Cut
+from eom.system import Quantity
 
 MAX_INLINE = 72
 ATOM = 100
@@ -91,10 +93,37 @@ def infix(symbol: str, power: int) -> Template:
     return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1))
 
 
+Names = Mapping[str, Sequence[Name]]
+"""What the slots of each kind of leaf are called; an empty name leaves the slot without a variable."""
+
+
+def leaf_names(layout: Layout) -> Names:
+    """Return the names of states, parameters and inputs."""
+    return {
+        "state": [_name(q) for q in layout.states],
+        "parameter": [_name(q) for q in layout.parameters],
+        "input": [_name(q) for q in layout.inputs],
+    }
+
+
+def with_slots_of(cut: Cut, program: Program, names: Names) -> Names:
+    """Return ``names`` and those of the slots of ``cut``, which was made from ``program``."""
+    slots = []
+    for k in cut.values:
+        op, _, value = program.instructions[k]
+        listed = names.get(op, ())
+        slots.append(listed[int(value or 0)] if listed else program.names.get(k, Name("")))
+    return {**names, cut.leaf: slots}
+
+
+def _name(quantity: Quantity) -> Name:
+    return Name(quantity.name, quantity.description)
+
+
 def render(
     program: Program,
     group: str,
-    layout: Layout,
+    names: Names,
     templates: Mapping[str, Template],
     slots: Mapping[str, str],
     number: Mapping[str, str] = {},
@@ -104,7 +133,7 @@ def render(
     ``slots``: how a slot of each kind of leaf is read, for example ``"x[{0}]"``. ``number``: how
     special numbers are written (``inf``, ``-inf``, ``nan``).
     """
-    return _Renderer(program, group, layout, templates, slots, number).body()
+    return _Renderer(program, group, names, templates, slots, number).body()
 
 
 class _Renderer:
@@ -112,7 +141,7 @@ class _Renderer:
         self,
         program: Program,
         group: str,
-        layout: Layout,
+        names: Names,
         templates: Mapping[str, Template],
         slots: Mapping[str, str],
         number: Mapping[str, str],
@@ -124,7 +153,7 @@ class _Renderer:
         self.special = number
         self.constants = constants(program)
         self.uses = self._count_uses()
-        self.variables = self._name_variables(layout)
+        self.variables = self._name_variables(names)
         self.text: dict[int, tuple[str, int]] = {}
         self.lines: list[Line] = []
         self.temporaries = 0
@@ -139,17 +168,13 @@ class _Renderer:
             uses[k] += 1
         return uses
 
-    def _name_variables(self, layout: Layout) -> dict[int, Line]:
+    def _name_variables(self, names: Names) -> dict[int, Line]:
         """Variables of the leaves that are read and of the values that have a name."""
-        kinds = {"state": layout.states, "parameter": layout.parameters, "input": layout.inputs}
         wanted: list[tuple[int, str, str, str]] = []
         for k, (op, _, value) in enumerate(self.program.instructions):
-            if op in kinds:
-                assert isinstance(value, int)
-                quantity = kinds[op][value]
-                wanted.append(
-                    (k, quantity.name, self.slots[op].format(value), quantity.description)
-                )
+            if op in names and names[op][int(value or 0)].name:
+                name, note = names[op][int(value or 0)]
+                wanted.append((k, name, self.slots[op].format(value), note))
         wanted += [
             (k, n.name, "", n.comment)
             for k, n in sorted(self.program.names.items())
@@ -164,8 +189,10 @@ class _Renderer:
                 self.text[k] = self._number(self.constants[k])
             elif instruction.op == "time":
                 self.text[k] = (self.slots["time"], ATOM)
-            elif instruction.op not in OPS:
+            elif k in self.variables and instruction.op not in OPS:
                 self._assign(k, self.variables[k].expression)
+            elif instruction.op not in OPS:
+                self._write(k, self.slots[instruction.op].format(instruction.value), ATOM)
             else:
                 self._operation(k)
         results = tuple(self.text[k][0] for k in self.program.results[self.group])
@@ -182,11 +209,7 @@ class _Renderer:
         template = self.templates[op]
         needs = template.needs or (0,) * len(args)
         operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
-        text = template.text.format(*operands)
-        if k in self.variables or self.uses[k] != 1 or len(text) > MAX_INLINE:
-            self._assign(k, text)
-        else:
-            self.text[k] = (text, template.power)
+        self._write(k, template.text.format(*operands), template.power)
 
     def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
         """Tell whether the second operand would need brackets and the first would not."""
@@ -199,6 +222,13 @@ class _Renderer:
     def _operand(self, k: int, need: int) -> str:
         text, power = self.text[k]
         return text if power >= need else f"({text})"
+
+    def _write(self, k: int, text: str, power: int) -> None:
+        """Keep the text for its one place, or assign it."""
+        if k in self.variables or self.uses[k] != 1 or len(text) > MAX_INLINE:
+            self._assign(k, text)
+        else:
+            self.text[k] = (text, power)
 
     def _assign(self, k: int, text: str) -> None:
         line = self.variables.get(k)

@@ -302,10 +302,7 @@ def test_a_grid_without_room_is_refused_before_anything_is_written():
     output.t, output.x, output.grid = t.ctypes.data, x.ctypes.data, grid.ctypes.data
     method.start(ctypes.addressof(s), p.ctypes.data, None)
     too_small = 4
-    assert (
-        method.run(ctypes.addressof(s), p.ctypes.data, None, ctypes.addressof(output), 100)
-        == too_small
-    )
+    assert method.run(ctypes.addressof(s), None, ctypes.addressof(output), 100) == too_small
     assert output.count == 0
     assert (t == -1).all()
     assert (x == -1).all()

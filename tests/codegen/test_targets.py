@@ -334,6 +334,7 @@ MAIN = r"""
 int main(void) {
     static double t[100000], x[100000][free_rigid_body_n_states];
     const double p[free_rigid_body_n_parameters] = {1.0, 1.2, 1.5};
+    free_rigid_body_constants c;
     free_rigid_body_dop853 s;
     free_rigid_body_dop853_output o;
     double y[free_rigid_body_n_states];
@@ -343,12 +344,13 @@ int main(void) {
     s.t_end = 10.0, s.rtol = 1e-10, s.margin = 1e-6, s.h_max = HUGE_VAL;
     for (int i = 0; i < free_rigid_body_n_states; ++i) s.atol[i] = 1e-13, s.x[i] = 0.1 * (i + 1);
     o.t = t, o.x = &x[0][0], o.capacity = 100000;
-    free_rigid_body_rates(0.0, s.x, p, NULL, y);
+    free_rigid_body_prepare(p, &c);
+    free_rigid_body_rates(0.0, s.x, &c, NULL, y);
     for (int i = 0; i < free_rigid_body_n_states; ++i)
         printf("%s %.17g\n", free_rigid_body_state_name(i), y[i]);
     printf("%d\n", free_rigid_body_state_name(-1) == NULL && free_rigid_body_state_name(99) == NULL);
     status = free_rigid_body_dop853_start(&s, p, NULL);
-    while (status == FREE_RIGID_BODY_DOP853_PAUSED) status = free_rigid_body_dop853_run(&s, p, NULL, &o, 5);
+    while (status == FREE_RIGID_BODY_DOP853_PAUSED) status = free_rigid_body_dop853_run(&s, NULL, &o, 5);
     printf("%d %zu %.17g\n", status, o.count, s.t);
     for (int i = 0; i < free_rigid_body_n_states; ++i) printf("%.17g\n", x[o.count - 1][i]);
     return free_rigid_body_dop853_size() == sizeof s ? 0 : 1;
