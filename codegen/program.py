@@ -103,6 +103,10 @@ class Builder:
         folded = fold.fold(self, op, args)
         return self._number(Instruction(op, args)) if folded is None else folded
 
+    def unfolded(self, op: str, *args: int) -> int:
+        """Return the number of the value of ``op`` on ``args`` as it is written."""
+        return self._number(Instruction(op, args))
+
     def find(self, instruction: Instruction) -> int | None:
         """Return the number of an instruction that exists already, or None."""
         return self._numbers.get(instruction)
