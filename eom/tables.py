@@ -15,7 +15,7 @@ from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import cached_property
 from math import isfinite
-from typing import Any
+from typing import Any, Self
 
 import sympy as sp
 
@@ -128,7 +128,9 @@ def _numbers(given: Any, field: str, where: str) -> tuple[float, ...]:
     wrong = next((k for k, v in enumerate(numbers) if not isfinite(v)), None)
     if wrong is not None:
         raise InputError(
-            f"{field} of a table are not finite", where=where, got=f"entry {wrong + 1}: {numbers[wrong]}"
+            f"{field} of a table are not finite",
+            where=where,
+            got=f"entry {wrong + 1}: {numbers[wrong]}",
         )
     return numbers
 
@@ -172,6 +174,7 @@ def _polynomials(table: Table) -> Rows:
     x, y = ([Fraction(v) for v in values] for values in (table.breakpoints, table.values))
     slopes = _SLOPES[table.kind](table.breakpoints, table.values)
     secants = [(y[k + 1] - y[k]) / (x[k + 1] - x[k]) for k in range(len(x) - 1)]
+    inner: list[tuple[Fraction, ...]]
     if slopes is None:
         inner = [(y[k], s) for k, s in enumerate(secants)]
         ends = secants[0], secants[-1]
@@ -284,7 +287,7 @@ class _Data(sp.Atom):  # type: ignore[misc]
     __slots__ = ("table",)
     is_commutative = True
 
-    def __new__(cls, table: Table) -> _Data:
+    def __new__(cls, table: Table) -> Self:
         data = sp.Atom.__new__(cls)
         data.table = table
         return data  # type: ignore[no-any-return]
@@ -302,7 +305,7 @@ class _Data(sp.Atom):  # type: ignore[misc]
         return self.class_key(), content, sp.S.One.sort_key(), sp.S.One
 
     def _sympystr(self, printer: Any) -> str:  # noqa: ARG002 - SymPy's own
-        return self.table.label
+        return str(self.table.label)
 
 
 class TableFunction(sp.Function):  # type: ignore[misc]
@@ -343,7 +346,7 @@ class TableFunction(sp.Function):  # type: ignore[misc]
         return sp.Rational(value.numerator, value.denominator)._eval_evalf(prec)
 
     def _sympystr(self, printer: Any) -> str:
-        return f"{self.table.label}({printer._print(self.args[1])})"
+        return f"{self.table.label}({printer.doprint(self.args[1])})"
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
         primes = "'" * self.table.order

@@ -16,6 +16,7 @@ from codegen.layout import Layout
 from codegen.names import HELPERS, comment, identifiers
 from codegen.ops import OPS
 from codegen.program import Program
+from eom.tables import Table
 
 MAX_INLINE = 72
 ATOM = 100
@@ -24,7 +25,8 @@ ATOM = 100
 class Template(NamedTuple):
     """How an operation is written.
 
-    ``text``: format string over the operands. ``power``: how tightly the result binds. ``needs``:
+    ``text``: format string over the operands, and the name of the ``data`` of the operation if it has
+    some. ``power``: how tightly the result binds. ``needs``:
     how tightly each operand must bind so as not to be put in brackets.
     """
 
@@ -98,13 +100,21 @@ def render(
     templates: Mapping[str, Template],
     slots: Mapping[str, str],
     number: Mapping[str, str] = {},
+    data: Mapping[Table, str] = {},
 ) -> Body:
     """Render one group of results of a pruned program.
 
     ``slots``: how a slot of each kind of leaf is read, for example ``"x[{0}]"``. ``number``: how
-    special numbers are written (``inf``, ``-inf``, ``nan``).
+    special numbers are written (``inf``, ``-inf``, ``nan``). ``data``: names of the tables, as
+    `table_names` gives them.
     """
-    return _Renderer(program, group, layout, templates, slots, number).body()
+    return _Renderer(program, group, layout, templates, slots, number, data).body()
+
+
+def table_names(program: Program) -> dict[Table, str]:
+    """Return a name for each table of a program, in order; no variable is called like it."""
+    tables = [i.value for i in program.instructions if isinstance(i.value, Table)]
+    return {table: f"table_{k}_" for k, table in enumerate(dict.fromkeys(tables), 1)}
 
 
 class _Renderer:
@@ -116,7 +126,9 @@ class _Renderer:
         templates: Mapping[str, Template],
         slots: Mapping[str, str],
         number: Mapping[str, str],
+        data: Mapping[Table, str],
     ) -> None:
+        self.data = data
         self.program = program
         self.group = group
         self.templates = templates
@@ -176,13 +188,14 @@ class _Renderer:
         return (text, ATOM) if value >= 0 or text != repr(value) else (f"({text})", ATOM)
 
     def _operation(self, k: int) -> None:
-        op, args, _ = self.program.instructions[k]
+        op, args, data = self.program.instructions[k]
         if OPS[op].commutative and self._binds_less(op, args):
             args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
         template = self.templates[op]
         needs = template.needs or (0,) * len(args)
         operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
-        text = template.text.format(*operands)
+        name = self.data[data] if isinstance(data, Table) else ""
+        text = template.text.format(*operands, data=name)
         if k in self.variables or self.uses[k] != 1 or len(text) > MAX_INLINE:
             self._assign(k, text)
         else:
