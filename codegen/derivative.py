@@ -12,10 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
+from codegen import fold, stumpff
 from codegen.ops import OPS
 from codegen.passes import needed, prune
 from codegen.program import Builder, Program
+from eom.errors import InputError
+from eom.tables import Table
 
 JACOBIAN = "jacobian"
 Tangent = dict[int, int]
@@ -48,9 +52,10 @@ def jacobian(program: Program, group: str, kind: str = "state") -> Jacobian:
         op, args, value = program.instructions[k]
         if op not in OPS:
             copied[k] = b.leaf(op, value)
-            tangents[k] = {int(value or 0): b.const(1)} if op == kind else {}
+            slot = value if isinstance(value, int) else 0
+            tangents[k] = {slot: b.const(1)} if op == kind else {}
             continue
-        copied[k] = b.add(op, *(copied[a] for a in args))
+        copied[k] = b.add(op, *(copied[a] for a in args), value=value)
         tangents[k] = _tangent(b, op, copied[k], args, copied, tangents)
     for k, name in program.names.items():
         if k in copied:
@@ -73,7 +78,14 @@ def _tangent(
     copied: dict[int, int],
     tangents: dict[int, Tangent],
 ) -> Tangent:
-    """Return the chain rule's sum over the arguments that vary."""
+    """Return the chain rule's sum over the arguments that vary.
+
+    A selection selects among the derivatives: one that is not finite on the side that is not taken
+    leaves no trace, as it would if it were multiplied by zero.
+    """
+    if op == "select":
+        condition, yes, no = args
+        return _selected(b, copied[condition], tangents[yes], tangents[no])
     varying = [k for k, a in enumerate(args) if tangents[a]]
     if not varying:
         return {}
@@ -86,6 +98,15 @@ def _tangent(
         for slot, rate in tangents[args[k]].items():
             term = b.add("mul", partial, rate)
             found[slot] = b.add("add", found[slot], term) if slot in found else term
+    return {slot: number for slot, number in found.items() if not _is_zero(b, number)}
+
+
+def _selected(b: Builder, condition: int, yes: Tangent, no: Tangent) -> Tangent:
+    zero = b.const(0)
+    found = {
+        slot: b.add("select", condition, yes.get(slot, zero), no.get(slot, zero))
+        for slot in sorted({*yes, *no})
+    }
     return {slot: number for slot, number in found.items() if not _is_zero(b, number)}
 
 
@@ -162,6 +183,54 @@ def _smaller(first: str, b: Builder, args: Sequence[int]) -> tuple[int | None, .
     return (chosen, b.add("not", chosen))
 
 
+def _mod(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """1 and -floor(a/b), where a/b may have been rounded to a whole number: (a - v)/b is close to one."""
+    quotient = b.add("div", b.add("sub", args[0], v), args[1])
+    whole = b.add("floor", b.add("add", quotient, b.const(Fraction(1, 2))))
+    return (b.const(1), b.add("neg", whole))
+
+
+def _hypot(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    return tuple(_unless_zero(b, v, b.add("div", a, v)) for a in args)
+
+
+def _gauss(b: Builder, x: int) -> int:
+    """2 exp(-x^2) / sqrt(pi)."""
+    factor = b.add("div", b.const(2), b.add("sqrt", b.leaf("pi")))
+    return b.add("mul", factor, b.add("exp", b.add("neg", _square(b, x))))
+
+
+def _bessel(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """(C_{n-1} - C_{n+1})/2, and -C_1 for n = 0 (DLMF 10.6.1)."""
+    kind = b.instructions[v].op
+    n, x = fold.constant(b, args[0]), args[1]
+    assert n is not None
+    after = b.add(kind, b.const(n + 1), x)
+    if n == 0:
+        return (None, b.add("neg", after))
+    difference = b.add("sub", b.add(kind, b.const(n - 1), x), after)
+    return (None, b.add("mul", b.const(Fraction(1, 2)), difference))
+
+
+def _stumpff(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """(k c_{k+2} - c_{k+1})/2. Raises `InputError` beyond the largest k that is tabulated."""
+    k, z = fold.constant(b, args[0]), args[1]
+    assert k is not None
+    if k + 2 > stumpff.LARGEST:
+        raise InputError("derivative of too high an order", got=f"Stumpff function c_{k + 2}",
+                         expected=f"up to c_{stumpff.LARGEST}")  # fmt: skip
+    second = b.add("mul", args[0], b.add("stumpff", b.const(k + 2), z))
+    difference = b.add("sub", second, b.add("stumpff", b.const(k + 1), z))
+    return (None, b.add("mul", b.const(Fraction(1, 2)), difference))
+
+
+def _table(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    table = b.instructions[v].value
+    assert isinstance(table, Table)
+    derived = table.derivative
+    return (b.add("table", args[0], value=derived) if derived.degree >= 0 else None,)
+
+
 PARTIALS: dict[str, Partial] = {
     "add": _one,
     "sub": lambda b, v, args: (b.const(1), b.const(-1)),
@@ -192,6 +261,17 @@ PARTIALS: dict[str, Partial] = {
     "min": lambda b, v, args: _smaller("min", b, args),
     "max": lambda b, v, args: _smaller("max", b, args),
     **dict.fromkeys(("lt", "le", "eq", "and", "or", "not"), _flat),
+    "floor": _flat,
+    "mod": _mod,
+    "hypot": _hypot,
+    "erf": _unary(lambda b, v, x: _gauss(b, x)),
+    "erfc": _unary(lambda b, v, x: b.add("neg", _gauss(b, x))),
+    "expm1": _unary(lambda b, v, x: b.add("exp", x)),
+    "log1p": _unary(lambda b, v, x: _over(b, b.add("add", b.const(1), x))),
+    "besselj": _bessel,
+    "bessely": _bessel,
+    "stumpff": _stumpff,
+    "table": _table,
     "select": lambda b, v, args: (
         None,
         b.add("not", b.add("eq", args[0], b.const(0))),

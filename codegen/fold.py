@@ -9,19 +9,25 @@ than `MAX_BITS` bits is left to the target, which rounds it once from 50 digits.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
-from codegen.ops import Instruction
+from codegen.ops import TRUTH_VALUES, Instruction
 
 MAX_BITS = 1024
 
 
-class Numbers(Protocol):
-    """What a rule needs of a builder: look at instructions, and append more."""
+class Instructions(Protocol):
+    """Whatever has instructions: a builder, or a program."""
 
-    instructions: list[Instruction]
+    @property
+    def instructions(self) -> Sequence[Instruction]:
+        """The instructions in order."""
+
+
+class Numbers(Instructions, Protocol):
+    """What a rule needs of a builder: look at instructions, and append more."""
 
     def add(self, op: str, *args: int) -> int:
         """Return the number of ``op`` on ``args``."""
@@ -47,7 +53,7 @@ def fold(b: Numbers, op: str, args: tuple[int, ...]) -> int | None:
     return rule(b, args) if rule else None
 
 
-def constant(b: Numbers, number: int) -> Fraction | None:
+def constant(b: Instructions, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
     instruction = b.instructions[number]
     return (
@@ -176,6 +182,46 @@ def _sqrt(value: Fraction) -> Fraction | None:
     return root if root * root == value else None
 
 
+def _hypot(x: Fraction, y: Fraction) -> Fraction | None:
+    return _sqrt(x * x + y * y)
+
+
+def _even_both(op: str) -> Rule:
+    """Leave out the signs of two operands."""
+
+    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
+        plain = [n if (n := _negated(b, a)) is not None else a for a in args]
+        return b.add(op, *plain) if plain != list(args) else None
+
+    return rule
+
+
+def _hypot_rule(b: Numbers, args: tuple[int, ...]) -> int | None:
+    for x, y in (args, args[::-1]):
+        if constant(b, x) == 0:
+            return b.add("abs", y)
+    return _even_both("hypot")(b, args)
+
+
+def _not(b: Numbers, args: tuple[int, ...]) -> int | None:
+    """Undo a double negation: conditions are 0 or 1."""
+    op, inner, _ = b.instructions[args[0]]
+    return inner[0] if op == "not" and b.instructions[inner[0]].op in TRUTH_VALUES else None
+
+
+def _eq(b: Numbers, args: tuple[int, ...]) -> int | None:
+    """Return the negation of a condition that is compared with zero."""
+    for x, y in (args, args[::-1]):
+        if constant(b, y) == 0 and b.instructions[x].op in TRUTH_VALUES:
+            return b.add("not", x)
+    return None
+
+
+def _at_zero(value: Callable[[int], Fraction]) -> Callable[[Fraction, Fraction], Fraction | None]:
+    """The value at zero of a family of functions, by order."""
+    return lambda order, x: value(int(order)) if x == 0 else None
+
+
 def _at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:
     """The value of a function at the one rational point where it is rational."""
     return lambda x: Fraction(value) if x == point else None
@@ -194,9 +240,12 @@ RULES: dict[str, Rule] = {
     "or": _same,
     **{
         op: _odd(op)
-        for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "sign")
+        for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "erf", "sign")
     },
     **{op: _even(op) for op in ("cos", "cosh", "abs")},
+    "hypot": _hypot_rule,
+    "not": _not,
+    "eq": _eq,
 }
 
 _EXACT: dict[str, Callable[..., Any]] = {
@@ -216,8 +265,14 @@ _EXACT: dict[str, Callable[..., Any]] = {
     "or": lambda a, b: Fraction(bool(a) or bool(b)),
     "not": lambda a: Fraction(not a),
     "sqrt": _sqrt,
+    "floor": lambda a: Fraction(math.floor(a)),
+    "mod": lambda a, b: a - b * math.floor(a / b) if b else None,
+    "hypot": _hypot,
     **{op: _at(0, 0) for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh")},
-    **{op: _at(0, 1) for op in ("cos", "cosh", "exp")},
+    **{op: _at(0, 0) for op in ("erf", "expm1", "log1p")},
+    **{op: _at(0, 1) for op in ("cos", "cosh", "exp", "erfc")},
+    "besselj": _at_zero(lambda n: Fraction(n == 0)),
+    "stumpff": _at_zero(lambda k: Fraction(1, math.factorial(k))),
     "log": _at(1, 0),
     "acos": _at(1, 0),
     "acosh": _at(1, 0),

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from codegen.ops import OPS
+from codegen.ops import Instruction
 from codegen.passes import prune
 from codegen.program import BINDING, Builder, Program
 
@@ -29,8 +29,8 @@ def each_group(program: Program, change: Callable[[Program], Program]) -> Progra
     for group in program.results:
         part = change(prune(program, [group]))
         new: list[int] = []
-        for k, (op, args, value) in enumerate(part.instructions):
-            new.append(b.add(op, *(new[a] for a in args)) if op in OPS else b.leaf(op, value))
+        for k, instruction in enumerate(part.instructions):
+            new.append(b.again(instruction, new))
             if k in part.names:
                 b.name(new[k], part.names[k])
         results[group] = [new[k] for k in part.results[group]]
@@ -75,13 +75,13 @@ class _Gatherer:
         self.sums: dict[int, Sum] = {}
 
     def program(self) -> Program:
-        for k, (op, args, value) in enumerate(self.old.instructions):
-            if op not in OPS:
-                form = self._plain(self.b.leaf(op, value))
-            elif all(self.forms[a].rest == self.one for a in args):
-                form = self._other(op, args)
+        for k, instruction in enumerate(self.old.instructions):
+            op, args, _ = instruction
+            rule = _RULES.get(op)
+            if rule is None or all(self.forms[a].rest == self.one for a in args):
+                form = self._other(instruction)
             else:
-                form = _RULES.get(op, _Gatherer._other)(self, op, args)
+                form = rule(self, op, args)
             self.forms.append(form._replace(alone=self.uses[k] == 1))
             if k in self.old.names:
                 self.b.name(self._value(self.forms[k]), self.old.names[k])
@@ -152,8 +152,9 @@ class _Gatherer:
         form = self.forms[k]
         return self._has_factor(form) and (form.alone or form.rest == self.one)
 
-    def _other(self, op: str, args: tuple[int, ...]) -> Scaled:
-        return self._plain(self.b.add(op, *(self._value(self.forms[a]) for a in args)))
+    def _other(self, instruction: Instruction) -> Scaled:
+        values = {a: self._value(self.forms[a]) for a in instruction.args}
+        return self._plain(self.b.again(instruction, values))
 
     def _product(self, _: str, args: tuple[int, ...]) -> Scaled:
         a = self._opened(args[0], self._brings(args[1]))
@@ -212,8 +213,8 @@ class _Gatherer:
         op, args, value = self.b.instructions[form.factor]
         if op == "neg":
             return True, form._replace(factor=args[0])
-        if op == "const" and Fraction(value or 0) < 0:
-            return True, form._replace(factor=self.b.const(-Fraction(value or 0)))
+        if op == "const" and isinstance(value, Fraction) and value < 0:
+            return True, form._replace(factor=self.b.const(-value))
         return False, form
 
     def _flipped(self, form: Scaled) -> Scaled | None:

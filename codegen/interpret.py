@@ -9,21 +9,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, partial
+from itertools import product
 from math import inf
 from typing import Any
 
 import mpmath
 import numpy as np
 
-from codegen.ops import OPS, Instruction
+from codegen.ops import OPS, Instruction, Op, row_of
 from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
 SMALLEST = 5e-324
 LARGEST_MAGNITUDE = 1_000_000
 """Binary exponent beyond which a value counts as infinite: doubles end at 1024."""
-_EDGED = frozenset({"sqrt", "asin", "acos", "acosh", "atanh", "log"})
-"""Functions whose derivative is infinite, or that end, at the edge of their domain."""
+_EDGED = frozenset(
+    {"sqrt", "asin", "acos", "acosh", "atanh", "log", "log1p", "floor", "mod", "table"}
+)
+"""Functions whose derivative is infinite, or that end, at the edge of their domain; or with jumps."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,7 @@ def interpret(program: Program, point: Point) -> dict[str, list[float]]:
             if k in known:
                 values.append(np.float64(known[k]))
             elif instruction.op in OPS:
-                values.append(OPS[instruction.op].double(*(values[a] for a in instruction.args)))
+                values.append(row_of(instruction).double(*(values[a] for a in instruction.args)))
             else:
                 values.append(np.float64(point.slot(instruction)))
     return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
@@ -87,12 +90,12 @@ def constants(program: Program) -> dict[int, float]:
     context = _context(50)
     exact: dict[int, Any] = {}
     for k, instruction in enumerate(program.instructions):
-        row = OPS.get(instruction.op)
-        if row is None and instruction.op in {"const", "pi"}:
+        is_leaf = instruction.op not in OPS
+        if is_leaf and instruction.op in {"const", "pi"}:
             exact[k] = _leaf_exact(instruction, Point(), context)
-        elif row is not None and all(a in exact for a in instruction.args):
+        elif not is_leaf and all(a in exact for a in instruction.args):
             operands = [exact[a] for a in instruction.args]
-            exact[k] = _real(context, partial(row.exact, context, *operands))
+            exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
     return {k: float(value) for k, value in exact.items()}
 
 
@@ -105,7 +108,7 @@ def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[
     values = _walk(
         program,
         lambda i: _leaf_exact(i, point, context),
-        lambda op, a: _real(context, lambda: OPS[op].exact(context, *a)),
+        lambda row, a: _real(context, lambda: row.exact(context, *a)),
     )
     return {g: [values[k] for k in r] for g, r in program.results.items()}
 
@@ -128,16 +131,14 @@ def interpret_with_bound(
         exact = instruction.op not in {"const", "pi"}
         return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF + SMALLEST)
 
-    def apply(op: str, args: list[Bounded]) -> Bounded:
-        row = OPS[op]
+    def apply(row: Op, args: list[Bounded]) -> Bounded:
         operands = [a.value for a in args]
         value = _real(m, lambda: row.exact(m, *operands))
         if not m.isfinite(value):
             return Bounded(value, inf)
-        carried = _carried(m, op, value, args)
-        rounding = 2 * row.ulps * UNIT_ROUNDOFF * float(abs(value)) + (
-            SMALLEST if row.ulps else 0.0
-        )
+        carried = _carried(m, row, value, args)
+        size = row.scale(m, value, *operands) if row.scale else abs(value)
+        rounding = 2 * row.ulps * UNIT_ROUNDOFF * float(size) + (SMALLEST if row.ulps else 0.0)
         return Bounded(value, carried + rounding)
 
     values = _walk(program, leaf, apply)
@@ -147,12 +148,14 @@ def interpret_with_bound(
     }
 
 
-def _carried(m: Any, op: str, value: Any, args: list[Bounded]) -> float:
+def _carried(m: Any, row: Op, value: Any, args: list[Bounded]) -> float:
     """Bound what the errors of the arguments make of the value of an operation.
 
     To first order by the partial derivatives, but where these fail: the larger error for min and
-    max, the worse end for functions with an edge, infinite at the cut of atan2 (zeros have a sign).
+    max, the sum for a norm, the worst corner for functions with an edge, a kink or a jump, infinite at
+    the cut of atan2 (zeros have a sign).
     """
+    op = row.name
     errors = [a.error for a in args]
     operands = [a.value for a in args]
     if op == "atan2" and operands[1] <= errors[1] and abs(operands[0]) <= errors[0]:
@@ -161,12 +164,16 @@ def _carried(m: Any, op: str, value: Any, args: list[Bounded]) -> float:
         return 0.0
     if op in {"min", "max", "abs"}:
         return max(errors)
+    if op == "hypot":
+        return sum(errors)
     if op in _EDGED:
+        shifts = product(*((e, -e) for e in errors))
         ends = [
-            _real(m, partial(OPS[op].exact, m, operands[0] + d)) for d in (errors[0], -errors[0])
+            _real(m, partial(row.exact, m, *(o + d for o, d in zip(operands, shift, strict=True))))
+            for shift in shifts
         ]
         return max(float(abs(e - value)) if m.isfinite(e) else inf for e in ends)
-    slopes = OPS[op].partials(m, value, *operands)
+    slopes = row.partials(m, value, *operands)
     return sum(abs(float(s)) * e if s and e else 0.0 for s, e in zip(slopes, errors, strict=True))
 
 
@@ -196,13 +203,13 @@ def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
 
 
 def _walk(
-    program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[str, list[Any]], Any]
+    program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[Op, list[Any]], Any]
 ) -> list[Any]:
     """Evaluate the instructions in order."""
     values: list[Any] = []
     for instruction in program.instructions:
         if instruction.op in OPS:
-            values.append(apply(instruction.op, [values[a] for a in instruction.args]))
+            values.append(apply(row_of(instruction), [values[a] for a in instruction.args]))
         else:
             values.append(leaf(instruction))
     return values

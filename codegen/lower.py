@@ -9,11 +9,14 @@ from typing import Any
 
 import sympy as sp
 
+from codegen import removable
+from codegen.functions import BESSEL, FUNCTIONS, bessel, refusal
 from codegen.interpret import Point, interpret_exactly
 from codegen.passes import prune
 from codegen.program import Builder, Name, Program
 from eom.errors import InputError
 from eom.system import Definition, System, as_expression
+from eom.tables import TableFunction
 
 Expr = Any
 
@@ -28,19 +31,6 @@ MAX_UNROLLED_POWER = 64
 MAX_SPLIT_BITS = 512
 """Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
 
-_FUNCTIONS: dict[Any, str] = {
-    sp.sin: "sin", sp.cos: "cos", sp.tan: "tan", sp.asin: "asin", sp.acos: "acos", sp.atan: "atan",
-    sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.asinh: "asinh", sp.acosh: "acosh",
-    sp.atanh: "atanh", sp.exp: "exp", sp.log: "log", sp.atan2: "atan2", sp.Abs: "abs", sp.sign: "sign",
-}  # fmt: skip
-_RECIPROCALS: dict[Any, str] = {
-    sp.sec: "cos",
-    sp.csc: "sin",
-    sp.cot: "tan",
-    sp.sech: "cosh",
-    sp.csch: "sinh",
-    sp.coth: "tanh",
-}
 _CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
 _COMPARISONS: dict[Any, tuple[str, bool]] = {
     sp.StrictLessThan: ("lt", False),
@@ -65,20 +55,20 @@ def lower_system(system: System) -> Program:
         ("input", system.inputs),
     ):
         slots |= {q.symbol: b.leaf(op, k) for k, q in enumerate(group)}
-    lowering = Lowering(b, slots, system.name)
+    lowering = Lowering(b, slots, f"system {system.name!r}")
     for definition in system.definitions:
         lowering.define(definition)
-    rates = [lowering.lower(r) for r in system.rates]
+    rates = [
+        lowering.lower(r, f"rate of {q.name}")
+        for q, r in zip(system.states, system.rates, strict=True)
+    ]
     if system.mass_matrix is not None:
         rates = solve_symmetric(b, _lower_matrix(lowering, system.mass_matrix), rates)
-    for definition in (*system.outputs, *system.invariants):
-        number = lowering.lower(definition.expression)
-        b.name(number, _name(definition))
     results = {
         RATES: rates,
-        OUTPUTS: [lowering.lower(d.expression) for d in system.outputs],
-        INVARIANTS: [lowering.lower(d.expression) for d in system.invariants],
-        SINGULARITIES: [lowering.lower(s.expression) for s in system.singularities],
+        OUTPUTS: [lowering.result(d, "output") for d in system.outputs],
+        INVARIANTS: [lowering.result(d, "invariant") for d in system.invariants],
+        SINGULARITIES: [lowering.lower(s.expression, "singularity") for s in system.singularities],
     }
     return b.program(results)
 
@@ -105,14 +95,17 @@ def _name(definition: Definition) -> Name:
 def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
     """Lower a symmetric matrix; entries that are written differently are compared by value."""
     n = mass.rows
-    matrix = [[lowering.lower(mass[i, j]) for j in range(n)] for i in range(n)]
+    matrix = [
+        [lowering.lower(mass[i, j], f"mass matrix, entry ({i + 1}, {j + 1})") for j in range(n)]
+        for i in range(n)
+    ]
     skew = [(i, j) for i in range(n) for j in range(i) if matrix[i][j] != matrix[j][i]]
     different = _different(lowering.b, [(matrix[i][j], matrix[j][i]) for i, j in skew])
     if different is not None:
         i, j = skew[different]
         raise InputError(
             "mass matrix is not symmetric",
-            where=f"system {lowering.where!r}, entries ({j + 1}, {i + 1}) and ({i + 1}, {j + 1})",
+            where=f"{lowering.system}, entries ({j + 1}, {i + 1}) and ({i + 1}, {j + 1})",
             got=f"{mass[j, i]} and {mass[i, j]}",
             hint="only symmetric mass matrices are solved",
         )
@@ -125,8 +118,9 @@ def _different(b: Builder, pairs: Sequence[tuple[int, int]]) -> int | None:
         return None
     groups = {"left": [a for a, _ in pairs], "right": [c for _, c in pairs]}
     program = prune(b.program(groups))
+    slots = [(op, slot) for op, _, slot in program.instructions if isinstance(slot, int)]
     sizes = {
-        kind: max((int(i.value or 0) + 1 for i in program.instructions if i.op == kind), default=0)
+        kind: 1 + max((slot for op, slot in slots if op == kind), default=-1)
         for kind in ("state", "parameter", "input")
     }
     for seed in range(3):
@@ -171,19 +165,24 @@ def solve_symmetric(b: Builder, matrix: list[list[int]], right: list[int]) -> li
 class Lowering:
     """Lower expressions over symbols that have numbers; a memo keeps each node's number."""
 
-    def __init__(self, b: Builder, slots: Mapping[Expr, int], where: str = "") -> None:
+    def __init__(self, b: Builder, slots: Mapping[Expr, int], system: str = "") -> None:
         self.b = b
         self.memo: dict[Expr, int] = dict(slots)
-        self.where = where
+        self.system = self.where = system
 
     def define(self, definition: Definition) -> None:
         """Lower a definition; its symbol stands for the value from here on."""
-        number = self.lower(definition.expression)
-        self.b.name(number, _name(definition))
-        self.memo[definition.symbol] = number
+        self.memo[definition.symbol] = self.result(definition, "definition")
 
-    def lower(self, expression: Expr) -> int:
-        """Return the number of the value of ``expression``."""
+    def result(self, definition: Definition, kind: str) -> int:
+        """Lower a named expression; its value has that name."""
+        number = self.lower(definition.expression, f"{kind} {definition.name}")
+        self.b.name(number, _name(definition))
+        return number
+
+    def lower(self, expression: Expr, part: str = "") -> int:
+        """Return the number of the value of ``expression``; ``part`` names it in errors."""
+        self.where = ": ".join(filter(None, (self.system, part)))
         stack = [expression]
         while stack:
             node = stack[-1]
@@ -202,12 +201,8 @@ class Lowering:
     def _rule(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Return the children of a node and how to build its value from theirs."""
         kind = type(node)
-        if kind in _FUNCTIONS:
-            return node.args, lambda a: self.b.add(_FUNCTIONS[kind], *a)
-        if kind in _RECIPROCALS:
-            return node.args, lambda a: self.b.add(
-                "div", self.b.const(1), self.b.add(_RECIPROCALS[kind], *a)
-            )
+        if kind in FUNCTIONS:
+            return node.args, lambda a: FUNCTIONS[kind](self.b, a)
         if kind in _CHAINS:
             return self._sorted(node.args), lambda a: self._chain(_CHAINS[kind], a)
         if kind in _COMPARISONS:
@@ -216,12 +211,7 @@ class Lowering:
         for test, rule in _RULES:
             if isinstance(node, test):
                 return rule(self, node)
-        raise InputError(
-            "no operation computes this expression",
-            where=self.where,
-            got=f"{kind.__name__}: {node}"[:300],
-            expected="sums, products, powers, elementary functions, min, max, abs, sign, Piecewise",
-        )
+        raise refusal(node, self.where)
 
     @staticmethod
     def _sorted(args: Iterable[Expr]) -> list[Expr]:
@@ -243,6 +233,9 @@ class Lowering:
 
     def sum(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a sum, positive terms first; a factor or sign that all terms share is taken out."""
+        found = removable.difference(node)
+        if found and found.name == "expm1":
+            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), found.factor)
         terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: bool(term[0] < 0))
         sizes = {abs(c) for c, _ in terms}
         shared = sizes.pop() if len(sizes) == 1 else sp.Integer(1)
@@ -270,15 +263,19 @@ class Lowering:
         """Lower a product as one quotient: factors with negative exponents divide together.
 
         Parameters come first, so that their products are shared, then the numerical coefficient,
-        then sums of parameters; without parameters the coefficient comes last.
+        then sums of parameters; without parameters the coefficient comes last. Quotients such as
+        sin(x)/x become functions of their own before.
         """
+        regular = removable.rewrite(node)
+        if regular is not node:
+            return (regular,), lambda a: a[0]
         coefficient, rest = node.as_coeff_Mul()
         factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
         plain = [
             (f, sp.Integer(1)) if e.is_Symbol or f is sp.I else (b, e)  # I, for SymPy, is a root
             for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
         ]
-        split = [(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
+        split = [removable.norm(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
 
         def build(numbers: list[int]) -> int:
             factors = [(n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)]
@@ -305,7 +302,7 @@ class Lowering:
 
     def power(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a power: products for integers, a square root for halves, pow otherwise."""
-        base, exponent = node.as_base_exp()
+        base, exponent = removable.norm(*node.as_base_exp())
         if not exponent.is_Rational:
             return (base, exponent), lambda a: self.b.add("pow", *a)
         if exponent > 0:
@@ -327,6 +324,26 @@ class Lowering:
                 square = self.b.add("mul", square, square)
         assert result is not None
         return result
+
+    def logarithm(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower log(1 + x) without the sum, which would round x away."""
+        rest = removable.after_one(node.args[0])
+        op = "log" if rest is None else "log1p"
+        return (node.args[0] if rest is None else rest,), lambda a: self.b.add(op, *a)
+
+    def bessel(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a Bessel function of integer order."""
+        order, argument = node.args
+        if not order.is_Integer:
+            raise refusal(node, self.where)
+        return (argument,), lambda a: bessel(BESSEL[type(node)], int(order))(self.b, a)
+
+    def table(self, node: Any) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower the value of a table; one that was differentiated too often is zero."""
+        table = node.table
+        if table.degree < 0:
+            return (), lambda _: self.b.const(0)
+        return (node.args[1],), lambda a: self.b.add("table", *a, value=table)
 
     def piecewise(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower to nested selections; the last condition must be true everywhere."""
@@ -356,6 +373,11 @@ _RULES: tuple[
     (sp.Mul, Lowering.product),
     (sp.Pow, Lowering.power),
     (sp.Piecewise, Lowering.piecewise),
+    (sp.log, Lowering.logarithm),
+    (tuple(BESSEL), Lowering.bessel),
+    (TableFunction, Lowering.table),
+    (removable.Removable, lambda s, n: ((n.operand,), lambda a: n.build(s.b, *a))),
+    (sp.sinc, lambda s, n: ((removable.sinc(n.args[0]),), lambda a: a[0])),
     (type(sp.pi), lambda s, _: ((), lambda _a: s.b.leaf("pi"))),
     (type(sp.E), lambda s, _: ((), lambda _a: s.b.add("exp", s.b.const(1)))),
     (sp.Not, lambda s, n: (n.args, lambda a: s.b.add("not", *a))),

@@ -74,6 +74,7 @@ _C_LIBRARY = frozenset(
         "cosh",
         "div",
         "erf",
+        "erfc",
         "exp",
         "exp2",
         "expm1",
@@ -145,6 +146,7 @@ _PYTHON = frozenset(
         *keyword.softkwlist,
         "np",
         "numpy",
+        "scipy",
         "print",
         "min",
         "max",
@@ -175,8 +177,8 @@ _OWN = frozenset(
         "select",
     }
 )
-HELPERS = ("sign_", "min_", "max_", "carried_")
-"""Functions, and an array, that generated C defines for itself."""
+HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "carried_")
+"""Functions, and an array, that generated code defines for itself."""
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""

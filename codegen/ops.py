@@ -9,11 +9,15 @@ a test checks that each of them covers every row.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from codegen import special, stumpff
+from eom.tables import Table
 
 Number = Any  # a mpmath real
 Context = Any  # a mpmath context
@@ -27,7 +31,9 @@ class Op:
 
     ``exact(m, *args)``: value in the mpmath context ``m``. ``partials(m, value, *args)``: one
     derivative an argument, 0 where the operation is flat or does not have one. ``ulps``: rounding
-    error of the double-precision operation; 0.5 is correct rounding.
+    error of the double-precision operation; 0.5 is correct rounding. ``scale(m, value, *args)``: what
+    that error is relative to, where it is not the value: functions that are poor near their zeros.
+    Functions of an operation with data (`WITH_DATA`) take the data before the arguments.
     """
 
     name: str
@@ -38,6 +44,7 @@ class Op:
     ulps: float = 0.5
     cost: int = 1
     commutative: bool = False
+    scale: Callable[..., Number] | None = None
 
 
 def _flat(count: int) -> Partials:
@@ -93,6 +100,42 @@ def _atan2_partials(m: Context, _: Number, y: Number, x: Number) -> tuple[Number
     return (x / square, -y / square) if square != 0 else (m.mpf(0), m.mpf(0))
 
 
+def _hypot_partials(m: Context, v: Number, x: Number, y: Number) -> tuple[Number, Number]:
+    return (x / v, y / v) if v != 0 else (m.mpf(0), m.mpf(0))
+
+
+def _exact_mod(m: Context, a: Number, b: Number) -> Number:
+    """Return a - b floor(a/b), as NumPy takes it to its limits; the digits of the quotient are kept."""
+    if b == 0 or m.isnan(a) or m.isnan(b) or m.isinf(a):
+        return m.nan
+    if m.isinf(b):
+        return b if a * b < 0 else a
+    with m.extraprec(max(0, m.mag(a) - m.mag(b)) + 10 if a else 0):
+        rest = a - b * m.floor(a / b)
+    return +rest
+
+
+def _mod_partials(m: Context, v: Number, a: Number, b: Number) -> tuple[Number, Number]:
+    return (m.mpf(1), -m.nint((a - v) / b))
+
+
+def _bessel(name: str, scipy_name: str, ulps: float) -> Op:
+    return Op(
+        name,
+        2,
+        special.scipy_function(scipy_name),
+        lambda m, n, x: special.bessel(m, name, n, x),
+        lambda m, v, n, x: (m.mpf(0), special.bessel_slope(m, name, n, x)),
+        ulps=ulps,
+        cost=100,
+        scale=lambda m, v, n, x: special.bessel_scale(m, name, v, n, x),
+    )
+
+
+def _gauss(m: Context, x: Number) -> Number:
+    return 2 * m.exp(-x * x) / m.sqrt(m.pi)
+
+
 _ROWS = (
     Op("add", 2, np.add, lambda m, a, b: a + b, lambda m, v, a, b: (m.mpf(1), m.mpf(1)), commutative=True),
     Op("sub", 2, np.subtract, lambda m, a, b: a - b, lambda m, v, a, b: (m.mpf(1), m.mpf(-1))),
@@ -126,6 +169,17 @@ _ROWS = (
     Op("and", 2, lambda a, b: np.float64(a != 0 and b != 0), lambda m, a, b: m.mpf(a != 0 and b != 0), _flat(2), ulps=0.0, commutative=True),
     Op("or", 2, lambda a, b: np.float64(a != 0 or b != 0), lambda m, a, b: m.mpf(a != 0 or b != 0), _flat(2), ulps=0.0, commutative=True),
     Op("not", 1, lambda a: np.float64(a == 0), lambda m, a: m.mpf(a == 0), _flat(1), ulps=0.0),
+    Op("floor", 1, np.floor, lambda m, x: m.floor(x), _flat(1), ulps=0.0, cost=2),
+    Op("mod", 2, np.mod, _exact_mod, _mod_partials, cost=20),
+    Op("hypot", 2, np.hypot, lambda m, x, y: m.hypot(x, y), _hypot_partials, ulps=1.0, cost=15, commutative=True),
+    Op("erf", 1, special.scipy_function("erf"), lambda m, x: m.erf(x), lambda m, v, x: (_gauss(m, x),), ulps=4.0, cost=30),
+    Op("erfc", 1, special.scipy_function("erfc"), lambda m, x: m.erfc(x), lambda m, v, x: (-_gauss(m, x),), ulps=8.0, cost=40, scale=special.erfc_scale),
+    _elementary("expm1", np.expm1, lambda m, v, x: m.exp(x)),
+    _elementary("log1p", np.log1p, lambda m, v, x: 1 / (1 + x) if x > -1 else m.mpf(0)),
+    _bessel("besselj", "jv", 32.0),
+    _bessel("bessely", "yv", 32.0),
+    Op("stumpff", 2, stumpff.double, stumpff.exact, lambda m, v, k, z: (m.mpf(0), stumpff.slope(m, k, z)), ulps=4.0, cost=50, scale=stumpff.scale),
+    Op("table", 1, special.table_double, special.table_exact, lambda m, v, t, x: (special.table_slope(m, t, x),), ulps=6.0, cost=15, scale=special.table_scale),
     Op("select", 3, lambda c, a, b: a if c != 0 else b, _choose, lambda m, v, c, a, b: (m.mpf(0), m.mpf(c != 0), m.mpf(c == 0)), ulps=0.0),
 )  # fmt: skip
 
@@ -133,6 +187,12 @@ OPS: dict[str, Op] = {row.name: row for row in _ROWS}
 
 TRUTH_VALUES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 """Operations whose value is 0 or 1 and serves as a condition."""
+
+INTEGER_FIRST = frozenset({"besselj", "bessely", "stumpff"})
+"""Operations whose first operand is an integer constant: order n >= 0, or k >= 1 of `stumpff`."""
+
+WITH_DATA = frozenset({"table"})
+"""Operations whose instruction holds data, as its ``value``."""
 
 LEAVES = ("const", "pi", "time", "state", "parameter", "input", "constant", "clock")
 """Instructions without operands: exact constants, and slots of the arrays of values."""
@@ -142,9 +202,24 @@ class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
     ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
-    ``constant`` or ``clock`` (see `codegen.stages`); None otherwise.
+    ``constant`` or ``clock`` (see `codegen.stages`), the table of a ``table``; None otherwise.
     """
 
     op: str
     args: tuple[int, ...] = ()
-    value: Fraction | int | None = None
+    value: Fraction | int | Table | None = None
+
+
+def row_of(instruction: Instruction) -> Op:
+    """Return the row of an operation; data of the instruction is bound, so that operands are left."""
+    row, data = OPS[instruction.op], instruction.value
+    if instruction.op not in WITH_DATA:
+        return row
+    scale = row.scale
+    return replace(
+        row,
+        double=partial(row.double, data),
+        exact=lambda m, *args: row.exact(m, data, *args),
+        partials=lambda m, v, *args: row.partials(m, v, data, *args),
+        scale=(lambda m, v, *args: scale(m, v, data, *args)) if scale else None,
+    )

@@ -35,7 +35,8 @@ def specialise(program: Program, values: Mapping[int, float], count: int) -> Pro
     def leaf(instruction: Instruction) -> Instruction:
         if instruction.op != "parameter":
             return instruction
-        slot = int(instruction.value or 0)
+        assert isinstance(instruction.value, int)
+        slot = instruction.value
         if slot in values:
             return Instruction("const", (), Fraction(values[slot]))
         return Instruction("parameter", (), slots[slot])
@@ -53,9 +54,9 @@ def _copy(
     b = Builder()
     new: dict[int, int] = {}
     for k in keep:
-        op, args, _ = instruction = program.instructions[k]
+        op, args, data = instruction = program.instructions[k]
         if op in OPS:
-            new[k] = b.add(op, *(new[a] for a in args))
+            new[k] = b.add(op, *(new[a] for a in args), value=data)
         else:
             mapped = leaf(instruction)
             new[k] = b.leaf(mapped.op, mapped.value)

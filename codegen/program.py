@@ -6,14 +6,15 @@ A `Program` is a tuple of instructions, each over earlier ones, and named groups
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import MappingProxyType
 from typing import NamedTuple
 
 from codegen import fold
-from codegen.ops import LEAVES, OPS, Instruction
+from codegen.ops import INTEGER_FIRST, LEAVES, OPS, WITH_DATA, Instruction
+from eom.tables import Table
 
 
 class Name(NamedTuple):
@@ -58,7 +59,8 @@ def _text(instruction: Instruction) -> str:
         return (
             instruction.op if instruction.value is None else f"{instruction.op} {instruction.value}"
         )
-    return f"{instruction.op} {' '.join(map(str, instruction.args))}"
+    data = f" {instruction.value.label!r}" if isinstance(instruction.value, Table) else ""
+    return f"{instruction.op}{data} {' '.join(map(str, instruction.args))}"
 
 
 def verify(program: Program) -> None:
@@ -70,6 +72,12 @@ def verify(program: Program) -> None:
         else:
             assert len(args) == OPS[op].arity, (k, op)
             assert all(0 <= a < k for a in args), (k, op, args)
+            assert (value is not None) == (op in WITH_DATA), (k, op)
+            if op in INTEGER_FIRST:
+                order = fold.constant(program, args[0])
+                assert order is not None, (k, op)
+                assert order.denominator == 1, (k, op)
+                assert order >= 0, (k, op)
     size = len(program.instructions)
     assert all(0 <= r < size for group in program.results.values() for r in group)
 
@@ -88,7 +96,7 @@ class Builder:
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
 
-    def leaf(self, op: str, value: Fraction | int | None = None) -> int:
+    def leaf(self, op: str, value: Fraction | int | Table | None = None) -> int:
         """Return the number of a leaf."""
         return self._number(Instruction(op, (), value))
 
@@ -96,12 +104,22 @@ class Builder:
         """Return the number of an exact constant."""
         return self.leaf("const", Fraction(value))
 
-    def add(self, op: str, *args: int) -> int:
-        """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`."""
+    def add(self, op: str, *args: int, value: Fraction | int | Table | None = None) -> int:
+        """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`.
+
+        ``value``: the data of an operation that has some.
+        """
         if OPS[op].commutative and args[0] > args[1]:
             args = (args[1], args[0])
         folded = fold.fold(self, op, args)
-        return self._number(Instruction(op, args)) if folded is None else folded
+        return self._number(Instruction(op, args, value)) if folded is None else folded
+
+    def again(self, instruction: Instruction, new: Mapping[int, int] | Sequence[int]) -> int:
+        """Append an instruction of another program, its arguments renumbered by ``new``."""
+        op, args, value = instruction
+        if op in LEAVES:
+            return self.leaf(op, value)
+        return self.add(op, *(new[a] for a in args), value=value)
 
     def unfolded(self, op: str, *args: int) -> int:
         """Return the number of the value of ``op`` on ``args`` as it is written."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from codegen.gather import EARLY
-from codegen.ops import LEAVES, OPS
+from codegen.ops import LEAVES
 from codegen.passes import prune
 from codegen.program import BINDING, Builder, Program
 
@@ -57,17 +57,21 @@ def _best(program: Program) -> _Plan | None:
         numbers = [program.instructions[a] for a in args]
         for value in (i.value for i in numbers if op == "mul" and i.op == "const"):
             if _is_power(value) and view.binding[k] > EARLY:
-                groups.setdefault(abs(Fraction(value or 0)), []).append(k)
+                groups.setdefault(abs(_exact(value)), []).append(k)
     together = [view.plan(scale, tuple(found)) for scale, found in sorted(groups.items())]
     alone = [view.plan(s, (k,)) for s, found in sorted(groups.items()) for k in found]
     best = max([*together, *alone], key=lambda p: p.gain, default=None)
     return best if best is not None and best.gain > 0 else None
 
 
-def _is_power(value: Fraction | int | None) -> bool:
-    size = abs(Fraction(value or 0))
+def _is_power(value: object) -> bool:
+    size = abs(_exact(value))
     n = size.numerator * size.denominator
     return size != 1 and n > 0 and n & (n - 1) == 0
+
+
+def _exact(value: object) -> Fraction:
+    return value if isinstance(value, Fraction) else Fraction(0)
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ def _sign(b: Builder, program: Program, k: int, grown: Callable[[int], int]) -> 
     a, c = program.instructions[k].args
     number, other = (a, c) if program.instructions[a].op == "const" else (c, a)
     value = grown(other)
-    return value if Fraction(program.instructions[number].value or 0) > 0 else b.add("neg", value)
+    return value if _exact(program.instructions[number].value) > 0 else b.add("neg", value)
 
 
 def _rebuild(program: Program, plan: _Plan) -> Program:
@@ -156,7 +160,8 @@ def _rebuild(program: Program, plan: _Plan) -> Program:
     def grown(k: int) -> int:
         return scaled[k] if k in scaled else b.add("mul", scale, new[k])
 
-    for k, (op, args, value) in enumerate(program.instructions):
+    for k, instruction in enumerate(program.instructions):
+        op, args, _ = instruction
         if k in plan.inside:
             place = plan.chosen.get(k, 0)
             taken = {place} if op in {"mul", "div"} else set(range(len(args)))
@@ -166,7 +171,7 @@ def _rebuild(program: Program, plan: _Plan) -> Program:
         if k in plan.results:
             new.append(_sign(b, program, k, grown))
         else:
-            new.append(b.add(op, *(new[a] for a in args)) if op in OPS else b.leaf(op, value))
+            new.append(b.again(instruction, new))
         if k in plan.explicit:
             scaled[k] = b.add("mul", scale, new[k])
         if k in program.names:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from codegen.ops import LEAVES, OPS
+from codegen.ops import LEAVES
 from codegen.passes import needed, prune
 from codegen.program import BINDING, Builder, Program
 
@@ -58,13 +58,11 @@ def reciprocals(program: Program) -> Program:
     early = BINDING[CONSTANT]
     b = Builder()
     new: list[int] = []
-    for k, (op, args, value) in enumerate(program.instructions):
-        if op not in OPS:
-            new.append(b.leaf(op, value))
-        elif op == "div" and known[args[0]] > early >= known[args[1]]:
+    for k, (op, args, _) in enumerate(program.instructions):
+        if op == "div" and known[args[0]] > early >= known[args[1]]:
             new.append(b.add("mul", new[args[0]], b.add("div", b.const(1), new[args[1]])))
         else:
-            new.append(b.add(op, *(new[a] for a in args)))
+            new.append(b.again(program.instructions[k], new))
         if k in program.names:
             b.name(new[k], program.names[k])
     return prune(b.program({g: [new[k] for k in r] for g, r in program.results.items()}))
@@ -85,13 +83,10 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
     b = Builder()
     new: dict[int, int] = {}
     for k in sorted(needed(program, program.results)):
-        op, args, value = program.instructions[k]
         if k in slots:
             new[k] = b.leaf(leaf, slots[k])
-        elif k not in early and op in OPS:
-            new[k] = b.add(op, *(new[a] for a in args))
         elif k not in early:
-            new[k] = b.leaf(op, value)
+            new[k] = b.again(program.instructions[k], new)
         if k in new and k in program.names:
             b.name(new[k], program.names[k])
     late = prune(b.program({g: [new[k] for k in r] for g, r in program.results.items()}))

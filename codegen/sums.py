@@ -107,11 +107,12 @@ def _rebuild(program: Program, sums: dict[int, list[Term]], pairs: dict[int, Pai
             new[k] = b.add("add" if sign > 0 else "sub", value(left), value(right))
         return new[k]
 
-    for k, (op, args, leaf) in enumerate(program.instructions):
+    for k, (op, args, data) in enumerate(program.instructions):
         if k in sums:
             new[k] = _sum(b, [(value(t), sign) for t, sign in sums[k]])
         else:
-            new[k] = b.add(op, *(new[a] for a in args)) if op in OPS else b.leaf(op, leaf)
+            operands = [new[a] for a in args]
+            new[k] = b.add(op, *operands, value=data) if op in OPS else b.leaf(op, data)
         if k in program.names:
             b.name(new[k], program.names[k])
     return b.program({g: [new[k] for k in r] for g, r in program.results.items()})

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from eom.system import Quantity as Quantity
     from eom.system import Singularity as Singularity
     from eom.system import System as System
+    from eom.tables import Table as Table
 
 __version__ = "0.1.0"
 
@@ -51,6 +52,7 @@ _HOME = {
     "Quantity": "system",
     "Singularity": "system",
     "System": "system",
+    "Table": "tables",
 }
 
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604 - all entries are strings

@@ -1,7 +1,8 @@
 """The contract between deriving and computing: one frozen system of equations of motion.
 
 A `System` holds plain SymPy symbols and expressions over them, no ``Function('x')(t)`` and no
-``Derivative``. ``codegen`` reads this module and `eom.errors`, and nothing else of ``eom``.
+``Derivative``. ``codegen`` reads this module, `eom.tables` (curves that stand in expressions) and
+`eom.errors`, and nothing else of ``eom``.
 """
 
 from __future__ import annotations

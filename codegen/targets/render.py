@@ -18,6 +18,7 @@ from codegen.ops import OPS
 from codegen.program import Name, Program
 from codegen.stages import Cut
 from eom.system import Quantity
+from eom.tables import Table
 
 MAX_INLINE = 72
 ATOM = 100
@@ -26,7 +27,8 @@ ATOM = 100
 class Template(NamedTuple):
     """How an operation is written.
 
-    ``text``: format string over the operands. ``power``: how tightly the result binds. ``needs``:
+    ``text``: format string over the operands, and the name of the ``data`` of the operation if it has
+    some. ``power``: how tightly the result binds. ``needs``:
     how tightly each operand must bind so as not to be put in brackets.
     """
 
@@ -112,7 +114,8 @@ def with_slots_of(cut: Cut, program: Program, names: Names) -> Names:
     for k in cut.values:
         op, _, value = program.instructions[k]
         listed = names.get(op, ())
-        slots.append(listed[int(value or 0)] if listed else program.names.get(k, Name("")))
+        known = listed[value] if listed and isinstance(value, int) else None
+        slots.append(known or program.names.get(k, Name("")))
     return {**names, cut.leaf: slots}
 
 
@@ -127,13 +130,24 @@ def render(
     templates: Mapping[str, Template],
     slots: Mapping[str, str],
     number: Mapping[str, str] = {},
+    data: Mapping[Table, str] = {},
 ) -> Body:
     """Render one group of results of a pruned program.
 
     ``slots``: how a slot of each kind of leaf is read, for example ``"x[{0}]"``. ``number``: how
-    special numbers are written (``inf``, ``-inf``, ``nan``).
+    special numbers are written (``inf``, ``-inf``, ``nan``). ``data``: names of the tables, as
+    `table_names` gives them.
     """
-    return _Renderer(program, group, names, templates, slots, number).body()
+    return _Renderer(program, group, names, templates, slots, number, data).body()
+
+
+Tables = Mapping[Table, str]
+
+
+def table_names(program: Program) -> Tables:
+    """Return a name for each table of a program, in order; no variable is called like it."""
+    tables = [i.value for i in program.instructions if isinstance(i.value, Table)]
+    return {table: f"table_{k}_" for k, table in enumerate(dict.fromkeys(tables), 1)}
 
 
 class _Renderer:
@@ -145,7 +159,9 @@ class _Renderer:
         templates: Mapping[str, Template],
         slots: Mapping[str, str],
         number: Mapping[str, str],
+        data: Mapping[Table, str],
     ) -> None:
+        self.data = data
         self.program = program
         self.group = group
         self.templates = templates
@@ -172,8 +188,8 @@ class _Renderer:
         """Variables of the leaves that are read and of the values that have a name."""
         wanted: list[tuple[int, str, str, str]] = []
         for k, (op, _, value) in enumerate(self.program.instructions):
-            if op in names and names[op][int(value or 0)].name:
-                name, note = names[op][int(value or 0)]
+            if op in names and isinstance(value, int) and names[op][value].name:
+                name, note = names[op][value]
                 wanted.append((k, name, self.slots[op].format(value), note))
         wanted += [
             (k, n.name, "", n.comment)
@@ -203,13 +219,14 @@ class _Renderer:
         return (text, ATOM) if value >= 0 or text != repr(value) else (f"({text})", ATOM)
 
     def _operation(self, k: int) -> None:
-        op, args, _ = self.program.instructions[k]
+        op, args, data = self.program.instructions[k]
         if OPS[op].commutative and self._binds_less(op, args):
             args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
         template = self.templates[op]
         needs = template.needs or (0,) * len(args)
         operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
-        self._write(k, template.text.format(*operands), template.power)
+        name = self.data[data] if isinstance(data, Table) else ""
+        self._write(k, template.text.format(*operands, data=name), template.power)
 
     def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
         """Tell whether the second operand would need brackets and the first would not."""

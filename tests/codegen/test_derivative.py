@@ -7,13 +7,14 @@ from hypothesis import strategies as st
 from codegen.derivative import JACOBIAN, PARTIALS, colouring, columns, jacobian
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.ops import OPS
+from codegen.ops import INTEGER_FIRST, OPS, WITH_DATA, Instruction, row_of
 from codegen.passes import prune
 from codegen.program import Builder
 from eom import catalogue
 from eom.kinematics import attitude
 from eom.rigidbody import full_inertia, rigid_body
 from eom.scene import Scene
+from eom.tables import Table
 from eom.torques import weight
 from tests.draws import nonzero
 
@@ -21,15 +22,19 @@ x, y, z = sp.symbols("x y z", real=True)
 
 INSIDE = {
     "sqrt": (0.7,), "pow": (1.3, 0.6), "asin": (0.3,), "acos": (-0.4,), "acosh": (1.7,),
-    "atanh": (0.2,), "log": (2.5,), "min": (0.3, 0.9), "max": (0.3, 0.9), "select": (1.0, 0.3, 0.8),
+    "atanh": (0.2,), "log": (2.5,), "bessely": (2, 1.7), "besselj": (3, -2.1), "stumpff": (2, 1.3),
+    "mod": (7.3, -2.1), "table": (0.4,), "min": (0.3, 0.9), "max": (0.3, 0.9), "select": (1.0, 0.3, 0.8),
 }  # fmt: skip
+CURVE = Table("curve", [0, 1, 3], [1, 2, -1], "cubic")
 POINTS = {op: INSIDE.get(op, (0.37, -1.21, 0.83)[: row.arity]) for op, row in OPS.items()}
 
 
 def program_of_op(op):
     b = Builder()
     args = [b.leaf("state", k) for k in range(OPS[op].arity)]
-    return b.program({RATES: [b.add(op, *args)]})
+    if op in INTEGER_FIRST:
+        args[0] = b.const(INSIDE[op][0])
+    return b.program({RATES: [b.add(op, *args, value=CURVE if op in WITH_DATA else None)]})
 
 
 def slopes(program, at, base, column):
@@ -61,8 +66,9 @@ def test_partials_are_those_of_the_table_of_operations(op):
     found = entries(derived, Point(x=at))
     with mpmath.workdps(60):
         exact = [mpmath.mpf(a) for a in at]
-        value = OPS[op].exact(mpmath, *exact)
-        expected = OPS[op].partials(mpmath, value, *exact)
+        row = row_of(Instruction(op, (), CURVE if op in WITH_DATA else None))
+        value = row.exact(mpmath.mp, *exact)
+        expected = row.partials(mpmath.mp, value, *exact)
         for k, wanted in enumerate(expected):
             assert abs(found.get((0, k), mpmath.mpf(0)) - wanted) < mpmath.mpf(10) ** -45
 
@@ -70,6 +76,7 @@ def test_partials_are_those_of_the_table_of_operations(op):
 @pytest.mark.parametrize(
     ("op", "at"),
     [("sqrt", (0,)), ("atan2", (0, 0)), ("asin", (1,)), ("acos", (-1,)), ("acosh", (1,)),
+     ("hypot", (0, 0)), ("besselj", (3, 0)), ("stumpff", (2, 0)), ("table", (1,)),
      ("abs", (0,)), ("pow", (0, 2)), ("sign", (0,)), ("min", (1, 1)), ("select", (0, 1, 2))],
 )  # fmt: skip
 def test_where_there_is_no_derivative_it_is_finite(op, at):

@@ -79,9 +79,10 @@ def test_deep_expressions_need_no_recursion():
 @pytest.mark.parametrize(
     "e",
     [
-        sp.gamma(x), sp.I * x, sp.zoo, sp.oo, -sp.oo, sp.nan, sp.Heaviside(x), sp.floor(x), sp.Mod(x, 2),
+        sp.gamma(x), sp.I * x, sp.zoo, sp.oo, -sp.oo, sp.nan, sp.zeta(x), sp.besselj(sp.Rational(1, 2), x),
         sp.Function("f")(x), sp.Derivative(sp.Function("f")(x), x), sp.Integral(x, x), sp.Symbol("u"),
-        sp.re(sp.Symbol("z")), sp.DiracDelta(x), x + sp.erf(y), sp.Symbol("x"), x ** sp.Symbol("n"),
+        sp.re(sp.Symbol("z")), sp.DiracDelta(x), x + sp.erfi(y), sp.besselj(p, x),
+        sp.besseli(1, x), sp.Matrix([x]), sp.MatrixSymbol("A", 2, 2), sp.Symbol("x"), x ** sp.Symbol("n"),
     ],
     ids=str,
 )  # fmt: skip
