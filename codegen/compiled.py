@@ -27,7 +27,7 @@ from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
-from codegen.sums import share_sums
+from codegen.pipeline import optimise
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
 from eom.system import System
@@ -250,7 +250,7 @@ def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Progra
     to_array(list(given.values()), list(given), "parameter")
     fixed = {names.index(n): float(v) for n, v in given.items()}
     program = passes.specialise(lower_system(system), fixed, len(names))
-    return share_sums(program, RATES), Layout.of(system).without(given)
+    return optimise(program), Layout.of(system).without(given)
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

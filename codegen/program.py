@@ -77,6 +77,14 @@ def verify(program: Program) -> None:
 _BINDING = {"parameter": 1, "time": 2, "state": 3, "input": 3}
 
 
+def bindings(program: Program) -> list[int]:
+    """Return when each value is known: 0 always, 1 with parameters, 2 with time, 3 with states."""
+    known: list[int] = []
+    for op, args, _ in program.instructions:
+        known.append(max((known[a] for a in args), default=_BINDING.get(op, 0)))
+    return known
+
+
 class Builder:
     """Append instructions; equal ones are shared and constants are folded exactly."""
 
