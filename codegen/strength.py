@@ -73,7 +73,9 @@ def _multiple(program: Program, number: int) -> tuple[Fraction, int]:
     return Fraction(1), number
 
 
-def _doubled(op: str, build: Callable[[Builder, Sequence[int]], int]) -> Callable[..., dict[int, Recipe]]:
+def _doubled(
+    op: str, build: Callable[[Builder, Sequence[int]], int]
+) -> Callable[..., dict[int, Recipe]]:
     """Find ``op`` of an argument whose half has both its sine and its cosine."""
 
     def find(program: Program) -> dict[int, Recipe]:
