@@ -226,7 +226,7 @@ def rebuild(program: Program, recipes: Mapping[int, Recipe]) -> Program:
         fresh = [a for a in operands(stack.pop()) if a not in found]
         found.update(fresh)
         stack += fresh
-    b = Builder()
+    b = Builder(program.rules)
     new: dict[int, int] = {}
     for root in sorted(k for k in found if k < len(instructions)):
         stack = [root]

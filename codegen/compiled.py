@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen import fastcall, native
 from codegen.elsewhere import as_system
+from codegen.fold import RULE_SETS
 from codegen.guard import Guard
 from codegen.integrate import runge_kutta
 from codegen.integrate.dop853 import DOP853
@@ -178,7 +179,8 @@ class Compiled:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
         s = self.structure
         parameters = {**s.parameters, **s.equal}
-        return (compile, (self.system, self.target, parameters, dict(s.states), dict(s.inputs)))
+        held = (dict(s.states), dict(s.inputs))
+        return (compile, (self.system, self.target, parameters, *held, self.program.rules.name))
 
     @property
     def fixed(self) -> Mapping[str, float]:
@@ -237,6 +239,7 @@ def compile(  # noqa: A001 - the word that users expect
     parameters: Mapping[str, float | str] | None = None,
     states: Mapping[str, float] | None = None,
     inputs: Mapping[str, float] | None = None,
+    rules: str = "algebraic",
 ) -> Compiled:
     """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
 
@@ -245,13 +248,15 @@ def compile(  # noqa: A001 - the word that users expect
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
     name of another parameter makes the two equal. ``states``: values at which states stay, as in
     planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
+    ``rules``: the laws by which operations may be exchanged, of `codegen.fold.RULE_SETS`:
+    ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
     system's assumptions and expressions without an operation; `CompilerError` where target ``c``
     cannot be compiled.
     """
     system = as_system(system)
     structure = Structure.of(system, parameters, states, inputs)
-    program, layout = fitted(system, structure)
+    program, layout = fitted(system, structure, rules)
     build = TARGETS.get(target)
     if build is None:
         raise unknown_name("target", target, TARGETS)
@@ -269,9 +274,13 @@ def specialised(
     return fitted(system, Structure.of(system, parameters, states, inputs))
 
 
-def fitted(system: System, structure: Structure) -> tuple[Program, Layout]:
+def fitted(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
     """Return the program that is compiled, and its layout."""
-    program, layout = fit(lower_system(system), system, structure)
+    if rules not in RULE_SETS:
+        raise unknown_name("set of rules", rules, RULE_SETS)
+    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
     return optimise(program), layout
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from codegen import fold
 from codegen.interpret import Point, interpret_exactly
 from codegen.passes import prune
 from codegen.program import Builder, Name, Program
@@ -24,7 +25,6 @@ GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 SAME = 1e-40
 """Values in 50 digits that differ by less, relatively, are the same."""
 
-MAX_UNROLLED_POWER = 64
 MAX_SPLIT_BITS = 512
 """Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
 
@@ -51,13 +51,13 @@ _COMPARISONS: dict[Any, tuple[str, bool]] = {
 }
 
 
-def lower_system(system: System) -> Program:
+def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
     """Return the program of a system, with its results in `GROUPS`.
 
     A mass matrix must be symmetric in value; the accelerations come from an unrolled LDL^T factorisation
     of it, never from a symbolic inverse. Raises `InputError` for expressions without an operation.
     """
-    b = Builder()
+    b = Builder(rules)
     slots = {system.time: b.leaf("time")}
     for op, group in (
         ("state", system.states),
@@ -250,8 +250,9 @@ class Lowering:
         coefficients = [c / shared for c, _ in terms]
 
         def build(numbers: list[int]) -> int:
-            total = self.b.const(0)
-            for coefficient, number in zip(coefficients, numbers, strict=True):
+            total = self._scaled(numbers[0], abs(coefficients[0]))
+            total = total if coefficients[0] > 0 else self.b.add("neg", total)
+            for coefficient, number in zip(coefficients[1:], numbers[1:], strict=True):
                 term = self._scaled(number, abs(coefficient))
                 total = self.b.add("sub" if coefficient < 0 else "add", total, term)
             return self._scaled(total, shared)
@@ -314,19 +315,9 @@ class Lowering:
 
     def _power(self, base: int, exponent: Expr) -> int:
         """Return a positive rational power."""
-        if exponent.q == 2:
-            base, exponent = self.b.add("sqrt", base), sp.Integer(exponent.p)
-        if exponent.q != 1 or exponent > MAX_UNROLLED_POWER:
-            return self.b.add("pow", base, self.b.const(Fraction(int(exponent.p), int(exponent.q))))
-        result, square, n = None, base, int(exponent)
-        while n:
-            if n & 1:
-                result = square if result is None else self.b.add("mul", result, square)
-            n >>= 1
-            if n:
-                square = self.b.add("mul", square, square)
-        assert result is not None
-        return result
+        exact = Fraction(int(exponent.p), int(exponent.q))
+        unrolled = fold.power(self.b, base, exact)
+        return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
 
     def piecewise(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower to nested selections; the last condition must be true everywhere."""

@@ -64,7 +64,7 @@ def _copy(
     leaf: Callable[[Instruction], Instruction] = lambda instruction: instruction,
 ) -> Program:
     """Build the instructions ``keep`` anew, leaves mapped by ``leaf``; names go along."""
-    b = Builder()
+    b = Builder(program.rules)
     new: dict[int, int] = {}
     for k in keep:
         op, args, _ = instruction = program.instructions[k]

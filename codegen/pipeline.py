@@ -8,9 +8,11 @@ from types import MappingProxyType
 
 from codegen.chains import share_products, share_sums
 from codegen.factoring import factor_sums
+from codegen.fold import ALGEBRAIC
 from codegen.ops import OPS, Instruction
 from codegen.passes import prune
 from codegen.program import Name, Program, bindings
+from codegen.schedule import schedule
 from codegen.strength import reduce_strength
 
 
@@ -21,46 +23,51 @@ class Pass:
     name: str
     run: Callable[[Program], Program]
     law: str
+    exact: bool = False
+    """Whether results stay the same bit for bit, for NaN and infinities too."""
 
+
+REAL = "equal in exact arithmetic, up to rounding in double precision"
 
 ROUND = (
-    Pass("partial products shared", share_products, "equal in exact arithmetic"),
-    Pass("common factors taken out", factor_sums, "equal in exact arithmetic"),
-    Pass("partial sums shared", share_sums, "equal in exact arithmetic"),
+    Pass("partial products shared", share_products, REAL),
+    Pass("common factors taken out", factor_sums, REAL),
+    Pass("partial sums shared", share_sums, REAL),
 )
 """Each of these makes work for the others: they are repeated while the cost falls."""
 
 MAX_ROUNDS = 4
 
-LAST = (
-    Pass(
-        "strength reduced",
-        reduce_strength,
-        "equal in exact arithmetic; the rounding of each reduction is in its table",
-    ),
-)
+STRENGTH = Pass("strength reduced", reduce_strength, f"{REAL}, as `strength.REDUCTIONS` says")
+ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", exact=True)
+
+PASSES = (*ROUND, STRENGTH, ORDER)
+"""All passes, in their order."""
 
 
-def steps(program: Program) -> Iterator[tuple[str, Program]]:
-    """Apply the passes to a program that is one function; yield each that made it cheaper.
+def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
+    """Apply the passes to a program that is one function; yield each that changed it.
 
     A result that costs more, altogether or in what varies with states, inputs and time, is
-    dropped.
+    dropped. Where the program's rules are exact, passes that are not are left out.
     """
-    for _ in range(MAX_ROUNDS):
-        before = program
-        for p in ROUND:
-            after = _cheaper(program, p)
-            if after is not program:
-                program = after
-                yield p.name, program
-        if program is before:
-            break
-    for p in LAST:
-        after = _cheaper(program, p)
+    if program.rules is ALGEBRAIC:
+        for _ in range(MAX_ROUNDS):
+            before = program
+            for p in ROUND:
+                after = _cheaper(program, p)
+                if after is not program:
+                    program = after
+                    yield p, program
+            if program is before:
+                break
+        after = _cheaper(program, STRENGTH)
         if after is not program:
             program = after
-            yield p.name, program
+            yield STRENGTH, program
+    after = ORDER.run(program)
+    if after is not program:
+        yield ORDER, after
 
 
 def _cheaper(program: Program, p: Pass) -> Program:
@@ -87,7 +94,8 @@ def costs(program: Program) -> tuple[int, int]:
 def optimise(program: Program) -> Program:
     """Apply the passes to each group of results alone, since each becomes a function of its own.
 
-    Law: results are equal in exact arithmetic; no group costs more than before.
+    Law: results are equal in exact arithmetic, and the same bit for bit where the program's rules
+    are exact; no group costs more than before.
     """
     return join({g: _optimised(prune(program, [g])) for g in program.results})
 
@@ -111,4 +119,5 @@ def join(programs: Mapping[str, Program]) -> Program:
             if k in program.names:
                 names.setdefault(new[k], program.names[k])
         results |= {g: tuple(new[k] for k in r) for g, r in program.results.items()}
-    return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names))
+    (rules,) = {p.rules for p in programs.values()}
+    return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names), rules)

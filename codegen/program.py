@@ -33,6 +33,8 @@ class Program:
     instructions: tuple[Instruction, ...]
     results: Mapping[str, tuple[int, ...]]
     names: Mapping[int, Name] = field(default_factory=lambda: MappingProxyType({}))
+    rules: fold.RuleSet = fold.ALGEBRAIC
+    """The laws that it was folded by, and that passes may use."""
 
     def __post_init__(self) -> None:
         verify(self)
@@ -88,7 +90,8 @@ def bindings(program: Program) -> list[int]:
 class Builder:
     """Append instructions; equal ones are shared and constants are folded exactly."""
 
-    def __init__(self) -> None:
+    def __init__(self, rules: fold.RuleSet = fold.ALGEBRAIC) -> None:
+        self.rules = rules
         self.instructions: list[Instruction] = []
         self.names: dict[int, Name] = {}
         self.binding: list[int] = []
@@ -107,7 +110,7 @@ class Builder:
         """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`."""
         if OPS[op].commutative and args[0] > args[1]:
             args = (args[1], args[0])
-        folded = fold.fold(self, op, args)
+        folded = fold.fold(self, op, args, self.rules)
         return self._number(Instruction(op, args)) if folded is None else folded
 
     def find(self, instruction: Instruction) -> int | None:
@@ -125,13 +128,16 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            own = _BINDING.get(instruction.op, 0)
-            self.binding.append(max((self.binding[a] for a in instruction.args), default=own))
+            below = [self.binding[a] for a in instruction.args]
+            self.binding.append(max(below) if below else _BINDING.get(instruction.op, 0))
         return known
 
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:
         """Freeze what was built, with ``results`` by group."""
         groups = {g: tuple(r) for g, r in results.items()}
         return Program(
-            tuple(self.instructions), MappingProxyType(groups), MappingProxyType(dict(self.names))
+            tuple(self.instructions),
+            MappingProxyType(groups),
+            MappingProxyType(dict(self.names)),
+            self.rules,
         )
