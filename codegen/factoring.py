@@ -73,7 +73,7 @@ class _Search:
         terms: dict[int, Product] = dict(enumerate(products))
         holders: dict[Factor, set[int]] = {}
         for n, product in terms.items():
-            for f in set(product.factors) if self._divisible(product) else ():
+            for f in self._saving(product):
                 holders.setdefault(f, set()).add(n)
         heap = [self._rank(f, n) for f, n in holders.items() if len(n) > 1]
         heapq.heapify(heap)
@@ -89,8 +89,11 @@ class _Search:
                 changed = True
         return list(terms.values()) if changed else None
 
-    def _divisible(self, product: Product) -> bool:
-        return len(product.factors) > 1 or any(e < 0 for _, e in product.factors)
+    @staticmethod
+    def _saving(product: Product) -> set[Factor]:
+        """Return the factors without which a term needs an operation less: not d of d / a."""
+        above = sum(exponent > 0 for _, exponent in product.factors)
+        return {f for f in product.factors if f[1] < 0 or above > 1}
 
     def _rank(self, factor: Factor, holders: set[int]) -> tuple[int, int, int, int]:
         number, exponent = factor
@@ -109,7 +112,7 @@ class _Search:
         for n in group:
             sign, factors, _ = terms[n]
             for f in factors:
-                holders[f].discard(n)
+                holders.get(f, set()).discard(n)
             at = factors.index(factor)
             rest.append(Product(sign, factors[:at] + factors[at + 1 :]))
             if n != group[0]:

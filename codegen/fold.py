@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
 
@@ -62,10 +62,10 @@ class RuleSet:
     """The rules of each operation, and how operations on constants alone are evaluated."""
 
     name: str
-    general: Mapping[str, tuple[Rule, ...]]
+    general: Mapping[str, tuple[Rule, ...]] = field(repr=False)
     """Rules that need no constant."""
-    rules: Mapping[str, tuple[Rule, ...]]
-    evaluate: Callable[[str, Sequence[Fraction]], Fraction | None]
+    rules: Mapping[str, tuple[Rule, ...]] = field(repr=False)
+    evaluate: Callable[[str, Sequence[Fraction]], Fraction | None] = field(repr=False)
 
 
 def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:

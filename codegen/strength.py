@@ -62,15 +62,18 @@ def _of_argument(program: Program, op: str) -> dict[int, int]:
 
 def _multiple(program: Program, number: int) -> tuple[Fraction, int]:
     """Return c and x if a value is c x for a constant c, which is 1 otherwise."""
-    op, args, _ = program.instructions[number]
-    if op == "add" and args[0] == args[1]:
-        return Fraction(2), args[0]
-    if op in {"mul", "div"}:
-        for c, x in (args, args[::-1]) if op == "mul" else (args[::-1],):
-            value = program.instructions[c].value
-            if program.instructions[c].op == "const" and isinstance(value, Fraction) and value:
-                return (value if op == "mul" else 1 / value), x
-    return Fraction(1), number
+    factor = Fraction(1)
+    while True:
+        op, args, _ = program.instructions[number]
+        if op == "add" and args[0] == args[1]:
+            factor, number = 2 * factor, args[0]
+            continue
+        pairs = {"mul": (args, args[::-1]), "div": (args[::-1],)}.get(op, ())
+        found = [(c, x) for c, x in pairs if program.instructions[c].op == "const"]
+        value = program.instructions[found[0][0]].value if found else None
+        if not isinstance(value, Fraction) or value == 0:
+            return factor, number
+        factor, number = (factor * value if op == "mul" else factor / value), found[0][1]
 
 
 def _doubled(
