@@ -18,17 +18,19 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen import fastcall, native, passes
+from codegen import fastcall, native
 from codegen.elsewhere import as_system
+from codegen.fold import RULE_SETS
 from codegen.guard import Guard
 from codegen.integrate import runge_kutta
 from codegen.integrate.dop853 import DOP853
-from codegen.layout import Layout, names_of, to_array
+from codegen.layout import Layout, names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
+from codegen.pipeline import optimise
 from codegen.program import Program
-from codegen.stages import by_parameters, reciprocals
-from codegen.sums import share_sums
+from codegen.stages import by_parameters
+from codegen.structure import Structure, fit
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
 from eom.system import System
@@ -155,27 +157,36 @@ class Compiled:
     """A system compiled for a target.
 
     ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
-    ``singularities`` are like it, where the system has any. ``fixed``: parameters that were
-    compiled in. ``notice``: what the user should know, for example that there was no C compiler.
+    ``singularities`` are like it, where the system has any. ``structure``: what was compiled in.
+    ``notice``: what the user should know, for example that there was no C compiler.
     """
 
     system: System
     layout: Layout
     program: Program
     target: str
-    fixed: Mapping[str, float]
+    structure: Structure
     functions: Mapping[str, Function]
     notice: str = ""
 
     def __repr__(self) -> str:
         """Name the system, the target and the functions."""
-        fixed = f", with {', '.join(self.fixed)} fixed" if self.fixed else ""
+        names = self.structure.names
+        fixed = f", with {', '.join(names)} fixed" if names else ""
         functions = ", ".join("rhs" if g == RATES else g for g in self.functions)
         return f"Compiled({self.layout.name!r} for {self.target}{fixed}: {functions})"
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
-        return (compile, (self.system, self.target, dict(self.fixed)))
+        s = self.structure
+        parameters = {**s.parameters, **s.equal}
+        held = (dict(s.states), dict(s.inputs))
+        return (compile, (self.system, self.target, parameters, *held, self.program.rules.name))
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """The parameters that were fixed to numbers."""
+        return self.structure.parameters
 
     @property
     def rhs(self) -> Function:
@@ -224,34 +235,54 @@ class Compiled:
 
 
 def compile(  # noqa: A001 - the word that users expect
-    system: System | Any, target: str = "auto", parameters: Mapping[str, float] | None = None
+    system: System | Any,
+    target: str = "auto",
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    rules: str = "algebraic",
 ) -> Compiled:
     """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
 
     ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
     LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
-    ``parameters``: numbers for some or all parameters, which are then compiled in and folded.
-    Raises `InputError` for unknown names, values that contradict the system's assumptions and
-    expressions without an operation; `CompilerError` where target ``c`` cannot be compiled.
+    ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
+    name of another parameter makes the two equal. ``states``: values at which states stay, as in
+    planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
+    ``rules``: the laws by which operations may be exchanged, of `codegen.fold.RULE_SETS`:
+    ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
+    Raises `InputError` for unknown names, states that do not stay, values that contradict the
+    system's assumptions and expressions without an operation; `CompilerError` where target ``c``
+    cannot be compiled.
     """
     system = as_system(system)
-    program, layout = specialised(system, parameters or {})
+    structure = Structure.of(system, parameters, states, inputs)
+    program, layout = fitted(system, structure, rules)
     build = TARGETS.get(target)
     if build is None:
         raise unknown_name("target", target, TARGETS)
     used, functions, notice = build(program, layout)
-    return Compiled(system, layout, program, used, dict(parameters or {}), functions, notice)
+    return Compiled(system, layout, program, used, structure, functions, notice)
 
 
-def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Program, Layout]:
-    """Return program and layout with ``parameters`` fixed to numbers."""
-    Guard.of(system).check(parameters)
-    names = system.parameter_names
-    given = {n: v for n, v in parameters.items() if n in names}
-    to_array(list(given.values()), list(given), "parameter")
-    fixed = {names.index(n): float(v) for n, v in given.items()}
-    program = passes.specialise(lower_system(system), fixed, len(names))
-    return reciprocals(share_sums(program, RATES)), Layout.of(system).without(given)
+def specialised(
+    system: System,
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+) -> tuple[Program, Layout]:
+    """Return program and layout with what is fixed compiled in, as `compile` describes it."""
+    return fitted(system, Structure.of(system, parameters, states, inputs))
+
+
+def fitted(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
+    """Return the program that is compiled, and its layout."""
+    if rules not in RULE_SETS:
+        raise unknown_name("set of rules", rules, RULE_SETS)
+    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
+    return optimise(program), layout
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

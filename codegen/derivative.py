@@ -45,7 +45,7 @@ def jacobian(program: Program, group: str, kind: str = "state") -> Jacobian:
     ``kind``: state, parameter, input or time. Law: the entries are the derivatives of the results
     in exact arithmetic, wherever these exist; the results themselves do not change.
     """
-    b = Builder()
+    b = Builder(program.rules)
     copied: dict[int, int] = {}
     tangents: dict[int, Tangent] = {}
     for k in sorted(needed(program, [group])):

@@ -1,21 +1,27 @@
-"""Folding rules: identities of real arithmetic that leave fewer or cheaper operations.
+"""Folding rules: identities that leave fewer or cheaper operations, as a table of laws.
 
-Each rule of `RULES` takes the builder and the arguments of an operation and returns the number of
-an equal value, or None. Rules hold for all finite arguments; ``0 * x = 0`` therefore forgets the
-NaN that an infinite x would give. Constants are exact fractions and stay exact; a result of more
-than `MAX_BITS` bits is left to the target, which rounds it once from 50 digits.
+A law is ``exact`` if it holds bit for bit in IEEE arithmetic, for NaN, infinities and signed zeros
+too (the sign and payload of NaN aside); else it is a law of real arithmetic, for finite arguments:
+``0 x = 0`` forgets the NaN that an infinite x would give. The rule set ``algebraic`` holds all laws,
+``exact`` the exact ones alone. Constants are exact fractions and stay exact; a result of more than
+`MAX_BITS` bits is left to the target, which rounds it once from 50 digits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from codegen.ops import TRUTH_VALUES, Instruction
 
 MAX_BITS = 1024
+MAX_UNROLLED_POWER = 64
+_NONE: list[Any] = [None, None, None]
+MAX_EXPONENT = 1022
+"""Powers of two up to it and their reciprocals are doubles without loss."""
 
 
 class Instructions(Protocol):
@@ -39,28 +45,58 @@ class Numbers(Instructions, Protocol):
         """Return the number of an exact constant."""
 
 
-Rule = Callable[[Numbers, tuple[int, ...]], int | None]
+Constants = Sequence[Fraction | None]
+"""The exact value of each argument that is a constant."""
+Rule = Callable[[Numbers, tuple[int, ...], Constants], int | None]
 
 
-def fold(b: Numbers, op: str, args: tuple[int, ...]) -> int | None:
+class Law(NamedTuple):
+    """``rule`` returns the number of the right side where an operation has the form of the left.
+
+    ``constant``: whether an argument must be a constant; such a rule is not asked otherwise.
+    """
+
+    ops: tuple[str, ...]
+    text: str
+    exact: bool
+    rule: Rule
+    constant: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class RuleSet:
+    """The rules of each operation, and how operations on constants alone are evaluated."""
+
+    name: str
+    general: Mapping[str, tuple[Rule, ...]] = field(repr=False)
+    """Rules that need no constant."""
+    rules: Mapping[str, tuple[Rule, ...]] = field(repr=False)
+    evaluate: Callable[[str, Sequence[Fraction]], Fraction | None] = field(repr=False)
+
+
+def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
-    constants = [constant(b, a) for a in args]
-    if op in _EXACT and all(c is not None for c in constants):
-        value = _EXACT[op](*constants)
-        if value is not None and _small(value):
-            return b.const(value)
-    rule = RULES.get(op)
-    return rule(b, args) if rule else None
+    instructions = b.instructions
+    operands = [instructions[a] for a in args]
+    listed, constants = rules.general, _NONE
+    if "const" in [i.op for i in operands]:
+        constants = [constant(b, a) for a in args]
+        listed = rules.rules
+        if op in _EXACT and all(c is not None for c in constants):
+            value = rules.evaluate(op, constants)
+            if value is not None and _small(value):
+                return b.const(value)
+    for rule in listed.get(op, ()):
+        found = rule(b, args, constants)
+        if found is not None:
+            return found
+    return None
 
 
 def constant(b: Instructions, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
-    instruction = b.instructions[number]
-    return (
-        instruction.value
-        if instruction.op == "const" and isinstance(instruction.value, Fraction)
-        else None
-    )
+    value = b.instructions[number].value
+    return value if isinstance(value, Fraction) else None
 
 
 def _small(value: Fraction) -> bool:
@@ -73,106 +109,236 @@ def _negated(b: Numbers, number: int) -> int | None:
     return instruction.args[0] if instruction.op == "neg" else None
 
 
-def _add(b: Numbers, args: tuple[int, ...]) -> int | None:
-    for x, y in (args, args[::-1]):
-        if constant(b, x) == 0:
-            return y
-        negative = _negated(b, x)
-        if negative is not None:
-            return b.add("sub", y, negative)
-    return None
+def _neutral(neutral: int) -> Rule:
+    """The other operand where one is ``neutral``."""
+
+    def rule(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+        x, y = constants
+        if x is not None and x == neutral:
+            return args[1]
+        return args[0] if y is not None and y == neutral else None
+
+    return rule
 
 
-def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
+def _right_neutral(neutral: int) -> Rule:
+    def rule(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+        y = constants[1]
+        return args[0] if y is not None and y == neutral else None
+
+    return rule
+
+
+def _add_negative(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
     x, y = args
-    if x == y:
-        return b.const(0)
-    if constant(b, y) == 0:
-        return x
-    if constant(b, x) == 0:
-        return b.add("neg", y)
-    negative = _negated(b, y)
+    negative = _negated(b, x)
     if negative is not None:
-        return b.add("add", x, negative)
-    opposite = b.find(Instruction("sub", (y, x)))
+        return b.add("sub", y, negative)
+    negative = _negated(b, y)
+    return None if negative is None else b.add("sub", x, negative)
+
+
+def _sub_same(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    return b.const(0) if args[0] == args[1] else None
+
+
+def _sub_from_zero(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    return b.add("neg", args[1]) if constants[0] is not None and constants[0] == 0 else None
+
+
+def _sub_negative(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    negative = _negated(b, args[1])
+    return None if negative is None else b.add("add", args[0], negative)
+
+
+def _sub_opposite(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    opposite = b.find(Instruction("sub", (args[1], args[0])))
     return None if opposite is None else b.add("neg", opposite)
 
 
-def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
-    for x, y in (args, args[::-1]):
-        c = constant(b, x)
-        if c == 0:
-            return x
-        if c == 1:
-            return y
-        if c == -1:
+def _mul_zero(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    return next((k for k, c in zip(args, constants, strict=True) if c is not None and c == 0), None)
+
+
+def _mul_minus_one(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    for y, c in zip(args[::-1], constants, strict=True):
+        if c is not None and c == -1:
             return b.add("neg", y)
+    return None
+
+
+def _negative_operand(op: str) -> Rule:
+    """Take a negation of either operand out of a product or quotient."""
+
+    def rule(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+        x, y = args
         negative = _negated(b, x)
         if negative is not None:
-            return b.add("neg", b.add("mul", negative, y))
-    return None
+            return b.add("neg", b.add(op, negative, y))
+        negative = _negated(b, y)
+        return None if negative is None else b.add("neg", b.add(op, x, negative))
+
+    return rule
 
 
-def _div(b: Numbers, args: tuple[int, ...]) -> int | None:
-    x, y = args
-    c = constant(b, y)
-    if c == 1 or (constant(b, x) == 0 and c != 0):
-        return x
-    if c is not None and c < 0:
-        return b.add("neg", b.add("div", x, b.const(-c)))
-    if c and _power_of_two(c):
-        return b.add("mul", x, b.const(1 / c))
-    for k, number in enumerate(args):
-        negative = _negated(b, number)
-        if negative is not None:
-            rest = (negative, y) if k == 0 else (x, negative)
-            return b.add("neg", b.add("div", *rest))
-    return None
+def _div_zero(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    x, y = constants
+    return args[0] if x is not None and x == 0 and (y is None or y != 0) else None
+
+
+def _div_negative_constant(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    c = constants[1]
+    if c is None or c >= 0:
+        return None
+    return b.add("neg", b.add("div", args[0], b.const(-c)))
+
+
+def _div_power_of_two(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    c = constants[1]
+    if c is None or not _power_of_two(c):
+        return None
+    return b.add("mul", args[0], b.const(1 / c))
 
 
 def _power_of_two(value: Fraction) -> bool:
-    return (value.numerator & (value.numerator - 1)) == 0 and (
-        value.denominator & (value.denominator - 1)
-    ) == 0
+    p, q = value.numerator, value.denominator
+    within = max(p.bit_length(), q.bit_length()) <= MAX_EXPONENT
+    return p > 0 and within and (p & (p - 1)) == 0 and (q & (q - 1)) == 0
 
 
-def _neg(b: Numbers, args: tuple[int, ...]) -> int | None:
-    """Undo a negation, or take it into the constant of a product."""
-    op, factors, _ = b.instructions[args[0]]
-    if op == "mul":
-        for x, y in (factors, factors[::-1]):
-            c = constant(b, x)
-            if c is not None:
-                return b.add("mul", b.const(-c), y)
+def _neg_of_neg(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
     return _negated(b, args[0])
 
 
-def _odd(op: str) -> Rule:
-    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
+def _neg_of_multiple(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    op, factors, _value = b.instructions[args[0]]
+    if op == "mul":
+        for x, y in (factors, factors[::-1]):
+            first = b.instructions[x]
+            if first.op == "const" and isinstance(first.value, Fraction):
+                return b.add("mul", b.const(-first.value), y)
+    return None
+
+
+def _odd(op: str) -> Law:
+    def rule(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
         negative = _negated(b, args[0])
         return None if negative is None else b.add("neg", b.add(op, negative))
 
-    return rule
+    return Law((op,), f"{op}(-x) = -{op}(x)", False, rule)
 
 
-def _even(op: str) -> Rule:
-    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
+def _even(op: str, exact: bool) -> Law:
+    def rule(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
         negative = _negated(b, args[0])
         return None if negative is None else b.add(op, negative)
 
-    return rule
+    return Law((op,), f"{op}(-x) = {op}(x)", exact, rule)
 
 
-def _select(b: Numbers, args: tuple[int, ...]) -> int | None:
-    c, x, y = args
-    known = constant(b, c)
-    if known is not None:
-        return x if known else y
-    return x if x == y else None
+def _select_known(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    c = constants[0]
+    return None if c is None else args[1] if c else args[2]
 
 
-def _same(b: Numbers, args: tuple[int, ...]) -> int | None:  # noqa: ARG001
+def _select_same(_: Numbers, args: tuple[int, ...], __: Constants) -> int | None:
+    return args[1] if args[1] == args[2] else None
+
+
+def _same(_: Numbers, args: tuple[int, ...], __: Constants) -> int | None:
     return args[0] if args[0] == args[1] else None
+
+
+def _pow_zero(b: Numbers, _: tuple[int, ...], constants: Constants) -> int | None:
+    return b.const(1) if constants[1] is not None and constants[1] == 0 else None
+
+
+def _pow_unrolled(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    exponent = constants[1]
+    return None if exponent is None else power(b, args[0], exponent)
+
+
+def power(b: Numbers, base: int, exponent: Fraction) -> int | None:
+    """Return a power by products, for whole exponents and halves that are not too large, or None."""
+    size = abs(exponent)
+    if size == 0 or size.denominator > 2 or size > MAX_UNROLLED_POWER:
+        return None
+    if exponent < 0:
+        below = power(b, base, size)
+        assert below is not None
+        return b.add("div", b.const(1), below)
+    square, n = (b.add("sqrt", base) if size.denominator == 2 else base), size.numerator
+    result = None
+    while n:
+        if n & 1:
+            result = square if result is None else b.add("mul", result, square)
+        n >>= 1
+        if n:
+            square = b.add("mul", square, square)
+    return result
+
+
+def _hypot_signs(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    plain = [n if (n := _negated(b, a)) is not None else a for a in args]
+    return b.add("hypot", *plain) if plain != list(args) else None
+
+
+def _hypot_zero(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    for y, c in zip(args[::-1], constants, strict=True):
+        if c is not None and c == 0:
+            return b.add("abs", y)
+    return None
+
+
+def _not_not(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    op, inner, _value = b.instructions[args[0]]
+    return inner[0] if op == "not" and b.instructions[inner[0]].op in TRUTH_VALUES else None
+
+
+def _eq_zero(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
+    for x, c in zip(args[::-1], constants, strict=True):
+        if c is not None and c == 0 and b.instructions[x].op in TRUTH_VALUES:
+            return b.add("not", x)
+    return None
+
+
+LAWS: tuple[Law, ...] = (
+    Law(("add",), "x + 0 = x", False, _neutral(0), constant=True),
+    Law(("add",), "x + (-y) = x - y", True, _add_negative),
+    Law(("sub",), "x - x = 0", False, _sub_same),
+    Law(("sub",), "x - 0 = x", True, _right_neutral(0), constant=True),
+    Law(("sub",), "0 - x = -x", False, _sub_from_zero, constant=True),
+    Law(("sub",), "x - (-y) = x + y", True, _sub_negative),
+    Law(("sub",), "x - y = -(y - x) where y - x exists", False, _sub_opposite),
+    Law(("mul",), "0 x = 0", False, _mul_zero, constant=True),
+    Law(("mul",), "1 x = x", True, _neutral(1), constant=True),
+    Law(("mul",), "(-1) x = -x", True, _mul_minus_one, constant=True),
+    Law(("mul",), "(-x) y = -(x y)", True, _negative_operand("mul")),
+    Law(("div",), "x / 1 = x", True, _right_neutral(1), constant=True),
+    Law(("div",), "0 / x = 0", False, _div_zero, constant=True),
+    Law(("div",), "x / (-c) = -(x / c)", True, _div_negative_constant, constant=True),
+    Law(("div",), "x / 2^k = 2^-k x", True, _div_power_of_two, constant=True),
+    Law(("div",), "(-x) / y = -(x / y)", True, _negative_operand("div")),
+    Law(("neg",), "-(c x) = (-c) x", True, _neg_of_multiple),
+    Law(("neg",), "-(-x) = x", True, _neg_of_neg),
+    Law(("pow",), "x^0 = 1", True, _pow_zero, constant=True),
+    Law(("pow",), "x^1 = x", True, _right_neutral(1), constant=True),
+    Law(("pow",), "x^n, x^(n/2): products, and a root", False, _pow_unrolled, constant=True),
+    Law(
+        ("select",), "select(c, x, y) = x or y for a constant c", True, _select_known, constant=True
+    ),
+    Law(("select",), "select(c, x, x) = x", True, _select_same),
+    Law(("min", "max"), "min(x, x) = max(x, x) = x", True, _same),
+    Law(("and", "or"), "and(x, x) = or(x, x) = x for truth values", False, _same),
+    *map(_odd, ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "erf", "sign")),
+    _even("cos", False),
+    _even("cosh", False),
+    _even("abs", True),
+    Law(("hypot",), "hypot(-x, y) = hypot(x, y)", True, _hypot_signs),
+    Law(("hypot",), "hypot(0, x) = |x|", False, _hypot_zero, constant=True),
+    Law(("not",), "not(not(x)) = x for truth values", True, _not_not),
+    Law(("eq",), "(x = 0) = not(x) for truth values", True, _eq_zero, constant=True),
+)
 
 
 def _sqrt(value: Fraction) -> Fraction | None:
@@ -186,37 +352,6 @@ def _hypot(x: Fraction, y: Fraction) -> Fraction | None:
     return _sqrt(x * x + y * y)
 
 
-def _even_both(op: str) -> Rule:
-    """Leave out the signs of two operands."""
-
-    def rule(b: Numbers, args: tuple[int, ...]) -> int | None:
-        plain = [n if (n := _negated(b, a)) is not None else a for a in args]
-        return b.add(op, *plain) if plain != list(args) else None
-
-    return rule
-
-
-def _hypot_rule(b: Numbers, args: tuple[int, ...]) -> int | None:
-    for x, y in (args, args[::-1]):
-        if constant(b, x) == 0:
-            return b.add("abs", y)
-    return _even_both("hypot")(b, args)
-
-
-def _not(b: Numbers, args: tuple[int, ...]) -> int | None:
-    """Undo a double negation: conditions are 0 or 1."""
-    op, inner, _ = b.instructions[args[0]]
-    return inner[0] if op == "not" and b.instructions[inner[0]].op in TRUTH_VALUES else None
-
-
-def _eq(b: Numbers, args: tuple[int, ...]) -> int | None:
-    """Return the negation of a condition that is compared with zero."""
-    for x, y in (args, args[::-1]):
-        if constant(b, y) == 0 and b.instructions[x].op in TRUTH_VALUES:
-            return b.add("not", x)
-    return None
-
-
 def _at_zero(value: Callable[[int], Fraction]) -> Callable[[Fraction, Fraction], Fraction | None]:
     """The value at zero of a family of functions, by order."""
     return lambda order, x: value(int(order)) if x == 0 else None
@@ -226,27 +361,6 @@ def _at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:
     """The value of a function at the one rational point where it is rational."""
     return lambda x: Fraction(value) if x == point else None
 
-
-RULES: dict[str, Rule] = {
-    "add": _add,
-    "sub": _sub,
-    "mul": _mul,
-    "div": _div,
-    "neg": _neg,
-    "select": _select,
-    "min": _same,
-    "max": _same,
-    "and": _same,
-    "or": _same,
-    **{
-        op: _odd(op)
-        for op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh", "erf", "sign")
-    },
-    **{op: _even(op) for op in ("cos", "cosh", "abs")},
-    "hypot": _hypot_rule,
-    "not": _not,
-    "eq": _eq,
-}
 
 _EXACT: dict[str, Callable[..., Any]] = {
     "add": lambda a, b: a + b,
@@ -278,3 +392,42 @@ _EXACT: dict[str, Callable[..., Any]] = {
     "acosh": _at(1, 0),
 }
 """Operations that are evaluated exactly on exact constants."""
+
+
+def _evaluate(op: str, constants: Sequence[Fraction]) -> Fraction | None:
+    value: Fraction | None = _EXACT[op](*constants)
+    return value
+
+
+def _evaluate_doubles(op: str, constants: Sequence[Fraction]) -> Fraction | None:
+    """Evaluate where arguments and value are doubles, so that nothing is rounded; never to -0."""
+    value = _evaluate(op, constants)
+    if value is None or not all(map(_is_double, (*constants, value))):
+        return None
+    return None if value == 0 and op in _SIGNED_ZERO else value
+
+
+def _is_double(value: Fraction) -> bool:
+    try:
+        return Fraction(float(value)) == value
+    except OverflowError:
+        return False
+
+
+_SIGNED_ZERO = frozenset({"mul", "div", "neg"})
+"""Operations that may give -0 for constants, which know +0 alone."""
+
+
+def _rule_set(name: str, laws: Sequence[Law], evaluate: Callable[..., Any]) -> RuleSet:
+    def by_op(chosen: Sequence[Law]) -> dict[str, tuple[Rule, ...]]:
+        ops = dict.fromkeys(op for law in chosen for op in law.ops)
+        return {op: tuple(law.rule for law in chosen if op in law.ops) for op in ops}
+
+    return RuleSet(name, by_op([law for law in laws if not law.constant]), by_op(laws), evaluate)
+
+
+ALGEBRAIC = _rule_set("algebraic", LAWS, _evaluate)
+RULE_SETS: dict[str, RuleSet] = {
+    "algebraic": ALGEBRAIC,
+    "exact": _rule_set("exact", [law for law in LAWS if law.exact], _evaluate_doubles),
+}

@@ -18,25 +18,6 @@ from codegen.program import BINDING, Builder, Program
 EARLY = BINDING["constant"]
 
 
-def each_group(program: Program, change: Callable[[Program], Program]) -> Program:
-    """Apply a pass to each group of results by itself, then share again what is equal.
-
-    Targets write one function a group, so that what is used once in a group may be changed there
-    although another group uses it, too. Law: that of ``change``.
-    """
-    b = Builder()
-    results: dict[str, list[int]] = {}
-    for group in program.results:
-        part = change(prune(program, [group]))
-        new: list[int] = []
-        for k, instruction in enumerate(part.instructions):
-            new.append(b.again(instruction, new))
-            if k in part.names:
-                b.name(new[k], part.names[k])
-        results[group] = [new[k] for k in part.results[group]]
-    return b.program(results)
-
-
 class Scaled(NamedTuple):
     """The value ``factor * rest``, the factor known early; ``alone``: it is used in one place."""
 
@@ -67,7 +48,7 @@ def gather(program: Program) -> Program:
 class _Gatherer:
     def __init__(self, program: Program) -> None:
         self.old = program
-        self.b = Builder()
+        self.b = Builder(program.rules)
         self.one = self.b.const(1)
         self.uses = Counter(a for i in program.instructions for a in i.args)
         self.uses.update(k for r in program.results.values() for k in r)

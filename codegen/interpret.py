@@ -5,6 +5,7 @@ It is slow and simple on purpose; every target is tested against it.
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -16,7 +17,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from codegen.ops import OPS, Instruction, Op, row_of
+from codegen import linsolve
+from codegen.ops import OPS, SOLVE, Instruction, Op, row_of
 from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -55,12 +57,26 @@ class Point:
         return float(arrays[instruction.op][instruction.value])
 
 
+def random_point(program: Program, seed: int) -> Point:
+    """Return a point with time in (0, 1) and each slot of the program in (1/2, 3/2)."""
+    draw = random.Random(seed)  # noqa: S311 - reproducible points
+    sizes = dict.fromkeys(("state", "parameter", "input"), 0)
+    for op, _, value in program.instructions:
+        if op in sizes and isinstance(value, int):
+            sizes[op] = max(sizes[op], value + 1)
+    x, p, u = ([draw.uniform(0.5, 1.5) for _ in range(size)] for size in sizes.values())
+    return Point(draw.random(), x, p, u)
+
+
 @dataclass(frozen=True)
 class Bounded:
-    """A value at high precision and a bound of the error that double precision makes in it."""
+    """A value at high precision and a bound of the error that double precision makes in it.
+
+    Factorisations and solutions have an error for each entry.
+    """
 
     value: Any
-    error: float
+    error: Any
 
 
 def interpret(program: Program, point: Point) -> dict[str, list[float]]:
@@ -91,6 +107,8 @@ def constants(program: Program) -> dict[int, float]:
     exact: dict[int, Any] = {}
     for k, instruction in enumerate(program.instructions):
         is_leaf = instruction.op not in OPS
+        if instruction.op in SOLVE:
+            continue
         if is_leaf and instruction.op in {"const", "pi"}:
             exact[k] = _leaf_exact(instruction, Point(), context)
         elif not is_leaf and all(a in exact for a in instruction.args):
@@ -132,6 +150,8 @@ def interpret_with_bound(
         return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF + SMALLEST)
 
     def apply(row: Op, args: list[Bounded]) -> Bounded:
+        if row.name in SOLVE:
+            return _solve_with_bound(m, row, args)
         operands = [a.value for a in args]
         value = _real(m, lambda: row.exact(m, *operands))
         if not m.isfinite(value):
@@ -146,6 +166,19 @@ def interpret_with_bound(
         g: [Bounded(values[k].value, 2 * values[k].error) for k in r]
         for g, r in program.results.items()
     }
+
+
+def _solve_with_bound(m: Any, row: Op, args: list[Bounded]) -> Bounded:
+    """Bound the errors of a factorisation, a solution or an entry of it; see `linsolve.bound`."""
+    values, errors = [a.value for a in args], [a.error for a in args]
+    if row.name == "item":
+        return Bounded(row.exact(m, values[0]), row.exact(m, errors[0]))
+    if row.name == "factor":
+        return Bounded(row.exact(m, *values), row.double(*errors))
+    solution = row.exact(m, *values)
+    if not all(m.isfinite(x) for x in solution):
+        return Bounded(solution, [inf] * len(solution))
+    return Bounded(solution, linsolve.bound(m, values[0], errors[0], values[1:], errors[1:]))
 
 
 def _carried(m: Any, row: Op, value: Any, args: list[Bounded]) -> float:
@@ -163,9 +196,9 @@ def _carried(m: Any, row: Op, value: Any, args: list[Bounded]) -> float:
     if not any(errors):
         return 0.0
     if op in {"min", "max", "abs"}:
-        return max(errors)
+        return float(max(errors))
     if op == "hypot":
-        return sum(errors)
+        return float(sum(errors))
     if op in _EDGED:
         shifts = product(*((e, -e) for e in errors))
         ends = [
@@ -196,6 +229,8 @@ def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
         value = evaluate()
     except (ValueError, ZeroDivisionError, OverflowError):
         return m.nan
+    if isinstance(value, list | m.matrix):
+        return value
     if isinstance(value, m.mpc):
         return m.nan
     huge = m.isfinite(value) and value != 0 and m.mag(value) > LARGEST_MAGNITUDE

@@ -15,6 +15,7 @@ from codegen.derivative import JACOBIAN, colouring, jacobian
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.passes import prune
+from codegen.pipeline import optimise
 from codegen.program import Program
 from eom.errors import unknown_name
 
@@ -104,7 +105,7 @@ def compiled_jacobian(
     results = compiled.layout.results[of]
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
     layout = _layout(compiled.layout, f"{of}_by_{by}", names)
-    program = _one_group(derived.program, of)
+    program = optimise(_one_group(derived.program, of))
     _, functions, _ = TARGETS[target or compiled.target](program, layout)
     return SparseJacobian(
         (len(results), sizes[by]),

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
-from codegen import removable
+from codegen import fold, massmatrix, removable
 from codegen.functions import BESSEL, FUNCTIONS, bessel, refusal
-from codegen.interpret import Point, interpret_exactly
-from codegen.passes import prune
 from codegen.program import Builder, Name, Program
 from eom.errors import InputError
 from eom.system import Definition, System, as_expression
@@ -24,10 +21,6 @@ RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "s
 GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 """Groups of results of a lowered system."""
 
-SAME = 1e-40
-"""Values in 50 digits that differ by less, relatively, are the same."""
-
-MAX_UNROLLED_POWER = 64
 MAX_SPLIT_BITS = 512
 """Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
 
@@ -41,13 +34,13 @@ _COMPARISONS: dict[Any, tuple[str, bool]] = {
 }
 
 
-def lower_system(system: System) -> Program:
+def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
     """Return the program of a system, with its results in `GROUPS`.
 
-    A mass matrix must be symmetric in value; the accelerations come from an unrolled LDL^T factorisation
-    of it, never from a symbolic inverse. Raises `InputError` for expressions without an operation.
+    With a mass matrix the rates are the solution of a linear system (`codegen.massmatrix`).
+    Raises `InputError` for expressions without an operation.
     """
-    b = Builder()
+    b = Builder(rules)
     slots = {system.time: b.leaf("time")}
     for op, group in (
         ("state", system.states),
@@ -63,7 +56,7 @@ def lower_system(system: System) -> Program:
         for q, r in zip(system.states, system.rates, strict=True)
     ]
     if system.mass_matrix is not None:
-        rates = solve_symmetric(b, _lower_matrix(lowering, system.mass_matrix), rates)
+        rates = massmatrix.solve(b, _lower_matrix(lowering, system.mass_matrix), rates)
     results = {
         RATES: rates,
         OUTPUTS: [lowering.result(d, "output") for d in system.outputs],
@@ -93,73 +86,13 @@ def _name(definition: Definition) -> Name:
 
 
 def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
-    """Lower a symmetric matrix; entries that are written differently are compared by value."""
-    n = mass.rows
-    matrix = [
-        [lowering.lower(mass[i, j], f"mass matrix, entry ({i + 1}, {j + 1})") for j in range(n)]
-        for i in range(n)
+    return [
+        [
+            lowering.lower(mass[i, j], f"mass matrix, entry ({i + 1}, {j + 1})")
+            for j in range(mass.cols)
+        ]
+        for i in range(mass.rows)
     ]
-    skew = [(i, j) for i in range(n) for j in range(i) if matrix[i][j] != matrix[j][i]]
-    different = _different(lowering.b, [(matrix[i][j], matrix[j][i]) for i, j in skew])
-    if different is not None:
-        i, j = skew[different]
-        raise InputError(
-            "mass matrix is not symmetric",
-            where=f"{lowering.system}, entries ({j + 1}, {i + 1}) and ({i + 1}, {j + 1})",
-            got=f"{mass[j, i]} and {mass[i, j]}",
-            hint="only symmetric mass matrices are solved",
-        )
-    return matrix
-
-
-def _different(b: Builder, pairs: Sequence[tuple[int, int]]) -> int | None:
-    """Return the first pair of values that differ, in 50 digits, at some random point; or None."""
-    if not pairs:
-        return None
-    groups = {"left": [a for a, _ in pairs], "right": [c for _, c in pairs]}
-    program = prune(b.program(groups))
-    slots = [(op, slot) for op, _, slot in program.instructions if isinstance(slot, int)]
-    sizes = {
-        kind: 1 + max((slot for op, slot in slots if op == kind), default=-1)
-        for kind in ("state", "parameter", "input")
-    }
-    for seed in range(3):
-        generator = random.Random(seed)  # noqa: S311 - reproducible points
-        x, p, u = ([generator.uniform(0.5, 1.5) for _ in range(k)] for k in sizes.values())
-        values = interpret_exactly(program, Point(generator.random(), x, p, u))
-        for k, (left, right) in enumerate(zip(values["left"], values["right"], strict=True)):
-            if not abs(left - right) <= SAME * (1 + abs(left)):
-                return k
-    return None
-
-
-def solve_symmetric(b: Builder, matrix: list[list[int]], right: list[int]) -> list[int]:
-    """Append the solution of a symmetric positive definite system, by LDL^T without square roots.
-
-    Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.1.2. Zeros are folded away.
-    """
-    n = len(right)
-    diagonal: list[int] = []
-    lower = [[b.const(0)] * n for _ in range(n)]
-    for j in range(n):
-        scaled = [b.add("mul", lower[j][k], diagonal[k]) for k in range(j)]
-        for i in range(j, n):
-            entry = matrix[i][j]
-            for k in range(j):
-                entry = b.add("sub", entry, b.add("mul", lower[i][k], scaled[k]))
-            if i == j:
-                diagonal.append(entry)
-            else:
-                lower[i][j] = b.add("div", entry, diagonal[j])
-    x = list(right)
-    for i in range(n):
-        for k in range(i):
-            x[i] = b.add("sub", x[i], b.add("mul", lower[i][k], x[k]))
-    x = [b.add("div", xi, d) for xi, d in zip(x, diagonal, strict=True)]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            x[i] = b.add("sub", x[i], b.add("mul", lower[k][i], x[k]))
-    return x
 
 
 class Lowering:
@@ -243,8 +176,9 @@ class Lowering:
         coefficients = [c / shared for c, _ in terms]
 
         def build(numbers: list[int]) -> int:
-            total = self.b.const(0)
-            for coefficient, number in zip(coefficients, numbers, strict=True):
+            total = self._scaled(numbers[0], abs(coefficients[0]))
+            total = total if coefficients[0] > 0 else self.b.add("neg", total)
+            for coefficient, number in zip(coefficients[1:], numbers[1:], strict=True):
                 term = self._scaled(number, abs(coefficient))
                 total = self.b.add("sub" if coefficient < 0 else "add", total, term)
             return self._scaled(total, shared)
@@ -311,19 +245,9 @@ class Lowering:
 
     def _power(self, base: int, exponent: Expr) -> int:
         """Return a positive rational power."""
-        if exponent.q == 2:
-            base, exponent = self.b.add("sqrt", base), sp.Integer(exponent.p)
-        if exponent.q != 1 or exponent > MAX_UNROLLED_POWER:
-            return self.b.add("pow", base, self.b.const(Fraction(int(exponent.p), int(exponent.q))))
-        result, square, n = None, base, int(exponent)
-        while n:
-            if n & 1:
-                result = square if result is None else self.b.add("mul", result, square)
-            n >>= 1
-            if n:
-                square = self.b.add("mul", square, square)
-        assert result is not None
-        return result
+        exact = Fraction(int(exponent.p), int(exponent.q))
+        unrolled = fold.power(self.b, base, exact)
+        return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
 
     def logarithm(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower log(1 + x) without the sum, which would round x away."""

@@ -177,7 +177,7 @@ _OWN = frozenset(
         "select",
     }
 )
-HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "carried_")
+HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "factor_", "back_", "carried_", "k_")
 """Functions, and an array, that generated code defines for itself."""
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN

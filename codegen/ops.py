@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from codegen import special, stumpff
+from codegen import linsolve, special, stumpff
+from codegen.linsolve import Shape
 from eom.tables import Table
 
 Number = Any  # a mpmath real
@@ -136,6 +137,9 @@ def _gauss(m: Context, x: Number) -> Number:
     return 2 * m.exp(-x * x) / m.sqrt(m.pi)
 
 
+VARIADIC = -1
+"""Arity of operations that take any number of arguments."""
+
 _ROWS = (
     Op("add", 2, np.add, lambda m, a, b: a + b, lambda m, v, a, b: (m.mpf(1), m.mpf(1)), commutative=True),
     Op("sub", 2, np.subtract, lambda m, a, b: a - b, lambda m, v, a, b: (m.mpf(1), m.mpf(-1))),
@@ -180,6 +184,9 @@ _ROWS = (
     _bessel("bessely", "yv", 32.0),
     Op("stumpff", 2, stumpff.double, stumpff.exact, lambda m, v, k, z: (m.mpf(0), stumpff.slope(m, k, z)), ulps=4.0, cost=50, scale=stumpff.scale),
     Op("table", 1, special.table_double, special.table_exact, lambda m, v, t, x: (special.table_slope(m, t, x),), ulps=6.0, cost=15, scale=special.table_scale),
+    Op("factor", VARIADIC, linsolve.factor_double, linsolve.factor_exact, _flat(0), cost=0),
+    Op("back", VARIADIC, linsolve.back_double, linsolve.back_exact, _flat(0), cost=0),
+    Op("item", 1, lambda k, solution: solution[k], lambda m, k, solution: solution[k], _flat(0), ulps=0.0, cost=0),
     Op("select", 3, lambda c, a, b: a if c != 0 else b, _choose, lambda m, v, c, a, b: (m.mpf(0), m.mpf(c != 0), m.mpf(c == 0)), ulps=0.0),
 )  # fmt: skip
 
@@ -191,23 +198,43 @@ TRUTH_VALUES = frozenset({"lt", "le", "eq", "and", "or", "not"})
 INTEGER_FIRST = frozenset({"besselj", "bessely", "stumpff"})
 """Operations whose first operand is an integer constant: order n >= 0, or k >= 1 of `stumpff`."""
 
-WITH_DATA = frozenset({"table"})
+WITH_DATA = frozenset({"table", "factor", "item"})
 """Operations whose instruction holds data, as its ``value``."""
+
+SOLVE = frozenset({"factor", "back", "item"})
+"""Operations of linear systems (see `codegen.linsolve`)."""
+
+BLOCKS = frozenset({"factor", "back"})
+"""Operations whose value is no number: a factorisation, a solution."""
 
 LEAVES = ("const", "pi", "time", "state", "parameter", "input", "constant", "clock")
 """Instructions without operands: exact constants, and slots of the arrays of values."""
+
+
+Data = Fraction | int | Table | Shape | None
+"""What an instruction may hold."""
 
 
 class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
     ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
-    ``constant`` or ``clock`` (see `codegen.stages`), the table of a ``table``; None otherwise.
+    ``constant`` or ``clock`` (see `codegen.stages`), the table of a ``table``, what
+    `codegen.linsolve` says; None otherwise.
     """
 
     op: str
     args: tuple[int, ...] = ()
-    value: Fraction | int | Table | None = None
+    value: Data = None
+
+
+def cost_of(instruction: Instruction) -> int:
+    """Return the cost of an instruction in additions; leaves are free."""
+    if isinstance(instruction.value, Shape):
+        return instruction.value.cost
+    if instruction.op == "back":
+        return 2 * (len(instruction.args) - 1) ** 2
+    return OPS[instruction.op].cost if instruction.op in OPS else 0
 
 
 def row_of(instruction: Instruction) -> Op:

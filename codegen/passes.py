@@ -8,6 +8,9 @@ from fractions import Fraction
 from codegen.ops import OPS, Instruction
 from codegen.program import Builder, Program
 
+Slot = tuple[str, int]
+"""A leaf that reads an array: state, parameter or input, and the place in it."""
+
 
 def needed(program: Program, groups: Iterable[str]) -> set[int]:
     """Return the numbers of all values that ``groups`` of results depend on."""
@@ -30,16 +33,26 @@ def specialise(program: Program, values: Mapping[int, float], count: int) -> Pro
 
     Values do not change in exact arithmetic. The remaining parameters close ranks, in order.
     """
-    slots = {old: new for new, old in enumerate(k for k in range(count) if k not in values)}
+    rest = [k for k in range(count) if k not in values]
+    leaves = {("parameter", old): ("parameter", new) for new, old in enumerate(rest)}
+    numbers = {("parameter", k): Fraction(v) for k, v in values.items()}
+    return substitute(program, {**leaves, **numbers})
+
+
+def substitute(program: Program, leaves: Mapping[Slot, Slot | Fraction]) -> Program:
+    """Read other slots, or numbers, instead of some slots; fold what becomes equal; prune.
+
+    Law: the new program has the values that the old one has where the old slots hold what the new
+    ones or the numbers give.
+    """
 
     def leaf(instruction: Instruction) -> Instruction:
-        if instruction.op != "parameter":
+        if not isinstance(instruction.value, int):
             return instruction
-        assert isinstance(instruction.value, int)
-        slot = instruction.value
-        if slot in values:
-            return Instruction("const", (), Fraction(values[slot]))
-        return Instruction("parameter", (), slots[slot])
+        new = leaves.get((instruction.op, instruction.value))
+        if isinstance(new, Fraction):
+            return Instruction("const", (), new)
+        return Instruction(new[0], (), new[1]) if new else instruction
 
     return prune(_copy(program, range(len(program.instructions)), program.results, leaf))
 
@@ -51,7 +64,7 @@ def _copy(
     leaf: Callable[[Instruction], Instruction] = lambda instruction: instruction,
 ) -> Program:
     """Build the instructions ``keep`` anew, leaves mapped by ``leaf``; names go along."""
-    b = Builder()
+    b = Builder(program.rules)
     new: dict[int, int] = {}
     for k in keep:
         op, args, data = instruction = program.instructions[k]

@@ -13,7 +13,18 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from codegen import fold
-from codegen.ops import INTEGER_FIRST, LEAVES, OPS, WITH_DATA, Instruction
+from codegen.linsolve import Shape
+from codegen.ops import (
+    INTEGER_FIRST,
+    LEAVES,
+    OPS,
+    SOLVE,
+    VARIADIC,
+    WITH_DATA,
+    Data,
+    Instruction,
+    cost_of,
+)
 from eom.tables import Table
 
 
@@ -34,6 +45,8 @@ class Program:
     instructions: tuple[Instruction, ...]
     results: Mapping[str, tuple[int, ...]]
     names: Mapping[int, Name] = field(default_factory=lambda: MappingProxyType({}))
+    rules: fold.RuleSet = fold.ALGEBRAIC
+    """The laws that it was folded by, and that passes may use."""
 
     def __post_init__(self) -> None:
         verify(self)
@@ -46,7 +59,7 @@ class Program:
 
     def cost(self) -> int:
         """Return the sum of the operations' costs, in additions."""
-        return sum(OPS[i.op].cost for i in self.instructions if i.op in OPS)
+        return sum(map(cost_of, self.instructions))
 
     def counts(self) -> dict[str, int]:
         """Return how often each operation occurs, leaves left out, in the order of the table."""
@@ -59,8 +72,11 @@ def _text(instruction: Instruction) -> str:
         return (
             instruction.op if instruction.value is None else f"{instruction.op} {instruction.value}"
         )
-    data = f" {instruction.value.label!r}" if isinstance(instruction.value, Table) else ""
-    return f"{instruction.op}{data} {' '.join(map(str, instruction.args))}"
+    value = instruction.value
+    data = repr(value.label) if isinstance(value, Table) else value
+    if isinstance(data, Shape):
+        data = f"{data.size}x{data.size}"
+    return f"{instruction.op} {'' if data is None else f'{data} '}{' '.join(map(str, instruction.args))}"
 
 
 def verify(program: Program) -> None:
@@ -70,7 +86,7 @@ def verify(program: Program) -> None:
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
         else:
-            assert len(args) == OPS[op].arity, (k, op)
+            assert OPS[op].arity in {VARIADIC, len(args)}, (k, op)
             assert all(0 <= a < k for a in args), (k, op, args)
             assert (value is not None) == (op in WITH_DATA), (k, op)
             if op in INTEGER_FIRST:
@@ -78,25 +94,60 @@ def verify(program: Program) -> None:
                 assert order is not None, (k, op)
                 assert order.denominator == 1, (k, op)
                 assert order >= 0, (k, op)
+            if op in SOLVE:
+                _verify_solve(program, k)
     size = len(program.instructions)
     assert all(0 <= r < size for group in program.results.values() for r in group)
 
 
-BINDING = {"parameter": 1, "constant": 1, "time": 2, "clock": 2, "state": 3, "input": 3}
-"""When leaves are known: 1 with the parameters, 2 with the time, 3 in each call; others always."""
+def _verify_solve(program: Program, k: int) -> None:
+    op, args, value = program.instructions[k]
+    inner = program.instructions[args[0]]
+    if isinstance(value, Shape):
+        assert len(args) == value.entries, k
+    elif op == "back":
+        assert isinstance(inner.value, Shape), k
+        assert len(args) == 1 + inner.value.size, k
+    else:
+        assert inner.op == "back", k
+        assert isinstance(value, int), k
+        assert 0 <= value < len(inner.args) - 1, k
+
+
+BINDING = {
+    "parameter": 1,
+    "constant": 1,
+    "time": 2,
+    "clock": 2,
+    "state": 3,
+    "input": 3,
+    "factor": 3,
+}
+"""When leaves are known: 1 with the parameters, 2 with the time, 3 in each call; others always.
+
+Factorisations are made in each call: they are no numbers that an array could keep."""
+
+
+def bindings(program: Program) -> list[int]:
+    """Return when each value is known: 0 always, 1 with parameters, 2 with time, 3 with states."""
+    known: list[int] = []
+    for op, args, _ in program.instructions:
+        known.append(max([BINDING.get(op, 0), *(known[a] for a in args)]))
+    return known
 
 
 class Builder:
     """Append instructions; equal ones are shared and constants are folded exactly."""
 
-    def __init__(self) -> None:
+    def __init__(self, rules: fold.RuleSet = fold.ALGEBRAIC) -> None:
+        self.rules = rules
         self.instructions: list[Instruction] = []
         self.names: dict[int, Name] = {}
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
 
-    def leaf(self, op: str, value: Fraction | int | Table | None = None) -> int:
+    def leaf(self, op: str, value: Data = None) -> int:
         """Return the number of a leaf."""
         return self._number(Instruction(op, (), value))
 
@@ -104,14 +155,14 @@ class Builder:
         """Return the number of an exact constant."""
         return self.leaf("const", Fraction(value))
 
-    def add(self, op: str, *args: int, value: Fraction | int | Table | None = None) -> int:
+    def add(self, op: str, *args: int, value: Data = None) -> int:
         """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`.
 
         ``value``: the data of an operation that has some.
         """
         if OPS[op].commutative and args[0] > args[1]:
             args = (args[1], args[0])
-        folded = fold.fold(self, op, args)
+        folded = fold.fold(self, op, args, self.rules)
         return self._number(Instruction(op, args, value)) if folded is None else folded
 
     def again(self, instruction: Instruction, new: Mapping[int, int] | Sequence[int]) -> int:
@@ -140,13 +191,16 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            own = BINDING.get(instruction.op, 0)
-            self.binding.append(max((self.binding[a] for a in instruction.args), default=own))
+            below = [self.binding[a] for a in instruction.args]
+            self.binding.append(max([BINDING.get(instruction.op, 0), *below]))
         return known
 
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:
         """Freeze what was built, with ``results`` by group."""
         groups = {g: tuple(r) for g, r in results.items()}
         return Program(
-            tuple(self.instructions), MappingProxyType(groups), MappingProxyType(dict(self.names))
+            tuple(self.instructions),
+            MappingProxyType(groups),
+            MappingProxyType(dict(self.names)),
+            self.rules,
         )

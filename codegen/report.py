@@ -8,20 +8,27 @@ from typing import Any
 
 import sympy as sp
 
-from codegen import passes
-from codegen.compiled import generate, specialised
+from codegen.compiled import generate
 from codegen.lower import RATES, lower_system
+from codegen.passes import prune
+from codegen.pipeline import optimise, steps
 from codegen.program import Program
+from codegen.schedule import pressure
+from codegen.structure import Structure, fit
 from eom.system import System
 
 
 @dataclass(frozen=True)
 class Stage:
-    """Operations of the right-hand side after a stage, and their cost in additions."""
+    """Operations of the right-hand side after a stage, and their cost in additions.
+
+    ``pressure``: the largest number of values that wait for a later use.
+    """
 
     name: str
     operations: int
     cost: int | None = None
+    pressure: int | None = None
 
 
 @dataclass(frozen=True)
@@ -38,25 +45,27 @@ def report(system: System, parameters: Mapping[str, float], target: str = "c") -
 
     Raises `InputError` as `codegen.compile` does.
     """
-    lowered = passes.prune(lower_system(system), [RATES])
-    program, layout = specialised(system, parameters)
-    final = passes.prune(program, [RATES])
-    names = list(system.parameter_names)
-    fixed = {names.index(n): float(v) for n, v in parameters.items() if n in names}
-    folded = passes.specialise(lowered, fixed, len(names))
-    stages = (
+    structure = Structure.of(system, parameters)
+    lowered = lower_system(system)
+    folded, layout = fit(lowered, system, structure)
+    final = prune(folded, [RATES])
+    stages = [
         Stage("as written, every definition put in", tree_operations(system)),
-        _stage("equal values shared, constants folded", lowered),
-        *([_stage("parameter values compiled in", folded)] if fixed else []),
-        _stage("partial sums shared", final),
-    )
-    files = generate(program, layout, target)
+        _stage("equal values shared, constants folded", prune(lowered, [RATES])),
+        *([_stage("parameter values compiled in", final)] if structure.names else []),
+    ]
+    met: set[str] = set()
+    for p, program in steps(final):
+        stages.append(_stage(f"{p.name}, again" if p.name in met else p.name, program))
+        met.add(p.name)
+        final = program
+    files = generate(optimise(folded), layout, target)
     sizes = {name: len(text.encode()) for name, text in files.items()}
-    return Report(stages, final.counts(), sizes)
+    return Report(tuple(stages), final.counts(), sizes)
 
 
 def _stage(name: str, program: Program) -> Stage:
-    return Stage(name, sum(program.counts().values()), program.cost())
+    return Stage(name, sum(program.counts().values()), program.cost(), pressure(program))
 
 
 def tree_operations(system: System) -> int:

@@ -15,7 +15,7 @@ from fractions import Fraction
 from codegen.gather import EARLY
 from codegen.ops import LEAVES
 from codegen.passes import prune
-from codegen.program import BINDING, Builder, Program
+from codegen.program import Builder, Program, bindings
 
 _ROUNDS = 8
 
@@ -84,10 +84,7 @@ class _View:
     def of(cls, program: Program) -> _View:
         uses = Counter(a for i in program.instructions for a in i.args)
         uses.update(k for r in program.results.values() for k in r)
-        binding: list[int] = []
-        for op, args, _ in program.instructions:
-            binding.append(max((binding[a] for a in args), default=BINDING.get(op, 0)))
-        return cls(program, uses, binding)
+        return cls(program, uses, bindings(program))
 
     def plan(self, scale: Fraction, results: tuple[int, ...]) -> _Plan:
         """Follow the scale from the products ``results`` down to where it has to be paid."""
@@ -152,7 +149,7 @@ def _sign(b: Builder, program: Program, k: int, grown: Callable[[int], int]) -> 
 
 
 def _rebuild(program: Program, plan: _Plan) -> Program:
-    b = Builder()
+    b = Builder(program.rules)
     scale = b.const(plan.scale)
     new: list[int] = []
     scaled: dict[int, int] = {}

@@ -139,8 +139,9 @@ def simulate(
     """
     compiled = system if isinstance(system, Compiled) else _compile_once(_Identity(system))
     layout = compiled.layout
-    held, signals = _inputs(inputs or {}, names_of(layout.inputs))
-    x0 = to_array(initial, names_of(layout.states), "initial value")
+    free = compiled.structure.without
+    held, signals = _inputs(free("input", inputs or {}), names_of(layout.inputs))
+    x0 = to_array(free("state", initial), names_of(layout.states), "initial value")
     span = _span(t_span)
     problem = Problem(
         x0=x0,
@@ -262,21 +263,16 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     """Return the parameters in order; test all values against what the system assumes."""
     layout = compiled.layout
     names = names_of(layout.parameters)
-    spoken = dict(parameters) if isinstance(parameters, Mapping) else {}
+    given = compiled.structure.without("parameter", parameters)
+    spoken = given if isinstance(parameters, Mapping) else {}
     kept = {n: v for n, v in spoken.items() if n in names}
-    again = [n for n in spoken if n in compiled.fixed]
-    if again:
-        raise InputError(
-            f"parameter {again[0]} was compiled in",
-            got=spoken[again[0]],
-            expected=compiled.fixed[again[0]],
-        )
-    known = {**compiled.fixed, **dict(zip(names_of(layout.states), x0, strict=True))}
+    known = dict(zip(names_of(layout.states), x0, strict=True))
     known |= dict(zip(names_of(layout.inputs), held, strict=True))
     if spoken != kept:
-        compiled.guard.check({**known, **spoken})
+        compiled.guard.check(compiled.structure.completed({**known, **spoken}))
     values = to_array(kept if isinstance(parameters, Mapping) else parameters, names, "parameter")
-    compiled.guard.check({**known, **spoken, **dict(zip(names, values, strict=True))})
+    everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
+    compiled.guard.check(compiled.structure.completed(everything))
     return values
 
 
@@ -371,6 +367,8 @@ def _message(compiled: Compiled, trajectory: Trajectory, max_steps: int) -> str:
         return f"reached t = {stop.t:.9g} s"
     if stop.kind == "singular":
         singularity = compiled.system.singularities[stop.which]
+        if singularity.coordinate.name not in names:
+            return f"{at}: {singularity.expression} = 0 is singular: {singularity.meaning}"
         angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
         return (
             f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from codegen.ops import LEAVES
 from codegen.passes import needed, prune
-from codegen.program import BINDING, Builder, Program
+from codegen.program import BINDING, Builder, Program, bindings
 
 CONSTANT, CLOCK = "constant", "clock"
 """Leaves of a later stage: slots of the array that an earlier one fills."""
@@ -54,9 +54,9 @@ def reciprocals(program: Program) -> Program:
 
     Law: equal in exact arithmetic; a second rounding adds half a unit in the last place.
     """
-    known = _bindings(program)
+    known = bindings(program)
     early = BINDING[CONSTANT]
-    b = Builder()
+    b = Builder(program.rules)
     new: list[int] = []
     for k, (op, args, _) in enumerate(program.instructions):
         if op == "div" and known[args[0]] > early >= known[args[1]]:
@@ -70,7 +70,7 @@ def reciprocals(program: Program) -> Program:
 
 def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
     """Cut at the binding of ``leaf``; leaves in ``moved`` go through the array, others stay."""
-    known = _bindings(program)
+    known = bindings(program)
     level = BINDING[leaf]
     early = {
         k
@@ -80,7 +80,7 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
     used = {a for k, i in enumerate(program.instructions) if k not in early for a in i.args}
     used |= {k for results in program.results.values() for k in results}
     slots = {k: slot for slot, k in enumerate(sorted(early & used))}
-    b = Builder()
+    b = Builder(program.rules)
     new: dict[int, int] = {}
     for k in sorted(needed(program, program.results)):
         if k in slots:
@@ -90,13 +90,5 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
         if k in new and k in program.names:
             b.name(new[k], program.names[k])
     late = prune(b.program({g: [new[k] for k in r] for g, r in program.results.items()}))
-    before = Program(program.instructions, {leaf: tuple(slots)}, program.names)
+    before = Program(program.instructions, {leaf: tuple(slots)}, program.names, program.rules)
     return Cut(leaf, prune(before), late, tuple(slots))
-
-
-def _bindings(program: Program) -> list[int]:
-    """Return when each value is known; see `codegen.program.BINDING`."""
-    found: list[int] = []
-    for op, args, _ in program.instructions:
-        found.append(max((found[a] for a in args), default=BINDING.get(op, 0)))
-    return found

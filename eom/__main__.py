@@ -155,9 +155,11 @@ def _print_report(scene: Scene, values: dict[str, float], target: str) -> None:
     from codegen.report import report
 
     found = report(scene.derive(), values, target)
-    stages = Table("right-hand side", "operations", "cost in additions", box=None, pad_edge=False)
+    titles = ("right-hand side", "operations", "cost in additions", "live")
+    stages = Table(*titles, box=None, pad_edge=False)
     for stage in found.stages:
-        stages.add_row(stage.name, f"{stage.operations:,}", f"{stage.cost:,}" if stage.cost else "")
+        numbers = (stage.operations, stage.cost, stage.pressure)
+        stages.add_row(stage.name, *("" if n is None else f"{n:,}" for n in numbers))
     console = Console(soft_wrap=True)
     console.print(stages)
     console.print("kinds: " + ", ".join(f"{n} {op}" for op, n in found.kinds.items()))

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 
 from codegen.layout import Layout, names_of
+from codegen.linsolve import C_HELPERS
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.names import comment, identifier
 from codegen.passes import prune
@@ -79,6 +80,9 @@ TEMPLATES: dict[str, Template] = {
     "bessely": Template("yn((int){0}, {1})", ATOM, (ATOM, 0)),
     "stumpff": Template("stumpff_((int){0}, {1})", ATOM, (ATOM, 0)),
     "table": Template("{data}({0})"),
+    "factor": Template("double {v}[{room}] = {{{entries}}};\n    factor_({n}, {symmetric}, {v});"),
+    "back": Template("double {v}[{n}] = {{{entries}}};\n    back_({n}, {factor}, {v});"),
+    "item": Template("{0}[{data}]"),
     "select": Template("({0} != 0.0 ? {1} : {2})", 100, (6, 3, 3)),
 }
 """Conditions are doubles, 0 or 1, so that every value has one type."""
@@ -124,6 +128,7 @@ static double stumpff_(int k, double z) {{
     }}
     return c;
 }}""",
+    **C_HELPERS,
 }
 _NUMBERS = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}
 _SLOTS = {
@@ -392,22 +397,34 @@ def _kernel(
     stores = [f"    {_stride(place.format(k))} = {r};" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
         return _static(head, "inline void", (*arguments, target), [*_assigned(body.lines), *stores])
-    parts = split(body, PART_LINES)
+    parts, size = split(body, PART_LINES)
     texts: list[str] = []
     calls = []
     for k, part in enumerate(parts):
-        lines = [f"    const double {v} = carried_[{slot}];" for v, slot in part.loads]
+        lines = [_load(line, slot) for line, slot in part.loads]
         lines += _assigned(part.lines)
-        lines += [f"    carried_[{slot}] = {v};" for v, slot in part.stores]
+        lines += [_store(line, slot) for line, slot in part.stores]
         last = k == len(parts) - 1
         declared = (*arguments, _CARRIED, *((target,) if last else ()))
         texts += [*_static(f"{head}_{k}", "void", declared, lines + (stores if last else [])), ""]
         calls.append(f"    {head}_{k}({', '.join(_variables(declared))});")
-    size = max((slot + 1 for part in parts for _, slot in part.stores), default=1)
     return [
         *texts,
         *_static(head, "void", (*arguments, target), [f"    double carried_[{size}];", *calls]),
     ]
+
+
+def _load(line: Line, slot: int) -> str:
+    if line.room:
+        return f"    const double *const {line.variable} = carried_ + {slot};"
+    return f"    const double {line.variable} = carried_[{slot}];"
+
+
+def _store(line: Line, slot: int) -> str:
+    if line.room:
+        copy = f"carried_[{slot} + k_] = {line.variable}[k_];"
+        return f"    for (int k_ = 0; k_ < {line.room}; ++k_) {copy}"
+    return f"    carried_[{slot}] = {line.variable};"
 
 
 def _variables(declared: Sequence[str]) -> list[str]:
@@ -428,8 +445,11 @@ def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str])
 
 def _assigned(lines: Sequence[Line]) -> list[str]:
     return [
-        f"    const double {variable} = {_stride(expression)};" + (f" /* {note} */" if note else "")
-        for variable, expression, note in lines
+        f"    {_stride(line.expression)}"
+        if line.room
+        else f"    const double {line.variable} = {_stride(line.expression)};"
+        + (f" /* {line.comment} */" if line.comment else "")
+        for line in lines
     ]
 
 

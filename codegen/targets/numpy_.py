@@ -79,6 +79,9 @@ TEMPLATES: dict[str, Template] = {
     "bessely": Template("scipy.special.yv({0}, {1})"),
     "stumpff": Template("stumpff_({0}, {1})"),
     "table": Template("{data}({0})"),
+    "factor": Template("{v} = factor_({n}, {symmetric}, [{entries}])"),
+    "back": Template("{v} = back_({factor}, [{entries}])"),
+    "item": Template("{0}[{data}]"),
     "select": _call("where", 3),
 }
 SLOTS = {
@@ -127,10 +130,34 @@ def module(program: Program, layout: Layout) -> str:
         "",
         *_name_tables(layout),
     ]
-    helpers = [_STUMPFF] if "stumpff_(" in used else []
+    helpers = [text for name, text in _HELPERS.items() if f"{name}(" in used]
     helpers += [_table(name, table) for table, name in tables.items() if f"{name}(" in used]
     return "\n".join([*head, "", "", "\n\n\n".join([*helpers, *functions]), ""])
 
+
+_SOLVE = '''\
+def factor_(n, symmetric, entries):
+    """Return matrices of shape (..., n, n) from their entries, or their upper triangles, by rows."""
+    places = np.arange(n * n).reshape(n, n)
+    if symmetric:
+        rows, columns = np.triu_indices(n)
+        places[rows, columns] = places[columns, rows] = np.arange(len(rows))
+    return np.stack(np.broadcast_arrays(*entries), axis=-1)[..., places]
+
+
+def back_(matrices, right):
+    """Return the solutions in shape (n, ...), by LAPACK; NaN for a singular matrix."""
+    right = np.stack(np.broadcast_arrays(*right), axis=-1)[..., None]
+    shape = np.broadcast_shapes(matrices.shape[:-1], right.shape[:-1])
+    right = np.broadcast_to(right, (*shape, 1))
+    matrices = np.broadcast_to(matrices, (*shape, shape[-1]))
+    try:
+        found = np.linalg.solve(matrices, right)
+    except np.linalg.LinAlgError:
+        found = np.full(right.shape, np.nan)
+        regular = np.linalg.matrix_rank(matrices) == shape[-1]
+        found[regular] = np.linalg.solve(matrices[regular], right[regular])
+    return np.moveaxis(found[..., 0], -1, 0)'''
 
 _STUMPFF = f'''\
 STUMPFF_ = {{
@@ -154,6 +181,9 @@ def stumpff_(k, z):
     for n in range(2 - k % 2, k, 2):
         c = (1.0 / factorials[n - 1] - c) / far
     return np.where(is_near, series / factorials[-1], c)'''
+
+
+_HELPERS = {"stumpff_": _STUMPFF, "factor_": _SOLVE}
 
 
 def _table(name: str, table: Table) -> str:
@@ -204,8 +234,11 @@ def _name_tables(layout: Layout) -> list[str]:
 
 def _assigned(body: Body) -> list[str]:
     return [
-        f"    {variable} = {expression}" + (f"  # {note}" if note else "")
-        for variable, expression, note in body.lines
+        f"    {line.expression}"
+        if line.room
+        else f"    {line.variable} = {line.expression}"
+        + (f"  # {line.comment}" if line.comment else "")
+        for line in body.lines
     ]
 
 

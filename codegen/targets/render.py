@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 from codegen.interpret import constants
 from codegen.layout import Layout
+from codegen.linsolve import Shape
 from codegen.names import HELPERS, comment, identifiers
-from codegen.ops import OPS
+from codegen.ops import BLOCKS, OPS
 from codegen.program import Name, Program
 from codegen.stages import Cut
 from eom.system import Quantity
@@ -38,11 +39,15 @@ class Template(NamedTuple):
 
 
 class Line(NamedTuple):
-    """An assignment: variable, expression, comment."""
+    """An assignment: variable, expression, comment.
+
+    ``room``: not 0 for an array of so many numbers, whose ``expression`` is the whole statement.
+    """
 
     variable: str
     expression: str
     comment: str = ""
+    room: int = 0
 
 
 @dataclass(frozen=True)
@@ -56,38 +61,45 @@ class Body:
 class Part(NamedTuple):
     """Some lines of a body, with what they load from earlier parts and store for later ones.
 
-    ``loads``, ``stores``: (variable, slot of the array that is carried from part to part).
+    ``loads``, ``stores``: lines whose variables are carried from part to part, with their slots.
     """
 
     lines: tuple[Line, ...]
-    loads: tuple[tuple[str, int], ...]
-    stores: tuple[tuple[str, int], ...]
+    loads: tuple[tuple[Line, int], ...]
+    stores: tuple[tuple[Line, int], ...]
 
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def split(body: Body, most: int) -> list[Part]:
-    """Return the lines in parts of at most ``most``; the results belong to the last one."""
+def split(body: Body, most: int) -> tuple[list[Part], int]:
+    """Return the lines in parts of at most ``most``, and the length of the array carried along.
+
+    The results belong to the last part.
+    """
     groups = [body.lines[k : k + most] for k in range(0, len(body.lines), most)]
-    home = {line.variable: k for k, lines in enumerate(groups) for line in lines}
-    needed: list[dict[str, None]] = []
+    home = {line.variable: (k, line) for k, lines in enumerate(groups) for line in lines}
+    needed: list[list[Line]] = []
     for k, lines in enumerate(groups):
         texts = [line.expression for line in lines]
         texts += body.results if k == len(groups) - 1 else ()
         words = dict.fromkeys(w for text in texts for w in _WORD.findall(text))
-        needed.append({w: None for w in words if home.get(w, k) < k})
-    slots = {v: n for n, v in enumerate(dict.fromkeys(v for names in needed for v in names))}
-    return [
+        needed.append([home[w][1] for w in words if w in home and home[w][0] < k])
+    slots: dict[str, int] = {}
+    room = 0
+    for line in (line for lines in needed for line in lines):
+        if line.variable not in slots:
+            slots[line.variable] = room
+            room += max(1, line.room)
+    parts = [
         Part(
             lines,
-            tuple((v, slots[v]) for v in needed[k]),
-            tuple(
-                (line.variable, slots[line.variable]) for line in lines if line.variable in slots
-            ),
+            tuple((line, slots[line.variable]) for line in needed[k]),
+            tuple((line, slots[line.variable]) for line in lines if line.variable in slots),
         )
         for k, lines in enumerate(groups)
     ]
+    return parts, max(1, room)
 
 
 def infix(symbol: str, power: int) -> Template:
@@ -222,11 +234,32 @@ class _Renderer:
         op, args, data = self.program.instructions[k]
         if OPS[op].commutative and self._binds_less(op, args):
             args = args[::-1]  # b * c * a for a * (b * c), the same to the last bit
+        if op in BLOCKS:
+            self._block(k)
+            return
         template = self.templates[op]
         needs = template.needs or (0,) * len(args)
         operands = [self._operand(a, need) for a, need in zip(args, needs, strict=True)]
-        name = self.data[data] if isinstance(data, Table) else ""
+        name = self.data[data] if isinstance(data, Table) else data
         self._write(k, template.text.format(*operands, data=name), template.power)
+
+    def _block(self, k: int) -> None:
+        """Write the statement of a factorisation or a solution, which is an array."""
+        op, args, shape = self.program.instructions[k]
+        given = args if isinstance(shape, Shape) else args[1:]
+        if not isinstance(shape, Shape):
+            shape = self.program.instructions[args[0]].value
+        assert isinstance(shape, Shape)
+        n = shape.size
+        room = 1 + n + n * n if op == "factor" else n
+        self.temporaries += 1
+        variable = f"v{self.temporaries}_"
+        text = self.templates[op].text.format(
+            v=variable, n=n, room=room, symmetric=int(shape.symmetric), factor=self.text[args[0]][0],
+            entries=", ".join(self._operand(a, 0) for a in given),
+        )  # fmt: skip
+        self.lines.append(Line(variable, text, "", room))
+        self.text[k] = (variable, ATOM)
 
     def _binds_less(self, op: str, args: tuple[int, ...]) -> bool:
         """Tell whether the second operand would need brackets and the first would not."""

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 import eom
 from codegen import compile as compile_system
-from codegen.interpret import Point, interpret, interpret_exactly
+from codegen.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.ops import LEAVES
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
@@ -20,16 +20,6 @@ from eom.system import System
 from tests.codegen.test_compiled import TIME, expressions, modest, p, points, q, x, y, z
 
 PROGRAMS = {n: lambda n=n: lower_system(Scene.ready(n).derive()) for n in catalogue.names()}
-
-
-def values(program, seed):
-    draw = np.random.default_rng(seed).uniform
-    sizes = {
-        kind: max((i.value + 1 for i in program.instructions if i.op == kind), default=0)
-        for kind in ("state", "parameter", "input")
-    }
-    arrays = (draw(0.5, 1.5, size).tolist() for size in sizes.values())
-    return Point(draw(0.0, 2.0), *arrays)
 
 
 def staged(program, point):
@@ -49,7 +39,7 @@ def same(left, right):
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_stages_compute_what_the_whole_does(name):
     program = PROGRAMS[name]()
-    point = values(program, 3)
+    point = random_point(program, 3)
     assert same(staged(program, point), interpret(program, point))
 
 

@@ -1,0 +1,128 @@
+"""The passes that every compiled program goes through, as a table, and how they are applied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from codegen.chains import share_products, share_sums
+from codegen.factoring import factor_sums
+from codegen.fold import ALGEBRAIC
+from codegen.gather import gather
+from codegen.ops import Instruction, cost_of
+from codegen.passes import prune
+from codegen.program import Name, Program, bindings
+from codegen.rescale import rescale
+from codegen.schedule import schedule
+from codegen.stages import reciprocals
+from codegen.strength import reduce_strength
+
+
+@dataclass(frozen=True)
+class Pass:
+    """A pass with its name in reports and its law."""
+
+    name: str
+    run: Callable[[Program], Program]
+    law: str
+    exact: bool = False
+    """Whether results stay the same bit for bit, for NaN and infinities too."""
+
+
+REAL = "equal in exact arithmetic, up to rounding in double precision"
+
+ROUND = (
+    Pass("partial products shared", share_products, REAL),
+    Pass("common factors taken out", factor_sums, REAL),
+    Pass("partial sums shared", share_sums, REAL),
+)
+"""Each of these makes work for the others: they are repeated while the cost falls."""
+
+MAX_ROUNDS = 4
+
+STRENGTH = Pass("strength reduced", reduce_strength, f"{REAL}, as `strength.REDUCTIONS` says")
+EARLY = (
+    Pass("divisors known early inverted once", reciprocals, f"{REAL}: one more rounding"),
+    Pass("early factors gathered", gather, REAL),
+    Pass("powers of two moved", rescale, "the same values but for overflow and underflow"),
+)
+"""What these add is computed once, with the parameters; each call does less."""
+
+ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", exact=True)
+
+PASSES = (*ROUND, STRENGTH, *EARLY, ORDER)
+"""All passes, in their order."""
+
+
+def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
+    """Apply the passes to a program that is one function; yield each that changed it.
+
+    A result that costs more in what varies with states, inputs and time is dropped. Where the
+    program's rules are exact, passes that are not are left out.
+    """
+    if program.rules is ALGEBRAIC:
+        for _ in range(MAX_ROUNDS):
+            before = program
+            for p in ROUND:
+                after = _cheaper(program, p)
+                if after is not program:
+                    program = after
+                    yield p, program
+            if program is before:
+                break
+        for p in (STRENGTH, *EARLY):
+            after = _cheaper(program, p)
+            if after is not program:
+                program = after
+                yield p, program
+    after = ORDER.run(program)
+    if after is not program:
+        yield ORDER, after
+
+
+def _cheaper(program: Program, p: Pass) -> Program:
+    result = p.run(program)
+    if result is program:
+        return program
+    result = prune(result)
+    return result if costs(result) < costs(program) else program
+
+
+def costs(program: Program) -> tuple[int, int]:
+    """Return the cost of what does not depend on constants and parameters alone, and of all."""
+    known = bindings(program)
+    late = (cost_of(i) for i, when in zip(program.instructions, known, strict=True) if when > 1)
+    return sum(late), program.cost()
+
+
+def optimise(program: Program) -> Program:
+    """Apply the passes to each group of results alone, since each becomes a function of its own.
+
+    Law: results are equal in exact arithmetic, and the same bit for bit where the program's rules
+    are exact; no group costs more than before.
+    """
+    return join({g: _optimised(prune(program, [g])) for g in program.results})
+
+
+def _optimised(program: Program) -> Program:
+    for _, cheaper in steps(program):
+        program = cheaper
+    return program
+
+
+def join(programs: Mapping[str, Program]) -> Program:
+    """Return one program with the results of several; nothing is folded, equal values are one."""
+    numbers: dict[Instruction, int] = {}
+    names: dict[int, Name] = {}
+    results: dict[str, tuple[int, ...]] = {}
+    for program in programs.values():
+        new: list[int] = []
+        for k, (op, args, value) in enumerate(program.instructions):
+            instruction = Instruction(op, tuple(new[a] for a in args), value)
+            new.append(numbers.setdefault(instruction, len(numbers)))
+            if k in program.names:
+                names.setdefault(new[k], program.names[k])
+        results |= {g: tuple(new[k] for k in r) for g, r in program.results.items()}
+    (rules,) = {p.rules for p in programs.values()}
+    return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names), rules)
