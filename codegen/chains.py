@@ -228,21 +228,23 @@ def rebuild(program: Program, recipes: Mapping[int, Recipe]) -> Program:
         stack += fresh
     b = Builder(program.rules)
     new: dict[int, int] = {}
+
+    def build(k: int) -> None:
+        numbers = [new[a] for a in operands(k)]
+        if k in recipes:
+            new[k] = recipes[k].build(b, numbers)
+        else:
+            op, _, leaf = instructions[k]
+            new[k] = b.add(op, *numbers) if op in OPS else b.leaf(op, leaf)
+
     for root in sorted(k for k in found if k < len(instructions)):
-        stack = [root]
+        stack = [a for a in operands(root) if a not in new]
         while stack:
-            k = stack[-1]
-            waiting = [a for a in operands(k) if a not in new]
+            waiting = [a for a in operands(stack[-1]) if a not in new]
             stack += waiting
-            if waiting:
-                continue
-            stack.pop()
-            numbers = [new[a] for a in operands(k)]
-            if k in recipes:
-                new[k] = recipes[k].build(b, numbers)
-            else:
-                op, _, leaf = instructions[k]
-                new[k] = b.add(op, *numbers) if op in OPS else b.leaf(op, leaf)
+            if not waiting:
+                build(stack.pop())
+        build(root)
         if root in program.names:
             b.name(new[root], program.names[root])
     return b.program({g: [new[k] for k in r] for g, r in program.results.items()})

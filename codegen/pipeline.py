@@ -8,12 +8,17 @@ from types import MappingProxyType
 
 from codegen.chains import share_products, share_sums
 from codegen.factoring import factor_sums
-from codegen.fold import ALGEBRAIC
+from codegen.fold import ALGEBRAIC, RULE_SETS
+from codegen.layout import Layout
+from codegen.lower import lower_system
 from codegen.ops import OPS, Instruction
 from codegen.passes import prune
 from codegen.program import Name, Program, bindings
-from codegen.schedule import schedule
+from codegen.schedule import schedule, without_unused
 from codegen.strength import reduce_strength
+from codegen.structure import Structure, fit
+from eom.errors import unknown_name
+from eom.system import System
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,8 @@ ROUND = (
 """Each of these makes work for the others: they are repeated while the cost falls."""
 
 MAX_ROUNDS = 4
+WORTHWHILE = 0.98
+"""Another round follows where one leaves at most this share of the cost."""
 
 STRENGTH = Pass("strength reduced", reduce_strength, f"{REAL}, as `strength.REDUCTIONS` says")
 ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", exact=True)
@@ -59,7 +66,7 @@ def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
                 if after is not program:
                     program = after
                     yield p, program
-            if program is before:
+            if program.cost() > WORTHWHILE * before.cost():
                 break
         after = _cheaper(program, STRENGTH)
         if after is not program:
@@ -74,7 +81,7 @@ def _cheaper(program: Program, p: Pass) -> Program:
     result = p.run(program)
     if result is program:
         return program
-    result = prune(result)
+    result = without_unused(result)
     before, after = costs(program), costs(result)
     better = after != before and all(a <= b for a, b in zip(after, before, strict=True))
     return result if better else program
@@ -82,13 +89,12 @@ def _cheaper(program: Program, p: Pass) -> Program:
 
 def costs(program: Program) -> tuple[int, int]:
     """Return the cost, and the cost of what does not depend on constants and parameters alone."""
-    known = bindings(program)
-    late = (
-        OPS[i.op].cost
-        for i, when in zip(program.instructions, known, strict=True)
-        if when > 1 and i.op in OPS
-    )
-    return program.cost(), sum(late)
+    both = [
+        (OPS[i.op].cost, when > 1)
+        for i, when in zip(program.instructions, bindings(program), strict=True)
+        if i.op in OPS
+    ]
+    return sum(cost for cost, _ in both), sum(cost for cost, late in both if late)
 
 
 def optimise(program: Program) -> Program:
@@ -121,3 +127,26 @@ def join(programs: Mapping[str, Program]) -> Program:
         results |= {g: tuple(new[k] for k in r) for g, r in program.results.items()}
     (rules,) = {p.rules for p in programs.values()}
     return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names), rules)
+
+
+def specialised(
+    system: System,
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+) -> tuple[Program, Layout]:
+    """Return program and layout with what is fixed compiled in, as `compile` describes it."""
+    return fitted(system, Structure.of(system, parameters, states, inputs))
+
+
+def fitted(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
+    """Return the program that is compiled, and its layout.
+
+    Raises `InputError` for an unknown set of rules.
+    """
+    if rules not in RULE_SETS:
+        raise unknown_name("set of rules", rules, RULE_SETS)
+    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
+    return optimise(program), layout
