@@ -140,8 +140,7 @@ def simulate(
     compiled = system if isinstance(system, Compiled) else _compile_once(_Identity(system))
     layout = compiled.layout
     held, signals = _inputs(compiled, inputs or {})
-    free = compiled.structure.without("state", initial)
-    x0 = to_array(free, names_of(layout.states), "initial value")
+    x0 = _start(compiled, initial)
     span = _span(t_span)
     problem = Problem(
         x0=x0,
