@@ -239,6 +239,11 @@ def _grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
     return grid
 
 
+def _start(compiled: Compiled, initial: Values) -> Array:
+    free = compiled.structure.without("state", initial)
+    return to_array(free, names_of(compiled.layout.states), "initial value")
+
+
 def _inputs(compiled: Compiled, given: Mapping[str, Signal]) -> tuple[Array, scipy_.Inputs | None]:
     """Return held values and, if any input is a function, the function of all inputs."""
     names = names_of(compiled.layout.inputs)
