@@ -255,8 +255,9 @@ def power(b: Numbers, base: int, exponent: Fraction) -> int | None:
         below = power(b, base, size)
         assert below is not None
         return b.add("div", b.const(1), below)
-    square, n = (b.add("sqrt", base) if size.denominator == 2 else base), size.numerator
-    result = None
+    n = size.numerator // size.denominator
+    result = None if size.denominator == 1 else b.add("sqrt", base)
+    square = base
     while n:
         if n & 1:
             result = square if result is None else b.add("mul", result, square)
