@@ -227,20 +227,21 @@ def rebuild(program: Program, recipes: Mapping[int, Recipe]) -> Program:
         stack += fresh
     b = Builder(program.rules)
     new: dict[int, int] = {}
+
+    def build(k: int) -> None:
+        if k in recipes:
+            new[k] = recipes[k].build(b, [new[a] for a in operands(k)])
+        else:
+            new[k] = b.again(instructions[k], new)
+
     for root in sorted(k for k in found if k < len(instructions)):
-        stack = [root]
+        stack = [a for a in operands(root) if a not in new]
         while stack:
-            k = stack[-1]
-            waiting = [a for a in operands(k) if a not in new]
+            waiting = [a for a in operands(stack[-1]) if a not in new]
             stack += waiting
-            if waiting:
-                continue
-            stack.pop()
-            numbers = [new[a] for a in operands(k)]
-            if k in recipes:
-                new[k] = recipes[k].build(b, numbers)
-            else:
-                new[k] = b.again(instructions[k], new)
+            if not waiting:
+                build(stack.pop())
+        build(root)
         if root in program.names:
             b.name(new[root], program.names[root])
     return b.program({g: [new[k] for k in r] for g, r in program.results.items()})

@@ -20,17 +20,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen import fastcall, native
 from codegen.elsewhere import as_system
-from codegen.fold import RULE_SETS
 from codegen.guard import Guard
 from codegen.integrate import runge_kutta
 from codegen.integrate.dop853 import DOP853
 from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
+from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.names import identifier
-from codegen.pipeline import optimise
+from codegen.pipeline import fitted
 from codegen.program import Program
 from codegen.stages import by_parameters
-from codegen.structure import Structure, fit
+from codegen.structure import Structure
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
 from eom.system import System
@@ -263,26 +262,6 @@ def compile(  # noqa: A001 - the word that users expect
         raise unknown_name("target", target, TARGETS)
     used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, structure, functions, notice)
-
-
-def specialised(
-    system: System,
-    parameters: Mapping[str, float | str] | None = None,
-    states: Mapping[str, float] | None = None,
-    inputs: Mapping[str, float] | None = None,
-) -> tuple[Program, Layout]:
-    """Return program and layout with what is fixed compiled in, as `compile` describes it."""
-    return fitted(system, Structure.of(system, parameters, states, inputs))
-
-
-def fitted(
-    system: System, structure: Structure, rules: str = "algebraic"
-) -> tuple[Program, Layout]:
-    """Return the program that is compiled, and its layout."""
-    if rules not in RULE_SETS:
-        raise unknown_name("set of rules", rules, RULE_SETS)
-    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
-    return optimise(program), layout
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

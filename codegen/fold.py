@@ -3,8 +3,9 @@
 A law is ``exact`` if it holds bit for bit in IEEE arithmetic, for NaN, infinities and signed zeros
 too (the sign and payload of NaN aside); else it is a law of real arithmetic, for finite arguments:
 ``0 x = 0`` forgets the NaN that an infinite x would give. The rule set ``algebraic`` holds all laws,
-``exact`` the exact ones alone. Constants are exact fractions and stay exact; a result of more than
-`MAX_BITS` bits is left to the target, which rounds it once from 50 digits.
+``exact`` the exact ones alone. In either, constants are exact fractions and stay exact, and what
+they give alone is rounded once, to +0 where it is zero; a result of more than `MAX_BITS` bits is
+left to the target, which rounds it from 50 digits.
 """
 
 from __future__ import annotations
@@ -65,13 +66,12 @@ class Law(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RuleSet:
-    """The rules of each operation, and how operations on constants alone are evaluated."""
+    """The rules of each operation."""
 
     name: str
     general: Mapping[str, tuple[Rule, ...]] = field(repr=False)
     """Rules that need no constant."""
     rules: Mapping[str, tuple[Rule, ...]] = field(repr=False)
-    evaluate: Callable[[str, Sequence[Fraction]], Fraction | None] = field(repr=False)
 
 
 def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | None:
@@ -83,7 +83,7 @@ def fold(b: Numbers, op: str, args: tuple[int, ...], rules: RuleSet) -> int | No
         constants = [constant(b, a) for a in args]
         listed = rules.rules
         if op in _EXACT and all(c is not None for c in constants):
-            value = rules.evaluate(op, constants)
+            value = _EXACT[op](*constants)
             if value is not None and _small(value):
                 return b.const(value)
     for rule in listed.get(op, ()):
@@ -267,8 +267,9 @@ def power(b: Numbers, base: int, exponent: Fraction) -> int | None:
         below = power(b, base, size)
         assert below is not None
         return b.add("div", b.const(1), below)
-    square, n = (b.add("sqrt", base) if size.denominator == 2 else base), size.numerator
-    result = None
+    n = size.numerator // size.denominator
+    result = None if size.denominator == 1 else b.add("sqrt", base)
+    square = base
     while n:
         if n & 1:
             result = square if result is None else b.add("mul", result, square)
@@ -394,40 +395,16 @@ _EXACT: dict[str, Callable[..., Any]] = {
 """Operations that are evaluated exactly on exact constants."""
 
 
-def _evaluate(op: str, constants: Sequence[Fraction]) -> Fraction | None:
-    value: Fraction | None = _EXACT[op](*constants)
-    return value
-
-
-def _evaluate_doubles(op: str, constants: Sequence[Fraction]) -> Fraction | None:
-    """Evaluate where arguments and value are doubles, so that nothing is rounded; never to -0."""
-    value = _evaluate(op, constants)
-    if value is None or not all(map(_is_double, (*constants, value))):
-        return None
-    return None if value == 0 and op in _SIGNED_ZERO else value
-
-
-def _is_double(value: Fraction) -> bool:
-    try:
-        return Fraction(float(value)) == value
-    except OverflowError:
-        return False
-
-
-_SIGNED_ZERO = frozenset({"mul", "div", "neg"})
-"""Operations that may give -0 for constants, which know +0 alone."""
-
-
-def _rule_set(name: str, laws: Sequence[Law], evaluate: Callable[..., Any]) -> RuleSet:
+def _rule_set(name: str, laws: Sequence[Law]) -> RuleSet:
     def by_op(chosen: Sequence[Law]) -> dict[str, tuple[Rule, ...]]:
         ops = dict.fromkeys(op for law in chosen for op in law.ops)
         return {op: tuple(law.rule for law in chosen if op in law.ops) for op in ops}
 
-    return RuleSet(name, by_op([law for law in laws if not law.constant]), by_op(laws), evaluate)
+    return RuleSet(name, by_op([law for law in laws if not law.constant]), by_op(laws))
 
 
-ALGEBRAIC = _rule_set("algebraic", LAWS, _evaluate)
+ALGEBRAIC = _rule_set("algebraic", LAWS)
 RULE_SETS: dict[str, RuleSet] = {
     "algebraic": ALGEBRAIC,
-    "exact": _rule_set("exact", [law for law in LAWS if law.exact], _evaluate_doubles),
+    "exact": _rule_set("exact", [law for law in LAWS if law.exact]),
 }

@@ -1,8 +1,9 @@
 """Solve M x = f inside a program: blocks apart, small ones unrolled, larger ones by a factorisation.
 
 The matrix is never inverted symbolically. States that no entry of M couples are solved apart. A small
-block that is symmetric and positive definite becomes straight-line code, L D L^T without exchanges;
-any other becomes the operations of `codegen.linsolve`, which look at the pivots.
+block that is symmetric, as the mass matrices of mechanics are, becomes straight-line code, L D L^T
+without exchanges, which is stable where it is positive definite; any other, and one with a zero on its
+diagonal, becomes the operations of `codegen.linsolve`, which exchange rows where a pivot is small.
 """
 
 from __future__ import annotations
@@ -10,9 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-import numpy as np
-
-from codegen.interpret import interpret, interpret_exactly, random_point
+from codegen.interpret import interpret_exactly, random_point
 from codegen.linsolve import Shape
 from codegen.passes import prune
 from codegen.program import Builder
@@ -71,7 +70,8 @@ def _is_entry(b: Builder, number: int) -> bool:
 def _solve_block(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
     n = len(right)
     symmetric = _symmetric(b, matrix)
-    if n == 1 or (n <= UNROLLED and symmetric and _positive_definite(b, matrix)):
+    full = all(_is_entry(b, matrix[i][i]) for i in range(n))
+    if n == 1 or (n <= UNROLLED and symmetric and full):
         return _unrolled(b, matrix, right)
     shape = Shape(n, symmetric)
     factor = b.add("factor", *(matrix[i][j] for i, j in shape.places), value=shape)
@@ -94,20 +94,8 @@ def _symmetric(b: Builder, matrix: Matrix) -> bool:
     return True
 
 
-def _positive_definite(b: Builder, matrix: Matrix) -> bool:
-    """Tell whether a symmetric matrix is positive definite at random points."""
-    n = len(matrix)
-    program = prune(b.program({"entries": [entry for row in matrix for entry in row]}))
-    for seed in range(SAMPLES):
-        entries = interpret(program, random_point(program, seed))["entries"]
-        values = np.array(entries).reshape(n, n)
-        if not np.isfinite(values).all() or not np.linalg.eigvalsh(values)[0] > 0:
-            return False
-    return True
-
-
 def _unrolled(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
-    """Append the solution of a symmetric positive definite system, by L D L^T without square roots.
+    """Append the solution of a symmetric system, by L D L^T without square roots or exchanges.
 
     Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.1.2, rows in an order that fills in
     little. Zeros are folded away.
@@ -142,7 +130,8 @@ def _guarded(b: Builder, pivot: int, diagonal: int) -> int:
     """Return the pivot, NaN where it has no right digit; one that is the entry itself needs no test."""
     if pivot == diagonal:
         return pivot
-    large = b.add("lt", b.add("mul", b.const(SINGULAR), diagonal), pivot)
+    least = b.add("mul", b.const(SINGULAR), b.add("abs", diagonal))
+    large = b.add("lt", least, b.add("abs", pivot))
     return b.add("select", large, pivot, b.add("div", b.const(0), b.const(0)))
 
 

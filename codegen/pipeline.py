@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from codegen.chains import share_products, share_sums
 from codegen.factoring import factor_sums
-from codegen.fold import ALGEBRAIC
+from codegen.fold import ALGEBRAIC, RULE_SETS
 from codegen.gather import gather
+from codegen.layout import Layout
+from codegen.lower import lower_system
 from codegen.ops import Instruction, cost_of
 from codegen.passes import prune
 from codegen.program import Name, Program, bindings
 from codegen.rescale import rescale
-from codegen.schedule import schedule
+from codegen.schedule import schedule, without_unused
 from codegen.stages import reciprocals
 from codegen.strength import reduce_strength
+from codegen.structure import Structure, fit
+from eom.errors import unknown_name
+from eom.system import System
 
 
 @dataclass(frozen=True)
@@ -40,19 +45,19 @@ ROUND = (
 """Each of these makes work for the others: they are repeated while the cost falls."""
 
 MAX_ROUNDS = 4
+WORTHWHILE = 0.98
+"""Another round follows where one leaves at most this share of the cost."""
+
+INVERT = Pass("divisors known early inverted once", reciprocals, f"{REAL}: one more rounding")
+GATHER = Pass("early factors gathered", gather, REAL)
+"""What these two add is computed once, with the parameters; each call does less."""
 
 STRENGTH = Pass("strength reduced", reduce_strength, f"{REAL}, as `strength.REDUCTIONS` says")
-EARLY = (
-    Pass("divisors known early inverted once", reciprocals, f"{REAL}: one more rounding"),
-    Pass("early factors gathered", gather, REAL),
-    Pass("powers of two moved", rescale, "the same values but for overflow and underflow"),
-)
-"""What these add is computed once, with the parameters; each call does less."""
-
+SCALES = Pass("powers of two moved", rescale, "the same values but for overflow and underflow")
 ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", exact=True)
 
-PASSES = (*ROUND, STRENGTH, *EARLY, ORDER)
-"""All passes, in their order."""
+PASSES = (INVERT, GATHER, *ROUND, STRENGTH, SCALES, ORDER)
+"""All passes; early factors are gathered once more before the scales."""
 
 
 def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
@@ -62,30 +67,35 @@ def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
     program's rules are exact, passes that are not are left out.
     """
     if program.rules is ALGEBRAIC:
+        program = yield from _applied(program, (INVERT, GATHER))
         for _ in range(MAX_ROUNDS):
             before = program
-            for p in ROUND:
-                after = _cheaper(program, p)
-                if after is not program:
-                    program = after
-                    yield p, program
-            if program is before:
+            program = yield from _applied(program, ROUND)
+            if program.cost() > WORTHWHILE * before.cost():
                 break
-        for p in (STRENGTH, *EARLY):
-            after = _cheaper(program, p)
-            if after is not program:
-                program = after
-                yield p, program
+        program = yield from _applied(program, (STRENGTH, GATHER, SCALES))
     after = ORDER.run(program)
     if after is not program:
         yield ORDER, after
+
+
+def _applied(
+    program: Program, passes: Iterable[Pass]
+) -> Generator[tuple[Pass, Program], None, Program]:
+    """Apply passes; yield each that made the program cheaper, and return the last program."""
+    for p in passes:
+        after = _cheaper(program, p)
+        if after is not program:
+            program = after
+            yield p, program
+    return program
 
 
 def _cheaper(program: Program, p: Pass) -> Program:
     result = p.run(program)
     if result is program:
         return program
-    result = prune(result)
+    result = without_unused(result)
     return result if costs(result) < costs(program) else program
 
 
@@ -126,3 +136,26 @@ def join(programs: Mapping[str, Program]) -> Program:
         results |= {g: tuple(new[k] for k in r) for g, r in program.results.items()}
     (rules,) = {p.rules for p in programs.values()}
     return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names), rules)
+
+
+def specialised(
+    system: System,
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+) -> tuple[Program, Layout]:
+    """Return program and layout with what is fixed compiled in, as `compile` describes it."""
+    return fitted(system, Structure.of(system, parameters, states, inputs))
+
+
+def fitted(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
+    """Return the program that is compiled, and its layout.
+
+    Raises `InputError` for an unknown set of rules.
+    """
+    if rules not in RULE_SETS:
+        raise unknown_name("set of rules", rules, RULE_SETS)
+    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
+    return optimise(program), layout

@@ -132,7 +132,10 @@ def bindings(program: Program) -> list[int]:
     """Return when each value is known: 0 always, 1 with parameters, 2 with time, 3 with states."""
     known: list[int] = []
     for op, args, _ in program.instructions:
-        known.append(max([BINDING.get(op, 0), *(known[a] for a in args)]))
+        when = BINDING.get(op, 0)
+        for a in args:
+            when = max(when, known[a])
+        known.append(when)
     return known
 
 

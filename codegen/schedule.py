@@ -6,6 +6,7 @@ import heapq
 from types import MappingProxyType
 
 from codegen.ops import OPS, Instruction
+from codegen.passes import needed
 from codegen.program import Program
 
 MAX_SHARE = 0.85
@@ -119,6 +120,12 @@ class _Scheduler:
     def _queue(self, k: int) -> None:
         if not self.done[k] and not self.waiting[k]:
             heapq.heappush(self.ready, (self._growth(k), k))
+
+
+def without_unused(program: Program) -> Program:
+    """Return the program without what no result needs; unlike `passes.prune` it folds nothing."""
+    order = sorted(needed(program, program.results))
+    return program if len(order) == len(program.instructions) else reordered(program, order)
 
 
 def reordered(program: Program, order: list[int]) -> Program:

@@ -139,9 +139,8 @@ def simulate(
     """
     compiled = system if isinstance(system, Compiled) else _compile_once(_Identity(system))
     layout = compiled.layout
-    free = compiled.structure.without
-    held, signals = _inputs(free("input", inputs or {}), names_of(layout.inputs))
-    x0 = to_array(free("state", initial), names_of(layout.states), "initial value")
+    held, signals = _inputs(compiled, inputs or {})
+    x0 = _start(compiled, initial)
     span = _span(t_span)
     problem = Problem(
         x0=x0,
@@ -240,10 +239,15 @@ def _grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
     return grid
 
 
-def _inputs(
-    inputs: Mapping[str, Signal], names: tuple[str, ...]
-) -> tuple[Array, scipy_.Inputs | None]:
+def _start(compiled: Compiled, initial: Values) -> Array:
+    free = compiled.structure.without("state", initial)
+    return to_array(free, names_of(compiled.layout.states), "initial value")
+
+
+def _inputs(compiled: Compiled, given: Mapping[str, Signal]) -> tuple[Array, scipy_.Inputs | None]:
     """Return held values and, if any input is a function, the function of all inputs."""
+    names = names_of(compiled.layout.inputs)
+    inputs = compiled.structure.without("input", given)
     functions = {n: v for n, v in inputs.items() if callable(v)}
     values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
     held = to_array(values, names, "input")

@@ -134,7 +134,8 @@ def derive(
 def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: bool) -> None:
     """Write the equations of SCENE as C (with an integrator) or as a NumPy module."""
     from codegen.compiled import generate as generate_files
-    from codegen.compiled import specialised, write_files
+    from codegen.compiled import write_files
+    from codegen.pipeline import specialised
 
     if folder is None and not report:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")

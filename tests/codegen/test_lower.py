@@ -1,16 +1,12 @@
 """SymPy expressions become programs: powers, sums, deep nests, mass matrices, refusals."""
 
 import mpmath
-import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import lower_expressions, lower_system, solve_symmetric
+from codegen.lower import lower_expressions, lower_system
 from codegen.passes import prune
-from codegen.program import Builder
 from eom.errors import InputError
 from eom.system import Quantity, System
 
@@ -48,7 +44,7 @@ def test_small_whole_powers_are_products_and_large_ones_are_not():
     assert lowered(x**65).counts() == {"pow": 1}
     assert lowered(x**-2).counts() == {"mul": 1, "div": 1}
     assert lowered(sp.sqrt(x)).counts() == {"sqrt": 1}
-    assert lowered(x ** sp.Rational(3, 2)).counts() == {"mul": 2, "sqrt": 1}
+    assert lowered(x ** sp.Rational(3, 2)).counts() == {"mul": 1, "sqrt": 1}
 
 
 def test_products_are_one_quotient_and_sums_start_positive():
@@ -105,62 +101,9 @@ def test_the_name_of_the_system_is_in_the_error():
     assert "odd" in error.value.where
 
 
-@settings(max_examples=40)
-@given(st.integers(1, 5), st.data())
-def test_the_unrolled_solve_is_the_solution(n, data):
-    """Against SymPy's LU over rationals; the matrix is L L^T + 1, with zeros in L."""
-    entries = st.integers(-3, 3)
-    L = sp.Matrix(n, n, lambda i, j: data.draw(entries) if j <= i else 0)
-    matrix = L * L.T + sp.eye(n)
-    right = sp.Matrix([data.draw(entries) for _ in range(n)])
-    b = Builder()
-    numbers = [[b.leaf("parameter", n * max(i, j) + min(i, j)) for j in range(n)] for i in range(n)]
-    loads = [b.leaf("state", i) for i in range(n)]
-    program = b.program({"x": solve_symmetric(b, numbers, loads)})
-    flat = [float(matrix[max(divmod(k, n)), min(divmod(k, n))]) for k in range(n * n)]
-    got = interpret_exactly(program, Point(0.0, [float(v) for v in right], flat))["x"]
-    for a, e in zip(got, matrix.LUsolve(right), strict=True):
-        assert abs(a - mpmath.mpf(e.p) / e.q) < 1e-14
-        with mpmath.workdps(50):
-            assert abs(a - mpmath.mpf(e.p) / e.q) < 1e-44
-
-
 def test_diagonal_mass_matrices_cost_one_division_a_row():
     system = System(
         "diagonal", (Quantity(x), Quantity(y)), (y, -x), (Quantity(p), Quantity(q)),
         mass_matrix=sp.ImmutableMatrix([[p, 0], [0, q]]),
     )  # fmt: skip
     assert prune(lower_system(system)).counts() == {"div": 2, "neg": 1}
-
-
-def test_a_mass_matrix_that_is_not_symmetric_is_refused():
-    system = System(
-        "skew", (Quantity(x), Quantity(y)), (y, -x), (Quantity(p), Quantity(q)),
-        mass_matrix=sp.ImmutableMatrix([[p, q], [-q, p]]),
-    )  # fmt: skip
-    with pytest.raises(InputError, match="not symmetric") as error:
-        lower_system(system)
-    assert "(1, 2) and (2, 1)" in error.value.where
-    assert error.value.got == "q and -q"
-
-
-@pytest.mark.parametrize("slip", [0, sp.Rational(1, 10**20)])
-def test_entries_that_are_written_differently_are_compared_by_value(slip):
-    mass = sp.ImmutableMatrix(
-        [
-            [3, sp.sin(2 * x) + p * (q + 1)],
-            [2 * sp.sin(x) * sp.cos(x) + p * q + p + slip, 5 + p * q],
-        ]
-    )
-    system = System(
-        "twice", (Quantity(x), Quantity(y)), (y, -x), (Quantity(p), Quantity(q)), mass_matrix=mass
-    )
-    if slip:
-        with pytest.raises(InputError, match="not symmetric"):
-            lower_system(system)
-        return
-    program = lower_system(system)
-    at = {x: 0.3, y: -0.4, p: 0.2, q: 0.7}
-    found = interpret(program, Point(x=(0.3, -0.4), p=(0.2, 0.7)))["rates"]
-    numbers = [[float(e.xreplace(at)) for e in row] for row in mass.tolist()]
-    assert np.allclose(found, np.linalg.solve(numbers, [-0.4, -0.3]), rtol=1e-14)

@@ -76,3 +76,24 @@ def test_fixed_parameters_are_exact_and_fold(program):
     everything = passes.specialise(program, {0: 1.0, 1: 0.0, 2: 0.0}, 3)
     assert not any(i.op == "parameter" for i in everything.instructions)
     assert "mul" not in everything.counts()
+
+
+@pytest.mark.parametrize(
+    ("exponent", "expected"),
+    [
+        (2.0, {"mul": 1}),
+        (-3.0, {"mul": 2, "div": 1}),
+        (1.5, {"mul": 1, "sqrt": 1}),
+        (-0.5, {"div": 1, "sqrt": 1}),
+        (1.0, {}),
+        (0.3, {"pow": 1}),
+        (200.0, {"pow": 1}),
+    ],
+)
+def test_exponents_that_are_fixed_become_products(exponent, expected):
+    program = lower_expressions({"f": [x**p]}, [x], [p])
+    special = passes.specialise(program, {0: exponent}, 1)
+    assert special.counts() == expected
+    (value,) = interpret_exactly(special, Point(x=[1.7]))["f"]
+    with mpmath.workdps(50):
+        assert abs(value - mpmath.mpf(1.7) ** mpmath.mpf(exponent)) < 1e-40 * value

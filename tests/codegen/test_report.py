@@ -1,9 +1,9 @@
 import pytest
 import sympy as sp
 
-from codegen.compiled import specialised
 from codegen.lower import RATES
 from codegen.passes import prune
+from codegen.pipeline import specialised
 from codegen.report import report, tree_operations
 from eom import catalogue
 from eom.scene import Scene
