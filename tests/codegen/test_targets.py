@@ -241,7 +241,8 @@ HOSTILE = [
     "dx", "", " ", "1", "*/", "/*", "//", "\\", '"', "';DROP", "%s%n", "{0}", "@NAME@", "??/",
     "v1_", "v2_", "for", "main", "π", "δ", "∂", "q̇", "xs", "ps", "us", "ys", "N", "S", "j", "count",
     "a" * 300, "a" * 300 + "b", "rates", "outputs", "None", "True", "True_", "sign_", "min_",
-    "__import__('os')", "scipy", "jn", "erfc", "mod_", "stumpff_", "table_1_", "table_1_start", "double", "restrict", "INFINITY", "HUGE_VAL", "FP_NAN",
+    "__import__('os')", "scipy", "jn", "erfc", "mod_", "stumpff_",
+    "table_1_", "table_1_start", "double", "restrict", "INFINITY", "HUGE_VAL", "FP_NAN",
     "min", "sign", "_Bool", "complex", "k", "s", "carried_",
 ]  # fmt: skip
 
