@@ -164,7 +164,7 @@ def _less(left: str, right: str) -> Rule:
     return lambda b, x: b.add("sub", term(b, left, x), term(b, right, x))
 
 
-def _twice_square_of_half(op: str) -> Rule:
+def _half_angle(op: str) -> Rule:
     """1 - cos x = 2 sin(x/2)^2 keeps its digits near the other zeros, too; cosh x - 1 likewise."""
 
     def rule(b: Builder, x: int) -> int:
@@ -176,10 +176,10 @@ def _twice_square_of_half(op: str) -> Rule:
 
 ROWS: dict[str, Row] = {
     "sin": Row(1, Fraction(2), True, lambda b, z: _c(b, 1, z), _call("sin")),
-    "1 - cos": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, z), _twice_square_of_half("sin")),
+    "1 - cos": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, z), _half_angle("sin")),
     "x - sin": Row(3, Fraction(4), True, lambda b, z: _c(b, 3, z), _less("x", "sin")),
     "sinh": Row(1, Fraction(2), True, lambda b, z: _c(b, 1, _minus(b, z)), _call("sinh")),
-    "cosh - 1": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, _minus(b, z)), _twice_square_of_half("sinh")),
+    "cosh - 1": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, _minus(b, z)), _half_angle("sinh")),
     "sinh - x": Row(3, Fraction(4), True, lambda b, z: _c(b, 3, _minus(b, z)), _less("sinh", "x")),
     "tan": Row(1, Fraction(1), True, lambda b, z: b.add("div", _c(b, 1, z), _cosine(b, z)), _call("tan")),
     "tanh": Row(1, Fraction(1), True,

@@ -41,14 +41,14 @@ def bessel_slope(m: Context, kind: str, n: Number, x: Number) -> Number:
 def bessel_scale(m: Context, kind: str, value: Number, n: Number, x: Number) -> Number:
     """Return what the rounding error is relative to.
 
-    It is the size of the wave, as libraries are poor near its zeros; times the logarithm in the
-    leading term (x/2)^n, which SciPy computes as a power, where x is small against n.
+    It is the size of the wave, as libraries are poor near its zeros; for J_n times the logarithm in
+    the leading term (x/2)^n, which SciPy computes as a power, where x is small against n.
     """
     n = int(n)
     if x == 0:
         return abs(value)
     wave = abs(value) + min(abs(x) / max(1, n), 1) * abs(bessel_slope(m, kind, n, x))
-    return wave * (1 + n * max(m.log(2 * n / abs(x)), 0)) if n else wave
+    return wave * (1 + n * max(m.log(2 * n / abs(x)), 0)) if n and kind == "besselj" else wave
 
 
 def erfc_scale(m: Context, value: Number, x: Number) -> Number:
