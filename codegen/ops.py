@@ -132,10 +132,6 @@ def _bessel(name: str, scipy_name: str, ulps: float) -> Op:
     )
 
 
-def _gauss(m: Context, x: Number) -> Number:
-    return 2 * m.exp(-x * x) / m.sqrt(m.pi)
-
-
 _ROWS = (
     Op("add", 2, np.add, lambda m, a, b: a + b, lambda m, v, a, b: (m.mpf(1), m.mpf(1)), commutative=True),
     Op("sub", 2, np.subtract, lambda m, a, b: a - b, lambda m, v, a, b: (m.mpf(1), m.mpf(-1))),
@@ -172,9 +168,9 @@ _ROWS = (
     Op("floor", 1, np.floor, lambda m, x: m.floor(x), _flat(1), ulps=0.0, cost=2),
     Op("mod", 2, np.mod, _exact_mod, _mod_partials, cost=20),
     Op("hypot", 2, np.hypot, lambda m, x, y: m.hypot(x, y), _hypot_partials, ulps=1.0, cost=15, commutative=True),
-    Op("erf", 1, special.scipy_function("erf"), lambda m, x: m.erf(x), lambda m, v, x: (_gauss(m, x),), ulps=4.0, cost=30),
-    Op("erfc", 1, special.scipy_function("erfc"), lambda m, x: m.erfc(x), lambda m, v, x: (-_gauss(m, x),), ulps=8.0, cost=40, scale=special.erfc_scale),
-    _elementary("expm1", np.expm1, lambda m, v, x: m.exp(x)),
+    Op("erf", 1, special.scipy_function("erf"), lambda m, x: m.erf(x), lambda m, v, x: (special.gauss(m, x),), ulps=4.0, cost=30),
+    Op("erfc", 1, special.scipy_function("erfc"), special.erfc, lambda m, v, x: (-special.gauss(m, x),), ulps=8.0, cost=40, scale=special.erfc_scale),
+    Op("expm1", 1, np.expm1, special.expm1, lambda m, v, x: (m.exp(x),), ulps=4.0, cost=20),
     _elementary("log1p", np.log1p, lambda m, v, x: 1 / (1 + x) if x > -1 else m.mpf(0)),
     _bessel("besselj", "jv", 16.0),
     _bessel("bessely", "yv", 16.0),

@@ -16,6 +16,7 @@ from codegen.derivative import JACOBIAN, jacobian
 from codegen.functions import FUNCTIONS, SUPPORTED
 from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 from codegen.lower import RATES, lower_expressions
+from codegen.special import FAR, bessel
 from eom.errors import InputError
 from eom.system import Definition, Quantity, Singularity, System
 
@@ -169,6 +170,32 @@ def test_bessel_and_error_functions_are_those_of_scipy_within_the_bound(order, t
         for value, bound in zip(got[:, k], bounds, strict=True):
             assert abs(value - bound.value) <= bound.error
             assert bound.error <= 1e-12 * (1 + abs(bound.value))
+
+
+@pytest.mark.parametrize("kind", ["besselj", "bessely"])
+@pytest.mark.parametrize("order", [0, 1, 2, 3, 6])
+def test_bessel_functions_of_large_arguments_have_fifty_digits(kind, order):
+    """Just beyond the place where the expansion for large arguments takes over; and far beyond it."""
+    m = mpmath.mp.clone()
+    m.dps = 50
+    x = m.mpf("1.01") * FAR * (order**2 + 1)
+    for at in (x, -x) if kind == "besselj" else (x,):
+        ours, other = bessel(m, kind, order, at), getattr(m, kind)(order, at)
+        assert abs(ours - other) <= m.mpf(10) ** -48 / m.sqrt(x)
+    huge = m.mpf(2) ** 3000
+    both = bessel(m, "besselj", order, huge) ** 2 + bessel(m, "bessely", order, huge) ** 2
+    assert abs(both * m.pi * huge / 2 - 1) < m.mpf(10) ** -48
+
+
+@pytest.mark.parametrize(
+    "e", [sp.erf(x), sp.erfc(x), sp.exp(x) - 1, sp.besselj(3, x), sp.sinc(x)], ids=str
+)
+def test_the_interpreter_is_quick_and_finite_at_huge_values(e):
+    """Doubles are far away, but intermediate values of 50 digits get there."""
+    program = lower_expressions({"f": [e.subs(x, x**8)]}, [x])
+    for at in (1e300, -1e300):
+        (value,) = interpret_exactly(program, Point(x=[at]))["f"]
+        assert not mpmath.isnan(value)
 
 
 def test_bessel_functions_at_zero_and_their_derivatives(target):
