@@ -25,9 +25,7 @@ UNIT_ROUNDOFF = 2.0**-53
 SMALLEST = 5e-324
 LARGEST_MAGNITUDE = 1_000_000
 """Binary exponent beyond which a value counts as infinite: doubles end at 1024."""
-_EDGED = frozenset(
-    {"sqrt", "asin", "acos", "acosh", "atanh", "log", "log1p", "floor", "mod", "table"}
-)
+_EDGED = frozenset({"sqrt", "asin", "acos", "acosh", "atanh", "log", "log1p", "floor", "table"})
 """Functions whose derivative is infinite, or that end, at the edge of their domain; or with jumps."""
 
 
@@ -199,6 +197,8 @@ def _carried(m: Any, row: Op, value: Any, args: list[Bounded]) -> float:
         return float(max(errors))
     if op == "hypot":
         return float(sum(errors))
+    if op == "mod":
+        return _carried_by_mod(m, value, operands, errors)
     if op in _EDGED:
         shifts = product(*((e, -e) for e in errors))
         ends = [
@@ -208,6 +208,16 @@ def _carried(m: Any, row: Op, value: Any, args: list[Bounded]) -> float:
         return max(float(abs(e - value)) if m.isfinite(e) else inf for e in ends)
     slopes = row.partials(m, value, *operands)
     return sum(abs(float(s)) * e if s and e else 0.0 for s, e in zip(slopes, errors, strict=True))
+
+
+def _carried_by_mod(m: Any, value: Any, operands: list[Any], errors: list[float]) -> float:
+    """To first order inside a period; the whole period where the errors may reach its ends."""
+    a, b = operands
+    if abs(b) <= errors[1]:
+        return inf
+    inside = errors[0] + float(abs(m.floor(a / b))) * errors[1]
+    is_safe = inside < min(abs(value), abs(b) - abs(value))
+    return inside if is_safe else float(abs(b)) + errors[1]
 
 
 def _context(digits: int) -> Any:

@@ -133,10 +133,6 @@ def _bessel(name: str, scipy_name: str, ulps: float) -> Op:
     )
 
 
-def _gauss(m: Context, x: Number) -> Number:
-    return 2 * m.exp(-x * x) / m.sqrt(m.pi)
-
-
 VARIADIC = -1
 """Arity of operations that take any number of arguments."""
 
@@ -176,12 +172,12 @@ _ROWS = (
     Op("floor", 1, np.floor, lambda m, x: m.floor(x), _flat(1), ulps=0.0, cost=2),
     Op("mod", 2, np.mod, _exact_mod, _mod_partials, cost=20),
     Op("hypot", 2, np.hypot, lambda m, x, y: m.hypot(x, y), _hypot_partials, ulps=1.0, cost=15, commutative=True),
-    Op("erf", 1, special.scipy_function("erf"), lambda m, x: m.erf(x), lambda m, v, x: (_gauss(m, x),), ulps=4.0, cost=30),
-    Op("erfc", 1, special.scipy_function("erfc"), lambda m, x: m.erfc(x), lambda m, v, x: (-_gauss(m, x),), ulps=8.0, cost=40, scale=special.erfc_scale),
-    _elementary("expm1", np.expm1, lambda m, v, x: m.exp(x)),
+    Op("erf", 1, special.scipy_function("erf"), lambda m, x: m.erf(x), lambda m, v, x: (special.gauss(m, x),), ulps=4.0, cost=30),
+    Op("erfc", 1, special.scipy_function("erfc"), special.erfc, lambda m, v, x: (-special.gauss(m, x),), ulps=8.0, cost=40, scale=special.erfc_scale),
+    Op("expm1", 1, np.expm1, special.expm1, lambda m, v, x: (m.exp(x),), ulps=4.0, cost=20),
     _elementary("log1p", np.log1p, lambda m, v, x: 1 / (1 + x) if x > -1 else m.mpf(0)),
-    _bessel("besselj", "jv", 32.0),
-    _bessel("bessely", "yv", 32.0),
+    _bessel("besselj", "jv", 16.0),
+    _bessel("bessely", "yv", 16.0),
     Op("stumpff", 2, stumpff.double, stumpff.exact, lambda m, v, k, z: (m.mpf(0), stumpff.slope(m, k, z)), ulps=4.0, cost=50, scale=stumpff.scale),
     Op("table", 1, special.table_double, special.table_exact, lambda m, v, t, x: (special.table_slope(m, t, x),), ulps=6.0, cost=15, scale=special.table_scale),
     Op("factor", VARIADIC, linsolve.factor_double, linsolve.factor_exact, _flat(0), cost=0),

@@ -9,7 +9,9 @@ all digits of x. Each side gets an argument of its own that is never outside its
 that is not finite can leak from the side that is not taken into a derivative.
 
 The quotient magnifies rounding in its second derivative by the sum of the moduli of the terms of
-F'' over the larger of |F''| and |F''(0)|; a cutoff is where this has fallen to about 30 or less.
+F'' over the larger of |F''| and |F''(0)|; a cutoff is where this has fallen to about 30 or less. Measured
+from 1e-300 to three times the cutoff: errors of at most 2 units in the last place in F, 6 in F' and 12
+in F'' (of the largest value nearby where F' or F'' is zero); the tests hold these.
 """
 
 from __future__ import annotations
@@ -154,20 +156,30 @@ def _call(op: str) -> Rule:
 
 
 def _less(left: str, right: str) -> Rule:
-    """The difference of two functions of x, ``1`` and ``x`` among them."""
+    """The difference of two functions of x, ``x`` itself among them."""
 
     def term(b: Builder, name: str, x: int) -> int:
-        return b.const(1) if name == "1" else x if name == "x" else b.add(name, x)
+        return x if name == "x" else b.add(name, x)
 
     return lambda b, x: b.add("sub", term(b, left, x), term(b, right, x))
 
 
+def _half_angle(op: str) -> Rule:
+    """1 - cos x = 2 sin(x/2)^2 keeps its digits near the other zeros, too; cosh x - 1 likewise."""
+
+    def rule(b: Builder, x: int) -> int:
+        half = b.add("mul", b.const(Fraction(1, 2)), x)
+        return b.add("mul", b.const(2), _square(b, b.add(op, half)))
+
+    return rule
+
+
 ROWS: dict[str, Row] = {
     "sin": Row(1, Fraction(2), True, lambda b, z: _c(b, 1, z), _call("sin")),
-    "1 - cos": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, z), _less("1", "cos")),
+    "1 - cos": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, z), _half_angle("sin")),
     "x - sin": Row(3, Fraction(4), True, lambda b, z: _c(b, 3, z), _less("x", "sin")),
     "sinh": Row(1, Fraction(2), True, lambda b, z: _c(b, 1, _minus(b, z)), _call("sinh")),
-    "cosh - 1": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, _minus(b, z)), _less("cosh", "1")),
+    "cosh - 1": Row(2, Fraction(3), True, lambda b, z: _c(b, 2, _minus(b, z)), _half_angle("sinh")),
     "sinh - x": Row(3, Fraction(4), True, lambda b, z: _c(b, 3, _minus(b, z)), _less("sinh", "x")),
     "tan": Row(1, Fraction(1), True, lambda b, z: b.add("div", _c(b, 1, z), _cosine(b, z)), _call("tan")),
     "tanh": Row(1, Fraction(1), True,

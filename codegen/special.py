@@ -12,6 +12,10 @@ from eom.tables import Table
 Number = Any
 Context = Any
 
+FAR = 10**6
+"""Where Hankel's expansion has more than 50 digits, over n^2 + 1: its terms fall by 10^-6 at least."""
+HUGE = 10**9
+
 
 def scipy_function(name: str) -> Any:
     """Return a function of `scipy.special`, imported when it is called: most systems need none."""
@@ -24,11 +28,30 @@ def scipy_function(name: str) -> Any:
 
 def bessel(m: Context, kind: str, n: Number, x: Number) -> Number:
     """Return J_n(x) (``kind`` besselj) or Y_n(x) (bessely) of integer order, NaN where not real."""
+    n = int(n)
     if m.isnan(x) or (kind == "bessely" and x < 0):
         return m.nan
     if kind == "bessely" and x == 0:
         return -m.inf
-    return m.mpf(0) if m.isinf(x) else getattr(m, kind)(int(n), x)
+    if m.isinf(x):
+        return m.mpf(0)
+    if abs(x) <= FAR * (n * n + 1):
+        return getattr(m, kind)(n, x)
+    return (-1) ** (n * int(x < 0)) * _bessel_far(m, kind, n, abs(x))
+
+
+def _bessel_far(m: Context, kind: str, n: int, x: Number) -> Number:
+    """Hankel's expansion for large x (DLMF 10.17.3, 10.17.4); mpmath's functions take too long there."""
+    sums, term, k = [m.mpf(0), m.mpf(0)], m.mpf(1), 0
+    while abs(term) > m.eps**2:
+        sums[k % 2] += term * (-1) ** (k // 2)
+        k += 1
+        term *= (4 * n * n - (2 * k - 1) ** 2) / (8 * k * x)
+    turn = (n % 4) * m.pi / 2 + m.pi / 4
+    sine = m.sin(x) * m.cos(turn) - m.cos(x) * m.sin(turn)
+    cosine = m.cos(x) * m.cos(turn) + m.sin(x) * m.sin(turn)
+    first, second = (cosine, -sine) if kind == "besselj" else (sine, cosine)
+    return m.sqrt(2 / (m.pi * x)) * (first * sums[0] + second * sums[1])
 
 
 def bessel_slope(m: Context, kind: str, n: Number, x: Number) -> Number:
@@ -41,14 +64,29 @@ def bessel_slope(m: Context, kind: str, n: Number, x: Number) -> Number:
 def bessel_scale(m: Context, kind: str, value: Number, n: Number, x: Number) -> Number:
     """Return what the rounding error is relative to.
 
-    It is the size of the wave, as libraries are poor near its zeros; times the logarithm in the
-    leading term (x/2)^n, which SciPy computes as a power, where x is small against n.
+    It is the size of the wave, as libraries are poor near its zeros; for J_n times the logarithm in
+    the leading term (x/2)^n, which SciPy computes as a power, where x is small against n.
     """
     n = int(n)
     if x == 0:
         return abs(value)
     wave = abs(value) + min(abs(x) / max(1, n), 1) * abs(bessel_slope(m, kind, n, x))
-    return wave * (1 + n * max(m.log(2 * n / abs(x)), 0)) if n else wave
+    return wave * (1 + n * max(m.log(2 * n / abs(x)), 0)) if n and kind == "besselj" else wave
+
+
+def gauss(m: Context, x: Number) -> Number:
+    """Return the derivative of erf, 2 exp(-x^2)/sqrt(pi)."""
+    return m.mpf(0) if abs(x) > HUGE else 2 * m.exp(-x * x) / m.sqrt(m.pi)
+
+
+def erfc(m: Context, x: Number) -> Number:
+    """Return 1 - erf(x); zero where the exponent of its value is beyond use."""
+    return m.mpf(0) if x > HUGE else m.erfc(x)
+
+
+def expm1(m: Context, x: Number) -> Number:
+    """Return exp(x) - 1; mpmath's own takes long for huge arguments."""
+    return m.exp(x) - 1 if abs(x) > HUGE else m.expm1(x)
 
 
 def erfc_scale(m: Context, value: Number, x: Number) -> Number:

@@ -21,11 +21,18 @@ from eom.errors import AssumptionError, InputError
 from eom.kinematics import SEQUENCES, attitude
 from eom.rigidbody import full_inertia, rigid_body
 from eom.system import TIME, Definition, Quantity, System
+from eom.tables import Table
 from eom.torques import applied, gravity_gradient
 
 x, y, z, p, q = sp.symbols("x y z p q", real=True)
 VARIABLES = (x, y, z, p, q, TIME)
 
+
+TABLES = (
+    Table("line", [-2, -0.5, 0.3, 2], [1, -1, 0.25, 3]),
+    Table("spline", [-2, -0.5, 0.3, 2], [1, -1, 0.25, 3], "cubic", "linear"),
+    Table("slope", [-2, -0.5, 0.3, 2], [1, -1, 0.25, 3], "pchip").derivative,
+)
 
 # --- random expressions --------------------------------------------------------------------------
 
@@ -34,10 +41,15 @@ UNARY = (
     sp.acosh, sp.atanh, sp.exp, sp.log, sp.Abs, sp.sign, sp.sec, sp.csc, sp.cot, sp.sech, sp.csch,
     sp.coth, sp.sqrt, lambda e: -e, lambda e: 1 / e, lambda e: e**2, lambda e: e**-3,
     lambda e: e ** sp.Rational(-3, 2), lambda e: e ** sp.Rational(2, 3), lambda e: e**7 / 3,
+    sp.floor, sp.ceiling, sp.frac, sp.erf, sp.erfc, sp.Heaviside, sp.sinc, sp.acot, sp.asinh,
+    lambda e: sp.exp(e) - 1, lambda e: sp.log(1 + e), lambda e: sp.besselj(2, e),
+    lambda e: sp.bessely(0, e), lambda e: sp.tan(e) / e, lambda e: (1 - sp.cos(e)) / e**2,
+    lambda e: (e - sp.sin(e)) / e**3, lambda e: sp.atan(e) / e, lambda e: (sp.exp(e) - 1) / e,
+    lambda e: sp.sin(sp.sqrt(e)) / sp.sqrt(e), *TABLES,
 )  # fmt: skip
 BINARY = (
     sp.Add, sp.Mul, sp.Add, sp.Mul, lambda a, b: a - b, lambda a, b: a / b, sp.Pow, sp.atan2,
-    sp.Min, sp.Max,
+    sp.Min, sp.Max, sp.Mod, lambda a, b: sp.sqrt(a**2 + b**2), lambda a, b: sp.sin(a * b) / a,
 )  # fmt: skip
 RELATIONS = (sp.Lt, sp.Le, sp.Gt, sp.Ge, sp.Eq, sp.Ne)
 JUNCTIONS = (lambda a, b: a, sp.And, sp.Or, lambda a, b: sp.Not(sp.And(a, b)))
@@ -53,7 +65,7 @@ def build(make, *args):
     """Build a node; what SymPy makes complex or infinite by itself is replaced by its first part."""
     try:
         made = sp.sympify(make(*args))
-    except (AttributeError, TypeError, ValueError, RecursionError):  # some are defects of SymPy
+    except (ArithmeticError, AttributeError, TypeError, ValueError, RecursionError):  # of SymPy
         return args[0]
     return made if isinstance(made, sp.Expr) and usable(made) else args[0]
 
@@ -113,7 +125,7 @@ def system_of(exprs):
 TINY, HUGE = 1e-290, 1e290
 BORDERS = {
     "abs": (0,), "sign": (0,), "sqrt": (0,), "log": (0,), "asin": (-1, 1), "acos": (-1, 1),
-    "acosh": (1,), "atanh": (-1, 1), "not": (0,),
+    "acosh": (1,), "atanh": (-1, 1), "not": (0,), "log1p": (-1,),
 }  # fmt: skip
 
 
@@ -152,10 +164,12 @@ def good_operand_is_near(op, a):
         yield sum(v.error for v in a) and max(abs(v.value) / 10 for v in a) <= max(
             v.error for v in a
         )
-    elif op in {"sin", "cos", "tan", "exp", "sinh", "cosh"}:
+    elif op in {"sin", "cos", "tan", "exp", "sinh", "cosh", "expm1", "erf", "erfc", "table"}:
         yield a[0].error > 1e-3
         if op == "tan":
             yield abs(mpmath.cos(a[0].value)) <= 10 * a[0].error
+    elif op in {"mod", "besselj", "bessely", "stumpff"}:
+        yield a[1].error > 1e-3 or (a[1].error and abs(a[1].value) <= 10 * a[1].error)
     elif op in BORDERS:
         yield any(a[0].error and abs(a[0].value - b) <= 10 * a[0].error for b in BORDERS[op])
 
@@ -215,7 +229,7 @@ def test_lowered_expressions_have_the_value_that_sympy_gives_them(e, v):
     e = e.xreplace({f: sp.Rational(f) for f in e.atoms(sp.Float)})  # SymPy rounds to 15 digits
     try:
         theirs = sp.N(e.xreplace(numbers), 60)
-    except (TypeError, ValueError):  # SymPy does not order complex numbers or NaN
+    except (ArithmeticError, TypeError, ValueError):  # SymPy does not order complex numbers or NaN
         assert math.isinf(ours.error) or e.has(sp.Piecewise)
         return
     if mpmath.isnan(ours.value) or mpmath.isinf(ours.value):
@@ -234,6 +248,8 @@ ARITHMETIC = st.recursive(
     lambda inner: st.one_of(
         choice((sp.Add, sp.Mul, lambda a, b: a - b, lambda a, b: a / b, sp.Min, sp.Max), inner, inner),
         choice((sp.sqrt, sp.Abs, sp.sign, lambda e: -e, lambda e: e**3), inner),
+        choice((sp.floor, sp.frac, sp.Heaviside), inner),
+        choice((sp.Mod,), inner, inner),
         piecewise(inner),
     ),
     max_leaves=10,

@@ -120,6 +120,13 @@ HARD = {
     "cut of atan2": (sp.atan2(-y, x), (-1.0, 0.0, 0.0, 0.0)),
     "constant below the doubles": (sp.Rational(1, 10**320) * x, (1.0, 0.0, 0.0, 0.0)),
     "constant of long parts": (sp.Rational(10**400 + 1, 10**400) * x, (1.0, 0.0, 0.0, 0.0)),
+    "period smaller than the error": (sp.Mod(sp.pi, x), (7.5e-83, 0.0, 0.0, 0.0)),
+    "end of a period": (sp.Mod(x + y - z, w), (1e16, 3.0, 1e16, 2.0)),
+    "step of floor": (sp.floor(x + y - z), (1e16, 1.0, 1e16, 0.0)),
+    "squares that overflow": (sp.sqrt((x + y) ** 2 + z**2), (1e200, -1e200, 1e-200, 0.0)),
+    "zero of a Bessel function": (sp.besselj(0, x), (5.520078110286311, 0.0, 0.0, 0.0)),
+    "tail of erfc": (sp.erfc(x), (26.3, 0.0, 0.0, 0.0)),
+    "quotient near zero": (sp.sin(x - y) / (x - y), (1.0, 1.0 + 2e-16, 0.0, 0.0)),
     "tiny constant, large variable": (TINY * x, (1e5, 0.0, 0.0, 0.0)),
 }
 

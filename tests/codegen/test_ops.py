@@ -80,7 +80,7 @@ def test_rows_are_filed_under_their_names():
     assert set(MEANING) == set(OPS)
     assert not set(LEAVES) & set(OPS)
     assert set(OPS) >= TRUTH_VALUES
-    assert all(row.cost > 0 and 0 <= row.ulps <= 32 for row in OPS.values())
+    assert all(row.cost > 0 and 0 <= row.ulps <= 16 for row in OPS.values())
     assert all(row.scale is not None for row in OPS.values() if row.ulps > 4)
 
 
