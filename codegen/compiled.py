@@ -21,14 +21,14 @@ from numpy.typing import ArrayLike, NDArray
 from codegen import fastcall, native, passes
 from codegen.elsewhere import as_system
 from codegen.guard import Guard
-from codegen.integrate import runge_kutta
-from codegen.integrate.dop853 import DOP853
 from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
 from codegen.sums import share_sums
-from codegen.targets import c, load_module, numpy_
+from codegen.targets import c, load_module, python_
+from codegen.targets.registry import ROWS
+from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError, unknown_name
 from eom.system import System
 
@@ -215,7 +215,7 @@ class Compiled:
     def source(self) -> str:
         """The generated source text of the functions."""
         name = identifier(self.layout.name)
-        return self.files[f"{name}.{'c' if self.target == 'c' else 'py'}"]
+        return self.files[f"{name}.{ROWS[self.target].extension}"]
 
     def write(self, folder: str | Path) -> list[Path]:
         """Write the generated files, each whole or not at all; return their paths."""
@@ -225,7 +225,9 @@ class Compiled:
 def compile(  # noqa: A001 - the word that users expect
     system: System | Any, target: str = "auto", parameters: Mapping[str, float] | None = None
 ) -> Compiled:
-    """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
+    """Compile ``system`` for a target.
+
+    ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
 
     ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
     LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
@@ -256,42 +258,48 @@ def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Progra
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:
     """Return the generated files of a target by name; needs no compiler.
 
-    Raises `InputError` for an unknown target.
+    Raises `InputError` for an unknown target, and for an operation that the target cannot compute.
     """
-    if target not in _GENERATORS:
-        raise unknown_name("target", target, _GENERATORS)
-    return _GENERATORS[target](program, layout)
-
-
-def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
-    return {**c.files(program, layout), **runge_kutta.files(DOP853, layout)}
-
-
-_GENERATORS: dict[str, Callable[[Program, Layout], Mapping[str, str]]] = {
-    "c": _c_files,
-    "numpy": numpy_.files,
-}
+    if target not in ROWS:
+        raise unknown_name("target", target, ROWS)
+    refuse_unsupported(ROWS[target], program, layout)
+    return ROWS[target].files(program, layout)
 
 
 Functions = Mapping[str, Function]
 
 
+def _module_functions(
+    program: Program, layout: Layout, target: str, kernel: Callable[[Any], Kernel]
+) -> tuple[str, Functions, str]:
+    """Load the generated module; ``kernel`` makes a kernel of one of its functions."""
+    name = identifier(layout.name)
+    text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
+    module = load_module(text, name)
+    functions = {g: CheckedFunction(g, layout, kernel(getattr(module, g))) for g in layout.sizes}
+    return target, functions, ""
+
+
+def _quiet(function: Any) -> Kernel:
+    """Return a NumPy function without its warnings of values that are not finite."""
+
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        with np.errstate(all="ignore"):
+            function(t, x, p, u, out)
+
+    return run
+
+
 def _numpy(program: Program, layout: Layout) -> tuple[str, Functions, str]:
-    module = load_module(numpy_.module(program, layout), identifier(layout.name))
+    return _module_functions(program, layout, "numpy", _quiet)
 
-    def kernel(group: str) -> Kernel:
-        function = getattr(module, group)
 
-        def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
-            with np.errstate(all="ignore"):
-                function(t, x, p, u, out)
-
-        return run
-
-    return "numpy", {g: CheckedFunction(g, layout, kernel(g)) for g in layout.sizes}, ""
+def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    return _module_functions(program, layout, "python", python_.over_columns)
 
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    refuse_unsupported(ROWS["c"], program, layout)
     text = c.single_text(program, layout)
     library = native.load(native.compile_library(text), text)
     name = identifier(layout.name)
@@ -345,6 +353,7 @@ TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
     "auto": _automatic,
     "c": _native,
     "numpy": _numpy,
+    "python": _python,
 }
 
 

@@ -139,6 +139,8 @@ _C_LIBRARY = frozenset(
         "stdin",
     ]
 )
+_C_FLOAT = frozenset(f"{name}f" for name in _C_LIBRARY if name.islower())
+"""Single precision; some of these are no functions, which does no harm."""
 _PYTHON = frozenset(
     {
         *keyword.kwlist,
@@ -151,7 +153,17 @@ _PYTHON = frozenset(
         "sum",
         "float",
         "len",
+        "map",
+        "math",
+        "ascii",
     }
+)
+_JAVASCRIPT = frozenset(
+    """abstract arguments as async await boolean byte catch class debugger delete eval export extends
+    final finally from function get globalThis implements import in instanceof interface let
+    native new null of package private protected public set super switch synchronized this throw
+    throws transient try typeof undefined var with yield
+    Array Float64Array Infinity Math NaN Number Object""".split()
 )
 _OWN = frozenset(
     {"t", "x", "p", "u", "y", "xs", "ps", "us", "ys", "out", "dx", "k", "n", "count", "select"}
@@ -159,7 +171,7 @@ _OWN = frozenset(
 HELPERS = ("sign_", "min_", "max_", "carried_")
 """Functions, and an array, that generated C defines for itself."""
 
-RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
+RESERVED = _C_KEYWORDS | _C_LIBRARY | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""
 
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS
+from codegen.layout import Layout
 from codegen.names import comment, identifier
-from codegen.passes import prune
 from codegen.program import Program
-from codegen.targets.render import Body, Template, infix, render
-
-EXTENSION = "py"
+from codegen.targets.render import Body, Template, infix
+from codegen.targets.target import Target, bodies, name_tables
 
 
 def _call(name: str, arity: int = 1) -> Template:
@@ -59,7 +56,7 @@ NUMBERS = {"inf": "np.inf", "-inf": "-np.inf", "nan": "np.nan"}
 
 def files(program: Program, layout: Layout) -> Mapping[str, str]:
     """Return the generated module by file name; the same input gives the same bytes."""
-    return {f"{identifier(layout.name)}.{EXTENSION}": module(program, layout)}
+    return {f"{identifier(layout.name)}.{NUMPY.extension}": module(program, layout)}
 
 
 def module(program: Program, layout: Layout) -> str:
@@ -74,24 +71,10 @@ def module(program: Program, layout: Layout) -> str:
         "",
         "import numpy as np",
         "",
-        *_name_tables(layout),
+        *(f"{key} = {names!a}" for key, names in name_tables(layout).items()),
     ]
-    functions = [
-        _function(g, render(prune(program, [g]), g, layout, TEMPLATES, SLOTS, NUMBERS))
-        for g in layout.sizes
-    ]
+    functions = [_function(g, body) for g, body in bodies(NUMPY, program, layout).items()]
     return "\n".join([*head, "", "", "\n\n\n".join(functions), ""])
-
-
-def _name_tables(layout: Layout) -> list[str]:
-    tables = {
-        "STATES": names_of(layout.states),
-        "PARAMETERS": names_of(layout.parameters),
-        "INPUTS": names_of(layout.inputs),
-        "OUTPUTS": layout.results[OUTPUTS],
-        "INVARIANTS": layout.results[INVARIANTS],
-    }
-    return [f"{key} = {tuple(ascii(n)[1:-1] for n in names)!r}" for key, names in tables.items()]
 
 
 def _function(group: str, body: Body) -> str:
@@ -103,3 +86,6 @@ def _function(group: str, body: Body) -> str:
     lines += ["    if out is None:", f"        out = np.empty(({len(body.results)}, *{shape}))"]
     lines += [f"    out[{k}] = {result}" for k, result in enumerate(body.results)]
     return "\n".join([*lines, "    return out"])
+
+
+NUMPY = Target("numpy", "py", TEMPLATES, SLOTS, NUMBERS, files)
