@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from codegen.interpret import constants
 from codegen.layout import Layout, names_of
 from codegen.lower import INVARIANTS, OUTPUTS
 from codegen.ops import LEAVES, OPS
@@ -53,17 +54,21 @@ def missing(target: Target) -> list[str]:
 
 
 def refuse_unsupported(target: Target, program: Program, layout: Layout) -> None:
-    """Raise `InputError` if a result needs an operation that the target cannot compute."""
+    """Raise `InputError` if a result needs an operation that the target cannot compute.
+
+    Values that depend on constants alone are numbers already, and are never refused.
+    """
+    known = constants(program)
     for group in layout.sizes:
         for k in sorted(needed(program, [group])):
             op = program.instructions[k].op
-            if op in target.unsupported:
+            if op in OPS and op not in target.templates and k not in known:
                 name = _needing(program, layout, group, k)
                 raise InputError(
                     f"target {target.name} does not compute {op}",
                     where=f"system {layout.name!r}, {name} of {group}",
                     got=excerpt(program, layout, k),
-                    hint=target.unsupported[op],
+                    hint=target.unsupported.get(op, "choose another target"),
                 )
 
 
