@@ -129,6 +129,12 @@ _C_LIBRARY = frozenset(
         "FP_ZERO",
         "FP_NORMAL",
         "FP_SUBNORMAL",
+        "DBL_EPSILON",
+        "DBL_MAX",
+        "DBL_MIN",
+        "FLT_EPSILON",
+        "FLT_MAX",
+        "FLT_MIN",
         "math_errhandling",
         "MATH_ERRNO",
         "MATH_ERREXCEPT",
@@ -139,8 +145,13 @@ _C_LIBRARY = frozenset(
         "stdin",
     ]
 )
-_C_FLOAT = frozenset(f"{name}f" for name in _C_LIBRARY if name.islower())
-"""Single precision; some of these are no functions, which does no harm."""
+C_MATH = frozenset(
+    """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
+    fdim floor fma fmax fmin fmod hypot lgamma log log10 log1p log2 logb nan nearbyint nextafter pow
+    remainder rint round sin sinh sqrt tan tanh tgamma trunc""".split()
+)
+"""Functions of <math.h> over doubles; those over floats have an f behind their name."""
+_C_FLOAT = frozenset({*(f"{name}f" for name in C_MATH), "j0f", "j1f", "jnf", "y0f", "y1f", "ynf"})
 _PYTHON = frozenset(
     {
         *keyword.kwlist,
@@ -171,7 +182,7 @@ _OWN = frozenset(
 HELPERS = ("sign_", "min_", "max_", "carried_")
 """Functions, and an array, that generated C defines for itself."""
 
-RESERVED = _C_KEYWORDS | _C_LIBRARY | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
+RESERVED = _C_KEYWORDS | _C_LIBRARY | C_MATH | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""
 
 

@@ -9,6 +9,7 @@ from codegen.integrate.dop853 import DOP853
 from codegen.layout import Layout
 from codegen.program import Program
 from codegen.targets import c
+from codegen.targets.c_float import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
@@ -21,4 +22,4 @@ def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
 
 C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, _c_files)
 
-ROWS: dict[str, Target] = {row.name: row for row in (C, JAVASCRIPT, NUMPY, PYTHON)}
+ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, JAVASCRIPT, NUMPY, PYTHON)}
