@@ -43,7 +43,11 @@ drawn = expressions.map(lambda e: x if e.has(sp.Heaviside) else e)
 """SymPy makes steps of some conditions by itself; they have no operation."""
 
 
-@settings(max_examples=15)
+SELECTED = [n for n in SYSTEMS if not n.startswith("free ") or n in {"free dcm", "free 3-1-2"}]
+"""Every ready scene and every kind of system; of the rotation sequences, one."""
+
+
+@settings(max_examples=12)
 @given(several(drawn, 4, 8), several(points(extreme), 5, 5))
 def test_random_expressions_stay_within_the_error_bound(exprs, values):
     compiled = compile_system(system_of(exprs), "python")
@@ -55,7 +59,7 @@ def test_random_expressions_stay_within_the_error_bound(exprs, values):
         np.testing.assert_array_equal(got[:, k], one)
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(several(ARITHMETIC, 4, 8), several(points(extreme), 6, 6))
 def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, values):
     compiled = compile_system(system_of(exprs), "python")
@@ -64,7 +68,7 @@ def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, v
         np.testing.assert_array_equal(compiled.outputs(v[5], v[:3], v[3:5]), expected)
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", SELECTED)
 def test_every_system_stays_within_the_error_bound(name):
     system = SYSTEMS[name]()
     compiled = compile_system(system, "python")
