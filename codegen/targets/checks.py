@@ -23,6 +23,8 @@ RANDOM_POINTS = 4
 _NEAR = 10
 """Within so many errors of an edge it is open on which side of it a computation in doubles is."""
 
+_UNDERFLOW = 1e-300
+
 
 @dataclass(frozen=True)
 class Expected:
@@ -127,10 +129,13 @@ def _open(program: Program, exact: Sequence[Bounded]) -> list[bool]:
 
 
 def _error(instruction: Instruction, exact: Bounded) -> float:
-    """Return the error of a value; a constant that is a double has none."""
+    """Return the error of a value; a constant that is a double has none.
+
+    Nor has a zero whose error is what the bound allows for underflow: the points are of size one.
+    """
     value = instruction.value
     is_double = instruction.op == "const" and Fraction(float(exact.value)) == value
-    return 0.0 if is_double else exact.error
+    return 0.0 if is_double or exact.error < _UNDERFLOW else exact.error
 
 
 def _whole(value: Any) -> Any:

@@ -114,12 +114,12 @@ def test_the_test_program_fails_where_the_functions_are_wrong(right, wrong, grou
 
 @needs_compiler
 def test_values_that_are_not_finite_are_compared_by_kind(tmp_path):
-    made = [1 / x, sp.log(x), sp.sqrt(-1 - x**2), sp.exp(1000 * (x + 1)), x + p]
+    made = [1 / x, sp.log(x), sp.sqrt(-1 - x**2), -1 / x**2, sp.exp(1000 * (x + 1)), x + p]
     system = system_of(made)
     program, layout = specialised(system, {})
     zero = checks.expect(program, checks.points(layout)[1])["outputs"]
-    assert [repr(e.value) for e in zero[:4]] == ["inf", "-inf", "nan", "inf"]
-    assert all(e.bound == 0 for e in zero[:4])
+    assert [repr(e.value) for e in zero[:5]] == ["inf", "-inf", "nan", "-inf", "inf"]
+    assert all(e.bound == 0 for e in zero[:5])
     files = dict(package(system))
     assert run_test_program(files, tmp_path / "a", COMPILERS[0]).returncode == 0
     for right, wrong in (("log(x_)", "-log(x_)"), ("1.0 / x_;", "2e9 * x_;")):
@@ -132,7 +132,7 @@ def test_values_that_are_not_finite_are_compared_by_kind(tmp_path):
 
 
 def test_nothing_is_compared_where_a_jump_is_in_doubt():
-    """sin(x) - 1/2 near zero has an error, and its sign decides; a state has none, nor has 1/2."""
+    """sin(x) - 1/2 near zero has an error, and its sign decides; a state has none, nor has 1/2 in a comparison."""
     in_doubt = [sp.sign(sp.sin(x) - sp.Rational(1, 2)), sp.sqrt(sp.sin(x) - sp.Rational(1, 2)),
                 sp.Piecewise((p, sp.sin(x) < 0.5), (q, True)), 1 / (sp.sin(x) - 0.5)]  # fmt: skip
     sure = [
