@@ -132,15 +132,15 @@ def test_values_that_are_not_finite_are_compared_by_kind(tmp_path):
 
 
 def test_nothing_is_compared_where_a_jump_is_in_doubt():
-    """sin(x) - 1/2 near zero has an error, and its sign decides; a state has none, nor has 1/2 in a comparison."""
+    """sin(x) - 1/2 near zero has an error, and its sign decides; a state compared with 1/2 has none."""
     in_doubt = [sp.sign(sp.sin(x) - sp.Rational(1, 2)), sp.sqrt(sp.sin(x) - sp.Rational(1, 2)),
                 sp.Piecewise((p, sp.sin(x) < 0.5), (q, True)), 1 / (sp.sin(x) - 0.5)]  # fmt: skip
     sure = [
         sp.sign(y),
         sp.Piecewise((p, y < 0.5), (q, True)),
-        sp.sqrt(y - 0.5),
+        sp.sqrt(y),
         x / y,
-        1 / (y - 0.5),
+        y / (x - y),
     ]
     program, _ = specialised(system_of([*sure, *in_doubt]), {})
     at = Point(0.0, [float(mpmath.asin(0.5)), 0.5], [1.0, 3.0])
