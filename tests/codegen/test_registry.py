@@ -25,6 +25,7 @@ from eom.__main__ import generate as generate_command
 from eom.__main__ import main
 from eom.errors import InputError
 from eom.system import Quantity, System
+from tests.codegen.test_python_target import computable
 from tests.codegen.test_targets import every_operation, p, system_of, x, y
 
 ROOT = Path(__file__).parents[2]
@@ -61,7 +62,7 @@ def test_helpers_use_earlier_ones_only_and_each_is_called(row):
 
 @pytest.mark.parametrize("name", ROWS)
 def test_files_are_named_after_the_system_and_are_ascii(name):
-    compiled = compile_system(system_of(every_operation(), "naïve name"), "numpy")
+    compiled = compile_system(system_of(computable(every_operation()), "naïve name"), "numpy")
     files = generate(compiled.program, compiled.layout, name)
     assert all(file.startswith(identifier("naïve name")) for file in files)
     assert any(file.endswith(f".{ROWS[name].extension}") for file in files)
