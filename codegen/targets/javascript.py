@@ -126,12 +126,12 @@ function _erfcUpper(x) {{ // erfc(x) for x >= 0.5, by a Chebyshev series
 """,
     "_erfLower": f"""\
 function _erfLower(x) {{ // erf(x) for |x| < 0.5, by its power series
-  let term = x, sum = x;
+  let term = 1, sum = 1;
   for (let n = 1; n < 14; ++n) {{
     term *= -x * x / n;
     sum += term / (2 * n + 1);
   }}
-  return {2 / math.sqrt(math.pi)!r} * sum;
+  return {2 / math.sqrt(math.pi)!r} * x * sum;
 }}
 """,
     "_erf": """\
