@@ -45,10 +45,10 @@ TINY, HUGE = 1e-30, 1e30
 
 
 class Single:
-    """A system compiled in single precision, called through ctypes."""
+    """A program compiled in single precision, called through ctypes."""
 
-    def __init__(self, system):
-        self.program, self.layout = specialised(system, {})
+    def __init__(self, program, layout):
+        self.program, self.layout = program, layout
         text = single_text(self.program, self.layout)
         self.library = native.load(native.compile_library(text), text)
         self.name = prefix(self.layout)
@@ -91,7 +91,7 @@ def check(program, group, point, got):
 @settings(max_examples=12)
 @given(several(drawn, 8, 14), several(points(st.floats(-4, 4, width=32)), 6, 6))
 def test_random_expressions_stay_within_the_scaled_bound(exprs, values):
-    compiled = Single(system_of(exprs))
+    compiled = Single(*specialised(system_of(exprs), {}))
     for v in map(single, values):
         got = compiled("outputs", v[5], v[:3], v[3:5], [])
         check(compiled.program, "outputs", Point(v[5], v[:3], v[3:5]), got)
@@ -100,7 +100,7 @@ def test_random_expressions_stay_within_the_scaled_bound(exprs, values):
 @needs_compiler
 @pytest.mark.parametrize("name", SELECTED)
 def test_every_system_stays_within_the_scaled_bound(name):
-    compiled = Single(SYSTEMS[name]())
+    compiled = Single(*specialised(SYSTEMS[name](), {}))
     checked = 0
     for seed in range(2):
         t, *arrays = random_values(SYSTEMS[name](), seed)
@@ -115,7 +115,7 @@ def test_every_system_stays_within_the_scaled_bound(name):
 @needs_compiler
 def test_the_scaled_bound_is_felt():
     """Twice the roundoff of float is too much for one rounding, and double is far better."""
-    compiled = Single(system_of([x * y, sp.sin(x) + z]))
+    compiled = Single(*specialised(system_of([x * y, sp.sin(x) + z]), {}))
     point = Point(0.0, single([0.7, 1.9, -0.4]), [0.0, 0.0])
     got = compiled("outputs", 0.0, point.x, point.p, [])
     assert check(compiled.program, "outputs", point, got) == 2
