@@ -9,146 +9,30 @@ from __future__ import annotations
 import ctypes
 import errno
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from codegen import fastcall, native
+from codegen.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
 from codegen.elsewhere import as_system
 from codegen.guard import Guard
-from codegen.integrate import runge_kutta
-from codegen.integrate.dop853 import DOP853
-from codegen.layout import Layout, names_of
+from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.names import identifier
 from codegen.pipeline import fitted
 from codegen.program import Program
 from codegen.stages import by_parameters
 from codegen.structure import Structure
-from codegen.targets import c, load_module, numpy_
+from codegen.targets import c, load_module, python_
+from codegen.targets.registry import ROWS
+from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError, unknown_name
 from eom.system import System
-
-Array = NDArray[np.float64]
-Kernel = Callable[[Any, Array, Array, Array, Array], None]
-"""(t, x, p, u, out) with checked arrays; fills out."""
-
-
-class Function(Protocol):
-    """``f(t, x, p, u, out=None)``: results of one group, in shape (k,) or (k, N)."""
-
-    def __call__(
-        self,
-        t: ArrayLike,
-        x: ArrayLike,
-        p: ArrayLike | None = None,
-        u: ArrayLike | None = None,
-        out: Array | None = None,
-    ) -> Array:
-        """Evaluate; fill and return ``out`` where it is given."""
-
-
-@dataclass(frozen=True)
-class CheckedFunction:
-    """The whole contract of a function: conversion, shapes, errors; then the target's kernel."""
-
-    group: str
-    layout: Layout
-    kernel: Kernel
-
-    def __call__(
-        self,
-        t: ArrayLike,
-        x: ArrayLike,
-        p: ArrayLike | None = None,
-        u: ArrayLike | None = None,
-        out: Array | None = None,
-    ) -> Array:
-        """Evaluate. Raises `InputError` for wrong shapes and types."""
-        columns: dict[str, int] = {}
-        time = _real(t, "t")
-        if time.ndim > 1:
-            raise InputError("t has the wrong shape", got=time.shape, expected="() or (N,)")
-        if time.ndim == 1:
-            columns["t"] = time.shape[0]
-        states = _shaped("x", x, names_of(self.layout.states), columns)
-        parameters = _shaped("p", p, names_of(self.layout.parameters), columns)
-        inputs = _shaped("u", u, names_of(self.layout.inputs), columns)
-        count = set(columns.values())
-        if len(count) > 1:
-            raise InputError(
-                "numbers of columns differ", got=", ".join(f"{k}: {v}" for k, v in columns.items())
-            )
-        shape = (self.layout.sizes[self.group], *count)
-        arguments = (time[()], states, parameters, inputs)
-        if out is not None and _fills_in_place(_checked_out(out, shape), arguments):
-            self.kernel(*arguments, out)
-            return out
-        result = np.empty(shape)
-        self.kernel(*arguments, result)
-        if out is None:
-            return result
-        out[...] = result
-        return out
-
-
-def _real(value: ArrayLike, name: str) -> Array:
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiub":
-        raise InputError(f"{name} is not an array of real numbers", got=f"dtype {array.dtype}")
-    return array.astype(np.float64, copy=False)
-
-
-def _shaped(
-    name: str, value: ArrayLike | None, names: Sequence[str], columns: dict[str, int]
-) -> Array:
-    n = len(names)
-    if value is None:
-        if n:
-            raise InputError(f"{name} is missing", expected=f"{n} values: {', '.join(names)}")
-        return np.empty(0)
-    array = _real(value, name)
-    if array.ndim not in {1, 2} or array.shape[0] != n:
-        expected = (
-            f"({n},) or ({n}, N), in the order {', '.join(names)}" if n else "no values: (0,)"
-        )
-        raise InputError(f"{name} has the wrong shape", got=array.shape, expected=expected)
-    if array.ndim == 2:
-        columns[name] = array.shape[1]
-    return array
-
-
-def _checked_out(out: Array, shape: tuple[int, ...]) -> Array:
-    if (
-        not isinstance(out, np.ndarray)
-        or out.dtype != np.float64
-        or out.shape != shape
-        or not out.flags.writeable
-    ):
-        got = (
-            f"{out.dtype} array of shape {out.shape}"
-            if isinstance(out, np.ndarray)
-            else type(out).__name__
-        )
-        raise InputError(
-            "out does not fit", got=got, expected=f"a writable float64 array of shape {shape}"
-        )
-    return out
-
-
-def _in_whole_doubles(array: Array) -> bool:
-    """Tell whether the distances between elements are whole numbers of doubles."""
-    return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
-
-
-def _fills_in_place(out: Array, arguments: Sequence[Any]) -> bool:
-    """Tell whether no argument lies in ``out``, so that filling it changes none."""
-    return _in_whole_doubles(out) and not any(np.may_share_memory(out, a) for a in arguments)
 
 
 @dataclass(frozen=True)
@@ -226,7 +110,7 @@ class Compiled:
     def source(self) -> str:
         """The generated source text of the functions."""
         name = identifier(self.layout.name)
-        return self.files[f"{name}.{'c' if self.target == 'c' else 'py'}"]
+        return self.files[f"{name}.{ROWS[self.target].extension}"]
 
     def write(self, folder: str | Path) -> list[Path]:
         """Write the generated files, each whole or not at all; return their paths."""
@@ -241,7 +125,9 @@ def compile(  # noqa: A001 - the word that users expect
     inputs: Mapping[str, float] | None = None,
     rules: str = "algebraic",
 ) -> Compiled:
-    """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
+    """Compile ``system`` for a target.
+
+    ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
 
     ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
     LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
@@ -267,42 +153,48 @@ def compile(  # noqa: A001 - the word that users expect
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:
     """Return the generated files of a target by name; needs no compiler.
 
-    Raises `InputError` for an unknown target.
+    Raises `InputError` for an unknown target, and for an operation that the target cannot compute.
     """
-    if target not in _GENERATORS:
-        raise unknown_name("target", target, _GENERATORS)
-    return _GENERATORS[target](program, layout)
-
-
-def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
-    return {**c.files(program, layout), **runge_kutta.files(DOP853, layout)}
-
-
-_GENERATORS: dict[str, Callable[[Program, Layout], Mapping[str, str]]] = {
-    "c": _c_files,
-    "numpy": numpy_.files,
-}
+    if target not in ROWS:
+        raise unknown_name("target", target, ROWS)
+    refuse_unsupported(ROWS[target], program, layout)
+    return ROWS[target].files(program, layout)
 
 
 Functions = Mapping[str, Function]
 
 
+def _module_functions(
+    program: Program, layout: Layout, target: str, kernel: Callable[[Any], Kernel]
+) -> tuple[str, Functions, str]:
+    """Load the generated module; ``kernel`` makes a kernel of one of its functions."""
+    name = identifier(layout.name)
+    text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
+    module = load_module(text, name)
+    functions = {g: CheckedFunction(g, layout, kernel(getattr(module, g))) for g in layout.sizes}
+    return target, functions, ""
+
+
+def _quiet(function: Any) -> Kernel:
+    """Return a NumPy function without its warnings of values that are not finite."""
+
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        with np.errstate(all="ignore"):
+            function(t, x, p, u, out)
+
+    return run
+
+
 def _numpy(program: Program, layout: Layout) -> tuple[str, Functions, str]:
-    module = load_module(numpy_.module(program, layout), identifier(layout.name))
+    return _module_functions(program, layout, "numpy", _quiet)
 
-    def kernel(group: str) -> Kernel:
-        function = getattr(module, group)
 
-        def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
-            with np.errstate(all="ignore"):
-                function(t, x, p, u, out)
-
-        return run
-
-    return "numpy", {g: CheckedFunction(g, layout, kernel(g)) for g in layout.sizes}, ""
+def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    return _module_functions(program, layout, "python", python_.over_columns)
 
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    refuse_unsupported(ROWS["c"], program, layout)
     text = c.single_text(program, layout)
     library = native.load(native.compile_library(text), text)
     name = identifier(layout.name)
@@ -338,7 +230,7 @@ def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
 
     def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
         times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        times, x, p, u = (a if _in_whole_doubles(a) else a.copy() for a in (times, x, p, u))
+        times, x, p, u = (a if in_whole_doubles(a) else a.copy() for a in (times, x, p, u))
         step = times.strides[0] // times.itemsize if np.ndim(t) else 0
         count = out.shape[1] if out.ndim == 2 else 1
         function(count, times.ctypes.data, step, *(v for a in (x, p, u, out) for v in strided(a)))
@@ -362,6 +254,7 @@ TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
     "auto": _automatic,
     "c": _native,
     "numpy": _numpy,
+    "python": _python,
 }
 
 

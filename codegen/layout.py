@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ class Layout:
     """Names of the results by group."""
     coordinates: tuple[int, ...] = ()
     """For each singularity the number of the state that it is about, or -1."""
+    described: Mapping[str, tuple[Quantity, ...]] = field(default_factory=dict)
+    """Quantities of the groups of results that have units: outputs and invariants."""
 
     @classmethod
     def of(cls, system: System) -> Layout:
@@ -48,11 +50,24 @@ class Layout:
             system.inputs,
             results,
             coordinates,
+            {
+                OUTPUTS: tuple(d.quantity for d in system.outputs),
+                INVARIANTS: tuple(d.quantity for d in system.invariants),
+            },
         )
 
     def without(self, fixed: Collection[str]) -> Layout:
         """Return the layout without the parameters that were fixed to numbers."""
         return replace(self, parameters=tuple(q for q in self.parameters if q.name not in fixed))
+
+    def quantities(self) -> dict[str, tuple[Quantity, ...]]:
+        """Return by kind (state, parameter, input, output, invariant) what has a name and a unit."""
+        results = {
+            kind: tuple(q for q in self.described.get(group, ()) if q.name in self.results[group])
+            for kind, group in (("output", OUTPUTS), ("invariant", INVARIANTS))
+        }
+        given = {"state": self.states, "parameter": self.parameters, "input": self.inputs}
+        return {**given, **results}
 
     @property
     def sizes(self) -> dict[str, int]:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen.compiled import TARGETS, Compiled, Function
+from codegen.checked import Function
+from codegen.compiled import TARGETS, Compiled
 from codegen.derivative import JACOBIAN, colouring, jacobian
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES

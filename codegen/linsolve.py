@@ -196,7 +196,7 @@ static void factor_(int n, int symmetric, double *f) {
         int best = k;
         for (int i = k + 1; i < n; ++i)
             if (fabs(a[i * n + k]) > fabs(a[best * n + k])) best = i;
-        f[1 + k] = best;
+        f[1 + k] = (double)best;
         for (int j = 0; j < n && best != k; ++j) {
             const double kept = a[k * n + j];
             a[k * n + j] = a[best * n + j];

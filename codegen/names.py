@@ -130,6 +130,12 @@ _C_LIBRARY = frozenset(
         "FP_ZERO",
         "FP_NORMAL",
         "FP_SUBNORMAL",
+        "DBL_EPSILON",
+        "DBL_MAX",
+        "DBL_MIN",
+        "FLT_EPSILON",
+        "FLT_MAX",
+        "FLT_MIN",
         "math_errhandling",
         "MATH_ERRNO",
         "MATH_ERREXCEPT",
@@ -140,6 +146,13 @@ _C_LIBRARY = frozenset(
         "stdin",
     ]
 )
+C_MATH = frozenset(
+    """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
+    fdim floor fma fmax fmin fmod hypot lgamma log log10 log1p log2 logb nan nearbyint nextafter pow
+    remainder rint round sin sinh sqrt tan tanh tgamma trunc""".split()
+)
+"""Functions of <math.h> over doubles; those over floats have an f behind their name."""
+_C_FLOAT = frozenset({*(f"{name}f" for name in C_MATH), "j0f", "j1f", "jnf", "y0f", "y1f", "ynf"})
 _PYTHON = frozenset(
     {
         *keyword.kwlist,
@@ -153,7 +166,17 @@ _PYTHON = frozenset(
         "sum",
         "float",
         "len",
+        "map",
+        "math",
+        "ascii",
     }
+)
+_JAVASCRIPT = frozenset(
+    """abstract arguments as async await boolean byte catch class debugger delete eval export extends
+    final finally from function get globalThis implements import in instanceof interface let
+    native new null of package private protected public set super switch synchronized this throw
+    throws transient try typeof undefined var with yield
+    Array Float64Array Infinity Math NaN Number Object""".split()
 )
 _OWN = frozenset(
     {
@@ -180,7 +203,7 @@ _OWN = frozenset(
 HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "factor_", "back_", "carried_", "k_")
 """Functions, and an array, that generated code defines for itself."""
 
-RESERVED = _C_KEYWORDS | _C_LIBRARY | _PYTHON | _OWN
+RESERVED = _C_KEYWORDS | _C_LIBRARY | C_MATH | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""
 
 

@@ -55,7 +55,7 @@ target_option = click.option(
     "--target",
     default="auto",
     show_default=True,
-    metavar="c|numpy|auto",
+    metavar="c|numpy|python|auto",
     help="What to compile for.",
 )
 
@@ -122,7 +122,13 @@ def derive(
 
 @main.command()
 @scene_argument
-@click.option("--target", default="c", show_default=True, metavar="c|numpy", help="Language.")
+@click.option(
+    "--target",
+    default="c",
+    show_default=True,
+    metavar="c|c_f32|numpy|python|javascript",
+    help="Language.",
+)
 @click.option(
     "--out",
     "folder",
@@ -132,7 +138,11 @@ def derive(
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
 @click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
 def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: bool) -> None:
-    """Write the equations of SCENE as C (with an integrator) or as a NumPy module."""
+    """Write the equations of SCENE as C (with an integrator), or as a module.
+
+    Targets: c; c_f32 (single precision, without the integrator); numpy; python (plain floats,
+    no NumPy); javascript (for browsers and Node.js).
+    """
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files
     from codegen.pipeline import specialised

@@ -31,8 +31,9 @@ static double stumpff_(int k, double z) {{
     const double s = sqrt(fabs(z));
     double c = 1.0, factorial = 1.0;
     if (fabs(z) < cutoff[k - 1]) {{
-        for (int j = terms[k - 1]; j > 0; --j) c = 1.0 - z * c / ((2.0 * j + k - 1.0) * (2.0 * j + k));
-        for (int n = 2; n <= k; ++n) factorial *= n;
+        for (int j = terms[k - 1]; j > 0; --j)
+            c = 1.0 - z * c / ((2.0 * (double)j + (double)k - 1.0) * (2.0 * (double)j + (double)k));
+        for (int n = 2; n <= k; ++n) factorial *= (double)n;
         return c / factorial;
     }}
     if (k % 2) {{
@@ -44,7 +45,7 @@ static double stumpff_(int k, double z) {{
     }}
     for (int n = 2 - k % 2; n < k; n += 2) {{
         c = (1.0 / factorial - c) / z;
-        factorial *= (n + 1.0) * (n + 2.0);
+        factorial *= ((double)n + 1.0) * ((double)n + 2.0);
     }}
     return c;
 }}""",

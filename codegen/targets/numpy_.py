@@ -8,8 +8,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 
-from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS
+from codegen.layout import Layout
 from codegen.names import comment, identifier
 from codegen.passes import prune
 from codegen.program import Program
@@ -26,9 +25,8 @@ from codegen.targets.render import (
     table_names,
     with_slots_of,
 )
+from codegen.targets.target import Target, name_tables
 from eom.tables import Table
-
-EXTENSION = "py"
 
 
 def _call(name: str, arity: int = 1) -> Template:
@@ -96,7 +94,7 @@ NUMBERS = {"inf": "np.inf", "-inf": "-np.inf", "nan": "np.nan"}
 
 def files(program: Program, layout: Layout) -> Mapping[str, str]:
     """Return the generated module by file name; the same input gives the same bytes."""
-    return {f"{identifier(layout.name)}.{EXTENSION}": module(program, layout)}
+    return {f"{identifier(layout.name)}.{NUMPY.extension}": module(program, layout)}
 
 
 def module(program: Program, layout: Layout) -> str:
@@ -128,7 +126,7 @@ def module(program: Program, layout: Layout) -> str:
         "import numpy as np",
         *(["import scipy.special"] if needs_scipy else []),
         "",
-        *_name_tables(layout),
+        *(f"{key} = {names!a}" for key, names in name_tables(layout).items()),
     ]
     helpers = [text for name, text in _HELPERS.items() if f"{name}(" in used]
     helpers += [_table(name, table) for table, name in tables.items() if f"{name}(" in used]
@@ -221,17 +219,6 @@ def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
     return render(program, group, names, TEMPLATES, SLOTS, NUMBERS, tables)
 
 
-def _name_tables(layout: Layout) -> list[str]:
-    tables = {
-        "STATES": names_of(layout.states),
-        "PARAMETERS": names_of(layout.parameters),
-        "INPUTS": names_of(layout.inputs),
-        "OUTPUTS": layout.results[OUTPUTS],
-        "INVARIANTS": layout.results[INVARIANTS],
-    }
-    return [f"{key} = {tuple(ascii(n)[1:-1] for n in names)!r}" for key, names in tables.items()]
-
-
 def _assigned(body: Body) -> list[str]:
     return [
         f"    {line.expression}"
@@ -255,3 +242,15 @@ def _function(group: str, body: Body) -> str:
     lines += ["    if out is None:", f"        out = np.empty(({len(body.results)}, *{shape}))"]
     lines += [f"    out[{k}] = {result}" for k, result in enumerate(body.results)]
     return "\n".join([*lines, "    return out"])
+
+
+NUMPY = Target(
+    name="numpy",
+    extension="py",
+    templates=TEMPLATES,
+    slots=SLOTS,
+    numbers=NUMBERS,
+    files=files,
+    helpers=_HELPERS,
+    table=_table,
+)
