@@ -80,8 +80,8 @@ def _tangent(
 ) -> Tangent:
     """Return the chain rule's sum over the arguments that vary.
 
-    A selection selects among the derivatives: one that is not finite on the side that is not taken
-    leaves no trace, as it would if it were multiplied by zero.
+    Selections, min and max select among the derivatives: one that is not finite on the side that is
+    not taken leaves no trace, as it would if it were multiplied by zero.
     """
     if op == "select":
         condition, yes, no = args
@@ -90,6 +90,8 @@ def _tangent(
     if not varying:
         return {}
     partials = PARTIALS[op](b, value, [copied[a] for a in args])
+    if op in {"min", "max"} and partials[0] is not None:
+        return _selected(b, partials[0], tangents[args[0]], tangents[args[1]])
     found: Tangent = {}
     for k in varying:
         partial = partials[k]

@@ -14,6 +14,7 @@ Context = Any
 
 FAR = 10**6
 """Where Hankel's expansion has more than 50 digits, over n^2 + 1: its terms fall by 10^-6 at least."""
+WITHOUT_DIGITS = 10**15
 HUGE = 10**9
 
 
@@ -65,12 +66,15 @@ def bessel_scale(m: Context, kind: str, value: Number, n: Number, x: Number) -> 
     """Return what the rounding error is relative to.
 
     It is the size of the wave, as libraries are poor near its zeros; for J_n times the logarithm in
-    the leading term (x/2)^n, which SciPy computes as a power, where x is small against n.
+    the leading term (x/2)^n, which SciPy computes as a power, where x is small against n. Beyond
+    `WITHOUT_DIGITS` SciPy's functions are of the right size, but have no right digit.
     """
     n = int(n)
     if x == 0:
         return abs(value)
     wave = abs(value) + min(abs(x) / max(1, n), 1) * abs(bessel_slope(m, kind, n, x))
+    if abs(x) > WITHOUT_DIGITS:
+        return wave * 2**53
     return wave * (1 + n * max(m.log(2 * n / abs(x)), 0)) if n and kind == "besselj" else wave
 
 

@@ -198,6 +198,17 @@ def test_the_interpreter_is_quick_and_finite_at_huge_values(e):
         assert not mpmath.isnan(value)
 
 
+def test_bessel_functions_of_huge_arguments_are_promised_no_digits(target):
+    system = System.from_rates("bessel far", {x: sp.besselj(2, x), y: sp.bessely(1, x)})
+    compiled = compile_system(system, target)
+    for at in (3e14, 1e20, 1e300):
+        bounds = interpret_with_bound(compiled.program, Point(x=[at, 0.0]))["rates"]
+        wave = math.sqrt(2 / (math.pi * at))
+        for value, bound in zip(compiled.rhs(0.0, [at, 0.0]), bounds, strict=True):
+            assert abs(value - bound.value) <= bound.error
+            assert (bound.error < 1e-13 * wave) == (at < 1e15)
+
+
 def test_bessel_functions_at_zero_and_their_derivatives(target):
     e = [sp.besselj(n, x) for n in range(4)]
     outputs = {f"f{k}": v for k, v in enumerate(e)}

@@ -184,6 +184,7 @@ ZERO = {
     "power of a modulus": (sp.sign(x) * sp.Abs(x) ** sp.Rational(3, 2), [0.0], [0.0]),
     "quotient of norms": (x * sp.sin(sp.sqrt(x**2 + y**2)) / sp.sqrt(x**2 + y**2), [0.0], [1.0, 0.0]),
     "piece that is not taken": (sp.Piecewise((sp.sin(x) / x**2, x > 1), (y, True)), [0.0], [0.0, 1.0]),
+    "least of what is infinite": (sp.Min(1 / x**2, 3), [3.0], [0.0]),
     "root of a root": (sp.sin(sp.sqrt(s)) / sp.sqrt(s), [1.0], [-1 / 6]),
 }  # fmt: skip
 
