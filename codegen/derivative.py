@@ -1,97 +1,177 @@
-"""Jacobians by differentiating a program: from instructions to instructions, sparse, value shared.
+"""Derivatives of programs: Jacobians from instructions to instructions, sparse, value shared.
 
-Forward accumulation: every value carries its derivatives with respect to the slots that it depends
-on, as numbers of further instructions (Griewank and Walther, Evaluating Derivatives, 2nd ed., ch. 3
-and 7). What is zero is never formed, equal values are one, and folding removes factors of one, so that
-derivative and value share all they can. Where an operation has no derivative, at zero of a root, of a
-norm or of atan2, at the ends of asin, it counts as zero, so that nothing but the mathematics at hand
-can make a derivative infinite.
+A program is linearised, each operation by its partial derivatives, and the inner values are
+eliminated in the order that leaves the cheapest program (`codegen.elimination`): forward, reverse or
+mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of atan2, at
+the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a derivative
+infinite; what a condition does not select cannot either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
-from codegen.ops import OPS
+from codegen.elimination import ORDERS, Edges, eliminate, products
+from codegen.fold import constant
+from codegen.forms import Form, Forms, Monomial, added
+from codegen.ops import OPS, Instruction
 from codegen.passes import needed, prune
 from codegen.program import Builder, Program
 
 JACOBIAN = "jacobian"
-Tangent = dict[int, int]
-"""Numbers of the derivatives that are not zero, by slot."""
 Partial = Callable[[Builder, int, Sequence[int]], tuple[int | None, ...]]
 """From the numbers of value and arguments to those of the partial derivatives; None is zero."""
+Seeds = Sequence[Mapping[Instruction, Instruction]]
+"""Directions: for each column the slots that it moves, with the leaf that says how fast."""
+Weights = Sequence[Mapping[int, Instruction]]
+"""Sums of results: for each row the places of its results in their group, with their weights."""
+
+FULL_SEARCH = 4000
+"""Products of an elimination up to which all orders are carried out, and not their products alone
+counted; also the size of programs up to which partial sums are shared."""
 
 
 @dataclass(frozen=True)
 class Jacobian:
     """A program with the results of a group and the entries of their Jacobian that are not zero.
 
-    ``pattern``: (row, column) of each entry, by rows: result and slot.
+    ``pattern``: (row, column) of each entry, by rows: result and slot. ``mode``: the accumulation
+    that was cheapest, one of `codegen.elimination.ORDERS`.
     """
 
     program: Program
     pattern: tuple[tuple[int, int], ...]
+    mode: str = "forward"
 
 
-def jacobian(program: Program, group: str, kind: str = "state") -> Jacobian:
+def jacobian(
+    program: Program, group: str, kind: str = "state", modes: Iterable[str] = tuple(ORDERS)
+) -> Jacobian:
     """Differentiate the results ``group`` with respect to all slots of ``kind``.
 
-    ``kind``: state, parameter, input or time. Law: the entries are the derivatives of the results
-    in exact arithmetic, wherever these exist; the results themselves do not change.
+    ``kind``: state, parameter, input or time. ``modes``: what to choose from. Law: the entries are
+    the derivatives of the results in exact arithmetic, wherever these exist; the results
+    themselves do not change.
     """
+    return derive(program, group, identity(program, group), slots(program, kind), modes)
+
+
+def slots(program: Program, kind: str) -> Seeds:
+    """Return one column a slot of ``kind``, up to the last one that the program reads."""
+    found = {int(i.value or 0): i for i in program.instructions if i.op == kind}
+    return [{found[k]: UNIT} if k in found else {} for k in range(max(found, default=-1) + 1)]
+
+
+UNIT = Instruction("const", (), Fraction(1))
+
+
+def identity(program: Program, group: str) -> Weights:
+    """Return one row a result of the group."""
+    return [{k: UNIT} for k in range(len(program.results[group]))]
+
+
+def derive(
+    program: Program,
+    group: str,
+    rows: Weights,
+    columns: Seeds,
+    modes: Iterable[str] = tuple(ORDERS),
+) -> Jacobian:
+    """Return the derivatives of weighted sums of results in given directions, mode by cost.
+
+    Law: entry (row, column) is the sum over results and slots of weight times partial derivative
+    times rate of the slot; ties between modes go to the first.
+    """
+    candidates = list(modes)
+    if len(candidates) > 1:
+        edges = _linearised(program, group, rows, columns)[2]
+        counts = {m: products(edges, ORDERS[m]) for m in candidates}
+        if min(counts.values()) > FULL_SEARCH:
+            candidates = [min(candidates, key=lambda m: counts[m])]
+    found = [_by(mode, program, group, rows, columns) for mode in candidates]
+    return min(found, key=lambda d: d.program.cost())
+
+
+def _by(mode: str, program: Program, group: str, rows: Weights, columns: Seeds) -> Jacobian:
+    forms, copied, edges = _linearised(program, group, rows, columns)
+    b = forms.b
+    left = eliminate(forms, edges, ORDERS[mode])
+    first = len(program.instructions)
+    entries = {
+        (row, ~column): left[first + row][column]
+        for row in range(len(rows))
+        for column in sorted(left.get(first + row, {}), reverse=True)
+    }
+    numbers = dict(zip(entries, forms.numbers(list(entries.values())), strict=True))
+    pattern = tuple(place for place, number in numbers.items() if constant(b, number) != 0)
+    results = {group: [copied[k] for k in program.results[group]]}
+    whole = b.program({**results, JACOBIAN: [numbers[place] for place in pattern]})
+    return Jacobian(prune(whole), pattern, mode)
+
+
+def _linearised(
+    program: Program, group: str, rows: Weights, columns: Seeds
+) -> tuple[Forms, dict[int, int], Edges]:
+    """Copy the program and return its numbers and the edges between values that matter."""
     b = Builder()
     copied: dict[int, int] = {}
-    tangents: dict[int, Tangent] = {}
-    for k in sorted(needed(program, [group])):
+    order = sorted(needed(program, [group]))
+    for k in order:
         op, args, value = program.instructions[k]
-        if op not in OPS:
-            copied[k] = b.leaf(op, value)
-            tangents[k] = {int(value or 0): b.const(1)} if op == kind else {}
-            continue
-        copied[k] = b.add(op, *(copied[a] for a in args))
-        tangents[k] = _tangent(b, op, copied[k], args, copied, tangents)
+        copied[k] = b.add(op, *(copied[a] for a in args)) if op in OPS else b.leaf(op, value)
     for k, name in program.names.items():
         if k in copied:
             b.name(copied[k], name)
-    rows = program.results[group]
-    entries = {
-        (row, slot): number
-        for row, k in enumerate(rows)
-        for slot, number in sorted(tangents[k].items())
-    }
-    whole = b.program({group: [copied[k] for k in rows], JACOBIAN: list(entries.values())})
-    return Jacobian(prune(whole), tuple(entries))
+    forms = Forms(b)
+    edges: dict[int, Mapping[int, Form]] = {}
+    for k in order:
+        op, args, _ = program.instructions[k]
+        if op in OPS:
+            varying = [a if a in edges else None for a in args]
+            into = _chain(forms, op, copied[k], [copied[a] for a in args], varying)
+        else:
+            leaf = program.instructions[k]
+            into = {
+                ~j: _weight(forms, seeds[leaf]) for j, seeds in enumerate(columns) if leaf in seeds
+            }
+        if into:
+            edges[k] = into
+    results = program.results[group]
+    for row, weights in enumerate(rows):
+        sums: dict[int, dict[Monomial, Fraction]] = {}
+        for place, weight in weights.items():
+            if results[place] in edges:
+                added(sums.setdefault(results[place], {}), _weight(forms, weight))
+        edges[len(program.instructions) + row] = sums
+    return forms, copied, _reaching(edges, len(program.instructions))
 
 
-def _tangent(
-    b: Builder,
-    op: str,
-    value: int,
-    args: Sequence[int],
-    copied: dict[int, int],
-    tangents: dict[int, Tangent],
-) -> Tangent:
-    """Return the chain rule's sum over the arguments that vary."""
-    varying = [k for k, a in enumerate(args) if tangents[a]]
-    if not varying:
+def _weight(forms: Forms, leaf: Instruction) -> Form:
+    return forms.of(forms.b.leaf(leaf.op, leaf.value))
+
+
+def _chain(
+    forms: Forms, op: str, value: int, args: Sequence[int], varying: Sequence[int | None]
+) -> dict[int, Form]:
+    """Return the partial derivatives of an operation by the arguments that vary."""
+    if not any(a is not None for a in varying):
         return {}
-    partials = PARTIALS[op](b, value, [copied[a] for a in args])
-    found: Tangent = {}
-    for k in varying:
-        partial = partials[k]
-        if partial is None:
-            continue
-        for slot, rate in tangents[args[k]].items():
-            term = b.add("mul", partial, rate)
-            found[slot] = b.add("add", found[slot], term) if slot in found else term
-    return {slot: number for slot, number in found.items() if not _is_zero(b, number)}
+    found: dict[int, dict[Monomial, Fraction]] = {}
+    for a, partial in zip(varying, PARTIALS[op](forms.b, value, args), strict=True):
+        if a is not None and partial is not None:
+            added(found.setdefault(a, {}), forms.of(partial))
+    return {a: form for a, form in found.items() if form}
 
 
-def _is_zero(b: Builder, number: int) -> bool:
-    instruction = b.instructions[number]
-    return instruction.op == "const" and instruction.value == 0
+def _reaching(edges: Mapping[int, Mapping[int, Form]], first_row: int) -> Edges:
+    """Leave out the vertices from which no row is reached."""
+    reached: set[int] = set()
+    for v in sorted(edges, reverse=True):
+        if v >= first_row or v in reached:
+            reached.update(edges[v])
+    return {v: row for v, row in edges.items() if v >= first_row or v in reached}
 
 
 def _one(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
