@@ -28,9 +28,8 @@ Seeds = Sequence[Mapping[Instruction, Instruction]]
 Weights = Sequence[Mapping[int, Instruction]]
 """Sums of results: for each row the places of its results in their group, with their weights."""
 
-FULL_SEARCH = 4000
-"""Products of an elimination up to which all orders are carried out, and not their products alone
-counted; also the size of programs up to which partial sums are shared."""
+PROMISING = 2.0
+"""Orders are carried out that make at most so many times as many products as the best."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +87,8 @@ def derive(
     if len(candidates) > 1:
         edges = _linearised(program, group, rows, columns)[2]
         counts = {m: products(edges, ORDERS[m]) for m in candidates}
-        if min(counts.values()) > FULL_SEARCH:
-            candidates = [min(candidates, key=lambda m: counts[m])]
+        most = PROMISING * min(counts.values())
+        candidates = [m for m in candidates if counts[m] <= most]
     found = [_by(mode, program, group, rows, columns) for mode in candidates]
     return min(found, key=lambda d: d.program.cost())
 
