@@ -2,8 +2,9 @@
 
 from codegen.compiled import Compiled, compile
 from codegen.integrate.trajectory import Stop
-from codegen.linear import Linear, SparseJacobian, compiled_jacobian, linearise
+from codegen.linear import Linear, compiled_jacobian, linearise
 from codegen.simulation import METHODS, Drift, Result, simulate
+from codegen.sparse import SparseJacobian
 
 __all__ = [
     "METHODS",

@@ -10,7 +10,7 @@ import ctypes
 import errno
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
@@ -27,6 +27,7 @@ from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
+from codegen.sparse import SparseJacobian
 from codegen.sums import share_sums
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
@@ -165,6 +166,8 @@ class Compiled:
     fixed: Mapping[str, float]
     functions: Mapping[str, Function]
     notice: str = ""
+    origin: tuple[Callable[..., Compiled], tuple[Any, ...]] | None = None
+    """How it was made, where not by `compile`: a function of modules, and its arguments."""
 
     def __repr__(self) -> str:
         """Name the system, the target and the functions."""
@@ -174,7 +177,7 @@ class Compiled:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
-        return (compile, (self.system, self.target, dict(self.fixed)))
+        return self.origin or (compile, (self.system, self.target, dict(self.fixed)))
 
     @property
     def rhs(self) -> Function:
@@ -204,7 +207,23 @@ class Compiled:
     @cached_property
     def guard(self) -> Guard:
         """Tests values against the system's assumptions."""
-        return Guard.of(self.system)
+        guard = Guard.of(self.system)
+        return replace(guard, known=guard.known | {*names_of(self.layout.states)})
+
+    @cached_property
+    def derived(self) -> dict[tuple[str, ...], object]:
+        """What `codegen.linear` made of this object: it is derived and compiled once."""
+        return {}
+
+    def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
+        """Return the compiled derivatives of a group of results: see `codegen.linear`.
+
+        ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
+        singularities. Made at the first call and kept. Raises `InputError` for other words.
+        """
+        from codegen.linear import compiled_jacobian
+
+        return compiled_jacobian(self, wrt, of)
 
     @cached_property
     def files(self) -> Mapping[str, str]:
