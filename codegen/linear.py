@@ -59,6 +59,8 @@ def compiled_jacobian(
         raise unknown_name("kind of variable", by, KINDS)
     if of not in compiled.layout.sizes:
         raise unknown_name("group of results", of, compiled.layout.sizes)
+    if target and target not in TARGETS:
+        raise unknown_name("target", target, TARGETS)
     return _kept(compiled, (of,), (by,), target or compiled.target)
 
 
