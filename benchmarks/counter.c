@@ -2,7 +2,7 @@
 #include <dlfcn.h>
 #include <stdlib.h>
 
-enum { ROOM = 64 };
+enum { ROOM = 256 };
 typedef void (*rates_t)(double t, const double *x, const double *p, const double *u, double *dx);
 
 int main(int argc, char **argv) {

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import Compiled, native
+from codegen import Compiled, SparseJacobian, native
+from codegen.derivative import JACOBIAN
 from codegen.names import identifier
 from codegen.targets import c
 
@@ -49,6 +50,12 @@ class Rates:
         """Return the generated right-hand side."""
         text = c.single_text(compiled.program, compiled.layout)
         return cls.of_text(text, f"{identifier(compiled.layout.name)}_rates")
+
+    @classmethod
+    def jacobian(cls, jacobian: SparseJacobian) -> Rates:
+        """Return the generated function of results and entries of their Jacobian."""
+        text = c.single_text(jacobian.program, jacobian.layout)
+        return cls.of_text(text, f"{identifier(jacobian.layout.name)}_{JACOBIAN}")
 
     @classmethod
     def handwritten(cls, name: str) -> Rates:

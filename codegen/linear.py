@@ -91,13 +91,15 @@ def _derived(
     derived = derive(program, VALUES, identity(program, VALUES), columns)
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
     own = _layout(layout, "_".join((*of, "by", *by)), names)
-    _, functions, _ = TARGETS[target](_one_group(derived.program), own)
+    whole = _one_group(derived.program)
+    _, functions, _ = TARGETS[target](whole, own)
     return SparseJacobian(
         (len(results), len(columns)),
         tuple(r for r, _ in derived.pattern),
         tuple(c for _, c in derived.pattern),
         functions[JACOBIAN],
-        derived.program,
+        whole,
+        own,
         derived.mode,
     )
 

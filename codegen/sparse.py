@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.derivative import colouring
+from codegen.layout import Layout
 from codegen.program import Program
 
 Array = NDArray[np.float64]
@@ -30,6 +31,8 @@ class SparseJacobian:
     function: Callable[..., Array]
     """``(t, x, p, u)`` to results and entries, one after the other."""
     program: Program
+    """One group, `codegen.derivative.JACOBIAN`: the results, then the entries."""
+    layout: Layout
     mode: str
     """The accumulation that was cheapest: forward, reverse or mixed."""
 
