@@ -17,7 +17,7 @@ from codegen.elimination import ORDERS, Edges, eliminate, products
 from codegen.fold import constant
 from codegen.forms import Form, Forms, Monomial, added
 from codegen.ops import OPS, Instruction
-from codegen.passes import needed, prune
+from codegen.passes import depth_first, needed
 from codegen.program import Builder, Program
 
 JACOBIAN = "jacobian"
@@ -107,7 +107,7 @@ def _by(mode: str, program: Program, group: str, rows: Weights, columns: Seeds) 
     pattern = tuple(place for place, number in numbers.items() if constant(b, number) != 0)
     results = {group: [copied[k] for k in program.results[group]]}
     whole = b.program({**results, JACOBIAN: [numbers[place] for place in pattern]})
-    return Jacobian(prune(whole), pattern, mode)
+    return Jacobian(depth_first(whole), pattern, mode)
 
 
 def _linearised(

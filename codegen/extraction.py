@@ -10,20 +10,22 @@ from itertools import combinations
 Factors = tuple[int, ...]
 Pair = tuple[int, int]
 
-FIRST_PAIR = -(1 << 60)
-"""Pairs are numbered downwards from here: below every number of a sum."""
+FIRST = -(1 << 60)
+"""New factors are numbered downwards from here: below every number of a sum."""
 
 
 class Products:
     """Products of numbered factors, and the pairs of factors that they share.
 
-    ``exists``: whether the product of two values is there anyway. Greedy: the pair that saves most
+    ``exists``: whether the product of two values is there anyway. ``first``: number of the first new
+    factor; the others go down from it. Greedy: the pair that saves most
     multiplications is taken out again and again, ties by number (Breuer, Generation of optimal
     code for expressions via factorization, Comm. ACM 12 (1969) 333).
     """
 
-    def __init__(self, exists: Callable[[int, int], bool]) -> None:
+    def __init__(self, exists: Callable[[int, int], bool], first: int = FIRST) -> None:
         self.exists = exists
+        self.first = first
         self.pairs: dict[int, Factors] = {}
         """What each new factor is the product of."""
         self._uses: Counter[Factors] = Counter()
@@ -60,7 +62,7 @@ class Products:
                 self._left[product] = [self._new(tuple(left))]
 
     def _new(self, factors: Factors) -> int:
-        number = FIRST_PAIR - len(self.pairs)
+        number = self.first - len(self.pairs)
         self.pairs[number] = factors
         return number
 

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 
-from codegen.extraction import Products
+from codegen.extraction import FIRST, Products
 from codegen.fold import constant
 from codegen.ops import TRUTH_VALUES, Instruction
 from codegen.program import Builder
@@ -56,9 +56,7 @@ class Forms:
             elif op == "neg":
                 coefficient = -coefficient
                 stack.append(args[0])
-            elif op == "mul" and (
-                k >= self.given or any(constant(self.b, a) is not None for a in args)
-            ):
+            elif op == "mul" and (k >= self.given or min(self.b.binding[a] for a in args) <= 1):
                 stack.extend(args)
             else:
                 factors.append(k)
@@ -141,33 +139,43 @@ class _Writer:
         """Sums refer to older ones alone; an older one has a larger number."""
         self.built: dict[int, int] = {}
         exists = lambda x, y: self.b.find(Instruction("mul", (x, y))) is not None  # noqa: E731
-        self.products = Products(exists)
-        for form in (*(forms.sums[k] for k in self.sums), *wanted):
-            for monomial, coefficient in form.items():
-                self.products.use(self._factors(monomial, coefficient))
-        self.products.share()
+        terms = [t for f in (*(forms.sums[k] for k in self.sums), *wanted) for t in f.items()]
+        self.early = Products(exists, 2 * FIRST)
+        """Of what is known with the parameters: shared first, as it may be computed once for all."""
+        for monomial, coefficient in terms:
+            self.early.use(self._early(monomial, coefficient))
+        self.early.share()
+        self.late = Products(exists)
+        for monomial, coefficient in terms:
+            self.late.use(self._factors(monomial, coefficient))
+        self.late.share()
 
     def write(self, wanted: Sequence[Form]) -> list[int]:
         for k in self.sums:
             self.built[~k] = self._form(self.forms.sums[k])
         return [self._form(form) for form in wanted]
 
+    def _early(self, monomial: Monomial, coefficient: Fraction) -> tuple[int, ...]:
+        """Return the factors that are known with the parameters, the size of the coefficient too."""
+        known = [k for k in monomial if k >= 0 and self.b.binding[k] <= 1]
+        size = [self.b.const(abs(coefficient))] if abs(coefficient) != 1 else []
+        return tuple(sorted((*size, *(k for k in known if not self.forms.is_gate(k)))))
+
     def _factors(self, monomial: Monomial, coefficient: Fraction) -> tuple[int, ...]:
         """Return the factors without gates; what is known with the parameters is one of them."""
-        early = [k for k in monomial if k >= 0 and self.b.binding[k] <= 1]
-        late = [k for k in monomial if k not in early and not self.forms.is_gate(k)]
-        known = self.b.const(abs(coefficient))
-        for k in early:
-            if not self.forms.is_gate(k):
-                known = self.b.add("mul", k, known)
-        return tuple(sorted(late if constant(self.b, known) == 1 else [known, *late]))
+        late = [
+            k for k in monomial if (k < 0 or self.b.binding[k] > 1) and not self.forms.is_gate(k)
+        ]
+        early = self.early.left(self._early(monomial, coefficient))
+        known = [self._product(early)] if early else []
+        return tuple(sorted((*known, *late)))
 
     def _form(self, form: Form) -> int:
         """Append a form: its terms by gates, and for each gate what is selected."""
         by_gates: dict[tuple[int, ...], list[Term]] = {}
         for monomial, coefficient in sorted(form.items()):
             gates = tuple(k for k in monomial if self.forms.is_gate(k))
-            factors = self.products.left(self._factors(monomial, coefficient))
+            factors = self.late.left(self._factors(monomial, coefficient))
             by_gates.setdefault(gates, []).append((1 if coefficient > 0 else -1, factors))
         return self._gated(by_gates)
 
@@ -235,7 +243,8 @@ class _Writer:
         if k >= 0:
             return k
         if k not in self.built:
-            self.built[k] = self._product(self.products.pairs[k])
+            pairs = self.late.pairs if k in self.late.pairs else self.early.pairs
+            self.built[k] = self._product(pairs[k])
         return self.built[k]
 
 
