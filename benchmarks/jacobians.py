@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
 from benchmarks import instructions
 from benchmarks.native_rates import Points, Rates, sampler
 from benchmarks.pairs import paired
@@ -13,6 +9,7 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import Compiled, SparseJacobian
 from codegen import compile as compile_system
+from codegen.derivative import JACOBIAN
 from codegen.lower import RATES
 from codegen.passes import prune
 from codegen.program import Program
@@ -51,8 +48,8 @@ def _in_c(name: str, compiled: Compiled, jacobian: SparseJacobian, settings: Set
     """Time both inside C; the target is that of the instructions, where these are counted."""
     both, value = Rates.jacobian(jacobian), Rates.generated(compiled)
     points = Points.of(compiled)
-    room = np.zeros(len(jacobian.layout.results["jacobian"]))
-    pairs = paired(sampler(both, replace(points, dx=room)), sampler(value, points), PAIRS)
+    wide = points.with_room(jacobian.layout.sizes[JACOBIAN])
+    pairs = paired(sampler(both, wide), sampler(value, points), PAIRS)
     mine, other = (time_text(s) for s in pairs.typical)
     what = f"{name}, in C"
     if not settings.instructions:

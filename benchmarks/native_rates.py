@@ -6,7 +6,7 @@ import ctypes
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import Compiled, SparseJacobian, native
+from codegen.compiled import native_flags
 from codegen.derivative import JACOBIAN
 from codegen.names import identifier
 from codegen.targets import c
@@ -38,12 +39,14 @@ class Rates:
     text: str
     symbol: str
     library: ctypes.CDLL
+    flags: tuple[str, ...] = ALIGNED
 
     @classmethod
-    def of_text(cls, text: str, symbol: str) -> Rates:
-        """Compile C text, with the flags of generated code, and load it."""
-        path = native.compile_library(text, ALIGNED)
-        return cls(text, symbol, native.load(path, text, ALIGNED))
+    def of_text(cls, text: str, symbol: str, more: tuple[str, ...] = ()) -> Rates:
+        """Compile C text, with the flags of generated code and ``more``, and load it."""
+        flags = (*ALIGNED, *more)
+        path = native.compile_library(text, flags)
+        return cls(text, symbol, native.load(path, text, flags), flags)
 
     @classmethod
     def generated(cls, compiled: Compiled) -> Rates:
@@ -55,7 +58,8 @@ class Rates:
     def jacobian(cls, jacobian: SparseJacobian) -> Rates:
         """Return the generated function of results and entries of their Jacobian."""
         text = c.single_text(jacobian.program, jacobian.layout)
-        return cls.of_text(text, f"{identifier(jacobian.layout.name)}_{JACOBIAN}")
+        symbol = f"{identifier(jacobian.layout.name)}_{JACOBIAN}"
+        return cls.of_text(text, symbol, native_flags(jacobian.layout))
 
     @classmethod
     def handwritten(cls, name: str) -> Rates:
@@ -64,10 +68,10 @@ class Rates:
 
     def copies(self, count: int) -> list[Rates]:
         """Return the same function at other places of memory: its time depends on that a little."""
-        path = native.compile_library(self.text, ALIGNED)
+        path = native.compile_library(self.text, self.flags)
         with tempfile.TemporaryDirectory() as folder:
             files = [shutil.copy(path, Path(folder) / f"{k}{path.suffix}") for k in range(count)]
-            return [Rates(self.text, self.symbol, ctypes.CDLL(str(file))) for file in files]
+            return [replace(self, library=ctypes.CDLL(str(file))) for file in files]
 
     @property
     def address(self) -> int:
@@ -106,6 +110,10 @@ class Points:
             np.zeros(n),
         )
         return cls(*(_aligned(a) for a in arrays))
+
+    def with_room(self, results: int) -> Points:
+        """Return the same arguments with room for so many results."""
+        return replace(self, dx=_aligned(np.zeros(results)))
 
 
 def _aligned(values: Array) -> Array:

@@ -312,7 +312,8 @@ def _numpy(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     text = c.single_text(program, layout)
-    library = native.load(native.compile_library(text), text)
+    flags = native_flags(layout)
+    library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}
     for group in layout.sizes:
@@ -326,6 +327,11 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         )
         functions[group] = fastcall.bind(address or 0, lengths, checked)
     return "c", functions, ""
+
+
+def native_flags(layout: Layout) -> tuple[str, ...]:
+    """Return further flags for the C compiler that suit the functions of a layout."""
+    return native.STORES_APART if max(layout.sizes.values()) > native.MANY_RESULTS else ()
 
 
 def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:

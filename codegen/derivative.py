@@ -19,6 +19,7 @@ from codegen.forms import Form, Forms, Monomial, added
 from codegen.ops import OPS, Instruction
 from codegen.passes import depth_first, needed
 from codegen.program import Builder, Program
+from codegen.sums import share_sums
 
 JACOBIAN = "jacobian"
 Partial = Callable[[Builder, int, Sequence[int]], tuple[int | None, ...]]
@@ -30,6 +31,8 @@ Weights = Sequence[Mapping[int, Instruction]]
 
 PROMISING = 2.0
 """Orders are carried out that make at most so many times as many products as the best."""
+SUMS_SHARED = 2000
+"""Instructions up to which partial sums are shared: the search takes time by their square."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,15 @@ def _by(mode: str, program: Program, group: str, rows: Weights, columns: Seeds) 
     pattern = tuple(place for place, number in numbers.items() if constant(b, number) != 0)
     results = {group: [copied[k] for k in program.results[group]]}
     whole = b.program({**results, JACOBIAN: [numbers[place] for place in pattern]})
-    return Jacobian(depth_first(whole), pattern, mode)
+    return Jacobian(_finished(whole, group), pattern, mode)
+
+
+def _finished(program: Program, group: str) -> Program:
+    """Share partial sums of the entries where that is soon done and saves, and order everything."""
+    plain = depth_first(program)
+    if len(plain.instructions) > SUMS_SHARED:
+        return plain
+    return min(plain, depth_first(share_sums(plain, JACOBIAN, [group])), key=Program.cost)
 
 
 def _linearised(

@@ -56,7 +56,7 @@ class Forms:
             elif op == "neg":
                 coefficient = -coefficient
                 stack.append(args[0])
-            elif op == "mul" and (k >= self.given or min(self.b.binding[a] for a in args) <= 1):
+            elif op == "mul" and (k >= self.given or 1 in {self.b.binding[a] for a in args}):
                 stack.extend(args)
             else:
                 factors.append(k)

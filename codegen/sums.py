@@ -26,15 +26,17 @@ class Pair(NamedTuple):
     right: int
 
 
-def share_sums(program: Program, group: str) -> Program:
+def share_sums(program: Program, group: str, apart: Iterable[str] = ()) -> Program:
     """Return the program with the partial sums of one group of results shared.
+
+    What the groups ``apart`` need as well stays as it is.
 
     Values change by the rounding of another order of summation only. Sums are found through
     additions that serve one sum alone and have no name; the pair of terms that occurs in most
     sums, up to the sign of the whole, is taken out again and again (greedy; ties go to the
     earliest values, so that the same program gives the same result).
     """
-    sums = _sums(program, needed(program, [group]))
+    sums = _sums(program, needed(program, [group]) - needed(program, apart))
     pairs = _take_out(sums, len(program.instructions))
     return _rebuild(program, sums, pairs) if pairs else program
 
@@ -49,7 +51,10 @@ def _sums(program: Program, inside: set[int]) -> dict[int, list[Term]]:
         for k in inside
         if instructions[k].op in {"add", "sub"}
         for a in instructions[k].args
-        if instructions[a].op in {"add", "sub"} and uses[a] == 1 and a not in program.names
+        if instructions[a].op in {"add", "sub"}
+        and uses[a] == 1
+        and a in inside
+        and a not in program.names
     }
     roots = [k for k in sorted(inside) if instructions[k].op in {"add", "sub"} and k not in inner]
     found = {root: _terms(program, root, inner) for root in roots}
