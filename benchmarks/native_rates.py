@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import Compiled, SparseJacobian, native
-from codegen.compiled import native_flags
 from codegen.derivative import JACOBIAN
 from codegen.names import identifier
 from codegen.targets import c
@@ -59,7 +58,7 @@ class Rates:
         """Return the generated function of results and entries of their Jacobian."""
         text = c.single_text(jacobian.program, jacobian.layout)
         symbol = f"{identifier(jacobian.layout.name)}_{JACOBIAN}"
-        return cls.of_text(text, symbol, native_flags(jacobian.layout))
+        return cls.of_text(text, symbol, native.flags_for(jacobian.layout.sizes[JACOBIAN]))
 
     @classmethod
     def handwritten(cls, name: str) -> Rates:

@@ -312,7 +312,7 @@ def _numpy(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     text = c.single_text(program, layout)
-    flags = native_flags(layout)
+    flags = native.flags_for(max(layout.sizes.values()))
     library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}
@@ -327,11 +327,6 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         )
         functions[group] = fastcall.bind(address or 0, lengths, checked)
     return "c", functions, ""
-
-
-def native_flags(layout: Layout) -> tuple[str, ...]:
-    """Return further flags for the C compiler that suit the functions of a layout."""
-    return native.STORES_APART if max(layout.sizes.values()) > native.MANY_RESULTS else ()
 
 
 def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:

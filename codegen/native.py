@@ -120,6 +120,11 @@ def _identity(command: Sequence[str]) -> str:
     return f"{real} {status.st_size} {status.st_mtime_ns} {' '.join(command[1:])}"
 
 
+def flags_for(results: int) -> tuple[str, ...]:
+    """Return further flags that suit functions of at most so many results."""
+    return STORES_APART if results > MANY_RESULTS else ()
+
+
 def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
     """Return the shared library of a C source text, compiled if the cache does not have it.
 
