@@ -210,7 +210,11 @@ def _unless_zero(b: Builder, test: int, value: int) -> int:
 
 
 def _div(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
-    return (_over(b, args[1]), b.add("neg", b.add("div", v, args[1])))
+    """1 / y and -v / y, by one division where the numerator varies and needs 1 / y anyway."""
+    x, y = args
+    inverse = _over(b, y)
+    quotient = b.add("mul", v, inverse) if b.binding[x] > 1 else b.add("div", v, y)
+    return (inverse, b.add("neg", quotient))
 
 
 def _sqrt(b: Builder, v: int, _: int) -> int:
