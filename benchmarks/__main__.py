@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import click
 from rich.console import Console
 
-from benchmarks import calls, derivations, integration, machine, rates, stages, startup
+from benchmarks import calls, derivations, integration, jacobians, machine, rates, stages, startup
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
 from codegen import native
@@ -29,6 +29,7 @@ class Measurement:
 MEASUREMENTS = (
     Measurement(rates.measure),
     Measurement(calls.measure),
+    Measurement(jacobians.measure),
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),
     Measurement(startup.measure, needs_compiler=False, quick=False),

@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from benchmarks.native_rates import ALIGNED, HERE, Rates
+from benchmarks.native_rates import HERE, Rates
 from codegen import native
 
 FEW, MANY = 1_000, 3_000
@@ -29,7 +29,7 @@ def per_call(rates: Rates) -> int | None:
     valgrind = shutil.which("valgrind")
     if valgrind is None:
         return None
-    flags = (*ALIGNED, *KNOWN.get(platform.machine(), ()))
+    flags = (*rates.flags, *KNOWN.get(platform.machine(), ()))
     library = native.compile_library(rates.text, flags)
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "counter"

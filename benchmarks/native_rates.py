@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import Compiled, native
+from codegen import Compiled, SparseJacobian, native
+from codegen.derivative import JACOBIAN
 from codegen.names import identifier
 from codegen.targets import c
 
@@ -43,12 +44,14 @@ class Rates:
     symbol: str
     prepare: str
     library: ctypes.CDLL
+    flags: tuple[str, ...] = ALIGNED
 
     @classmethod
-    def of_text(cls, text: str, symbol: str, prepare: str) -> Rates:
-        """Compile C text, with the flags of generated code, and load it."""
-        path = native.compile_library(text, ALIGNED)
-        return cls(text, symbol, prepare, native.load(path, text, ALIGNED))
+    def of_text(cls, text: str, symbol: str, prepare: str, more: tuple[str, ...] = ()) -> Rates:
+        """Compile C text, with the flags of generated code and ``more``, and load it."""
+        flags = (*ALIGNED, *more)
+        path = native.compile_library(text, flags)
+        return cls(text, symbol, prepare, native.load(path, text, flags), flags)
 
     @classmethod
     def generated(cls, compiled: Compiled) -> Rates:
@@ -58,13 +61,25 @@ class Rates:
         return cls.of_text(text, f"{name}_rates", f"{name}_prepare")
 
     @classmethod
+    def jacobian(cls, jacobian: SparseJacobian) -> Rates:
+        """Return the generated function of results and entries of their Jacobian."""
+        text = c.single_text(jacobian.program, jacobian.layout)
+        name = identifier(jacobian.layout.name)
+        return cls.of_text(
+            text,
+            f"{name}_{JACOBIAN}",
+            f"{name}_prepare",
+            native.flags_for(jacobian.layout.sizes[JACOBIAN]),
+        )
+
+    @classmethod
     def handwritten(cls, name: str) -> Rates:
         """Return the hand-written right-hand side of a ready scene."""
         return cls.of_text((HERE / "handwritten" / f"{name}.c").read_text("utf-8"), "f", "prepare")
 
     def copies(self, count: int) -> list[Rates]:
         """Return the same function at other places of memory: its time depends on that a little."""
-        path = native.compile_library(self.text, ALIGNED)
+        path = native.compile_library(self.text, self.flags)
         with tempfile.TemporaryDirectory() as folder:
             files = [shutil.copy(path, Path(folder) / f"{k}{path.suffix}") for k in range(count)]
             return [replace(self, library=ctypes.CDLL(str(file))) for file in files]
@@ -115,6 +130,10 @@ class Points:
             np.zeros(n),
         )
         return cls(*(_aligned(a) for a in arrays))
+
+    def with_room(self, results: int) -> Points:
+        """Return the same arguments with room for so many results."""
+        return replace(self, dx=_aligned(np.zeros(results)))
 
 
 def _aligned(values: Array) -> Array:

@@ -2,8 +2,10 @@
 
 from codegen.compiled import Compiled, compile
 from codegen.integrate.trajectory import Stop
-from codegen.linear import Linear, SparseJacobian, compiled_jacobian, linearise
+from codegen.linear import Linear, compiled_jacobian, linearise
+from codegen.sensitivity import Sensitivities, sensitivities
 from codegen.simulation import METHODS, Drift, Result, simulate
+from codegen.sparse import SparseJacobian
 
 __all__ = [
     "METHODS",
@@ -11,10 +13,12 @@ __all__ = [
     "Drift",
     "Linear",
     "Result",
+    "Sensitivities",
     "SparseJacobian",
     "Stop",
     "compile",
     "compiled_jacobian",
     "linearise",
+    "sensitivities",
     "simulate",
 ]

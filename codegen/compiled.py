@@ -10,7 +10,7 @@ import ctypes
 import errno
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,11 +21,12 @@ from codegen import fastcall, native
 from codegen.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
 from codegen.elsewhere import as_system
 from codegen.guard import Guard
-from codegen.layout import Layout
+from codegen.layout import Layout, names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.names import identifier
 from codegen.pipeline import fitted
 from codegen.program import Program
+from codegen.sparse import SparseJacobian
 from codegen.stages import by_parameters
 from codegen.structure import Structure
 from codegen.targets import c, load_module, python_
@@ -51,6 +52,8 @@ class Compiled:
     structure: Structure
     functions: Mapping[str, Function]
     notice: str = ""
+    origin: tuple[Callable[..., Compiled], tuple[Any, ...]] | None = None
+    """How it was made, where not by `compile`: a function of modules, and its arguments."""
 
     def __repr__(self) -> str:
         """Name the system, the target and the functions."""
@@ -61,6 +64,8 @@ class Compiled:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
+        if self.origin is not None:
+            return self.origin
         s = self.structure
         parameters = {**s.parameters, **s.equal}
         held = (dict(s.states), dict(s.inputs))
@@ -99,7 +104,23 @@ class Compiled:
     @cached_property
     def guard(self) -> Guard:
         """Tests values against the system's assumptions."""
-        return Guard.of(self.system)
+        guard = Guard.of(self.system)
+        return replace(guard, known=guard.known | {*names_of(self.layout.states)})
+
+    @cached_property
+    def derived(self) -> dict[tuple[str, ...], object]:
+        """What `codegen.linear` made of this object: it is derived and compiled once."""
+        return {}
+
+    def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
+        """Return the compiled derivatives of a group of results: see `codegen.linear`.
+
+        ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
+        singularities. Made at the first call and kept. Raises `InputError` for other words.
+        """
+        from codegen.linear import compiled_jacobian
+
+        return compiled_jacobian(self, wrt, of)
 
     @cached_property
     def files(self) -> Mapping[str, str]:
@@ -196,7 +217,8 @@ def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     refuse_unsupported(ROWS["c"], program, layout)
     text = c.single_text(program, layout)
-    library = native.load(native.compile_library(text), text)
+    flags = native.flags_for(max(layout.sizes.values()))
+    library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}
     prepare = _address(library, f"{name}_prepare")

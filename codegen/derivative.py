@@ -1,120 +1,204 @@
-"""Jacobians by differentiating a program: from instructions to instructions, sparse, value shared.
+"""Derivatives of programs: Jacobians from instructions to instructions, sparse, value shared.
 
-Forward accumulation: every value carries its derivatives with respect to the slots that it depends
-on, as numbers of further instructions (Griewank and Walther, Evaluating Derivatives, 2nd ed., ch. 3
-and 7). What is zero is never formed, equal values are one, and folding removes factors of one, so that
-derivative and value share all they can. Where an operation has no derivative, at zero of a root, of a
-norm or of atan2, at the ends of asin, it counts as zero, so that nothing but the mathematics at hand
-can make a derivative infinite.
+A program is linearised, each operation by its partial derivatives, and the inner values are
+eliminated in the order that leaves the cheapest program (`codegen.elimination`): forward, reverse or
+mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of atan2, at
+the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a derivative
+infinite; what a condition does not select cannot either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from codegen import fold, stumpff
-from codegen.ops import OPS
-from codegen.passes import needed, prune
+from codegen.chains import share_sums
+from codegen.elimination import ORDERS, Edges, eliminate, products
+from codegen.fold import constant
+from codegen.forms import Form, Forms, Monomial, added
+from codegen.implicit import entry_of_solution, right_hand_sides, vertices
+from codegen.ops import OPS, Instruction
+from codegen.passes import depth_first, needed
 from codegen.program import Builder, Program
 from eom.errors import InputError
 from eom.tables import Table
 
 JACOBIAN = "jacobian"
-Tangent = dict[int, int]
-"""Numbers of the derivatives that are not zero, by slot."""
 Partial = Callable[[Builder, int, Sequence[int]], tuple[int | None, ...]]
 """From the numbers of value and arguments to those of the partial derivatives; None is zero."""
+Seeds = Sequence[Mapping[Instruction, Instruction]]
+"""Directions: for each column the slots that it moves, with the leaf that says how fast."""
+Weights = Sequence[Mapping[int, Instruction]]
+"""Sums of results: for each row the places of its results in their group, with their weights."""
+
+PROMISING = 2.0
+"""Orders are carried out that make at most so many times as many products as the best."""
+SUMS_SHARED = 2000
+"""Instructions up to which partial sums are shared: the search takes time by their square."""
 
 
 @dataclass(frozen=True)
 class Jacobian:
     """A program with the results of a group and the entries of their Jacobian that are not zero.
 
-    ``pattern``: (row, column) of each entry, by rows: result and slot.
+    ``pattern``: (row, column) of each entry, by rows: result and slot. ``mode``: the accumulation
+    that was cheapest, one of `codegen.elimination.ORDERS`.
     """
 
     program: Program
     pattern: tuple[tuple[int, int], ...]
+    mode: str = "forward"
 
 
-def jacobian(program: Program, group: str, kind: str = "state") -> Jacobian:
+def jacobian(
+    program: Program, group: str, kind: str = "state", modes: Iterable[str] = tuple(ORDERS)
+) -> Jacobian:
     """Differentiate the results ``group`` with respect to all slots of ``kind``.
 
-    ``kind``: state, parameter, input or time. Law: the entries are the derivatives of the results
-    in exact arithmetic, wherever these exist; the results themselves do not change.
+    ``kind``: state, parameter, input or time. ``modes``: what to choose from. Law: the entries are
+    the derivatives of the results in exact arithmetic, wherever these exist; the results
+    themselves do not change.
     """
+    return derive(program, group, identity(program, group), slots(program, kind), modes)
+
+
+def slots(program: Program, kind: str) -> Seeds:
+    """Return one column a slot of ``kind``, up to the last one that the program reads."""
+    found = {i.slot: i for i in program.instructions if i.op == kind}
+    return [{found[k]: UNIT} if k in found else {} for k in range(max(found, default=-1) + 1)]
+
+
+UNIT = Instruction("const", (), Fraction(1))
+
+
+def identity(program: Program, group: str) -> Weights:
+    """Return one row a result of the group."""
+    return [{k: UNIT} for k in range(len(program.results[group]))]
+
+
+def derive(
+    program: Program,
+    group: str,
+    rows: Weights,
+    columns: Seeds,
+    modes: Iterable[str] = tuple(ORDERS),
+) -> Jacobian:
+    """Return the derivatives of weighted sums of results in given directions, mode by cost.
+
+    Law: entry (row, column) is the sum over results and slots of weight times partial derivative
+    times rate of the slot; ties between modes go to the first.
+    """
+    candidates = list(modes)
+    if len(candidates) > 1:
+        edges = _linearised(program, group, rows, columns)[2]
+        counts = {m: products(edges, ORDERS[m]) for m in candidates}
+        most = PROMISING * min(counts.values())
+        candidates = [m for m in candidates if counts[m] <= most]
+    found = [_by(mode, program, group, rows, columns) for mode in candidates]
+    return min(found, key=lambda d: d.program.cost())
+
+
+def _by(mode: str, program: Program, group: str, rows: Weights, columns: Seeds) -> Jacobian:
+    forms, copied, edges = _linearised(program, group, rows, columns)
+    b = forms.b
+    left = eliminate(forms, edges, ORDERS[mode])
+    first = vertices(program)[-1]
+    entries = {
+        (row, ~column): left[first + row][column]
+        for row in range(len(rows))
+        for column in sorted(left.get(first + row, {}), reverse=True)
+    }
+    numbers = dict(zip(entries, forms.numbers(list(entries.values())), strict=True))
+    pattern = tuple(place for place, number in numbers.items() if constant(b, number) != 0)
+    results = {group: [copied[k] for k in program.results[group]]}
+    whole = b.program({**results, JACOBIAN: [numbers[place] for place in pattern]})
+    return Jacobian(_finished(whole), pattern, mode)
+
+
+def _finished(program: Program) -> Program:
+    """Share partial sums of the entries where that is soon done and saves, and order everything."""
+    plain = depth_first(program)
+    if len(plain.instructions) > SUMS_SHARED:
+        return plain
+    return min(plain, depth_first(share_sums(plain)), key=Program.cost)
+
+
+def _linearised(
+    program: Program, group: str, rows: Weights, columns: Seeds
+) -> tuple[Forms, dict[int, int], Edges]:
+    """Copy the program and return its numbers and the edges between values that matter."""
     b = Builder(program.rules)
     copied: dict[int, int] = {}
-    tangents: dict[int, Tangent] = {}
-    for k in sorted(needed(program, [group])):
-        op, args, value = program.instructions[k]
-        if op not in OPS:
-            copied[k] = b.leaf(op, value)
-            slot = value if isinstance(value, int) else 0
-            tangents[k] = {slot: b.const(1)} if op == kind else {}
-            continue
-        copied[k] = b.add(op, *(copied[a] for a in args), value=value)
-        tangents[k] = _tangent(b, op, copied[k], args, copied, tangents)
+    order = sorted(needed(program, [group]))
+    for k in order:
+        copied[k] = b.again(program.instructions[k], copied)
     for k, name in program.names.items():
         if k in copied:
             b.name(copied[k], name)
-    rows = program.results[group]
-    entries = {
-        (row, slot): number
-        for row, k in enumerate(rows)
-        for slot, number in sorted(tangents[k].items())
-    }
-    whole = b.program({group: [copied[k] for k in rows], JACOBIAN: list(entries.values())})
-    return Jacobian(prune(whole), tuple(entries))
+    forms = Forms(b)
+    edges = _edges(forms, program, copied, columns)
+    numbers = vertices(program)
+    results = [numbers[k] for k in program.results[group]]
+    for row, weights in enumerate(rows):
+        sums: dict[int, dict[Monomial, Fraction]] = {}
+        for place, weight in weights.items():
+            if results[place] in edges:
+                added(sums.setdefault(results[place], {}), _weight(forms, weight))
+        edges[numbers[-1] + row] = sums
+    return forms, copied, _reaching(edges, numbers[-1])
 
 
-def _tangent(
-    b: Builder,
-    op: str,
-    value: int,
-    args: Sequence[int],
-    copied: dict[int, int],
-    tangents: dict[int, Tangent],
-) -> Tangent:
-    """Return the chain rule's sum over the arguments that vary.
-
-    Selections, min and max select among the derivatives: one that is not finite on the side that is
-    not taken leaves no trace, as it would if it were multiplied by zero.
-    """
-    if op == "select":
-        condition, yes, no = args
-        return _selected(b, copied[condition], tangents[yes], tangents[no])
-    varying = [k for k, a in enumerate(args) if tangents[a]]
-    if not varying:
-        return {}
-    partials = PARTIALS[op](b, value, [copied[a] for a in args])
-    if op in {"min", "max"} and partials[0] is not None:
-        return _selected(b, partials[0], tangents[args[0]], tangents[args[1]])
-    found: Tangent = {}
-    for k in varying:
-        partial = partials[k]
-        if partial is None:
+def _edges(
+    forms: Forms, program: Program, copied: Mapping[int, int], columns: Seeds
+) -> dict[int, Mapping[int, Form]]:
+    """Return the edges into the values of a program that vary with the columns."""
+    edges: dict[int, Mapping[int, Form]] = {}
+    numbers = vertices(program)
+    for k in copied:
+        leaf = op, args, _ = program.instructions[k]
+        if op == "back":
+            edges |= right_hand_sides(forms, program, k, copied, numbers, edges)
             continue
-        for slot, rate in tangents[args[k]].items():
-            term = b.add("mul", partial, rate)
-            found[slot] = b.add("add", found[slot], term) if slot in found else term
-    return {slot: number for slot, number in found.items() if not _is_zero(b, number)}
+        if op == "item":
+            into = entry_of_solution(forms, program, k, copied, numbers, edges)
+        elif op in OPS:
+            varying = [numbers[a] if numbers[a] in edges else None for a in args]
+            into = _chain(forms, op, copied[k], [copied[a] for a in args], varying)
+        else:
+            into = {
+                ~j: _weight(forms, seeds[leaf]) for j, seeds in enumerate(columns) if leaf in seeds
+            }
+        if into:
+            edges[numbers[k]] = into
+    return edges
 
 
-def _selected(b: Builder, condition: int, yes: Tangent, no: Tangent) -> Tangent:
-    zero = b.const(0)
-    found = {
-        slot: b.add("select", condition, yes.get(slot, zero), no.get(slot, zero))
-        for slot in sorted({*yes, *no})
-    }
-    return {slot: number for slot, number in found.items() if not _is_zero(b, number)}
+def _weight(forms: Forms, leaf: Instruction) -> Form:
+    return forms.of(forms.b.leaf(leaf.op, leaf.value))
 
 
-def _is_zero(b: Builder, number: int) -> bool:
-    instruction = b.instructions[number]
-    return instruction.op == "const" and instruction.value == 0
+def _chain(
+    forms: Forms, op: str, value: int, args: Sequence[int], varying: Sequence[int | None]
+) -> dict[int, Form]:
+    """Return the partial derivatives of an operation by the arguments that vary."""
+    if not any(a is not None for a in varying):
+        return {}
+    found: dict[int, dict[Monomial, Fraction]] = {}
+    for a, partial in zip(varying, PARTIALS[op](forms.b, value, args), strict=True):
+        if a is not None and partial is not None:
+            added(found.setdefault(a, {}), forms.of(partial))
+    return {a: form for a, form in found.items() if form}
+
+
+def _reaching(edges: Mapping[int, Mapping[int, Form]], first_row: int) -> Edges:
+    """Leave out the vertices from which no row is reached."""
+    reached: set[int] = set()
+    for v in sorted(edges, reverse=True):
+        if v >= first_row or v in reached:
+            reached.update(edges[v])
+    return {v: row for v, row in edges.items() if v >= first_row or v in reached}
 
 
 def _one(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
@@ -143,7 +227,11 @@ def _unless_zero(b: Builder, test: int, value: int) -> int:
 
 
 def _div(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
-    return (_over(b, args[1]), b.add("neg", b.add("div", v, args[1])))
+    """1 / y and -v / y, by one division where the numerator varies and needs 1 / y anyway."""
+    x, y = args
+    inverse = _over(b, y)
+    quotient = b.add("mul", v, inverse) if b.binding[x] > 1 else b.add("div", v, y)
+    return (inverse, b.add("neg", quotient))
 
 
 def _sqrt(b: Builder, v: int, _: int) -> int:
@@ -274,13 +362,29 @@ PARTIALS: dict[str, Partial] = {
     "bessely": _bessel,
     "stumpff": _stumpff,
     "table": _table,
+    "factor": _flat,
     "select": lambda b, v, args: (
         None,
         b.add("not", b.add("eq", args[0], b.const(0))),
         b.add("eq", args[0], b.const(0)),
     ),
 }
-"""How each operation is differentiated, by further operations."""
+"""How each operation is differentiated, by further operations.
+
+Solutions of linear systems are left to `codegen.implicit`; a factorisation has no derivative."""
+
+
+def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[int, int]]:
+    """Return (result, slot) wherever a result can depend on a slot; nothing is differentiated.
+
+    Law: it covers the pattern of every Jacobian of the group.
+    """
+    reads: dict[int, frozenset[int]] = {}
+    for k in sorted(needed(program, [group])):
+        instruction = program.instructions[k]
+        own = frozenset([instruction.slot]) if instruction.op == kind else frozenset()
+        reads[k] = own.union(*(reads[a] for a in instruction.args))
+    return {(row, slot) for row, k in enumerate(program.results[group]) for slot in reads[k]}
 
 
 def columns(pattern: Iterable[tuple[int, int]]) -> dict[int, frozenset[int]]:

@@ -1,23 +1,35 @@
-"""Compiled Jacobians and linearisation: A, B, C, D of a system at a point or along a trajectory."""
+"""Compiled Jacobians and linearisation: A, B, C, D of a system at a point or along a trajectory.
+
+``compiled.jacobian("states")`` (the same as `compiled_jacobian`) gives the sparse Jacobian of the
+rates as a function; ``compiled.jacobian("parameters", "outputs")`` that of the outputs by the
+parameters. `linearise` gives the dense matrices of the linear system about a point, or about every
+point of a trajectory in one call::
+
+    run = simulate(compiled, initial, (0, 10), parameters)
+    p = [parameters[q.name] for q in compiled.layout.parameters]
+    linear = linearise(compiled, run.y, p, t=run.t)      # linear.A[:, :, k] at run.t[k]
+
+Rows and columns go as the names that `Linear` holds. Derivatives are taken of the program, not by
+differences; where an operation has none (a corner, a tie) see `codegen.derivative`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen.checked import Function
 from codegen.compiled import TARGETS, Compiled
-from codegen.derivative import JACOBIAN, colouring, jacobian
+from codegen.derivative import JACOBIAN, UNIT, derive, identity
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
+from codegen.ops import Instruction
 from codegen.passes import prune
 from codegen.pipeline import optimise
 from codegen.program import Program
+from codegen.sparse import SparseJacobian
 from eom.errors import unknown_name
 
 Array = NDArray[np.float64]
@@ -29,57 +41,8 @@ KINDS: Mapping[str, str] = {
     "time": "time",
 }
 """What can be differentiated by, and the slots that hold it."""
-
-
-@dataclass(frozen=True)
-class SparseJacobian:
-    """The derivatives of one group of results, and the results with them, from one function.
-
-    ``rows``, ``columns``: place of each entry that is not zero everywhere. A call gives these
-    entries, in shape (entries,) for one point or (entries, N) for N points.
-    """
-
-    shape: tuple[int, int]
-    rows: tuple[int, ...]
-    columns: tuple[int, ...]
-    function: Function
-    program: Program
-
-    def __call__(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
-    ) -> Array:
-        """Return the entries. Raises `InputError` for wrong shapes and types."""
-        return self.with_value(t, x, p, u)[1]
-
-    def with_value(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
-    ) -> tuple[Array, Array]:
-        """Return the results and the entries; both from one evaluation."""
-        everything = self.function(t, x, p, u)
-        return everything[: self.shape[0]], everything[self.shape[0] :]
-
-    def dense(
-        self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
-    ) -> Array:
-        """Return the whole matrix, in shape ``shape`` or (*shape, N)."""
-        entries = self(t, x, p, u)
-        whole = np.zeros((*self.shape, *entries.shape[1:]))
-        whole[list(self.rows), list(self.columns)] = entries
-        return whole
-
-    def sparse(
-        self, t: float, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
-    ) -> Any:
-        """Return the matrix at one point as a SciPy CSR array."""
-        from scipy.sparse import csr_array
-
-        entries = self(t, x, p, u)
-        return csr_array((entries, (list(self.rows), list(self.columns))), shape=self.shape)
-
-    @cached_property
-    def colours(self) -> dict[int, int]:
-        """A colour for each column; columns of one colour share no row."""
-        return colouring(zip(self.rows, self.columns, strict=True))
+VALUES = "values"
+"""The one group of a program whose Jacobian is compiled."""
 
 
 def compiled_jacobian(
@@ -87,7 +50,8 @@ def compiled_jacobian(
 ) -> SparseJacobian:
     """Differentiate a group of results (``rates``, ``outputs``, ...) by states, inputs, ...
 
-    ``by``: states, parameters, inputs or time. ``target``: that of ``compiled`` if left out.
+    ``by``: states, parameters, inputs or time. ``target``: that of ``compiled`` if left out. The
+    same arguments give the same object again, at once: ``compiled`` keeps it.
     Raises `InputError` for other words and for groups that the system does not have.
 
     Accuracy: derivatives are exact up to rounding, as no differences are taken.
@@ -96,25 +60,59 @@ def compiled_jacobian(
         raise unknown_name("kind of variable", by, KINDS)
     if of not in compiled.layout.sizes:
         raise unknown_name("group of results", of, compiled.layout.sizes)
-    derived = jacobian(prune(compiled.program, [of]), of, KINDS[by])
-    sizes = {
-        "states": len(compiled.layout.states),
-        "parameters": len(compiled.layout.parameters),
-        "inputs": len(compiled.layout.inputs),
-        "time": 1,
-    }
-    results = compiled.layout.results[of]
+    if target and target not in TARGETS:
+        raise unknown_name("target", target, TARGETS)
+    return _kept(compiled, (of,), (by,), target or compiled.target)
+
+
+def _kept(
+    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
+) -> SparseJacobian:
+    """Return the derivatives of groups by kinds of variables, from what ``compiled`` keeps."""
+    key = (target, *of, *by)
+    if key not in compiled.derived:
+        compiled.derived[key] = _derived(compiled, of, by, target)
+    found = compiled.derived[key]
+    assert isinstance(found, SparseJacobian)
+    return found
+
+
+def _derived(
+    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
+) -> SparseJacobian:
+    layout = compiled.layout
+    results = tuple(n for group in of for n in layout.results[group])
+    together = tuple(k for group in of for k in compiled.program.results[group])
+    program = prune(replace(compiled.program, results={VALUES: together}))
+    columns = [
+        {Instruction(KINDS[kind], (), None if kind == "time" else k): UNIT}
+        for kind in by
+        for k in range(_count(layout, kind))
+    ]
+    derived = derive(program, VALUES, identity(program, VALUES), columns)
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
-    layout = _layout(compiled.layout, f"{of}_by_{by}", names)
-    program = optimise(_one_group(derived.program, of))
-    _, functions, _ = TARGETS[target or compiled.target](program, layout)
+    own = _layout(layout, "_".join((*of, "by", *by)), names)
+    whole = optimise(_one_group(derived.program))
+    _, functions, _ = TARGETS[target](whole, own)
     return SparseJacobian(
-        (len(results), sizes[by]),
+        (len(results), len(columns)),
         tuple(r for r, _ in derived.pattern),
         tuple(c for _, c in derived.pattern),
         functions[JACOBIAN],
-        derived.program,
+        whole,
+        own,
+        derived.mode,
     )
+
+
+def _count(layout: Layout, kind: str) -> int:
+    sizes = {
+        "states": len(layout.states),
+        "parameters": len(layout.parameters),
+        "inputs": len(layout.inputs),
+        "time": 1,
+    }
+    return sizes[kind]
 
 
 def _layout(layout: Layout, suffix: str, names: tuple[str, ...]) -> Layout:
@@ -122,9 +120,9 @@ def _layout(layout: Layout, suffix: str, names: tuple[str, ...]) -> Layout:
     return replace(layout, name=f"{layout.name}_{suffix}", results=results, coordinates=())
 
 
-def _one_group(program: Program, of: str) -> Program:
+def _one_group(program: Program) -> Program:
     """Put the results before the entries of their Jacobian."""
-    together = (*program.results[of], *program.results[JACOBIAN])
+    together = (*program.results[VALUES], *program.results[JACOBIAN])
     return replace(program, results={JACOBIAN: together})
 
 
@@ -150,24 +148,22 @@ def linearise(
 ) -> Linear:
     """Return A, B, C, D at a point, or with a last axis of N at N points, such as a trajectory.
 
-    Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``. Raises `InputError` as the
-    compiled functions do.
+    Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
+    of a `codegen.Result` fit as they are. All four come from one call of one function, which is
+    compiled at the first use and kept by ``compiled``. They are the linear part about any point;
+    that dx' = A dx + B du alone describes the motion holds about points at rest.
+    Raises `InputError` as the compiled functions do.
     """
-
-    def matrix(of: str, by: str) -> Array:
-        rows = len(compiled.layout.results[of])
-        columns = len(compiled.layout.states if by == "states" else compiled.layout.inputs)
-        if not rows or not columns:
-            return np.zeros((rows, columns))
-        return compiled_jacobian(compiled, by, of).dense(t, x, p, u)
-
-    names = compiled.layout
+    layout = compiled.layout
+    n, k = len(layout.states), len(layout.results[OUTPUTS])
+    whole = _kept(compiled, (RATES, OUTPUTS), ("states", "inputs"), compiled.target)
+    matrix = whole.dense(t, x, p, u)
     return Linear(
-        matrix(RATES, "states"),
-        matrix(RATES, "inputs"),
-        matrix(OUTPUTS, "states"),
-        matrix(OUTPUTS, "inputs"),
-        tuple(q.name for q in names.states),
-        tuple(q.name for q in names.inputs),
-        names.results[OUTPUTS],
+        matrix[:n, :n],
+        matrix[:n, n:],
+        matrix[n : n + k, :n],
+        matrix[n : n + k, n:],
+        tuple(q.name for q in layout.states),
+        tuple(q.name for q in layout.inputs),
+        layout.results[OUTPUTS],
     )

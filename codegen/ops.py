@@ -223,6 +223,11 @@ class Instruction(NamedTuple):
     args: tuple[int, ...] = ()
     value: Data = None
 
+    @property
+    def slot(self) -> int:
+        """The slot that a leaf reads; 0 for time."""
+        return self.value if isinstance(self.value, int) else 0
+
 
 def cost_of(instruction: Instruction) -> int:
     """Return the cost of an instruction in additions; leaves are free."""

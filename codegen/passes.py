@@ -28,6 +28,32 @@ def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
     return _copy(program, order, {g: program.results[g] for g in kept})
 
 
+def depth_first(program: Program) -> Program:
+    """Order what results need by the result that needs it first, leaves before everything.
+
+    Values do not change; what is used late is computed late, so that fewer values wait at a time.
+    """
+    order = sorted(k for k in needed(program, program.results) if _is_leaf(program, k))
+    placed = set(order)
+    for result in (k for group in program.results.values() for k in group):
+        stack = [result]
+        while stack:
+            k = stack[-1]
+            waiting = [a for a in program.instructions[k].args if a not in placed]
+            if waiting and k not in placed:
+                stack.extend(reversed(waiting))
+                continue
+            stack.pop()
+            if k not in placed:
+                placed.add(k)
+                order.append(k)
+    return _copy(program, order, program.results)
+
+
+def _is_leaf(program: Program, k: int) -> bool:
+    return program.instructions[k].op not in OPS
+
+
 def specialise(program: Program, values: Mapping[int, float], count: int) -> Program:
     """Fix parameter slots (of ``count``) to numbers, fold what becomes constant, and prune.
 

@@ -8,11 +8,21 @@ from typing import Any
 import numpy as np
 
 from codegen.compiled import Compiled
+from codegen.derivative import dependence
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
+from codegen.lower import RATES
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 PARTS = 8
 REPORT_EVERY = 100
+
+IMPLICIT = ("Radau", "BDF")
+SPARSE_FROM = 100
+SPARSE_SHARE = 0.2
+"""Implicit methods are told which rates can depend on which states, for systems of so many states or
+more where that is at most this share of all pairs: differences are then taken of many columns at once,
+and factorisations are sparse. One thread, chains of stiff springs: 200 states 1.3 to 1.8 times as fast, 400
+states 2.4 to 3.8 times. The compiled Jacobian gains no more, and takes longer to make than a run."""
 
 Inputs = Callable[[float], Array]
 
@@ -22,6 +32,20 @@ def integrate(
 ) -> Trajectory:
     """Integrate with one of `METHODS`. ``inputs``: values of the inputs over time, if not held."""
     return _Run(compiled, problem, method, inputs).run()
+
+
+def _sparsity(compiled: Compiled) -> Any:
+    """Return a sparse matrix with ones where a rate can depend on a state, or None if it is full."""
+    n = len(compiled.layout.states)
+    if n < SPARSE_FROM:
+        return None
+    places = sorted(dependence(compiled.program, RATES))
+    if len(places) > SPARSE_SHARE * n * n:
+        return None
+    from scipy.sparse import csr_array
+
+    rows, columns = zip(*places, strict=True) if places else ((), ())
+    return csr_array((np.ones(len(places)), (rows, columns)), shape=(n, n))
 
 
 class _Run:
@@ -34,6 +58,7 @@ class _Run:
         self.singular_function = compiled.functions.get("singularities")
         self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
+        self.sparsity = _sparsity(compiled) if method in IMPLICIT else None
         self.inputs = inputs
         self.method = method
         self.evaluations = 0
@@ -92,6 +117,8 @@ class _Run:
             "atol": problem.atol,
             "max_step": problem.max_step,
         }
+        if self.sparsity is not None:
+            options["jac_sparsity"] = self.sparsity
         if problem.first_step:
             span = abs(problem.t_span[1] - problem.t_span[0])
             options["first_step"] = min(problem.first_step, span)
@@ -109,6 +136,8 @@ class _Run:
         except ValueError:  # implicit methods refuse a matrix that is not finite
             if self.broken < 0:
                 raise
+            return self._failure(solver)
+        except RuntimeError:  # a sparse matrix without an inverse
             return self._failure(solver)
         stuck = solver.t == self.times[-1]  # LSODA goes on for ever where time does not
         if stuck or solver.status == "failed" or not np.all(np.isfinite(solver.y)):

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
 
 import codegen
+from codegen.elimination import ORDERS
 from codegen.linear import KINDS, compiled_jacobian, linearise
 from eom.errors import InputError
 from eom.scene import Scene
@@ -101,9 +104,52 @@ def test_against_differences(by):
         assert np.allclose(J[:, column], slope, rtol=1e-6, atol=1e-9 * (1 + np.abs(slope).max()))
 
 
+def test_what_was_compiled_once_is_kept(compiled, monkeypatch):
+    """A second call derives, renders and compiles nothing; each target and question has its own."""
+    J, linear = compiled.jacobian(), linearise(compiled, (0.5, -1.0), P, (7.0,))
+
+    def never(*_):
+        raise AssertionError("derived again")
+
+    monkeypatch.setattr("codegen.linear.derive", never)
+    assert compiled.jacobian("states", "rates") is J is compiled_jacobian(compiled)
+    assert compiled.jacobian("states", "rates").function is J.function
+    again = linearise(compiled, (0.5, -1.0), P, (7.0,))
+    assert all(np.array_equal(getattr(again, n), getattr(linear, n)) for n in "ABCD")
+    monkeypatch.undo()
+    assert compiled.jacobian("inputs") is not J
+    assert compiled.jacobian("states", "outputs") is not J
+    assert codegen.compile(oscillator(), compiled.target).jacobian() is not J
+
+
+def test_a_trajectory_takes_one_call(compiled, monkeypatch):
+    """Its states and times fit as they are, and A, B, C, D come from one evaluation."""
+    run = codegen.simulate(compiled, (0.5, -1.0), (0, 1), P, inputs={"f": 7.0})
+    linear = linearise(compiled, run.y, P, (7.0,), run.t)
+    kept = compiled.derived
+    calls = []
+    for key, J in kept.items():
+        counted = lambda *a, f=J.function: calls.append(a) or f(*a)  # noqa: E731
+        monkeypatch.setitem(kept, key, replace(J, function=counted))
+    again = linearise(compiled, run.y, P, (7.0,), run.t)
+    assert len(calls) == 1
+    for name, shape in {"A": (2, 2), "B": (2, 1), "C": (1, 2), "D": (1, 1)}.items():
+        assert getattr(linear, name).shape == (*shape, len(run.t))
+        assert np.array_equal(getattr(linear, name), getattr(again, name))
+    for n in (0, len(run.t) - 1):
+        x = np.ascontiguousarray(run.y[:, n])
+        assert np.allclose(linear.A[..., n], linearise(compiled, x, P, (7.0,)).A, rtol=1e-14)
+
+
+def test_the_mode_is_told(compiled):
+    assert compiled.jacobian().mode in ORDERS
+
+
 def test_other_words_are_refused(compiled):
     with pytest.raises(InputError, match="states"):
         compiled_jacobian(compiled, "state")
+    with pytest.raises(InputError, match="target"):
+        compiled_jacobian(compiled, target="fortran")
     with pytest.raises(InputError, match="group of results"):
         compiled_jacobian(compiled, of="outptus")
     with pytest.raises(InputError, match="wrong shape"):

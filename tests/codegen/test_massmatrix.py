@@ -10,6 +10,8 @@ from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
 from codegen import compile as compile_system
 from codegen import massmatrix
+from codegen.derivative import JACOBIAN, jacobian
+from codegen.elimination import ORDERS
 from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 from codegen.lower import RATES, lower_system
 from codegen.passes import prune
@@ -210,3 +212,49 @@ def test_factorisations_pass_strict_compilers(compiler, most, tmp_path, monkeypa
     monkeypatch.setattr(massmatrix, "UNROLLED", 0)
     monkeypatch.setattr(c, "PART_LINES", most)
     strictly_compile(files_of(of_matrix(KINDS["saddle point"])), tmp_path, compiler)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_jacobians_of_solutions_against_straight_line_code(kind, monkeypatch):
+    """By states and by parameters, in every order of elimination; and against differences."""
+    system = of_matrix(KINDS[kind])
+    monkeypatch.setattr(massmatrix, "UNROLLED", 0)
+    program = prune(lower_system(system), [RATES])
+    states, values = [0.3, -1.2, 0.8], list(VALUES)
+    for slot, at_slot in (("state", states), ("parameter", values)):
+        matrices = [
+            _dense(jacobian(program, RATES, slot, [mode]), Point(0.0, states, values))
+            for mode in ORDERS
+        ]
+        for k in range(3):
+            sides = []
+            for shift in (2.0**-20, -(2.0**-20)):
+                moved = [list(states), list(values)]
+                moved[slot == "parameter"][k] += shift
+                sides.append(interpret_exactly(program, Point(0.0, *moved))[RATES])
+            for row in range(3):
+                slope = (sides[0][row] - sides[1][row]) * 2**19
+                for matrix in matrices:
+                    assert abs(matrix.get((row, k), 0) - slope) < 1e-9 * (1 + abs(slope))
+        assert len(at_slot) == 3
+
+
+def _dense(derived, point):
+    entries = interpret_exactly(derived.program, point)[JACOBIAN]
+    return dict(zip(derived.pattern, entries, strict=True))
+
+
+def test_jacobians_of_a_pendulum_do_not_depend_on_how_it_is_solved(target, monkeypatch):
+    straight = compile_system(PENDULUM, target)
+    monkeypatch.setattr(massmatrix, "UNROLLED", 2)
+    looped = compile_system(PENDULUM, target)
+    layout = looped.layout
+    arguments = (
+        0.0,
+        np.linspace(-1, 1, len(layout.states)),
+        np.linspace(0.5, 1.5, len(layout.parameters)),
+        [0.3],
+    )
+    for by in ("states", "parameters", "inputs"):
+        found, known = (c.jacobian(by).dense(*arguments) for c in (looped, straight))
+        np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-9)

@@ -1,0 +1,174 @@
+import pickle
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import codegen
+from codegen.layout import names_of
+from codegen.lower import OUTPUTS, RATES, lower_system
+from codegen.ops import OPS
+from codegen.sensitivity import sensitivities, variational
+from eom import catalogue
+from eom.errors import InputError
+from eom.scene import Scene
+from eom.system import System
+
+x, v, k, m, c, t = sp.symbols("x v k m c t", real=True)
+DECAY = System.from_rates("decay", {x: -k * x})
+OSCILLATOR = System.from_rates("oscillator", {x: v, v: -k / m * x}, outputs={"force": -k * x})
+
+
+def test_exponential_decay(target):
+    """x = x0 exp(-k t): dx/dk = -t x, dx/dx0 = exp(-k t)."""
+    s = sensitivities(codegen.compile(DECAY, target), ["k"], ["x"])
+    start = s.initial({"x": 3.0})
+    assert start == {"x": 3.0, "dx_dk": 0.0, "dx_dx_0": 1.0}
+    run = codegen.simulate(s.compiled, start, (0, 2), {"k": 0.7}, rtol=1e-11)
+    assert run.success
+    assert run.names == ("x", "dx_dk", "dx_dx_0")
+    assert np.allclose(run["dx_dk"], -run.t * run["x"], rtol=1e-9, atol=1e-12)
+    assert np.allclose(run["dx_dx_0"], np.exp(-0.7 * run.t), rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["auto", "scipy:Radau", "scipy:RK45"])
+def test_harmonic_oscillator_by_every_kind_of_method(target, method):
+    """Derivatives of the closed form, by SymPy; the start depends on k: x(0) = 1/k."""
+    s = sensitivities(codegen.compile(OSCILLATOR, target), ["k", "m"], ["v"])
+    values = {k: 2.3, m: 1.7}
+    start = s.initial({"x": 1 / 2.3, "v": 0.4}, {"dx_dk": -(2.3**-2)})
+    parameters = {q.name: n for q, n in values.items()}
+    grid = np.linspace(0, 3, 7)
+    run = codegen.simulate(s.compiled, start, (0, 3), parameters, method, 1e-9, t_eval=grid)
+    assert run.success, run.message
+    v0, w = sp.Symbol("v0"), sp.sqrt(k / m)
+    motion = sp.cos(w * t) / k + v0 / w * sp.sin(w * t)
+    S = s.matrix(run.y)
+    assert S.shape == (2, 3, 7)
+    for row, value in enumerate((motion, motion.diff(t))):
+        for column, by in enumerate((k, m, v0)):
+            closed = sp.lambdify(t, value.diff(by).subs({**values, v0: 0.4}))
+            assert np.allclose(S[row, column], closed(grid), rtol=1e-6, atol=1e-6)
+    for by in (k, m, v0):
+        name = f"dforce_d{'v_0' if by is v0 else by}"
+        closed = sp.lambdify(t, (-k * motion).diff(by).subs({**values, v0: 0.4}))
+        assert np.allclose(run[name], closed(grid), rtol=1e-6, atol=1e-6)
+
+
+def evaluate(program, group, time, states, parameters):
+    """Values of a group at the working precision of mpmath, at points that are not doubles."""
+    slots = {"state": states, "parameter": parameters}
+    numbers = []
+    for op, args, value in program.instructions:
+        if op in OPS:
+            numbers.append(OPS[op].exact(mpmath, *(numbers[a] for a in args)))
+        elif op == "const":
+            numbers.append(mpmath.mpf(value.numerator) / value.denominator)
+        else:
+            numbers.append(
+                time if op == "time" else mpmath.pi + 0 if op == "pi" else slots[op][value]
+            )
+    return [numbers[n] for n in program.results[group]]
+
+
+def runge_kutta(program, states, parameters, steps=2, h=0.125):
+    """The classical method; its map of first to last states is differentiated by its own steps."""
+    x = list(states)
+    for n in range(steps):
+
+        def f(a, slope=None, n=n, x=x):
+            at = x if slope is None else [xi + h * a * si for xi, si in zip(x, slope, strict=True)]
+            return evaluate(program, RATES, mpmath.mpf(h * (n + a)), at, parameters)
+
+        k1 = f(0)
+        k2 = f(0.5, k1)
+        k3 = f(0.5, k2)
+        k4 = f(1, k3)
+        slopes = zip(x, k1, k2, k3, k4, strict=True)
+        x = [xi + h / 6 * (a + 2 * b + 2 * d + e) for xi, a, b, d, e in slopes]
+    return x
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_ready_scenes_against_differences_of_their_motions_at_high_precision(name):
+    """Differences of width 1e-25 in 60 digits, of the very steps that carry the sensitivities."""
+    scene = Scene.ready(name)
+    system = scene.derive()
+    program = lower_system(system)
+    n, count = len(system.states), len(system.parameters)
+    with mpmath.workdps(60):
+        first = [mpmath.mpf(a) + 0.1 for a in scene.initial_values().values()]
+        p = [mpmath.mpf(a) for a in scene.parameter_values().values()]
+        columns = [*range(count), *(None for _ in range(n))]
+        extended = variational(program, n, columns)
+        units = [[mpmath.mpf(i == j) for i in range(n)] for j in range(n)]
+        start = [*first, *[mpmath.mpf(0)] * (n * count), *(e for unit in units for e in unit)]
+        whole = runge_kutta(extended, start, p)
+        plain = runge_kutta(program, first, p)
+        outputs = evaluate(program, OUTPUTS, mpmath.mpf(1), plain, p)
+        slopes = evaluate(extended, OUTPUTS, mpmath.mpf(1), whole, p)
+        assert slopes[: len(outputs)] == outputs
+        width = mpmath.mpf(10) ** -25
+        for j in range(count + n):
+            moved = [a + width * (i == j) for i, a in enumerate([*p, *first])]
+            other = runge_kutta(program, moved[count:], moved[:count])
+            changed = evaluate(program, OUTPUTS, mpmath.mpf(1), other, moved[:count])
+            differences = [(b - a) / width for a, b in zip(plain, other, strict=True)]
+            differences += [(b - a) / width for a, b in zip(outputs, changed, strict=True)]
+            found = whole[n * (1 + j) : n * (2 + j)]
+            found += slopes[len(outputs) * (1 + j) : len(outputs) * (2 + j)]
+            for a, b in zip(found, differences, strict=True):
+                assert abs(a - b) <= mpmath.mpf(10) ** -18 * (1 + abs(b))
+
+
+def test_constants_of_the_motion_and_names_remain(target):
+    scene = Scene.ready("heavy-top")
+    compiled = codegen.compile(scene.derive(), target)
+    parameter, state = compiled.layout.parameters[0], compiled.layout.states[-1]
+    s = sensitivities(compiled, [parameter.name], [state.name])
+    assert s.variables == (parameter.name, f"{state.name}_0")
+    q = s.compiled.layout.states[len(compiled.layout.states)]
+    assert q.name == f"d{s.states[0]}_d{parameter.name}"
+    assert q.unit == f"{compiled.layout.states[0].unit}/({parameter.unit})"
+    values = scene.initial_values()
+    run = codegen.simulate(s.compiled, s.initial(values), (0, 0.5), scene.parameter_values())
+    assert run.success
+    assert set(run.drift) == set(compiled.layout.results["invariants"])
+    assert all(d.relative < 1e-6 for d in run.drift.values())
+    again = pickle.loads(pickle.dumps(s.compiled))
+    assert names_of(again.layout.states) == names_of(s.compiled.layout.states)
+    assert str(again.program) == str(s.compiled.program)
+
+
+def test_a_parameter_that_rates_do_not_read_has_zero_sensitivities(target):
+    system = System.from_rates("still", {x: v, v: 0 * k}, outputs={"weight": k * m})
+    s = sensitivities(codegen.compile(system, target), ["m"], ["x"])
+    run = codegen.simulate(s.compiled, s.initial({"x": 1, "v": 2}), (0, 1), {"k": 3, "m": 4})
+    assert np.all(run["dx_dm"] == 0)
+    assert np.all(run["dx_dx_0"] == 1)
+    assert np.allclose(run["dweight_dm"], 3)
+
+
+def test_refused():
+    compiled = codegen.compile(OSCILLATOR, "numpy")
+    for arguments, message in [
+        ((["q"],), "unknown parameter"),
+        (([], ["k"]), "unknown state"),
+        ((["k", "k"],), "given twice"),
+        (([],), "no variables"),
+    ]:
+        with pytest.raises(InputError, match=message):
+            sensitivities(compiled, *arguments)
+    with pytest.raises(InputError, match="unknown parameter"):
+        sensitivities(codegen.compile(OSCILLATOR, "numpy", {"k": 2.0}), ["k"])
+    s = sensitivities(compiled, ["k"])
+    with pytest.raises(InputError, match="dx_dm"):
+        s.initial({"x": 1, "v": 0}, {"dx_dm": 1})
+    with pytest.raises(InputError, match="unknown state"):
+        s.initial({"y": 1})
+    with pytest.raises(InputError, match="wrong shape"):
+        s.matrix(np.zeros(3))
+    clash = System.from_rates("clash", {x: -k * x, sp.Symbol("dx_dk"): x})
+    with pytest.raises(InputError, match="two things"):
+        sensitivities(codegen.compile(clash, "numpy"), ["k"])
