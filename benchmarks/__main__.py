@@ -9,7 +9,16 @@ from dataclasses import dataclass
 import click
 from rich.console import Console
 
-from benchmarks import calls, derivations, integration, machine, rates, stages, startup
+from benchmarks import (
+    calls,
+    derivations,
+    integration,
+    machine,
+    pendulum,
+    rates,
+    stages,
+    startup,
+)
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
 from codegen import native
@@ -31,6 +40,7 @@ MEASUREMENTS = (
     Measurement(calls.measure),
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),
+    Measurement(pendulum.measure, quick=False),
     Measurement(startup.measure, needs_compiler=False, quick=False),
     Measurement(derivations.measure, needs_compiler=False, quick=False),
 )
