@@ -1,8 +1,9 @@
 """Folding rules: identities of real arithmetic that leave fewer or cheaper operations.
 
 Each rule of `RULES` takes the builder and the arguments of an operation and returns the number of
-an equal value, or None. Rules hold for all finite arguments; ``0 * x = 0`` therefore forgets the
-NaN that an infinite x would give. Constants are exact fractions and stay exact; a result of more
+an equal value, or None. Rules hold for all finite arguments for which the left side has a value;
+``0 * x = 0`` therefore forgets the NaN that an infinite x would give, and ``x / y * y = x`` that of a
+y that is zero. Constants are exact fractions and stay exact; a result of more
 than `MAX_BITS` bits is left to the target, which rounds it once from 50 digits.
 """
 
@@ -38,23 +39,26 @@ Rule = Callable[[Numbers, tuple[int, ...]], int | None]
 
 def fold(b: Numbers, op: str, args: tuple[int, ...]) -> int | None:
     """Return an equal, simpler value of ``op`` on ``args`` if a rule knows one."""
-    constants = [constant(b, a) for a in args]
-    if op in _EXACT and all(c is not None for c in constants):
-        value = _EXACT[op](*constants)
-        if value is not None and _small(value):
-            return b.const(value)
+    evaluate = _EXACT.get(op)
+    if evaluate is not None:
+        constants = []
+        for a in args:
+            c = constant(b, a)
+            if c is None:
+                break
+            constants.append(c)
+        else:
+            value = evaluate(*constants)
+            if value is not None and _small(value):
+                return b.const(value)
     rule = RULES.get(op)
     return rule(b, args) if rule else None
 
 
 def constant(b: Numbers, number: int) -> Fraction | None:
     """Return the exact constant that ``number`` is, or None."""
-    instruction = b.instructions[number]
-    return (
-        instruction.value
-        if instruction.op == "const" and isinstance(instruction.value, Fraction)
-        else None
-    )
+    op, _, value = b.instructions[number]
+    return value if op == "const" and isinstance(value, Fraction) else None
 
 
 def _small(value: Fraction) -> bool:
@@ -63,8 +67,8 @@ def _small(value: Fraction) -> bool:
 
 def _negated(b: Numbers, number: int) -> int | None:
     """Return x if ``number`` is -x."""
-    instruction = b.instructions[number]
-    return instruction.args[0] if instruction.op == "neg" else None
+    op, args, _ = b.instructions[number]
+    return args[0] if op == "neg" else None
 
 
 def _add(b: Numbers, args: tuple[int, ...]) -> int | None:
@@ -88,22 +92,27 @@ def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
     negative = _negated(b, y)
     if negative is not None:
         return b.add("add", x, negative)
+    negative = _negated(b, x)
+    if negative is not None:
+        return b.add("neg", b.add("add", negative, y))
     opposite = b.find(Instruction("sub", (y, x)))
     return None if opposite is None else b.add("neg", opposite)
 
 
 def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
     for x, y in (args, args[::-1]):
-        c = constant(b, x)
-        if c == 0:
-            return x
-        if c == 1:
-            return y
-        if c == -1:
-            return b.add("neg", y)
-        negative = _negated(b, x)
-        if negative is not None:
-            return b.add("neg", b.add("mul", negative, y))
+        op, inner, c = b.instructions[x]
+        if op == "const":
+            if c == 0:
+                return x
+            if c == 1:
+                return y
+            if c == -1:
+                return b.add("neg", y)
+        elif op == "neg":
+            return b.add("neg", b.add("mul", inner[0], y))
+        elif op == "div" and inner[1] == y:
+            return inner[0]
     return None
 
 

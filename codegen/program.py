@@ -86,6 +86,7 @@ class Builder:
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
+        self._constants: dict[Fraction | int, int] = {}
 
     def leaf(self, op: str, value: Fraction | int | None = None) -> int:
         """Return the number of a leaf."""
@@ -93,7 +94,10 @@ class Builder:
 
     def const(self, value: Fraction | int) -> int:
         """Return the number of an exact constant."""
-        return self.leaf("const", Fraction(value))
+        known = self._constants.get(value)
+        if known is None:
+            known = self._constants[value] = self.leaf("const", Fraction(value))
+        return known
 
     def add(self, op: str, *args: int) -> int:
         """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`."""
@@ -117,8 +121,9 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            own = _BINDING.get(instruction.op, 0)
-            self.binding.append(max((self.binding[a] for a in instruction.args), default=own))
+            args = instruction.args
+            known_when = [self.binding[a] for a in args] or [_BINDING.get(instruction.op, 0)]
+            self.binding.append(max(known_when))
         return known
 
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:

@@ -183,24 +183,28 @@ def _number(b: Builder, value: Any) -> int:
             raise InputError("scalars of two builders do not mix", got=repr(value))
         return value.number
     try:
-        if isinstance(value, Rational):
+        if isinstance(value, int | Rational):
             return b.const(Fraction(int(value.numerator), int(value.denominator)))
         return b.const(Fraction(*value.as_integer_ratio()))
     except (AttributeError, OverflowError, ValueError):
         raise InputError("not a finite number", got=repr(value)[:200]) from None
 
 
+_OPERANDS = (float, int, Scalar, Real)
+"""What an operator takes; the usual kinds first, since `Real` is slow to test."""
+
+
 def _binary(op: str, left: Scalar, right: Any) -> Any:
     b = left.builder
-    if isinstance(right, Scalar) and right.builder is b:
+    if type(right) is Scalar and right.builder is b:
         return Scalar(b, b.add(op, left.number, right.number))
-    if not isinstance(right, Scalar | Real):
+    if not isinstance(right, _OPERANDS):
         return NotImplemented
     return Scalar(b, b.add(op, left.number, _number(b, right)))
 
 
 def _reflected(op: str, right: Scalar, left: Any) -> Any:
-    if not isinstance(left, Scalar | Real):
+    if not isinstance(left, _OPERANDS):
         return NotImplemented
     b = right.builder
     return Scalar(b, b.add(op, _number(b, left), right.number))
