@@ -11,6 +11,9 @@ from rich.console import Console
 
 from benchmarks import (
     calls,
+    chains,
+    compile_time,
+    counts,
     derivations,
     integration,
     machine,
@@ -41,6 +44,9 @@ MEASUREMENTS = (
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),
     Measurement(pendulum.measure, quick=False),
+    Measurement(chains.measure),
+    Measurement(counts.measure),
+    Measurement(compile_time.measure),
     Measurement(startup.measure, needs_compiler=False, quick=False),
     Measurement(derivations.measure, needs_compiler=False, quick=False),
 )

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import Compiled, native
+from codegen.layout import Layout
 from codegen.names import identifier
 from codegen.targets import c
 
@@ -89,8 +90,12 @@ class Points:
     @classmethod
     def of(cls, compiled: Compiled) -> Points:
         """Draw arguments for a system: states in (-1, 1), parameters in (1/2, 3/2)."""
+        return cls.for_layout(compiled.layout)
+
+    @classmethod
+    def for_layout(cls, layout: Layout) -> Points:
+        """Draw arguments as `of` does."""
         draw = np.random.default_rng(SEED).uniform
-        layout = compiled.layout
         n = len(layout.states)
         arrays = (
             draw(-1.0, 1.0, (STATES, n)),
