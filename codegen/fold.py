@@ -73,11 +73,11 @@ def _negated(b: Numbers, number: int) -> int | None:
 
 def _add(b: Numbers, args: tuple[int, ...]) -> int | None:
     for x, y in (args, args[::-1]):
-        if constant(b, x) == 0:
+        op, inner, c = b.instructions[x]
+        if op == "const" and not c:
             return y
-        negative = _negated(b, x)
-        if negative is not None:
-            return b.add("sub", y, negative)
+        if op == "neg":
+            return b.add("sub", y, inner[0])
     return None
 
 
@@ -85,16 +85,16 @@ def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
     x, y = args
     if x == y:
         return b.const(0)
-    if constant(b, y) == 0:
+    op, inner, c = b.instructions[y]
+    if op == "const" and not c:
         return x
-    if constant(b, x) == 0:
+    if op == "neg":
+        return b.add("add", x, inner[0])
+    op, inner, c = b.instructions[x]
+    if op == "const" and not c:
         return b.add("neg", y)
-    negative = _negated(b, y)
-    if negative is not None:
-        return b.add("add", x, negative)
-    negative = _negated(b, x)
-    if negative is not None:
-        return b.add("neg", b.add("add", negative, y))
+    if op == "neg":
+        return b.add("neg", b.add("add", inner[0], y))
     opposite = b.find(Instruction("sub", (y, x)))
     return None if opposite is None else b.add("neg", opposite)
 
@@ -102,12 +102,12 @@ def _sub(b: Numbers, args: tuple[int, ...]) -> int | None:
 def _mul(b: Numbers, args: tuple[int, ...]) -> int | None:
     for x, y in (args, args[::-1]):
         op, inner, c = b.instructions[x]
-        if op == "const":
-            if c == 0:
+        if op == "const" and isinstance(c, Fraction) and c.denominator == 1:
+            if c.numerator == 0:
                 return x
-            if c == 1:
+            if c.numerator == 1:
                 return y
-            if c == -1:
+            if c.numerator == -1:
                 return b.add("neg", y)
         elif op == "neg":
             return b.add("neg", b.add("mul", inner[0], y))

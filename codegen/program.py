@@ -69,7 +69,8 @@ def verify(program: Program) -> None:
             assert (value is None) == (op in {"pi", "time"}), (k, op)
         else:
             assert len(args) == OPS[op].arity, (k, op)
-            assert all(0 <= a < k for a in args), (k, op, args)
+            assert max(args) < k, (k, op, args)
+            assert min(args) >= 0, (k, op, args)
     size = len(program.instructions)
     assert all(0 <= r < size for group in program.results.values() for r in group)
 
@@ -86,14 +87,14 @@ class Builder:
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
-        self._constants: dict[Fraction | int, int] = {}
+        self._constants: dict[Fraction | float, int] = {}
 
     def leaf(self, op: str, value: Fraction | int | None = None) -> int:
         """Return the number of a leaf."""
         return self._number(Instruction(op, (), value))
 
-    def const(self, value: Fraction | int) -> int:
-        """Return the number of an exact constant."""
+    def const(self, value: Fraction | float) -> int:
+        """Return the number of an exact constant; a float is the dyadic fraction that it is."""
         known = self._constants.get(value)
         if known is None:
             known = self._constants[value] = self.leaf("const", Fraction(value))

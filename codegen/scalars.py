@@ -183,7 +183,9 @@ def _number(b: Builder, value: Any) -> int:
             raise InputError("scalars of two builders do not mix", got=repr(value))
         return value.number
     try:
-        if isinstance(value, int | Rational):
+        if isinstance(value, float | int):
+            return b.const(value)
+        if isinstance(value, Rational):
             return b.const(Fraction(int(value.numerator), int(value.denominator)))
         return b.const(Fraction(*value.as_integer_ratio()))
     except (AttributeError, OverflowError, ValueError):
