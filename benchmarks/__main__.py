@@ -9,7 +9,20 @@ from dataclasses import dataclass
 import click
 from rich.console import Console
 
-from benchmarks import calls, derivations, integration, jacobians, machine, rates, stages, startup
+from benchmarks import (
+    calls,
+    chains,
+    compile_time,
+    counts,
+    derivations,
+    integration,
+    jacobians,
+    machine,
+    pendulum,
+    rates,
+    stages,
+    startup,
+)
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
 from codegen import native
@@ -32,6 +45,10 @@ MEASUREMENTS = (
     Measurement(jacobians.measure),
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),
+    Measurement(pendulum.measure, quick=False),
+    Measurement(chains.measure),
+    Measurement(counts.measure),
+    Measurement(compile_time.measure),
     Measurement(startup.measure, needs_compiler=False, quick=False),
     Measurement(derivations.measure, needs_compiler=False, quick=False),
 )

@@ -8,6 +8,7 @@ import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from benchmarks import peers
 from codegen import native
 
 PACKAGES = ("eom-toolkit", "sympy", "numpy", "scipy")
@@ -21,6 +22,7 @@ def header() -> str:
         "machine": f"{_processor()}, {os.cpu_count()} processors, {platform.system()}{_load()}",
         "Python": f"{python}, {packages}",
         "compiler": _compiler(),
+        "peers": peers.versions(),
     }
     return "\n".join(f"{key + ':':<10}{value}" for key, value in lines.items())
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from codegen import Compiled, SparseJacobian, native
 from codegen.derivative import JACOBIAN
+from codegen.layout import Layout
 from codegen.names import identifier
 from codegen.targets import c
 
@@ -37,13 +38,14 @@ Array = NDArray[np.float64]
 class Rates:
     """A C function ``void f(double t, const double *x, const void *c, const double *u, double *dx)``.
 
-    ``prepare``: the function ``void prepare(const double *p, void *c)`` that fills c from parameters.
+    ``prepare``: the function ``void prepare(const double *p, void *c)`` that fills c from parameters;
+    without it the function takes the parameters themselves.
     """
 
     text: str
     symbol: str
-    prepare: str
     library: ctypes.CDLL
+    prepare: str = ""
     flags: tuple[str, ...] = ALIGNED
 
     @classmethod
@@ -51,7 +53,7 @@ class Rates:
         """Compile C text, with the flags of generated code and ``more``, and load it."""
         flags = (*ALIGNED, *more)
         path = native.compile_library(text, flags)
-        return cls(text, symbol, prepare, native.load(path, text, flags), flags)
+        return cls(text, symbol, native.load(path, text, flags), prepare, flags)
 
     @classmethod
     def generated(cls, compiled: Compiled) -> Rates:
@@ -91,6 +93,8 @@ class Rates:
 
     def constants(self, p: Array) -> Array:
         """Return what the function needs of the parameters."""
+        if not self.prepare:
+            return p
         prepare = getattr(self.library, self.prepare)
         prepare.argtypes = [ctypes.c_void_p] * 2
         prepare.restype = None
@@ -120,8 +124,12 @@ class Points:
     @classmethod
     def of(cls, compiled: Compiled) -> Points:
         """Draw arguments for a system: states in (-1, 1), parameters in (1/2, 3/2)."""
+        return cls.for_layout(compiled.layout)
+
+    @classmethod
+    def for_layout(cls, layout: Layout) -> Points:
+        """Draw arguments as `of` does."""
         draw = np.random.default_rng(SEED).uniform
-        layout = compiled.layout
         n = len(layout.states)
         arrays = (
             draw(-1.0, 1.0, (STATES, n)),

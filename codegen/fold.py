@@ -151,6 +151,11 @@ def _sub_negative(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None
     return None if negative is None else b.add("add", args[0], negative)
 
 
+def _sub_both_negative(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    negative = _negated(b, args[0])
+    return None if negative is None else b.add("neg", b.add("add", negative, args[1]))
+
+
 def _sub_opposite(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
     opposite = b.find(Instruction("sub", (args[1], args[0])))
     return None if opposite is None else b.add("neg", opposite)
@@ -158,6 +163,14 @@ def _sub_opposite(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None
 
 def _mul_zero(_: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
     return next((k for k, c in zip(args, constants, strict=True) if c is not None and c == 0), None)
+
+
+def _mul_quotient(b: Numbers, args: tuple[int, ...], _: Constants) -> int | None:
+    for x, y in (args, args[::-1]):
+        op, inner, _value = b.instructions[x]
+        if op == "div" and inner[1] == y:
+            return inner[0]
+    return None
 
 
 def _mul_minus_one(b: Numbers, args: tuple[int, ...], constants: Constants) -> int | None:
@@ -310,11 +323,13 @@ LAWS: tuple[Law, ...] = (
     Law(("sub",), "x - 0 = x", True, _right_neutral(0), constant=True),
     Law(("sub",), "0 - x = -x", False, _sub_from_zero, constant=True),
     Law(("sub",), "x - (-y) = x + y", True, _sub_negative),
+    Law(("sub",), "-x - y = -(x + y)", False, _sub_both_negative),
     Law(("sub",), "x - y = -(y - x) where y - x exists", False, _sub_opposite),
     Law(("mul",), "0 x = 0", False, _mul_zero, constant=True),
     Law(("mul",), "1 x = x", True, _neutral(1), constant=True),
     Law(("mul",), "(-1) x = -x", True, _mul_minus_one, constant=True),
     Law(("mul",), "(-x) y = -(x y)", True, _negative_operand("mul")),
+    Law(("mul",), "x / y y = x", False, _mul_quotient),
     Law(("div",), "x / 1 = x", True, _right_neutral(1), constant=True),
     Law(("div",), "0 / x = 0", False, _div_zero, constant=True),
     Law(("div",), "x / (-c) = -(x / c)", True, _div_negative_constant, constant=True),

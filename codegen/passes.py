@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from types import MappingProxyType
 
 from codegen.ops import OPS, Instruction
 from codegen.program import Builder, Program
@@ -25,7 +26,16 @@ def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
     """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
     kept = list(program.results if groups is None else groups)
     order = sorted(needed(program, kept))
-    return _copy(program, order, {g: program.results[g] for g in kept})
+    new = {old: k for k, old in enumerate(order)}
+    instructions = [
+        Instruction(i.op, tuple([new[a] for a in i.args]), i.value)
+        for i in map(program.instructions.__getitem__, order)
+    ]
+    results = {g: tuple(new[k] for k in program.results[g]) for g in kept}
+    names = {new[k]: name for k, name in program.names.items() if k in new}
+    return Program(
+        tuple(instructions), MappingProxyType(results), MappingProxyType(names), program.rules
+    )
 
 
 def depth_first(program: Program) -> Program:

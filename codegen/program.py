@@ -87,7 +87,8 @@ def verify(program: Program) -> None:
             assert (value is None) == (op in {"pi", "time"}), (k, op)
         else:
             assert OPS[op].arity in {VARIADIC, len(args)}, (k, op)
-            assert all(0 <= a < k for a in args), (k, op, args)
+            assert max(args) < k, (k, op, args)
+            assert min(args) >= 0, (k, op, args)
             assert (value is not None) == (op in WITH_DATA), (k, op)
             if op in INTEGER_FIRST:
                 order = fold.constant(program, args[0])
@@ -149,14 +150,18 @@ class Builder:
         self.binding: list[int] = []
         """When values are known: 0 always, 1 with parameters, 2 with time, 3 with states and inputs."""
         self._numbers: dict[Instruction, int] = {}
+        self._constants: dict[Fraction | float, int] = {}
 
     def leaf(self, op: str, value: Data = None) -> int:
         """Return the number of a leaf."""
         return self._number(Instruction(op, (), value))
 
-    def const(self, value: Fraction | int) -> int:
-        """Return the number of an exact constant."""
-        return self.leaf("const", Fraction(value))
+    def const(self, value: Fraction | float) -> int:
+        """Return the number of an exact constant; a float is the dyadic fraction that it is."""
+        known = self._constants.get(value)
+        if known is None:
+            known = self._constants[value] = self.leaf("const", Fraction(value))
+        return known
 
     def add(self, op: str, *args: int, value: Data = None) -> int:
         """Return the number of the value of ``op`` on ``args``, folded by `codegen.fold`.
@@ -194,8 +199,10 @@ class Builder:
             known = len(self.instructions)
             self._numbers[instruction] = known
             self.instructions.append(instruction)
-            below = [self.binding[a] for a in instruction.args]
-            self.binding.append(max([BINDING.get(instruction.op, 0), *below]))
+            when = BINDING.get(instruction.op, 0)
+            for a in instruction.args:
+                when = max(when, self.binding[a])
+            self.binding.append(when)
         return known
 
     def program(self, results: Mapping[str, Iterable[int]]) -> Program:

@@ -8,7 +8,7 @@ from codegen.derivative import JACOBIAN, PARTIALS, colouring, columns, dependenc
 from codegen.elimination import ORDERS
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.ops import INTEGER_FIRST, OPS, WITH_DATA, Instruction, row_of
+from codegen.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
 from codegen.passes import prune
 from codegen.program import Builder
 from eom import catalogue
@@ -57,10 +57,10 @@ def entries(derived, point):
 
 
 def test_every_operation_has_its_partial_derivatives():
-    assert set(PARTIALS) == set(OPS)
+    assert set(PARTIALS) == set(OPS) - {"back", "item"}
 
 
-@pytest.mark.parametrize("op", OPS)
+@pytest.mark.parametrize("op", sorted(set(OPS) - SOLVE))
 def test_partials_are_those_of_the_table_of_operations(op):
     at = POINTS[op]
     derived = jacobian(program_of_op(op), RATES)

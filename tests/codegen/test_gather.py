@@ -6,12 +6,11 @@ import sympy as sp
 from hypothesis import given, settings
 
 import eom
-from codegen.compiled import specialised
 from codegen.gather import gather
 from codegen.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.passes import prune
-from codegen.pipeline import join
+from codegen.pipeline import join, specialised
 from codegen.rescale import rescale
 from codegen.stages import by_parameters, reciprocals
 from eom import catalogue

@@ -1,0 +1,233 @@
+"""Forward dynamics of chains: one recursion, fed with CasADi's scalars and with ours.
+
+`articulated.accelerations` runs on both. Operations are counted alike: instructions that are no
+inputs, outputs or constants. Both C texts are compiled by the same compiler with the same flags and
+timed in the same loop; values are compared, and with Pinocchio's where it is installed.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+from timeit import timeit
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from benchmarks.articulated import GRAVITY, accelerations, chain
+from benchmarks.native_rates import ALIGNED, Points, Rates, sampler
+from benchmarks.pairs import paired, settled
+from benchmarks.peers import absent, missing
+from benchmarks.rates import largest_difference
+from benchmarks.settings import Settings
+from benchmarks.table import Row, Section, time_text
+from codegen import native, scalars
+from codegen.layout import Layout
+from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.passes import prune
+from codegen.program import Builder, Program
+from codegen.targets import c
+from eom.system import Quantity
+
+BODIES = (7, 20, 50)
+QUICK_BODIES = (7, 20)
+LARGEST_RATIO = 0.9
+LARGEST_GENERATION = 0.2
+LARGEST_DIFFERENCE = 1e-10
+"""Relative; the last of 50 bodies accelerates by the differences of large numbers."""
+KNOWN = {7: 2298, 20: 7790}
+"""Operations that CasADi 3.8.2 left of the recursion: the short form needs no peer."""
+FLAGS = ("-O2", *ALIGNED)
+"""After those of generated code, so that -O2 counts, for both sides alike."""
+REPEATS = 5
+
+Text = tuple[str, str]
+"""C source, and the name of its function."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """Operations of the right-hand side, its C text, and the seconds that it took to make it."""
+
+    operations: int
+    text: Text
+    seconds: float
+
+
+def measure(settings: Settings) -> Section:
+    """Return three rows a size: operations, generation, time in C."""
+    title = "chains of bodies, articulated-body algorithm: ours | CasADi SX"
+    if settings.quick:
+        return Section(title, tuple(_known(count) for count in QUICK_BODIES))
+    rows = [row for count in BODIES for row in _rows(count)]
+    lacking = [n for n in ("casadi", "pin") if missing(n)]
+    return Section(title, (*rows, *(absent(name, [name]) for name in lacking)))
+
+
+def _known(count: int) -> Row:
+    operations = sum(program(count).counts().values())
+    known = KNOWN[count]
+    ratio = f"{operations / known:.3f}"
+    what = f"{count} bodies: operations, CasADi's as recorded"
+    return Row(what, str(operations), str(known), ratio, "<= 1", operations <= known)
+
+
+def _rows(count: int) -> list[Row]:
+    mine = fastest(lambda: ours(count))
+    rates = _rates(mine.text)
+    points = Points.for_layout(layout(count))
+    if missing("casadi"):
+        time = time_text(min(sampler(rates, points)() for _ in range(REPEATS)))
+        return [Row(f"{count} bodies", f"{mine.operations} operations, {time}")]
+    other = fastest(lambda: casadi(count))
+    beside = _rates(other.text)
+    difference = largest_difference(rates, beside, points)
+    if not difference <= LARGEST_DIFFERENCE:
+        return [Row(f"{count} bodies", f"differs by {difference:.1e}", target="same", met=False)]
+    pairs = settled(
+        lambda: paired(sampler(rates, points), sampler(beside, points), 5),
+        lambda p: p.ratio,
+        LARGEST_RATIO,
+    )
+    shared = f"{other.operations} ({casadi_shared(count)} by its cse)"
+    generated = (time_text(mine.seconds), time_text(other.seconds))
+    timed = tuple(time_text(s) for s in pairs.typical)
+    rows = [
+        _judged(f"{count} bodies: operations", (str(mine.operations), shared),
+                mine.operations / other.operations, LARGEST_RATIO),
+        _judged(f"{count} bodies: to C text", generated,
+                mine.seconds / other.seconds, LARGEST_GENERATION),
+        _judged(f"{count} bodies: in C", timed, pairs.ratio, LARGEST_RATIO),
+    ]  # fmt: skip
+    return rows if missing("pin") else [*rows, _pinocchio(count, rates, points)]
+
+
+def _judged(what: str, cells: tuple[str, ...], ratio: float, limit: float) -> Row:
+    return Row(what, *cells, f"{ratio:.3f}", f"<= {limit}", ratio <= limit)
+
+
+def fastest(make: Callable[[], tuple[int, Text]]) -> Made:
+    """Make a text several times; return it with the least processor time."""
+    times = []
+    for _ in range(REPEATS):
+        start = process_time()
+        operations, text = make()
+        times.append(process_time() - start)
+    return Made(operations, text, min(times))
+
+
+def program(count: int) -> Program:
+    """Return our program: states are angles and rates, inputs the torques."""
+    b = Builder()
+    x = scalars.scalars(b, "state", 2 * count)
+    u = scalars.scalars(b, "input", count)
+    q, rates = x[:count], x[count:]
+    found = accelerations(chain(count), q, rates, u, scalars.sin, scalars.cos)
+    return prune(scalars.program(b, {RATES: [*rates, *found]}))
+
+
+def layout(count: int) -> Layout:
+    """Return names of states and torques."""
+    x, u = (
+        tuple(Quantity(sp.Symbol(f"{letter}{k}", real=True)) for k in range(n))
+        for letter, n in (("x", 2 * count), ("u", count))
+    )
+    names = tuple(q.name for q in x)
+    return Layout(
+        "chain", "chain", x, (), u, {RATES: names, OUTPUTS: (), INVARIANTS: (), SINGULARITIES: ()}
+    )
+
+
+def ours(count: int) -> tuple[int, Text]:
+    """Return operations and C text, by our scalars."""
+    made = program(count)
+    return sum(made.counts().values()), (c.single_text(made, layout(count)), f"chain_{RATES}")
+
+
+def casadi(count: int) -> tuple[int, Text]:
+    """Return operations and C text, by CasADi's scalars; a wrapper gives it our signature."""
+    function = _casadi(count)
+    with tempfile.TemporaryDirectory() as folder:
+        generator = _generator(function)
+        generator.generate(f"{folder}/")
+        text = (Path(folder) / "chain.c").read_text("utf-8")
+    wrapper = (
+        "\nvoid chain_wrapped(double t, const double *x, const double *p, const double *u, double *dx) {\n"
+        "    const double *arg[2] = {x, u};\n    double *res[1] = {dx};\n"
+        f"    double w[{function.sz_w()} + 1];\n"
+        "    (void)t, (void)p;\n    chain(arg, res, 0, w, 0);\n}\n"
+    )
+    return _casadi_operations(function), (text + wrapper, "chain_wrapped")
+
+
+def _casadi(count: int, share: bool = False) -> Any:
+    import casadi as ca
+
+    x, u = ca.SX.sym("x", 2 * count), ca.SX.sym("u", count)
+    listed = [x[k] for k in range(2 * count)]
+    q, rates = listed[:count], listed[count:]
+    torques = [u[k] for k in range(count)]
+    found = ca.vertcat(*rates, *accelerations(chain(count), q, rates, torques, ca.sin, ca.cos))
+    return ca.Function("chain", [x, u], ca.cse([found]) if share else [found])
+
+
+def _casadi_operations(function: Any) -> int:
+    import casadi as ca
+
+    leaves = {ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST}
+    return sum(function.instruction_id(k) not in leaves for k in range(function.n_instructions()))
+
+
+def casadi_shared(count: int) -> int:
+    """Return the operations that CasADi leaves when it is asked to share equal subexpressions."""
+    return _casadi_operations(_casadi(count, share=True))
+
+
+def _generator(function: Any) -> Any:
+    import casadi as ca
+
+    generator = ca.CodeGenerator("chain.c")
+    generator.add(function)
+    return generator
+
+
+def _rates(text: Text) -> Rates:
+    source, symbol = text
+    library = native.load(native.compile_library(source, FLAGS), source, FLAGS)
+    return Rates(source, symbol, library)
+
+
+def _pinocchio(count: int, rates: Rates, points: Points) -> Row:
+    """Compare values with Pinocchio's; its time is that of a call from Python."""
+    model, data, aba = pinocchio(count)
+    worst = 0.0
+    for x in points.x[:8]:
+        found = rates(x, points.p, points.u)[count:]
+        expected = aba(model, data, x[:count], x[count:], points.u)
+        worst = max(worst, float(np.abs(found - expected).max() / np.abs(expected).max()))
+    x = points.x[0]
+    calls = 200
+    call = timeit(lambda: aba(model, data, x[:count], x[count:], points.u), number=calls) / calls
+    what = f"{count} bodies: values against Pinocchio"
+    beside = f"{time_text(call)} a call from Python"
+    met = worst <= LARGEST_DIFFERENCE
+    return Row(what, f"{worst:.1e}", beside, "", f"<= {LARGEST_DIFFERENCE:g}", met)
+
+
+def pinocchio(count: int) -> tuple[Any, Any, Any]:
+    """Return Pinocchio's model of the chain, its data, and its articulated-body algorithm."""
+    import pinocchio as pin
+
+    model = pin.Model()
+    model.gravity.linear = np.array([0.0, 0.0, -GRAVITY])
+    joint = 0
+    for k, body in enumerate(chain(count)):
+        place = pin.SE3(np.array(body.turn, dtype=float).T, np.array(body.offset))
+        joint = model.addJoint(joint, pin.JointModelRZ(), place, f"joint{k}")
+        inertia = pin.Inertia(body.mass, np.array(body.centre), np.array(body.inertia))
+        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    return model, model.createData(), pin.aba

@@ -1,0 +1,17 @@
+"""The same system gives the same bytes in every process, whatever Python hashes strings to."""
+
+from codegen.compiled import TARGETS
+from eom import catalogue
+from tests.codegen.digests import HASH_SEEDS, digests_started
+
+
+def test_processes_with_other_hash_seeds_generate_the_same_bytes():
+    results = [digests_started(seed) for seed in HASH_SEEDS]
+    first, *others = (result() for result in results)
+    systems = [*catalogue.names(), "pendulum"]
+    for name in systems:
+        assert any(key.startswith(f"{name} jacobian") for key in first)
+        for target in set(TARGETS) - {"auto"}:
+            assert any(key.startswith(f"{name} {target} ") for key in first)
+    assert len(set(first.values())) > len(systems)
+    assert all(other == first for other in others)

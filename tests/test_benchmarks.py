@@ -1,0 +1,73 @@
+"""Benchmarks with peers: what is missing is said, and what both can be asked is right."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks import chains, compile_time, peers, pendulum
+from benchmarks.articulated import accelerations, chain
+from benchmarks.settings import Settings
+from codegen import native
+from codegen.interpret import Point, interpret
+from codegen.lower import RATES
+
+needs_compiler = pytest.mark.skipif(not native.compiler(), reason="times C itself")
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """No peer is installed."""
+    for module in (chains, pendulum):
+        monkeypatch.setattr(module, "missing", lambda *names: names)
+    monkeypatch.setattr(chains, "BODIES", (2,))
+
+
+@needs_compiler
+def test_without_peers_ours_is_measured_and_the_others_are_named(alone):
+    section = chains.measure(Settings())
+    assert section.rows[0].what == "2 bodies"
+    assert [r.what for r in section.rows[1:]] == ["casadi", "pin"]
+    assert all("missing: install the extra bench" in r.beside for r in section.rows[1:])
+    assert all(r.met is None for r in section.rows)
+
+
+@needs_compiler
+def test_a_pendulum_without_pydy(alone):
+    found = pendulum.whole(1)
+    assert set(found) == {"derive", "ours", "call"}
+    stages = pendulum.stages(1)
+    assert set(stages) == {*pendulum.STAGES, "operations"}
+
+
+def test_peers_are_named_by_their_distributions():
+    assert set(peers.missing(*peers.MODULES)) <= set(peers.MODULES)
+    assert all(name in peers.versions() for name in peers.MODULES)
+
+
+def test_the_recursion_on_floats_and_as_a_program_is_the_same():
+    count = 3
+    x, u = np.linspace(-1.0, 1.2, 2 * count), np.array([0.3, -0.7, 1.1])
+    q, rates = list(x[:count]), list(x[count:])
+    expected = accelerations(chain(count), q, rates, list(u), math.sin, math.cos)
+    found = interpret(chains.program(count), Point(x=x, u=u))[RATES]
+    np.testing.assert_allclose(found, [*rates, *expected], rtol=1e-12)
+
+
+def test_the_recursion_is_newtons_law_for_one_body_that_hangs():
+    """One link about a horizontal axis through its joint: J q'' = torque - the moment of weight."""
+    (body,) = chain(1)
+    m, c = body.mass, body.centre
+    moment = body.inertia[2][2] + m * (c[0] ** 2 + c[1] ** 2)
+    q, rate, torque = 0.4, -1.3, 0.7
+    (found,) = accelerations([body], [q], [rate], [torque], math.sin, math.cos)
+    turn = np.array([[math.cos(q), math.sin(q), 0], [-math.sin(q), math.cos(q), 0], [0, 0, 1]])
+    weight = turn @ np.array(body.turn) @ np.array([0.0, 0.0, -m * 9.81])
+    expected = (torque + np.cross(c, weight)[2]) / moment
+    assert found == pytest.approx(expected, rel=1e-13)
+
+
+def test_the_short_forms_judge_counts_alone():
+    quick = Settings(quick=True)
+    for section in (chains.measure(quick), compile_time.measure(quick)):
+        assert all(row.met for row in section.rows)
