@@ -1,0 +1,191 @@
+"""Where the rounding errors of a program come from, and how well-conditioned its results are.
+
+All values and derivatives are taken with 50 digits by the reverse mode (Griewank and Walther,
+Evaluating Derivatives, 2nd ed., sect. 3.2). To first order the error of a result is the sum over all
+operations of adjoint times own rounding error (Higham, Accuracy and Stability of Numerical
+Algorithms, 2nd ed. 2002, sect. 3.3); the condition number is componentwise and relative (ibid.,
+sect. 1.6): the sum of |x_k df/dx_k| over |f|.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import mpmath
+
+from codegen.interpret import Point, constants, interpret, interpret_exactly
+from codegen.ops import OPS
+from codegen.passes import needed
+from codegen.program import Program
+
+Number = Any  # a mpmath real
+
+DIGITS = 50
+ALL = "all"
+MAX_LOST = -math.log10(2.0**-53)
+"""Digits that a double has; no operation loses more."""
+SMALLEST_NORMAL = 2.0**-1022
+MATTERS = 0.1
+"""Share of a result's error below which an operation is not named."""
+_ARGUMENTS = frozenset({"time", "state", "parameter", "input"})
+
+
+class Cause(NamedTuple):
+    """The operation that a result owes most of its error to.
+
+    ``number``: of the instruction. ``digits``: decimal digits that the operation loses by making
+    inherited relative errors larger; 0 where the error is its own rounding. ``share``: of the
+    result's error that passes through it, 0 to 1.
+    """
+
+    number: int
+    digits: float
+    share: float
+
+
+def everything(program: Program) -> Program:
+    """Return the program with every value as a result of the one group `ALL`."""
+    return replace(program, results={ALL: tuple(range(len(program.instructions)))})
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Every value of a program at one point, with 50 digits; ``every`` is from `everything`."""
+
+    every: Program
+    point: Point
+
+    @cached_property
+    def values(self) -> list[Number]:
+        """Every value, with 50 digits."""
+        return interpret_exactly(self.every, self.point, DIGITS)[ALL]
+
+    @cached_property
+    def doubles(self) -> list[float]:
+        """Every value as double precision computes it, errors inherited."""
+        return interpret(self.every, self.point)[ALL]
+
+    @cached_property
+    def _context(self) -> Any:
+        context = mpmath.mp.clone()
+        context.dps = DIGITS
+        return context
+
+    @cached_property
+    def _partials(self) -> dict[int, tuple[Number, ...]]:
+        return {}
+
+    def partials(self, k: int) -> tuple[Number, ...]:
+        """Return the partial derivatives of instruction ``k`` by its arguments; NaN where infinite."""
+        if k not in self._partials:
+            op, args, _ = self.every.instructions[k]
+            try:
+                found = OPS[op].partials(
+                    self._context, self.values[k], *(self.values[a] for a in args)
+                )
+            except (ValueError, ZeroDivisionError, OverflowError):
+                found = (self._context.nan,) * len(args)
+            self._partials[k] = found
+        return self._partials[k]
+
+    def adjoint(self, result: int) -> dict[int, Number]:
+        """Return the derivative of value ``result`` by every value that it depends on."""
+        bars: dict[int, Number] = {result: self._context.mpf(1)}
+        for k in range(result, -1, -1):
+            bar = bars.get(k)
+            if not bar or self.every.instructions[k].op not in OPS:
+                continue
+            for a, slope in zip(self.every.instructions[k].args, self.partials(k), strict=True):
+                if slope:
+                    bars[a] = bars.get(a, 0) + bar * slope
+        return bars
+
+    def sensitivity(self, result: int) -> Number:
+        """Return the sum of |x_k df/dx_k| over time, states, parameters and inputs."""
+        bars = self.adjoint(result)
+        leaves = [k for k in bars if self.every.instructions[k].op in _ARGUMENTS]
+        return sum((abs(self.values[k] * bars[k]) for k in leaves), self._context.mpf(0))
+
+    def condition(self, result: int) -> float:
+        """Return the condition number; 0 if the result does not vary, infinite at its zeros."""
+        value, sensitivity = self.values[result], self.sensitivity(result)
+        if not sensitivity:
+            return 0.0
+        return float(sensitivity / abs(value)) if value else math.inf
+
+    def own_error(self, k: int) -> Number:
+        """Return the rounding error that operation ``k`` adds, for the doubles that it is given."""
+        known = constants(self.every)
+        op, args, _ = self.every.instructions[k]
+        m = self._context
+        if k in known:
+            return m.mpf(known[k]) - self.values[k]
+        if op not in OPS:
+            return m.mpf(0)
+        try:
+            exact = OPS[op].exact(m, *(m.mpf(self.doubles[a]) for a in args))
+        except (ValueError, ZeroDivisionError, OverflowError):
+            return m.nan
+        return m.mpf(self.doubles[k]) - exact if isinstance(exact, m.mpf) else m.nan
+
+    def cause(self, result: int) -> Cause | None:
+        """Return where the error of ``result`` comes from; None if there is none.
+
+        First choice is the operation that loses most digits, weighed by the share of the error that
+        it inherits and passes on; where none loses a digit, the one whose own rounding counts most.
+        """
+        bars = self.adjoint(result)
+        own = {k: self.own_error(k) for k in bars}
+        total = sum(abs(bars[k] * e) for k, e in own.items() if self._context.isfinite(e))
+        if not total or not self._context.isfinite(total):
+            return None
+        found = [self._passing(k, bars[k], own[k], total) for k in sorted(bars)]
+        losing = [c for c in found if c.digits >= 1 and c.share >= MATTERS]
+        if losing:
+            return max(losing, key=lambda c: c.digits * c.share)
+        rounding = max(
+            (k for k in own if self._context.isfinite(own[k])), key=lambda k: abs(bars[k] * own[k])
+        )
+        return Cause(rounding, 0.0, float(abs(bars[rounding] * own[rounding]) / total))
+
+    def _passing(self, k: int, bar: Number, own: Number, total: Number) -> Cause:
+        """Return what operation ``k`` does to the error that it inherits."""
+        inherited = abs(self._context.mpf(self.doubles[k]) - own - self.values[k])
+        if not inherited or not self._context.isfinite(inherited):
+            return Cause(k, 0.0, 0.0)
+        share = min(1.0, float(abs(bar) * inherited / total))
+        return Cause(k, self._digits_lost(k), share)
+
+    def _digits_lost(self, k: int) -> float:
+        """Return the decimal logarithm of the condition number of one operation, within a double."""
+        args = self.every.instructions[k].args
+        if self.every.instructions[k].op not in OPS or not args:
+            return 0.0
+        pairs = zip(args, self.partials(k), strict=True)
+        reach = sum(abs(self.values[a] * slope) for a, slope in pairs if slope)
+        size = abs(self.values[k])
+        if not reach or not self._context.isfinite(reach):
+            return 0.0
+        if size * 10**MAX_LOST <= reach:
+            return MAX_LOST
+        return max(0.0, float(self._context.log10(reach / size)))
+
+    def underflows(self, result: int) -> bool:
+        """Tell whether a value that ``result`` depends on is too small for a normal double."""
+        inside = needed(replace(self.every, results={ALL: (result,)}), [ALL])
+        return any(self.values[k] != 0 and abs(self.values[k]) < SMALLEST_NORMAL for k in inside)
+
+    def overflows(self, result: int) -> bool:
+        """Tell whether double precision meets an infinity on the way to ``result``."""
+        inside = needed(replace(self.every, results={ALL: (result,)}), [ALL])
+        return any(math.isinf(self.doubles[k]) for k in inside)
+
+
+def operations(program: Program, result: int) -> int:
+    """Return the number of operations that value ``result`` depends on, constants left out."""
+    inside = needed(replace(program, results={ALL: (result,)}), [ALL])
+    known = constants(program)
+    return sum(program.instructions[k].op in OPS and k not in known for k in inside)

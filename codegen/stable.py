@@ -1,0 +1,246 @@
+"""Rewrite sums and functions that cancel to stable forms, by the table of `codegen.identities`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from itertools import combinations
+from typing import NamedTuple
+
+from codegen.fold import constant
+from codegen.identities import IDENTITIES, Identity
+from codegen.ops import OPS
+from codegen.passes import prune
+from codegen.program import Builder, Program
+
+MAX_TERMS = 24
+"""Longer sums are left alone: all pairs of terms are looked at."""
+
+
+class Applied(NamedTuple):
+    """An identity that was used, and the number of the value in the program before."""
+
+    identity: str
+    number: int
+
+
+@dataclass(frozen=True)
+class Rewriting:
+    """A program in stable form, and what was rewritten to get there."""
+
+    program: Program
+    applied: tuple[Applied, ...]
+
+
+class _Term(NamedTuple):
+    """A term of a sum: number of the new value, its sign, and the value in the program before."""
+
+    number: int
+    sign: int
+    old: int
+
+
+def rewritten(program: Program, identities: Sequence[Identity] = IDENTITIES) -> Rewriting:
+    """Apply every identity wherever it fits, whatever it costs.
+
+    Law: values are equal in exact arithmetic, wherever those of ``program`` are defined.
+    """
+    return _Rewriter(program, identities, free=False).run()
+
+
+def rewritten_freely(program: Program, identities: Sequence[Identity] = IDENTITIES) -> Rewriting:
+    """Apply identities where they do not make the program more expensive.
+
+    Laws: as for `rewritten`; and the cost of the program does not rise.
+    """
+    found = _Rewriter(program, identities, free=True).run()
+    return found if found.program.cost() <= program.cost() else Rewriting(program, ())
+
+
+class _Rewriter:
+    """Builds a program anew; ``free``: only what costs nothing."""
+
+    def __init__(self, program: Program, identities: Sequence[Identity], *, free: bool) -> None:
+        self.program = program
+        self.free = free
+        self.b = Builder()
+        self.new: dict[int, int] = {}
+        self.applied: list[Applied] = []
+        self.rules: dict[str, list[Identity]] = {}
+        for identity in identities:
+            self.rules.setdefault(identity.op, []).append(identity)
+        self.uses = Counter(a for i in program.instructions for a in i.args)
+        self.uses.update(k for r in program.results.values() for k in r)
+        self.inner = self._inner_sums()
+
+    def run(self) -> Rewriting:
+        for k, (op, args, value) in enumerate(self.program.instructions):
+            if op not in OPS:
+                self.new[k] = self.b.leaf(op, value)
+            elif op in {"add", "sub"}:
+                self.new[k] = self._sum(k)
+            else:
+                self.new[k] = self._function(k, op, tuple(self.new[a] for a in args))
+            if k in self.program.names:
+                self.b.name(self.new[k], self.program.names[k])
+        if not self.applied:
+            return Rewriting(self.program, ())
+        results = {g: [self.new[k] for k in r] for g, r in self.program.results.items()}
+        return Rewriting(prune(self.b.program(results)), tuple(self.applied))
+
+    def _inner_sums(self) -> frozenset[int]:
+        """Return the sums that serve one other sum alone and have no name."""
+        instructions = self.program.instructions
+        return frozenset(
+            a
+            for i in instructions
+            if i.op in {"add", "sub"}
+            for a in i.args
+            if instructions[a].op in {"add", "sub"}
+            and self.uses[a] == 1
+            and a not in self.program.names
+        )
+
+    def _function(self, k: int, op: str, args: tuple[int, ...]) -> int:
+        start = len(self.b.instructions)
+        for identity in self.rules.get(op, ()):
+            found = identity.rule(self.b, args)
+            if found is not None and self._pays(found, start, [k]):
+                self.applied.append(Applied(identity.text, k))
+                return found
+        return self.b.add(op, *args)
+
+    def _sum(self, k: int) -> int:
+        """Rebuild a sum; an inner one as it is, a whole one with its pairs of terms rewritten."""
+        op, args, _ = self.program.instructions[k]
+        if k not in self.inner:
+            terms = self._terms(k)
+            if len(terms) <= MAX_TERMS and self._rewrite_pairs(k, terms):
+                return self._total(terms)
+        return self.b.add(op, *(self.new[a] for a in args))
+
+    def _terms(self, root: int) -> list[_Term]:
+        terms: list[_Term] = []
+        stack = [(root, 1)]
+        while stack:
+            k, sign = stack.pop()
+            op, args, _ = self.program.instructions[k]
+            if k == root or k in self.inner:
+                stack += [(args[1], -sign if op == "sub" else sign), (args[0], sign)]
+            else:
+                terms.append(self._signed(_Term(self.new[k], sign, k)))
+        return terms
+
+    def _signed(self, term: _Term) -> _Term:
+        """Turn a negative constant, or a product with one, into its opposite."""
+        op, args, _ = self.b.instructions[term.number]
+        values = [constant(self.b, a) for a in ((term.number,) if op == "const" else args)]
+        if op in {"const", "mul"} and any(v is not None and v < 0 for v in values):
+            return _Term(self.b.add("neg", term.number), -term.sign, term.old)
+        return term
+
+    def _rewrite_pairs(self, k: int, terms: list[_Term]) -> bool:
+        """Replace pairs of terms until no identity fits; tell whether one did."""
+        changed = False
+        while True:
+            found = next(self._matches(k, terms), None)
+            if found is None:
+                return changed
+            identity, first, second, term = found
+            terms[:] = [t for t in terms if t is not first and t is not second]
+            terms.append(term)
+            self.applied.append(Applied(identity.text, k))
+            changed = True
+
+    def _matches(
+        self, k: int, terms: Sequence[_Term]
+    ) -> Iterator[tuple[Identity, _Term, _Term, _Term]]:
+        for first, second in combinations(terms, 2):
+            op = "add" if first.sign == second.sign else "sub"
+            orders = ((first, second),) if op == "add" else ((first, second), (second, first))
+            for identity in self.rules.get(op, ()):
+                if identity.alone and len(terms) > 2:
+                    continue
+                for x, y in orders:
+                    start = len(self.b.instructions)
+                    value = self._with_common_factor(identity, x.number, y.number)
+                    if value is not None and self._pays(value, start, [x.old, y.old]):
+                        yield identity, first, second, _Term(value, x.sign, k)
+
+    def _with_common_factor(self, identity: Identity, x: int, y: int) -> int | None:
+        """Return f (z - w) by an identity for z - w, where the terms are x = f z and y = f w."""
+        direct = identity.rule(self.b, (x, y))
+        if direct is not None:
+            return direct
+        left, right = Counter(self._factors(x)), Counter(self._factors(y))
+        common = left & right
+        if not common:
+            return None
+        rest = [self._product((side - common).elements()) for side in (left, right)]
+        found = identity.rule(self.b, (rest[0], rest[1]))
+        return None if found is None else self.b.add("mul", self._product(common.elements()), found)
+
+    def _factors(self, number: int) -> list[int]:
+        found, stack = [], [number]
+        while stack:
+            op, args, _ = self.b.instructions[stack[-1]]
+            k = stack.pop()
+            if op == "mul":
+                stack += args
+            elif constant(self.b, k) != 1:
+                found.append(k)
+        return found
+
+    def _product(self, factors: Iterable[int]) -> int:
+        ordered = sorted(factors)
+        return reduce(lambda p, k: self.b.add("mul", p, k), ordered, self.b.const(Fraction(1)))
+
+    def _total(self, terms: Sequence[_Term]) -> int:
+        """Add the positive terms first."""
+        total = self.b.const(0)
+        for term in sorted(terms, key=lambda t: t.sign < 0):
+            total = self.b.add("add" if term.sign > 0 else "sub", total, term.number)
+        return total
+
+    def _pays(self, value: int, start: int, before: Sequence[int]) -> bool:
+        """Tell whether a value costs no more than what it makes superfluous, where that matters."""
+        if not self.free:
+            return True
+        alive = self._reached(value)
+        spent = sum(self._cost(self.b.instructions[k].op) for k in alive if k >= start)
+        return spent <= self._saved(before, alive)
+
+    def _reached(self, value: int) -> set[int]:
+        found, stack = {value}, [value]
+        while stack:
+            new = set(self.b.instructions[stack.pop()].args) - found
+            found |= new
+            stack += new
+        return found
+
+    def _saved(self, before: Sequence[int], alive: set[int]) -> int:
+        """Return the cost of what ``before`` alone needs; a pair of terms saves an addition, too."""
+        total = int(len(before) > 1)
+        stack = [k for k in before if len(before) == 1 or self.uses[k] == 1]
+        while stack:
+            k = stack.pop()
+            if self.new.get(k, -1) in alive:
+                continue
+            total += self._cost(self.program.instructions[k].op)
+            stack += [a for a in set(self.program.instructions[k].args) if self._only_there(a, k)]
+        return total
+
+    def _only_there(self, a: int, k: int) -> bool:
+        return self.uses[a] == Counter(self.program.instructions[k].args)[a]
+
+    @staticmethod
+    def _cost(op: str) -> int:
+        return OPS[op].cost if op in OPS else 0
+
+
+def texts(applied: Iterable[Applied]) -> Mapping[str, int]:
+    """Return how often each identity was used, in the order of use."""
+    return dict(Counter(a.identity for a in applied))
