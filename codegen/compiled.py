@@ -27,6 +27,7 @@ from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.names import identifier
 from codegen.program import Program
+from codegen.stable import rewritten, rewritten_freely
 from codegen.sums import share_sums
 from codegen.targets import c, load_module, numpy_
 from eom.errors import InputError, unknown_name
@@ -156,6 +157,7 @@ class Compiled:
     ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
     ``singularities`` are like it, where the system has any. ``fixed``: parameters that were
     compiled in. ``notice``: what the user should know, for example that there was no C compiler.
+    ``stable``: whether every identity against cancellation was applied, also those that cost time.
     """
 
     system: System
@@ -165,6 +167,7 @@ class Compiled:
     fixed: Mapping[str, float]
     functions: Mapping[str, Function]
     notice: str = ""
+    stable: bool = False
 
     def __repr__(self) -> str:
         """Name the system, the target and the functions."""
@@ -174,7 +177,7 @@ class Compiled:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
-        return (compile, (self.system, self.target, dict(self.fixed)))
+        return (compile, (self.system, self.target, dict(self.fixed), self.stable))
 
     @property
     def rhs(self) -> Function:
@@ -223,34 +226,48 @@ class Compiled:
 
 
 def compile(  # noqa: A001 - the word that users expect
-    system: System | Any, target: str = "auto", parameters: Mapping[str, float] | None = None
+    system: System | Any,
+    target: str = "auto",
+    parameters: Mapping[str, float] | None = None,
+    stable: bool = False,
 ) -> Compiled:
     """Compile ``system`` for a target: ``c``, ``numpy``, or ``auto`` (C where a compiler works).
 
     ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
     LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded.
+    ``stable``: apply every identity of `codegen.identities` against cancellation; those that cost no
+    time are always applied. `codegen.accuracy` tells where it helps.
     Raises `InputError` for unknown names, values that contradict the system's assumptions and
     expressions without an operation; `CompilerError` where target ``c`` cannot be compiled.
     """
     system = as_system(system)
-    program, layout = specialised(system, parameters or {})
+    program, layout = specialised(system, parameters or {}, stable)
     build = TARGETS.get(target)
     if build is None:
         raise unknown_name("target", target, TARGETS)
     used, functions, notice = build(program, layout)
-    return Compiled(system, layout, program, used, dict(parameters or {}), functions, notice)
+    fixed = dict(parameters or {})
+    return Compiled(system, layout, program, used, fixed, functions, notice, stable)
 
 
-def specialised(system: System, parameters: Mapping[str, float]) -> tuple[Program, Layout]:
-    """Return program and layout with ``parameters`` fixed to numbers."""
+def specialised(
+    system: System, parameters: Mapping[str, float], stable: bool = False
+) -> tuple[Program, Layout]:
+    """Return program and layout with ``parameters`` fixed to numbers, sums in stable forms."""
+    program = as_written(system, parameters)
+    form = rewritten(program) if stable else rewritten_freely(program)
+    return share_sums(form.program, RATES), Layout.of(system).without(parameters)
+
+
+def as_written(system: System, parameters: Mapping[str, float]) -> Program:
+    """Return the program with ``parameters`` fixed to numbers, and nothing rewritten."""
     Guard.of(system).check(parameters)
     names = system.parameter_names
     given = {n: v for n, v in parameters.items() if n in names}
     to_array(list(given.values()), list(given), "parameter")
     fixed = {names.index(n): float(v) for n, v in given.items()}
-    program = passes.specialise(lower_system(system), fixed, len(names))
-    return share_sums(program, RATES), Layout.of(system).without(given)
+    return passes.specialise(lower_system(system), fixed, len(names))
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

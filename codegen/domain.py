@@ -26,7 +26,8 @@ REGIONS = (TYPICAL, ZERO, SINGULAR, EXTREME)
 NEAR_ZERO = (0.0, 1e-12, 1e-8, 1e-4)
 """Of the size of its range: what one state is set to at and near zero."""
 DISTANCES = tuple(10.0**-k for k in range(1, 16))
-SCALES = tuple(10.0**k for k in (-300, -200, -150, -100, -50, -20, -10, -6, -3, 3, 6, 10, 20, 50, 100, 150, 200, 300))  # fmt: skip
+EXPONENTS = (-300, -200, -150, -100, -50, -20, -10, -6, -3, 3, 6, 10, 20, 50, 100, 150, 200, 300)
+"""Decimal exponents by which states and inputs are scaled."""
 DRAWS = 2
 GRID = 64
 """Intervals in which a singular value of a state is looked for."""
@@ -210,9 +211,9 @@ def places(
     yield from _zero(layout, domain, generator)
     for number, text in enumerate(layout.results.get(SINGULARITIES, ())):
         yield from _singular(program, layout, domain, generator, number, text)
-    for scale in SCALES:
+    for exponent in EXPONENTS:
         for _ in range(DRAWS):
-            yield _scaled(domain, generator, scale)
+            yield _scaled(domain, generator, 10.0**exponent)
 
 
 def _with_states(point: Point, changed: Mapping[int, float]) -> Point:

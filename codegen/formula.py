@@ -10,7 +10,9 @@ from codegen.ops import LEAVES, Instruction
 from codegen.program import Program
 
 DEPTH = 4
-"""Operations below one another that are written out."""
+"""Operations below one another that are written out; those of one short sum count as one."""
+MAX_LENGTH = 80
+"""Longer texts are written less deep."""
 CUT = "..."
 
 
@@ -41,14 +43,24 @@ def formula(program: Program, number: int, layout: Layout, depth: int = DEPTH) -
 
     What lies deeper and has no name is written as ``...``; the value itself is always written out.
     """
-    return _written(program, number, layout, depth)[0]
+    tries = [(d, False) for d in range(depth, 1, -1)] + [(d, True) for d in range(depth, 0, -1)]
+    texts = [_written(program, number, layout, *t)[0] for t in tries]
+    short = next((text for text in texts if len(text) <= MAX_LENGTH), None)
+    return texts[-1] if short is None else short
 
 
-def _written(program: Program, number: int, layout: Layout, depth: int) -> tuple[str, int]:
+def _written(
+    program: Program, number: int, layout: Layout, depth: int, counted: bool
+) -> tuple[str, int]:
+    """Return the text and how tightly it binds; ``counted``: additions of one sum count, too."""
     op, args, _ = instruction = program.instructions[number]
     if op in LEAVES:
         return _leaf(instruction, layout)
-    below = [_operand(program, a, layout, depth - 1) for a in args]
+    steps = [int(counted or not _same_sum(program, op, a)) for a in args]
+    below = [
+        _operand(program, a, layout, depth - step, counted)
+        for a, step in zip(args, steps, strict=True)
+    ]
     if op == "mul" and args[0] == args[1]:
         return f"{_bracketed(below[0], 31)}**2", 30
     infix = _INFIX.get(op)
@@ -57,13 +69,19 @@ def _written(program: Program, number: int, layout: Layout, depth: int) -> tuple
     return infix.text.format(*_in_brackets(below, infix.needs)), infix.power
 
 
-def _operand(program: Program, number: int, layout: Layout, depth: int) -> tuple[str, int]:
+def _same_sum(program: Program, op: str, operand: int) -> bool:
+    return {op, program.instructions[operand].op} <= {"add", "sub"}
+
+
+def _operand(
+    program: Program, number: int, layout: Layout, depth: int, counted: bool
+) -> tuple[str, int]:
     name = program.names.get(number)
     if name is not None:
         return name.name, _ATOM
     if depth <= 0 and program.instructions[number].op not in LEAVES:
         return CUT, _ATOM
-    return _written(program, number, layout, depth)
+    return _written(program, number, layout, depth, counted)
 
 
 def _in_brackets(operands: Sequence[tuple[str, int]], needs: Sequence[int]) -> list[str]:

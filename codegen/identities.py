@@ -192,7 +192,9 @@ def _reciprocal(b: Numbers, number: int) -> int | None:
 
 def _reciprocals(b: Numbers, args: tuple[int, ...]) -> int | None:
     x, y = (_reciprocal(b, a) for a in args)
-    above = None if x is None or y is None else simpler_difference(b, y, x)
+    if x is None or y is None:
+        return None
+    above = simpler_difference(b, y, x)
     return None if above is None else b.add("div", above, b.add("mul", x, y))
 
 

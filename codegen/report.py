@@ -83,3 +83,19 @@ def _operations(expression: Any, known: dict[Any, int]) -> int:
         known[node] = own + sum(known[a] for a in node.args)
         stack.pop()
     return known[expression]
+
+
+def show(system: System, parameters: Mapping[str, float], target: str) -> None:
+    """Print what code generation leaves to compute; nothing is compiled."""
+    from rich.console import Console
+    from rich.table import Table
+
+    found = report(system, parameters, target)
+    stages = Table("right-hand side", "operations", "cost in additions", box=None, pad_edge=False)
+    for stage in found.stages:
+        stages.add_row(stage.name, f"{stage.operations:,}", f"{stage.cost:,}" if stage.cost else "")
+    console = Console(soft_wrap=True)
+    console.print(stages)
+    console.print("kinds: " + ", ".join(f"{n} {op}" for op, n in found.kinds.items()))
+    for name, size in found.sizes.items():
+        console.print(f"{name}: {size:,} bytes")

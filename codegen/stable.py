@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -11,7 +11,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from codegen.fold import constant
-from codegen.identities import IDENTITIES, Identity
+from codegen.identities import IDENTITIES, RANGE, Identity
 from codegen.ops import OPS
 from codegen.passes import prune
 from codegen.program import Builder, Program
@@ -43,7 +43,10 @@ class _Term(NamedTuple):
     old: int
 
 
-def rewritten(program: Program, identities: Sequence[Identity] = IDENTITIES) -> Rewriting:
+EVERY = (*IDENTITIES, *RANGE)
+
+
+def rewritten(program: Program, identities: Sequence[Identity] = EVERY) -> Rewriting:
     """Apply every identity wherever it fits, whatever it costs.
 
     Law: values are equal in exact arithmetic, wherever those of ``program`` are defined.
@@ -239,8 +242,3 @@ class _Rewriter:
     @staticmethod
     def _cost(op: str) -> int:
         return OPS[op].cost if op in OPS else 0
-
-
-def texts(applied: Iterable[Applied]) -> Mapping[str, int]:
-    """Return how often each identity was used, in the order of use."""
-    return dict(Counter(a.identity for a in applied))
