@@ -308,7 +308,8 @@ def _jacobian(compiled: Compiled, by: str, drawn: tuple[Place, ...]) -> _Part:
 
 def _verdict(trace: Trace, number: int, ulps: float, condition: float, count: int) -> str:
     if not math.isfinite(ulps):
-        return OVERFLOWS if trace.overflows(number) else NOT_A_NUMBER
+        found = ((OVERFLOWS, trace.overflows), (UNDERFLOWS, trace.underflows))
+        return next((verdict for verdict, test in found if test(number)), NOT_A_NUMBER)
     if ulps == 0:
         return EXACT
     if ulps <= MULTIPLE * max(count, 1):

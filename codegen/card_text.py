@@ -117,7 +117,7 @@ def _in_ulps(value: float) -> str:
 def sentences(card: Card) -> Iterator[str]:
     """Return what follows the table: the worst points with causes and advice, then rewritings."""
     grave = [r for r in card.rows if r.verdict not in {EXACT, ACCURATE}]
-    order = sorted(grave, key=lambda r: (-VERDICTS.index(r.verdict), -_size(r)))
+    order = sorted(grave, key=_gravity)
     first = {(r.group, r.result): r for r in reversed(order)}
     kept = [r for r in order if first[r.group, r.result] is r]
     for row in kept[:MAX_POINTS]:
@@ -129,8 +129,10 @@ def sentences(card: Card) -> Iterator[str]:
     yield from _rewritings(card)
 
 
-def _size(row: Row) -> float:
-    return row.worst.ulps if row.worst is not None else 0.0
+def _gravity(row: Row) -> tuple[int, int, float]:
+    """Sort by verdict, the domain before other regions, then by size of the error."""
+    size = row.worst.ulps if row.worst is not None else 0.0
+    return -VERDICTS.index(row.verdict), REGIONS.index(row.region), -size
 
 
 def _gravest(row: Row) -> Finding:

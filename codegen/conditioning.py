@@ -10,6 +10,7 @@ sect. 1.6): the sum of |x_k df/dx_k| over |f|.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -132,32 +133,36 @@ class Trace:
         return m.mpf(self.doubles[k]) - exact if isinstance(exact, m.mpf) else m.nan
 
     def cause(self, result: int) -> Cause | None:
-        """Return where the error of ``result`` comes from; None if there is none.
+        """Return where the error of ``result`` comes from; None if there is none, or no bound.
 
         First choice is the operation that loses most digits, weighed by the share of the error that
         it inherits and passes on; where none loses a digit, the one whose own rounding counts most.
         """
         bars = self.adjoint(result)
-        own = {k: self.own_error(k) for k in bars}
-        total = sum(abs(bars[k] * e) for k, e in own.items() if self._context.isfinite(e))
+        own = {k: abs(self.own_error(k)) for k in sorted(bars)}
+        inherited = self._inherited(own)
+        total = inherited[result] + own[result]
         if not total or not self._context.isfinite(total):
             return None
-        found = [self._passing(k, bars[k], own[k], total) for k in sorted(bars)]
+
+        def share(k: int, error: Number) -> float:
+            return min(1.0, float(abs(bars[k]) * error / total))
+
+        found = [Cause(k, self._digits_lost(k), share(k, inherited[k])) for k in own]
         losing = [c for c in found if c.digits >= 1 and c.share >= MATTERS]
         if losing:
             return max(losing, key=lambda c: c.digits * c.share)
-        rounding = max(
-            (k for k in own if self._context.isfinite(own[k])), key=lambda k: abs(bars[k] * own[k])
-        )
-        return Cause(rounding, 0.0, float(abs(bars[rounding] * own[rounding]) / total))
+        return max((Cause(k, 0.0, share(k, own[k])) for k in own), key=lambda c: c.share)
 
-    def _passing(self, k: int, bar: Number, own: Number, total: Number) -> Cause:
-        """Return what operation ``k`` does to the error that it inherits."""
-        inherited = abs(self._context.mpf(self.doubles[k]) - own - self.values[k])
-        if not inherited or not self._context.isfinite(inherited):
-            return Cause(k, 0.0, 0.0)
-        share = min(1.0, float(abs(bar) * inherited / total))
-        return Cause(k, self._digits_lost(k), share)
+    def _inherited(self, own: Mapping[int, Number]) -> dict[int, Number]:
+        """Return what the errors of the arguments make of each value, added without regard to sign."""
+        found: dict[int, Number] = {}
+        for k in own:
+            op, args, _ = self.every.instructions[k]
+            pairs = zip(args, self.partials(k), strict=True) if op in OPS else ()
+            errors = [abs(slope) * (found[a] + own[a]) for a, slope in pairs if slope]
+            found[k] = sum(errors, self._context.mpf(0))
+        return found
 
     def _digits_lost(self, k: int) -> float:
         """Return the decimal logarithm of the condition number of one operation, within a double."""
