@@ -155,12 +155,17 @@ class Trace:
         return max((Cause(k, 0.0, share(k, own[k])) for k in own), key=lambda c: c.share)
 
     def _inherited(self, own: Mapping[int, Number]) -> dict[int, Number]:
-        """Return what the errors of the arguments make of each value, added without regard to sign."""
+        """Return what the errors of the arguments make of each value, added without regard to sign.
+
+        Arguments that the result does not depend on, as its derivative is zero, are left out.
+        """
         found: dict[int, Number] = {}
         for k in own:
             op, args, _ = self.every.instructions[k]
             pairs = zip(args, self.partials(k), strict=True) if op in OPS else ()
-            errors = [abs(slope) * (found[a] + own[a]) for a, slope in pairs if slope]
+            errors = [
+                abs(slope) * (found[a] + own[a]) for a, slope in pairs if slope and a in found
+            ]
             found[k] = sum(errors, self._context.mpf(0))
         return found
 

@@ -100,5 +100,5 @@ def _leaf(instruction: Instruction, layout: Layout) -> tuple[str, int]:
         return groups[op][int(value or 0)].name, _ATOM
     if op == "const":
         text = str(value) if len(str(value)) <= 12 else f"{float(value or 0):.6g}"
-        return text, 20 if "/" in text else _ATOM if not text.startswith("-") else 15
+        return text, 15 if text.startswith("-") else 20 if "/" in text else _ATOM
     return {"pi": "pi", "time": "t"}.get(op, op if value is None else f"{op}{value}"), _ATOM
