@@ -22,14 +22,21 @@ class Identity:
     """A rule: its text, the operation that it replaces, and operations that it may need.
 
     ``op``: ``sub`` and ``add`` are tried on any two terms of a sum, or, with ``alone``, where the
-    two are the whole sum. A difference is tried in both directions.
+    two are the whole sum. A difference is tried in both directions. ``heads``: which operations the
+    two operands of a difference may be, so that others are passed over quickly; empty is any.
     """
 
     text: str
     op: str
     rule: Rule
+    heads: tuple[str, str] = ("", "")
     needs: tuple[str, ...] = ()
     alone: bool = False
+
+    def fits(self, operations: tuple[str, ...]) -> bool:
+        """Tell whether the rule may fit operands that are these operations."""
+        pairs = zip(self.heads, operations, strict=False)
+        return all(not head or op in head.split() for head, op in pairs)
 
 
 def _is(b: Numbers, number: int, op: str) -> int | None:
@@ -237,33 +244,37 @@ def _norm(b: Numbers, args: tuple[int, ...]) -> int | None:
     return None if x is None or y is None else b.add("hypot", x, y)
 
 
+_COSINES = _product("cos", "sin", "sin", -1)
+_SINES = _product("sin", "cos", "sin", 1)
 _HYPERBOLIC_COSINES = _product("cosh", "sinh", "sinh", 1)
 _HYPERBOLIC_SINES = _product("sinh", "cosh", "sinh", 1)
 
+_ONE = "const"
+
 _ROWS = (
-    Identity("1 - cos x = 2 sin^2(x/2)", "sub", _one_less("cos", "sin")),
-    Identity("cosh x - 1 = 2 sinh^2(x/2)", "sub", _one_less("cosh", "sinh")),
-    Identity("cos^2 x - sin^2 x = cos 2x", "sub", _double_angle),
-    Identity("1 - sin^2 x = cos^2 x", "sub", _complement("sin", "cos")),
-    Identity("1 - cos^2 x = sin^2 x", "sub", _complement("cos", "sin")),
-    Identity("cosh^2 x - 1 = sinh^2 x", "sub", _cosh_square_less_one),
-    Identity("1 - tanh^2 x = 1/cosh^2 x", "sub", _one_less_tanh_square),
-    Identity("cos x - cos y = -2 sin((x + y)/2) sin((x - y)/2)", "sub", _product("cos", "sin", "sin", -1)),
-    Identity("sin x - sin y = 2 cos((x + y)/2) sin((x - y)/2)", "sub", _product("sin", "cos", "sin", 1)),
-    Identity("cosh x - cosh y = 2 sinh((x + y)/2) sinh((x - y)/2)", "sub", _HYPERBOLIC_COSINES),
-    Identity("sinh x - sinh y = 2 cosh((x + y)/2) sinh((x - y)/2)", "sub", _HYPERBOLIC_SINES),
-    Identity("atan x - atan y = atan2(x - y, 1 + x y)", "sub", _atan_difference),
-    Identity("x - sin x = x^3 c_3(x^2), c_3 of Stumpff", "sub", _less_sine, ("stumpff",)),
-    Identity("exp x - 1 = expm1 x", "sub", _exp_less_one, ("expm1",)),
-    Identity("sqrt x - sqrt y = (x - y)/(sqrt x + sqrt y)", "sub", _root_difference),
-    Identity("sqrt x - y = (x - y^2)/(sqrt x + y) for y > 0", "sub", _beside_root(-1)),
+    Identity("1 - cos x = 2 sin^2(x/2)", "sub", _one_less("cos", "sin"), (_ONE, "cos")),
+    Identity("cosh x - 1 = 2 sinh^2(x/2)", "sub", _one_less("cosh", "sinh"), ("cosh", _ONE)),
+    Identity("cos^2 x - sin^2 x = cos 2x", "sub", _double_angle, ("mul", "mul")),
+    Identity("1 - sin^2 x = cos^2 x", "sub", _complement("sin", "cos"), (_ONE, "mul")),
+    Identity("1 - cos^2 x = sin^2 x", "sub", _complement("cos", "sin"), (_ONE, "mul")),
+    Identity("cosh^2 x - 1 = sinh^2 x", "sub", _cosh_square_less_one, ("mul", _ONE)),
+    Identity("1 - tanh^2 x = 1/cosh^2 x", "sub", _one_less_tanh_square, (_ONE, "mul")),
+    Identity("cos x - cos y = -2 sin((x + y)/2) sin((x - y)/2)", "sub", _COSINES, ("cos", "cos")),
+    Identity("sin x - sin y = 2 cos((x + y)/2) sin((x - y)/2)", "sub", _SINES, ("sin", "sin")),
+    Identity("cosh x - cosh y = 2 sinh((x + y)/2) sinh((x - y)/2)", "sub", _HYPERBOLIC_COSINES, ("cosh", "cosh")),
+    Identity("sinh x - sinh y = 2 cosh((x + y)/2) sinh((x - y)/2)", "sub", _HYPERBOLIC_SINES, ("sinh", "sinh")),
+    Identity("atan x - atan y = atan2(x - y, 1 + x y)", "sub", _atan_difference, ("atan", "atan")),
+    Identity("x - sin x = x^3 c_3(x^2), c_3 of Stumpff", "sub", _less_sine, ("", "sin"), ("stumpff",)),
+    Identity("exp x - 1 = expm1 x", "sub", _exp_less_one, ("exp", _ONE), ("expm1",)),
+    Identity("sqrt x - sqrt y = (x - y)/(sqrt x + sqrt y)", "sub", _root_difference, ("sqrt", "sqrt")),
+    Identity("sqrt x - y = (x - y^2)/(sqrt x + y) for y > 0", "sub", _beside_root(-1), ("sqrt", "")),
     Identity("sqrt x + y = (x - y^2)/(sqrt x - y) for y < 0", "add", _beside_root(1)),
-    Identity("1/sqrt x - 1/sqrt y = (y - x)/(sqrt x sqrt y (sqrt x + sqrt y))", "sub", _reciprocal_roots),
-    Identity("1/x - 1/y = (y - x)/(x y)", "sub", _reciprocals),
-    Identity("x^2 - y^2 = (x - y)(x + y)", "sub", _squares, alone=True),
+    Identity("1/sqrt x - 1/sqrt y = (y - x)/(sqrt x sqrt y (sqrt x + sqrt y))", "sub", _reciprocal_roots, ("div const", "div const")),
+    Identity("1/x - 1/y = (y - x)/(x y)", "sub", _reciprocals, ("div const", "div const")),
+    Identity("x^2 - y^2 = (x - y)(x + y)", "sub", _squares, ("mul", "mul"), alone=True),
     Identity("acos(1 - x) = 2 asin sqrt(x/2)", "acos", _arc_of_one_and(-1, "asin")),
     Identity("acosh(1 + x) = 2 asinh sqrt(x/2)", "acosh", _arc_of_one_and(1, "asinh")),
-    Identity("log(1 + x) = log1p x", "log", _log_of_one_more, ("log1p",)),
+    Identity("log(1 + x) = log1p x", "log", _log_of_one_more, needs=("log1p",)),
 )  # fmt: skip
 
 
@@ -275,6 +286,6 @@ IDENTITIES: tuple[Identity, ...] = _known(_ROWS)
 """Identities against cancellation; those whose operations are not in `ops` are left out."""
 
 RANGE: tuple[Identity, ...] = _known(
-    (Identity("sqrt(x^2 + y^2) = hypot(x, y)", "sqrt", _norm, ("hypot",)),)
+    (Identity("sqrt(x^2 + y^2) = hypot(x, y)", "sqrt", _norm, needs=("hypot",)),)
 )
 """Identities against overflow and underflow; they cost time and cure no cancellation."""

@@ -162,7 +162,9 @@ def _carried(m: Any, op: str, value: Any, args: list[Bounded]) -> float:
     return sum(abs(float(s)) * e if s and e else 0.0 for s, e in zip(slopes, errors, strict=True))
 
 
+@lru_cache(maxsize=16)
 def _context(digits: int) -> Any:
+    """Return a context of our own with so many digits; to make one takes longer than many values."""
     context = mpmath.mp.clone()
     context.dps = digits
     return context

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import reduce
 from itertools import combinations
 from typing import NamedTuple
@@ -72,6 +71,8 @@ class _Rewriter:
         self.b = Builder()
         self.new: dict[int, int] = {}
         self.applied: list[Applied] = []
+        self.fitting: dict[tuple[str, tuple[str, ...], bool], list[Identity]] = {}
+        self.factors: dict[int, tuple[int, ...]] = {}
         self.rules: dict[str, list[Identity]] = {}
         for identity in identities:
             self.rules.setdefault(identity.op, []).append(identity)
@@ -162,44 +163,63 @@ class _Rewriter:
         self, k: int, terms: Sequence[_Term]
     ) -> Iterator[tuple[Identity, _Term, _Term, _Term]]:
         for first, second in combinations(terms, 2):
-            op = "add" if first.sign == second.sign else "sub"
-            orders = ((first, second),) if op == "add" else ((first, second), (second, first))
-            for identity in self.rules.get(op, ()):
-                if identity.alone and len(terms) > 2:
-                    continue
-                for x, y in orders:
-                    start = len(self.b.instructions)
-                    value = self._with_common_factor(identity, x.number, y.number)
-                    if value is not None and self._pays(value, start, [x.old, y.old]):
+            orders = [(first, second)]
+            orders += [(second, first)] if first.sign != second.sign else []
+            for x, y in orders:
+                for identity, value, start in self._values(x, y, alone=len(terms) == 2):
+                    if self._pays(value, start, [x.old, y.old]):
                         yield identity, first, second, _Term(value, x.sign, k)
 
-    def _with_common_factor(self, identity: Identity, x: int, y: int) -> int | None:
-        """Return f (z - w) by an identity for z - w, where the terms are x = f z and y = f w."""
-        direct = identity.rule(self.b, (x, y))
-        if direct is not None:
-            return direct
-        left, right = Counter(self._factors(x)), Counter(self._factors(y))
+    def _values(self, x: _Term, y: _Term, *, alone: bool) -> Iterator[tuple[Identity, int, int]]:
+        """Return x - y or x + y by each identity that fits, also to z and w in f z and f w."""
+        op = "add" if x.sign == y.sign else "sub"
+        plain = (self.b.instructions[x.number].op, self.b.instructions[y.number].op)
+        for identity in self._fitting(op, plain, alone):
+            start = len(self.b.instructions)
+            value = identity.rule(self.b, (x.number, y.number))
+            if value is not None:
+                yield identity, value, start
+        left, right = Counter(self._factors(x.number)), Counter(self._factors(y.number))
         common = left & right
         if not common:
-            return None
-        rest = [self._product((side - common).elements()) for side in (left, right)]
-        found = identity.rule(self.b, (rest[0], rest[1]))
-        return None if found is None else self.b.add("mul", self._product(common.elements()), found)
+            return
+        rest = [sorted((side - common).elements()) for side in (left, right)]
+        for identity in self._fitting(op, (self._head(rest[0]), self._head(rest[1])), alone):
+            start = len(self.b.instructions)
+            value = identity.rule(self.b, (self._product(rest[0]), self._product(rest[1])))
+            if value is not None:
+                factor = self._product(sorted(common.elements()))
+                yield identity, self.b.add("mul", factor, value), start
 
-    def _factors(self, number: int) -> list[int]:
-        found, stack = [], [number]
-        while stack:
-            op, args, _ = self.b.instructions[stack[-1]]
-            k = stack.pop()
-            if op == "mul":
-                stack += args
-            elif constant(self.b, k) != 1:
-                found.append(k)
-        return found
+    def _fitting(self, op: str, operations: tuple[str, ...], alone: bool) -> list[Identity]:
+        key = (op, operations, alone)
+        if key not in self.fitting:
+            rules = [i for i in self.rules.get(op, ()) if alone or not i.alone]
+            self.fitting[key] = [i for i in rules if i.fits(operations)]
+        return self.fitting[key]
+
+    def _factors(self, number: int) -> tuple[int, ...]:
+        """Return what a value is the product of, ones left out."""
+        if number not in self.factors:
+            found, stack = [], [number]
+            while stack:
+                k = stack.pop()
+                op, args, _ = self.b.instructions[k]
+                if op == "mul":
+                    stack += args
+                elif constant(self.b, k) != 1:
+                    found.append(k)
+            self.factors[number] = tuple(found)
+        return self.factors[number]
+
+    def _head(self, factors: Sequence[int]) -> str:
+        """Return the operation that the product of ``factors`` is."""
+        if not factors:
+            return "const"
+        return self.b.instructions[factors[0]].op if len(factors) == 1 else "mul"
 
     def _product(self, factors: Iterable[int]) -> int:
-        ordered = sorted(factors)
-        return reduce(lambda p, k: self.b.add("mul", p, k), ordered, self.b.const(Fraction(1)))
+        return reduce(lambda p, k: self.b.add("mul", p, k), factors, self.b.const(1))
 
     def _total(self, terms: Sequence[_Term]) -> int:
         """Add the positive terms first."""
