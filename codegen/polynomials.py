@@ -10,6 +10,8 @@ from codegen.fold import Numbers, constant
 
 MAX_TERMS = 24
 """Longer sums stay as they are."""
+MAX_INSIDE = 64
+"""Values that are looked at; those further down stay letters."""
 
 Monomial = tuple[int, ...]
 """Numbers of the factors, in order; none for a constant."""
@@ -36,15 +38,16 @@ def _expanded(b: Numbers, number: int, *, products: bool) -> Polynomial:
         if value is not None:
             known[k] = {(): value} if value else {}
             continue
-        made = _combined(op, [known[a] for a in args], products) if op in _LINEAR else None
+        inside = op in _LINEAR and all(a in known for a in args)
+        made = _combined(op, [known[a] for a in args], products) if inside else None
         known[k] = {(k,): Fraction(1)} if made is None else made
     return known[number]
 
 
 def _inside(b: Numbers, number: int) -> list[int]:
-    """Return the values reached through sums and products alone, in order."""
+    """Return the values reached through sums and products alone, in order; not too many."""
     found, stack = {number}, [number]
-    while stack:
+    while stack and len(found) < MAX_INSIDE:
         op, args, _ = b.instructions[stack.pop()]
         new = set(args) - found if op in _LINEAR else set()
         found |= new

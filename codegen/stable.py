@@ -17,6 +17,8 @@ from codegen.program import Builder, Program
 
 MAX_TERMS = 24
 """Longer sums are left alone: all pairs of terms are looked at."""
+MAX_FACTORS = 12
+"""Longer products are not searched for common factors."""
 
 
 class Applied(NamedTuple):
@@ -199,10 +201,14 @@ class _Rewriter:
         return self.fitting[key]
 
     def _factors(self, number: int) -> tuple[int, ...]:
-        """Return what a value is the product of, ones left out."""
+        """Return what a value is the product of, ones left out; a long product is one factor."""
         if number not in self.factors:
-            found, stack = [], [number]
+            found: list[int] = []
+            stack = [number]
             while stack:
+                if len(found) + len(stack) > MAX_FACTORS:
+                    found = [number]
+                    break
                 k = stack.pop()
                 op, args, _ = self.b.instructions[k]
                 if op == "mul":
@@ -232,25 +238,29 @@ class _Rewriter:
         """Tell whether a value costs no more than what it makes superfluous, where that matters."""
         if not self.free:
             return True
-        alive = self._reached(value)
-        spent = sum(self._cost(self.b.instructions[k].op) for k in alive if k >= start)
-        return spent <= self._saved(before, alive)
+        made, used = self._made(value, start)
+        spent = sum(self._cost(self.b.instructions[k].op) for k in made)
+        return spent <= self._saved(before, used)
 
-    def _reached(self, value: int) -> set[int]:
-        found, stack = {value}, [value]
+    def _made(self, value: int, start: int) -> tuple[set[int], set[int]]:
+        """Return what was appended from ``start`` on for a value, and what that uses of before."""
+        made, used, stack = set(), set(), [value]
         while stack:
-            new = set(self.b.instructions[stack.pop()].args) - found
-            found |= new
-            stack += new
-        return found
+            k = stack.pop()
+            if k < start:
+                used.add(k)
+            elif k not in made:
+                made.add(k)
+                stack += self.b.instructions[k].args
+        return made, used
 
-    def _saved(self, before: Sequence[int], alive: set[int]) -> int:
+    def _saved(self, before: Sequence[int], used: set[int]) -> int:
         """Return the cost of what ``before`` alone needs; a pair of terms saves an addition, too."""
         total = int(len(before) > 1)
         stack = [k for k in before if len(before) == 1 or self.uses[k] == 1]
         while stack:
             k = stack.pop()
-            if self.new.get(k, -1) in alive:
+            if self.new.get(k, -1) in used:
                 continue
             total += self._cost(self.program.instructions[k].op)
             stack += [a for a in set(self.program.instructions[k].args) if self._only_there(a, k)]
