@@ -278,6 +278,10 @@ _ROWS = (
 )  # fmt: skip
 
 
+LIKE_TERMS = "x y - y x = 0"
+"""Terms of a sum that cancel when all products are multiplied out; `codegen.stable` looks for them."""
+
+
 def _known(rows: tuple[Identity, ...]) -> tuple[Identity, ...]:
     return tuple(row for row in rows if all(op in OPS for op in row.needs))
 

@@ -16,6 +16,7 @@ from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.passes import prune
 from codegen.program import Program
+from codegen.stable import rewritten, rewritten_freely
 from eom.errors import unknown_name
 
 Array = NDArray[np.float64]
@@ -95,6 +96,8 @@ def compiled_jacobian(
     if of not in compiled.layout.sizes:
         raise unknown_name("group of results", of, compiled.layout.sizes)
     derived = jacobian(prune(compiled.program, [of]), of, KINDS[by])
+    stable = rewritten if compiled.stable else rewritten_freely
+    form = stable(derived.program).program
     sizes = {
         "states": len(compiled.layout.states),
         "parameters": len(compiled.layout.parameters),
@@ -104,14 +107,14 @@ def compiled_jacobian(
     results = compiled.layout.results[of]
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
     layout = _layout(compiled.layout, f"{of}_by_{by}", names)
-    program = _one_group(derived.program, of)
+    program = _one_group(form, of)
     _, functions, _ = TARGETS[target or compiled.target](program, layout)
     return SparseJacobian(
         (len(results), sizes[by]),
         tuple(r for r, _ in derived.pattern),
         tuple(c for _, c in derived.pattern),
         functions[JACOBIAN],
-        derived.program,
+        form,
     )
 
 

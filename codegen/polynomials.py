@@ -104,6 +104,16 @@ def simpler_difference(b: Numbers, x: int, y: int) -> int | None:
     return None
 
 
+def cancelled(left: Polynomial, right: Polynomial, sign: int) -> Polynomial | None:
+    """Return left + sign * right if terms of both cancel and at most one is left, else None.
+
+    With more than one left, multiplying out could make a new cancellation: x (x - w) taken from
+    (x - y) (x - z) leaves x w - x y - x z + y z, which is worse where y and w are close to x.
+    """
+    rest = _sum(left, right, sign)
+    return rest if len(rest) <= 1 and len(rest) < max(len(left), len(right)) else None
+
+
 def difference(b: Numbers, x: int, y: int) -> int:
     """Return x - y, what both have in common cancelled."""
     simpler = simpler_difference(b, x, y)

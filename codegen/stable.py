@@ -10,9 +10,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 from codegen.fold import constant
-from codegen.identities import IDENTITIES, RANGE, Identity
+from codegen.identities import IDENTITIES, LIKE_TERMS, RANGE, Identity
 from codegen.ops import OPS
 from codegen.passes import prune
+from codegen.polynomials import Polynomial, built, cancelled, polynomial
 from codegen.program import Builder, Program
 
 MAX_TERMS = 24
@@ -75,6 +76,7 @@ class _Rewriter:
         self.applied: list[Applied] = []
         self.fitting: dict[tuple[str, tuple[str, ...], bool], list[Identity]] = {}
         self.factors: dict[int, tuple[int, ...]] = {}
+        self.polynomials: dict[int, Polynomial] = {}
         self.rules: dict[str, list[Identity]] = {}
         for identity in identities:
             self.rules.setdefault(identity.op, []).append(identity)
@@ -124,8 +126,10 @@ class _Rewriter:
         op, args, _ = self.program.instructions[k]
         if k not in self.inner:
             terms = self._terms(k)
-            if len(terms) <= MAX_TERMS and self._rewrite_pairs(k, terms):
-                return self._total(terms)
+            if len(terms) <= MAX_TERMS:
+                cancelled = self._cancel(k, terms)
+                if self._rewrite_pairs(k, terms) or cancelled:
+                    return self._total(terms)
         return self.b.add(op, *(self.new[a] for a in args))
 
     def _terms(self, root: int) -> list[_Term]:
@@ -147,6 +151,35 @@ class _Rewriter:
         if op in {"const", "mul"} and any(v is not None and v < 0 for v in values):
             return _Term(self.b.add("neg", term.number), -term.sign, term.old)
         return term
+
+    def _cancel(self, k: int, terms: list[_Term]) -> bool:
+        """Replace pairs of terms that cancel when multiplied out; tell whether there were any."""
+        changed = False
+        while True:
+            found = next(self._cancelling(k, terms), None)
+            if found is None:
+                return changed
+            first, second, term = found
+            terms[:] = [t for t in terms if t is not first and t is not second]
+            terms.append(self._signed(term))
+            self.applied.append(Applied(LIKE_TERMS, k))
+            changed = True
+
+    def _cancelling(self, k: int, terms: Sequence[_Term]) -> Iterator[tuple[_Term, _Term, _Term]]:
+        products = [t for t in terms if self.b.instructions[t.number].op in {"mul", "neg"}]
+        for first, second in combinations(products, 2):
+            left, right = self._polynomial(first.number), self._polynomial(second.number)
+            rest = cancelled(left, right, first.sign * second.sign)
+            if rest is not None:
+                start = len(self.b.instructions)
+                value = built(self.b, rest)
+                if self._pays(value, start, [first.old, second.old]):
+                    yield first, second, _Term(value, first.sign, k)
+
+    def _polynomial(self, number: int) -> Polynomial:
+        if number not in self.polynomials:
+            self.polynomials[number] = polynomial(self.b, number)
+        return self.polynomials[number]
 
     def _rewrite_pairs(self, k: int, terms: list[_Term]) -> bool:
         """Replace pairs of terms until no identity fits; tell whether one did."""
@@ -255,8 +288,8 @@ class _Rewriter:
         return made, used
 
     def _saved(self, before: Sequence[int], used: set[int]) -> int:
-        """Return the cost of what ``before`` alone needs; a pair of terms saves an addition, too."""
-        total = int(len(before) > 1)
+        """Return the cost of what ``before`` alone needs; several terms save additions, too."""
+        total = len(before) - 1
         stack = [k for k in before if len(before) == 1 or self.uses[k] == 1]
         while stack:
             k = stack.pop()

@@ -210,6 +210,29 @@ def test_squares_of_differences_are_not_multiplied_out(op, sign):
         assert error(form.program, at([1.0, 1.0 + 1e-9])) < 1e-15
 
 
+def test_like_terms_cancel_however_they_are_written():
+    """As derivatives of attitude rates hold them: 2 q (n p) - (2 n) (p q), which is zero."""
+
+    def make(b, x, y):
+        p, n = b.add("sin", x), b.add("cos", y)
+        two = b.const(2)
+        first = b.add("mul", two, b.add("mul", x, b.add("mul", n, p)))
+        second = b.add("mul", b.add("mul", two, n), b.add("mul", p, x))
+        return b.add("add", b.add("sub", b.add("mul", x, y), first), second)
+
+    before = program_of(make)
+    for form in (rewritten(before), rewritten_freely(before)):
+        assert form.program.counts() == {"mul": 1}
+        assert equal(before, form.program, [at(v) for v in OTHERS])
+
+
+def test_products_of_small_differences_are_not_multiplied_out():
+    before = program_of((x - y) * (x - c) - x * (x - a))
+    close = at([1.0, 1.0 + 1e-9, 1.0 - 1e-9, 0, 5e6])
+    assert error(rewritten(before).program, close) < 1e-14
+    assert equal(before, rewritten(before).program, [close])
+
+
 ATOMS = (
     sp.Integer(1), sp.cos(x), sp.cos(y), sp.sin(x), sp.sin(y), sp.cos(x) ** 2, sp.sin(x) ** 2, x**2,
     y**2, sp.sqrt(x + 1), sp.sqrt(x), sp.sqrt(x**2 + y), x, 1 / x, 1 / (x + 1), 1 / sp.sqrt(x + 1),
