@@ -1,5 +1,7 @@
 """Compile systems of equations of motion, and integrate them."""
 
+from codegen.accuracy import accuracy
+from codegen.card import Card
 from codegen.compiled import Compiled, compile
 from codegen.integrate.trajectory import Stop
 from codegen.linear import Linear, compiled_jacobian, linearise
@@ -9,6 +11,7 @@ from codegen.sparse import SparseJacobian
 
 __all__ = [
     "METHODS",
+    "Card",
     "Compiled",
     "Drift",
     "Linear",
@@ -16,6 +19,7 @@ __all__ = [
     "Sensitivities",
     "SparseJacobian",
     "Stop",
+    "accuracy",
     "compile",
     "compiled_jacobian",
     "linearise",

@@ -43,6 +43,7 @@ class Compiled:
     ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
     ``singularities`` are like it, where the system has any. ``structure``: what was compiled in.
     ``notice``: what the user should know, for example that there was no C compiler.
+    ``stable``: whether every identity against cancellation was applied, also those that cost time.
     """
 
     system: System
@@ -54,6 +55,7 @@ class Compiled:
     notice: str = ""
     origin: tuple[Callable[..., Compiled], tuple[Any, ...]] | None = None
     """How it was made, where not by `compile`: a function of modules, and its arguments."""
+    stable: bool = False
 
     def __repr__(self) -> str:
         """Name the system, the target and the functions."""
@@ -67,9 +69,8 @@ class Compiled:
         if self.origin is not None:
             return self.origin
         s = self.structure
-        parameters = {**s.parameters, **s.equal}
-        held = (dict(s.states), dict(s.inputs))
-        return (compile, (self.system, self.target, parameters, *held, self.program.rules.name))
+        held = ({**s.parameters, **s.equal}, dict(s.states), dict(s.inputs))
+        return (compile, (self.system, self.target, *held, self.program.rules.name, self.stable))
 
     @property
     def fixed(self) -> Mapping[str, float]:
@@ -145,6 +146,7 @@ def compile(  # noqa: A001 - the word that users expect
     states: Mapping[str, float] | None = None,
     inputs: Mapping[str, float] | None = None,
     rules: str = "algebraic",
+    stable: bool = False,
 ) -> Compiled:
     """Compile ``system`` for a target.
 
@@ -157,18 +159,20 @@ def compile(  # noqa: A001 - the word that users expect
     planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
     ``rules``: the laws by which operations may be exchanged, of `codegen.fold.RULE_SETS`:
     ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
+    ``stable``: apply every identity of `codegen.identities` against cancellation; those that cost no
+    time are always applied. `codegen.accuracy` tells where it helps.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
     system's assumptions and expressions without an operation; `CompilerError` where target ``c``
     cannot be compiled.
     """
     system = as_system(system)
     structure = Structure.of(system, parameters, states, inputs)
-    program, layout = fitted(system, structure, rules)
+    program, layout = fitted(system, structure, rules, stable)
     build = TARGETS.get(target)
     if build is None:
         raise unknown_name("target", target, TARGETS)
     used, functions, notice = build(program, layout)
-    return Compiled(system, layout, program, used, structure, functions, notice)
+    return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 
 
 def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:

@@ -18,7 +18,7 @@ import mpmath
 import numpy as np
 
 from codegen import linsolve
-from codegen.ops import OPS, SOLVE, Instruction, Op, row_of
+from codegen.ops import BLOCKS, OPS, SOLVE, Instruction, Op, row_of
 from codegen.program import Program
 
 UNIT_ROUNDOFF = 2.0**-53
@@ -92,7 +92,10 @@ def interpret(program: Program, point: Point) -> dict[str, list[float]]:
                 values.append(row_of(instruction).double(*(values[a] for a in instruction.args)))
             else:
                 values.append(np.float64(point.slot(instruction)))
-    return {g: [float(values[k]) for k in r] for g, r in program.results.items()}
+    plain = [
+        v if i.op in BLOCKS else float(v) for i, v in zip(program.instructions, values, strict=True)
+    ]
+    return {g: [plain[k] for k in r] for g, r in program.results.items()}
 
 
 @lru_cache(maxsize=256)
@@ -220,7 +223,9 @@ def _carried_by_mod(m: Any, value: Any, operands: list[Any], errors: list[float]
     return inside if is_safe else float(abs(b)) + errors[1]
 
 
+@lru_cache(maxsize=16)
 def _context(digits: int) -> Any:
+    """Return a context of our own with so many digits; to make one takes longer than many values."""
     context = mpmath.mp.clone()
     context.dps = digits
     return context

@@ -27,7 +27,7 @@ from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.ops import Instruction
 from codegen.passes import prune
-from codegen.pipeline import optimise
+from codegen.pipeline import formed, optimise
 from codegen.program import Program
 from codegen.sparse import SparseJacobian
 from eom.errors import unknown_name
@@ -92,7 +92,7 @@ def _derived(
     derived = derive(program, VALUES, identity(program, VALUES), columns)
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
     own = _layout(layout, "_".join((*of, "by", *by)), names)
-    whole = optimise(_one_group(derived.program))
+    whole = optimise(_one_group(formed(derived.program, compiled.stable)))
     _, functions, _ = TARGETS[target](whole, own)
     return SparseJacobian(
         (len(results), len(columns)),

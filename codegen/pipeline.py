@@ -17,6 +17,7 @@ from codegen.passes import prune
 from codegen.program import Name, Program, bindings
 from codegen.rescale import rescale
 from codegen.schedule import schedule, without_unused
+from codegen.stable import rewritten, rewritten_freely
 from codegen.stages import reciprocals
 from codegen.strength import reduce_strength
 from codegen.structure import Structure, fit
@@ -143,19 +144,41 @@ def specialised(
     parameters: Mapping[str, float | str] | None = None,
     states: Mapping[str, float] | None = None,
     inputs: Mapping[str, float] | None = None,
+    *,
+    stable: bool = False,
 ) -> tuple[Program, Layout]:
     """Return program and layout with what is fixed compiled in, as `compile` describes it."""
-    return fitted(system, Structure.of(system, parameters, states, inputs))
+    return fitted(system, Structure.of(system, parameters, states, inputs), stable=stable)
 
 
 def fitted(
-    system: System, structure: Structure, rules: str = "algebraic"
+    system: System, structure: Structure, rules: str = "algebraic", stable: bool = False
 ) -> tuple[Program, Layout]:
     """Return the program that is compiled, and its layout.
 
     Raises `InputError` for an unknown set of rules.
     """
+    program, layout = as_written(system, structure, rules)
+    return optimise(formed(program, stable)), layout
+
+
+def as_written(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
+    """Return the program before any pass, with what is fixed compiled in, and its layout.
+
+    Raises `InputError` for an unknown set of rules.
+    """
     if rules not in RULE_SETS:
         raise unknown_name("set of rules", rules, RULE_SETS)
-    program, layout = fit(lower_system(system, RULE_SETS[rules]), system, structure)
-    return optimise(program), layout
+    return fit(lower_system(system, RULE_SETS[rules]), system, structure)
+
+
+def formed(program: Program, stable: bool) -> Program:
+    """Return the program in forms that keep digits: all of them if ``stable``, else what is free.
+
+    Where the program's rules are exact, it stays as it is.
+    """
+    if program.rules is not ALGEBRAIC:
+        return program
+    return (rewritten if stable else rewritten_freely)(program).program

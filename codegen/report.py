@@ -11,7 +11,7 @@ import sympy as sp
 from codegen.compiled import generate
 from codegen.lower import RATES, lower_system
 from codegen.passes import prune
-from codegen.pipeline import optimise, steps
+from codegen.pipeline import formed, optimise, steps
 from codegen.program import Program
 from codegen.schedule import pressure
 from codegen.structure import Structure, fit
@@ -55,11 +55,14 @@ def report(system: System, parameters: Mapping[str, float], target: str = "c") -
         *([_stage("parameter values compiled in", final)] if structure.names else []),
     ]
     met: set[str] = set()
+    kept = formed(folded, stable=False)
+    final = prune(kept, [RATES])
+    stages.append(_stage("forms that keep digits", final))
     for p, program in steps(final):
         stages.append(_stage(f"{p.name}, again" if p.name in met else p.name, program))
         met.add(p.name)
         final = program
-    files = generate(optimise(folded), layout, target)
+    files = generate(optimise(kept), layout, target)
     sizes = {name: len(text.encode()) for name, text in files.items()}
     return Report(tuple(stages), final.counts(), sizes)
 
@@ -92,3 +95,21 @@ def _operations(expression: Any, known: dict[Any, int]) -> int:
         known[node] = own + sum(known[a] for a in node.args)
         stack.pop()
     return known[expression]
+
+
+def show(system: System, parameters: Mapping[str, float], target: str) -> None:
+    """Print what code generation leaves to compute; nothing is compiled."""
+    from rich.console import Console
+    from rich.table import Table
+
+    found = report(system, parameters, target)
+    titles = ("right-hand side", "operations", "cost in additions", "live")
+    stages = Table(*titles, box=None, pad_edge=False)
+    for stage in found.stages:
+        numbers = (stage.operations, stage.cost, stage.pressure)
+        stages.add_row(stage.name, *("" if n is None else f"{n:,}" for n in numbers))
+    console = Console(soft_wrap=True)
+    console.print(stages)
+    console.print("kinds: " + ", ".join(f"{n} {op}" for op, n in found.kinds.items()))
+    for name, size in found.sizes.items():
+        console.print(f"{name}: {size:,} bytes")

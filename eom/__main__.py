@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, simulate, run."""
+"""The command line: list, derive, generate, accuracy, simulate, run."""
 
 from __future__ import annotations
 
@@ -137,7 +137,10 @@ def derive(
 )
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
 @click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
-def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: bool) -> None:
+@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
+def generate(
+    scene: str, target: str, folder: Path | None, fixed: bool, report: bool, stable: bool
+) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); numpy; python (plain floats,
@@ -146,36 +149,43 @@ def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: 
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files
     from codegen.pipeline import specialised
+    from codegen.report import show as show_report
 
     if folder is None and not report:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
     chosen = _scene(scene)
     values = chosen.parameter_values() if fixed else {}
     if report:
-        _print_report(chosen, values, target)
+        show_report(chosen.derive(), values, target)
     if folder is not None:
-        files = generate_files(*specialised(chosen.derive(), values), target)
+        files = generate_files(*specialised(chosen.derive(), values, stable=stable), target)
         _report_files(write_files(files, folder))
 
 
-def _print_report(scene: Scene, values: dict[str, float], target: str) -> None:
-    """Print what code generation leaves to compute; nothing is compiled."""
-    from rich.console import Console
-    from rich.table import Table
+@main.command()
+@scene_argument
+@target_option
+@click.option("--samples", type=int, default=None, help="Random points.  [default: 200]")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the random points.")
+@click.option(
+    "--range", "ranges", multiple=True, metavar="NAME=LOW:HIGH", help="Where; or NAME=VALUE."
+)
+@click.option(
+    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
+)
+@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def accuracy(scene: str, target: str, stable: bool, as_json: bool, **options: Any) -> None:
+    """Measure the error of every result of SCENE against 50 digits, and name its cause."""
+    from codegen import card_text
 
-    from codegen.report import report
-
-    found = report(scene.derive(), values, target)
-    titles = ("right-hand side", "operations", "cost in additions", "live")
-    stages = Table(*titles, box=None, pad_edge=False)
-    for stage in found.stages:
-        numbers = (stage.operations, stage.cost, stage.pressure)
-        stages.add_row(stage.name, *("" if n is None else f"{n:,}" for n in numbers))
-    console = Console(soft_wrap=True)
-    console.print(stages)
-    console.print("kinds: " + ", ".join(f"{n} {op}" for op, n in found.kinds.items()))
-    for name, size in found.sizes.items():
-        console.print(f"{name}: {size:,} bytes")
+    chosen = _scene(scene)
+    values = chosen.initial_values() | chosen.parameter_values() | chosen.input_values()
+    options["values"] = values | {"t": chosen.integration.t_end}
+    compiled = _compile(chosen, target, stable)
+    with _progress("measuring") as progress:
+        card = card_text.measured(compiled, progress=progress, **options)
+    card_text.show(card, as_json)
 
 
 @main.command()
@@ -290,10 +300,10 @@ def _print_equations(scene: Scene, style: str, explain: bool) -> None:
         click.echo(f"\nLeft out\n{scene.explain()}")
 
 
-def _compile(scene: Scene, target: str) -> Compiled:
+def _compile(scene: Scene, target: str, stable: bool = False) -> Compiled:
     import codegen
 
-    compiled = codegen.compile(scene.derive(), target)
+    compiled = codegen.compile(scene.derive(), target, stable=stable)
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)
     return compiled
@@ -305,7 +315,7 @@ def _simulate(scene: Scene, compiled: Compiled) -> Result:
     plan = scene.integration
     times = [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
     initial, parameters = scene.initial_values(), scene.parameter_values()
-    with _progress() as progress:
+    with _progress("integrating") as progress:
         return codegen.simulate(
             compiled,
             initial,
@@ -322,14 +332,14 @@ def _simulate(scene: Scene, compiled: Compiled) -> Result:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[float], None]]:
+def _progress(work: str) -> Iterator[Callable[[float], None]]:
     """Show a progress bar once the work has taken a while, on a terminal's standard error."""
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console(stderr=True)
     bar = Progress(console=console, transient=True, disable=not console.is_terminal)
-    task = bar.add_task("integrating", total=1.0)
+    task = bar.add_task(work, total=1.0)
     began = time.monotonic()
 
     def report(fraction: float) -> None:

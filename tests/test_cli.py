@@ -1,5 +1,6 @@
 """The command line, as a user meets it."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -90,7 +91,7 @@ def test_notations_differ(run):
     assert run("derive", "point-mass").output in shown
 
 
-@pytest.mark.parametrize(("target", "files"), [("c", 4), ("numpy", 1)])
+@pytest.mark.parametrize(("target", "files"), [("c", 9), ("numpy", 1)])
 def test_generate_writes_the_same_bytes_twice(run, tmp_path, target, files):
     folders = [tmp_path / "a", tmp_path / "b"]
     for folder in folders:
@@ -288,7 +289,9 @@ def test_missing_initial_value_is_named(run, scene_file):
 
 def test_help_names_every_command(run):
     text = run("--help").output
-    assert all(word in text for word in ("list", "derive", "generate", "simulate", "run"))
+    assert all(
+        word in text for word in ("list", "derive", "generate", "accuracy", "simulate", "run")
+    )
 
 
 def test_generate_reports_operations_before_compiling(run, tmp_path):
@@ -306,3 +309,86 @@ def test_generate_needs_a_folder_or_a_report(run):
     done = run("generate", "heavy-top")
     assert done.exit_code == 2
     assert "--out FOLDER" in done.stderr
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_accuracy_tells_of_every_result(run, name):
+    from eom import Scene
+
+    done = run("accuracy", name, "--target", "numpy", "--samples", 3)
+    assert done.exit_code == 0, done.output
+    system = Scene.ready(name).derive()
+    for result in (*(f"{n}'" for n in system.state_names), *system.output_names):
+        assert any(line.startswith(f"{result} ") for line in done.output.splitlines())
+    assert "3 samples, seed 0" in done.output
+    assert "near singular" in done.output or not system.singularities
+
+
+UNSTABLE = """
+model = "spinner"
+outputs = ["theta"]
+[body]
+moments = [0.06, 0.12]
+[torque]
+components = ["-M1*(1 - cos(theta))", 0, 0]
+[parameters]
+M1 = { value = 0.5, unit = "N m", meaning = "size of the torque" }
+[initial]
+theta = 0.1
+psi = 0
+theta_dot = 0
+psi_dot = 0
+C = 0
+"""
+
+
+def test_accuracy_names_the_cancellation_and_its_cure(run, scene_file):
+    file = scene_file(UNSTABLE)
+    words = ["accuracy", file, "--samples", 20, "--range", "theta=1e-8:1e-4", "--range", "C=0"]
+    words += ["--range", "psi_dot=0"]
+    plain, stable = run(*words), run(*words, "--stable")
+    assert plain.exit_code == stable.exit_code == 0
+    assert "unstable" in plain.output
+    assert "cos(theta) - 1 loses" in plain.output
+    assert "--stable" in plain.output
+    assert "unstable" not in stable.output
+    assert "rewritten: " in stable.output
+
+
+def test_stable_forms_are_generated(run, scene_file, tmp_path):
+    file = scene_file(UNSTABLE)
+    for folder, flags in {"plain": [], "stable": ["--stable"]}.items():
+        run("generate", file, "--target", "numpy", "--out", tmp_path / folder, *flags)
+    plain, stable = (next((tmp_path / f).iterdir()).read_text() for f in ("plain", "stable"))
+    assert plain != stable
+    assert " - 1.0" in plain
+    assert " - 1.0" not in stable
+
+
+def test_accuracy_as_json(run):
+    words = ["accuracy", "t-handle", "--samples", 2, "--json", "--jacobian", "states"]
+    first, second = run(*words), run(*words)
+    data = json.loads(first.stdout)
+    assert first.stdout == second.stdout
+    assert data["samples"] == 2
+    assert {r["group"] for r in data["rows"]} == {"rates", "invariants", "jacobian by states"}
+
+
+BAD_RANGES = {
+    "theta=2:1": "range is reversed",
+    "theta=1:1": "range is empty",
+    "theta=nan": "range is not finite",
+    "thetta=0:1": "did you mean theta",
+    "theta": "expected: NAME=LOW:HIGH",
+    "theta=0:x": "expected: NAME=LOW:HIGH",
+    "I1=0:1": "parameter I1 is not positive",
+}
+
+
+@pytest.mark.parametrize("words", BAD_RANGES)
+def test_bad_ranges_are_one_clear_error(run, words):
+    done = run("accuracy", "bicycle-wheel", "--samples", 1, "--range", words)
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+    assert BAD_RANGES[words] in done.stderr
+    assert done.stdout == ""
