@@ -29,6 +29,9 @@ class Layout:
     described: Mapping[str, tuple[Quantity, ...]] = field(default_factory=dict)
     """Quantities of the groups of results that have units: outputs and invariants."""
 
+    patterns: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
+    """Place (row, column) of each entry of a Jacobian, by the group that it is in the end of."""
+
     @classmethod
     def of(cls, system: System) -> Layout:
         """Return the layout of a system."""

@@ -15,19 +15,19 @@ differences; where an operation has none (a corner, a tie) see `codegen.derivati
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiled import TARGETS, Compiled
-from codegen.derivative import JACOBIAN, UNIT, derive, identity
+from codegen.derivative import JACOBIAN, UNIT, Jacobian, derive, identity
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.ops import Instruction
 from codegen.passes import prune
-from codegen.pipeline import formed, optimise
+from codegen.pipeline import formed, join, optimise
 from codegen.program import Program
 from codegen.sparse import SparseJacobian
 from eom.errors import unknown_name
@@ -81,21 +81,14 @@ def _derived(
     compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
 ) -> SparseJacobian:
     layout = compiled.layout
+    derived = _differentiated(compiled.program, layout, of, by)
     results = tuple(n for group in of for n in layout.results[group])
-    together = tuple(k for group in of for k in compiled.program.results[group])
-    program = prune(replace(compiled.program, results={VALUES: together}))
-    columns = [
-        {Instruction(KINDS[kind], (), None if kind == "time" else k): UNIT}
-        for kind in by
-        for k in range(_count(layout, kind))
-    ]
-    derived = derive(program, VALUES, identity(program, VALUES), columns)
     names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
     own = _layout(layout, "_".join((*of, "by", *by)), names)
-    whole = optimise(_one_group(formed(derived.program, compiled.stable)))
+    whole = optimise(_one_group(formed(derived.program, compiled.stable), JACOBIAN))
     _, functions, _ = TARGETS[target](whole, own)
     return SparseJacobian(
-        (len(results), len(columns)),
+        (len(results), sum(_count(layout, kind) for kind in by)),
         tuple(r for r, _ in derived.pattern),
         tuple(c for _, c in derived.pattern),
         functions[JACOBIAN],
@@ -103,6 +96,43 @@ def _derived(
         own,
         derived.mode,
     )
+
+
+def _differentiated(
+    program: Program, layout: Layout, of: tuple[str, ...], by: tuple[str, ...]
+) -> Jacobian:
+    """Return values and derivatives of groups of results, by all slots of some kinds."""
+    together = tuple(k for group in of for k in program.results[group])
+    values = prune(replace(program, results={VALUES: together}))
+    columns = [
+        {Instruction(KINDS[kind], (), None if kind == "time" else k): UNIT}
+        for kind in by
+        for k in range(_count(layout, kind))
+    ]
+    return derive(values, VALUES, identity(values, VALUES), columns)
+
+
+def with_jacobians(
+    program: Program, layout: Layout, by: Sequence[str], stable: bool = False
+) -> tuple[Program, Layout]:
+    """Return program and layout with one more group of results a kind of variables in ``by``.
+
+    The group ``rates_by_states`` (and so on) holds the rates and then the entries of their
+    Jacobian that are not zero everywhere; ``layout.patterns`` says where these stand. Raises
+    `InputError` for other words than those of `KINDS`.
+    """
+    for kind in by:
+        if kind not in KINDS:
+            raise unknown_name("kind of variable", kind, KINDS)
+    programs = {group: prune(program, [group]) for group in program.results}
+    results, patterns = dict(layout.results), dict(layout.patterns)
+    for kind in dict.fromkeys(by):
+        group = f"{RATES}_by_{kind}"
+        derived = _differentiated(program, layout, (RATES,), (kind,))
+        programs[group] = optimise(_one_group(formed(derived.program, stable), group))
+        entries = (f"d{r}_{c}" for r, c in derived.pattern)
+        results[group], patterns[group] = (*layout.results[RATES], *entries), derived.pattern
+    return join(programs), replace(layout, results=results, patterns=patterns)
 
 
 def _count(layout: Layout, kind: str) -> int:
@@ -120,10 +150,10 @@ def _layout(layout: Layout, suffix: str, names: tuple[str, ...]) -> Layout:
     return replace(layout, name=f"{layout.name}_{suffix}", results=results, coordinates=())
 
 
-def _one_group(program: Program) -> Program:
-    """Put the results before the entries of their Jacobian."""
+def _one_group(program: Program, group: str) -> Program:
+    """Put the results before the entries of their Jacobian, as one group."""
     together = (*program.results[VALUES], *program.results[JACOBIAN])
-    return replace(program, results={JACOBIAN: together})
+    return replace(program, results={group: together})
 
 
 @dataclass(frozen=True)

@@ -129,25 +129,24 @@ def derive(
     metavar="c|c_f32|numpy|python|javascript",
     help="Language.",
 )
-@click.option(
-    "--out",
-    "folder",
-    type=click.Path(path_type=Path),
-    help="Folder to write to; may be left out with --report.",
-)
+@click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
 @click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
 @click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
+@click.option(
+    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
+)
 def generate(
-    scene: str, target: str, folder: Path | None, fixed: bool, report: bool, stable: bool
+    scene: str, target: str, folder: Path | None, fixed: bool, report: bool, **options: Any
 ) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); numpy; python (plain floats,
-    no NumPy); javascript (for browsers and Node.js).
+    no NumPy); javascript (for browsers and Node.js). --out may be left out with --report.
     """
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files
+    from codegen.linear import with_jacobians
     from codegen.pipeline import specialised
     from codegen.report import show as show_report
 
@@ -158,8 +157,10 @@ def generate(
     if report:
         show_report(chosen.derive(), values, target)
     if folder is not None:
-        files = generate_files(*specialised(chosen.derive(), values, stable=stable), target)
-        _report_files(write_files(files, folder))
+        stable = options["stable"]
+        made = specialised(chosen.derive(), values, stable=stable)
+        made = with_jacobians(*made, options["jacobian"], stable)
+        _report_files(write_files(generate_files(*made, target), folder))
 
 
 @main.command()

@@ -152,11 +152,19 @@ def header(program: Program, layout: Layout) -> str:
         f"{_prepare_signature(name)};",
         "",
     ]
-    for group in layout.sizes:
-        lines += [f"{_signature(name, group)};", f"{_batch_signature(name, group)};"]
+    lines += _prototypes(name, layout)
     return "\n".join(
         [*lines, "", "#ifdef __cplusplus", "}", "#endif", "", f"#endif /* {guard} */", ""]
     )
+
+
+def _prototypes(name: str, layout: Layout) -> list[str]:
+    lines = []
+    for group in layout.sizes:
+        if group in layout.patterns:
+            lines.append("/* The rates, then the entries of their Jacobian that are not zero. */")
+        lines += [f"{_signature(name, group)};", f"{_batch_signature(name, group)};"]
+    return lines
 
 
 def single_text(program: Program, layout: Layout) -> str:

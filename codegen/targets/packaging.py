@@ -142,9 +142,9 @@ def sparsity(
 ) -> Mapping[str, str]:
     """Return header and source of the patterns (row, column) of sparse matrices, by group.
 
-    ``int NAME_GROUP_sparsity(int k, int *row, int *column)`` tells where the entry k of the results of
-    a group stands, and returns 1; 0 for a k that there is not. ``NAME_GROUP_n_nonzeros`` is their
-    number.
+    ``int NAME_GROUP_sparsity(int k, int *row, int *column)`` tells where the entry k of the Jacobian
+    at the end of a group of results stands, and returns 1; 0 for a k that there is not.
+    ``NAME_GROUP_n_nonzeros`` is their number.
     """
     prefix = identifier(layout.name)
     declared, defined = [], []

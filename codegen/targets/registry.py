@@ -21,6 +21,7 @@ def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
         **c.files(program, layout),
         **runge_kutta.files(DOP853, layout),
         **packaging.descriptions(layout),
+        **(packaging.sparsity(layout, layout.patterns) if layout.patterns else {}),
         **checks.checks(program, layout),
     }
     return {**written, **packaging.build(layout, written)}

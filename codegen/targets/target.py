@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from codegen.interpret import constants
 from codegen.layout import Layout, names_of
@@ -144,9 +145,11 @@ def nested(width: int) -> str:
     return text
 
 
-def name_tables(layout: Layout) -> dict[str, tuple[str, ...]]:
-    """Return the names that a module exports, by the name of the table."""
+def name_tables(layout: Layout) -> dict[str, tuple[Any, ...]]:
+    """Return the names and patterns that a module exports, by the name of the table."""
+    patterns = {f"{group.upper()}_PATTERN": places for group, places in layout.patterns.items()}
     return {
+        **patterns,
         "STATES": names_of(layout.states),
         "PARAMETERS": names_of(layout.parameters),
         "INPUTS": names_of(layout.inputs),

@@ -5,8 +5,13 @@ import pytest
 import sympy as sp
 
 import codegen
+from codegen.compiled import generate
 from codegen.elimination import ORDERS
-from codegen.linear import KINDS, compiled_jacobian, linearise
+from codegen.linear import KINDS, compiled_jacobian, linearise, with_jacobians
+from codegen.names import identifier
+from codegen.pipeline import specialised
+from codegen.targets import load_module
+from eom import catalogue
 from eom.errors import InputError
 from eom.scene import Scene
 from eom.system import Definition, Quantity, System
@@ -154,3 +159,29 @@ def test_other_words_are_refused(compiled):
         compiled_jacobian(compiled, of="outptus")
     with pytest.raises(InputError, match="wrong shape"):
         compiled_jacobian(compiled)(0.0, (1.0,), P, (1.0,))
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_generated_files_may_hold_jacobians(name):
+    """Rates first, then the entries; the pattern is exported, and both agree with the functions."""
+    system = Scene.ready(name).derive()
+    program, layout = with_jacobians(*specialised(system), ["states", "parameters", "states"])
+    text = generate(program, layout, "numpy")[f"{identifier(layout.name)}.py"]
+    module = load_module(text, "derived")
+    compiled = codegen.compile(system, "numpy")
+    x = np.linspace(0.2, 0.9, len(layout.states))
+    p = np.linspace(0.7, 1.3, len(layout.parameters))
+    for by in ("states", "parameters"):
+        found = getattr(module, f"rates_by_{by}")(0.3, x, p)
+        n = len(layout.states)
+        np.testing.assert_allclose(found[:n], compiled.rhs(0.3, x, p), rtol=1e-13, atol=1e-15)
+        matrix = compiled.jacobian(by)
+        assert getattr(module, f"RATES_BY_{by.upper()}_PATTERN") == tuple(
+            zip(matrix.rows, matrix.columns, strict=True)
+        )
+        np.testing.assert_allclose(found[n:], matrix(0.3, x, p), rtol=1e-12, atol=1e-14)
+
+
+def test_jacobians_by_something_else_are_refused():
+    with pytest.raises(InputError, match="kind of variable"):
+        with_jacobians(*specialised(Scene.ready("t-handle").derive()), ["speeds"])
