@@ -221,7 +221,7 @@ def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     refuse_unsupported(ROWS["c"], program, layout)
     text = c.single_text(program, layout)
-    flags = native.flags_for(max(layout.sizes.values()))
+    flags = native.flags_for(max(layout.sizes.values()), len(program.instructions))
     library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}

@@ -13,7 +13,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from eom.errors import InputError
-from eom.system import Quantity, System, as_expression
+from eom.system import Quantity, System, as_expression, nodes
 
 Expr = Any
 
@@ -118,10 +118,12 @@ def _plain(name: str, states: Sequence[Expr], rates: Sequence[Expr], mass: Expr 
     inputs = [f for f in _functions_of_time(everything) if f not in spelt]
     spelt |= {f: sp.Symbol(_name_of(f), real=True) for f in inputs}
     _distinct(spelt)
-    # xreplace meets a derivative before the function in it
-    new_rates = [r.xreplace(spelt) for r in rates]
-    new_mass = None if mass is None else sp.ImmutableMatrix(mass.xreplace(spelt))
-    free = set().union(*(e.free_symbols for e in (*new_rates, *(new_mass or ()))))
+    known = dict(spelt)
+    new_rates = [_exchanged(r, known) for r in rates]
+    new_mass = (
+        None if mass is None else sp.ImmutableMatrix(mass.applyfunc(lambda e: _exchanged(e, known)))
+    )
+    free = {s for s in nodes((*new_rates, *(new_mass or ()))) if isinstance(s, sp.Symbol)}
     time = next((s for s in free if s.name == _TIME), sp.Symbol(_TIME))
     parameters = sorted(free - set(spelt.values()) - {time}, key=str)
     return System(
@@ -135,9 +137,26 @@ def _plain(name: str, states: Sequence[Expr], rates: Sequence[Expr], mass: Expr 
     )
 
 
+def _exchanged(expression: Expr, known: dict[Expr, Expr]) -> Expr:
+    """Put what ``known`` says for its keys, a derivative before the function in it; it grows."""
+    stack = [expression]
+    while stack:
+        node = stack[-1]
+        waiting = [] if node in known else [a for a in node.args if a not in known]
+        if waiting:
+            stack += waiting
+            continue
+        stack.pop()
+        if node not in known:
+            args = [known[a] for a in node.args]
+            same = all(a is b for a, b in zip(args, node.args, strict=True))
+            known[node] = node if same else node.func(*args)
+    return known[expression]
+
+
 def _functions_of_time(expressions: Iterable[Expr]) -> list[Expr]:
     """Return functions and derivatives, in the order of their names; others than of time are refused."""
-    found: set[Expr] = set().union(*(e.atoms(AppliedUndef, sp.Derivative) for e in expressions))
+    found = {e for e in nodes(expressions) if isinstance(e, AppliedUndef | sp.Derivative)}
     for f in found:
         inner = f.expr if isinstance(f, sp.Derivative) else f
         if [str(a) for a in inner.args] != [_TIME]:

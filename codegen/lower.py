@@ -169,10 +169,10 @@ class Lowering:
         found = removable.difference(node)
         if found and found.name == "expm1":
             return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), found.factor)
-        terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: bool(term[0] < 0))
+        terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: term[0].is_negative)
         sizes = {abs(c) for c, _ in terms}
         shared = sizes.pop() if len(sizes) == 1 else sp.Integer(1)
-        shared = -shared if terms[0][0] < 0 else shared
+        shared = -shared if terms[0][0].is_negative else shared
         coefficients = [c / shared for c, _ in terms]
 
         def build(numbers: list[int]) -> int:
@@ -187,6 +187,8 @@ class Lowering:
 
     def _scaled(self, number: int, coefficient: Expr) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides."""
+        if coefficient is sp.S.One:
+            return number
         exact = sp.Rational(coefficient)
         p, q = int(exact.p), int(exact.q)
         if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
@@ -210,16 +212,18 @@ class Lowering:
             for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
         ]
         split = [removable.norm(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
+        exponents = [Fraction(int(e.p), int(e.q)) for _, e in split]
+        is_sum = [b.is_Add for b, _ in split]
 
         def build(numbers: list[int]) -> int:
-            factors = [(n, e, b.is_Add) for n, (b, e) in zip(numbers, split, strict=True)]
+            factors = list(zip(numbers, exponents, is_sum, strict=True))
             below = self._powers((n, -e) for n, e, _ in factors if e < 0)
             early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
             late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
-            above = self._powers((n, e) for n, e, is_sum in early if not is_sum)
+            above = self._powers((n, e) for n, e, s in early if not s)
             if early:
                 above = self._scaled(above, coefficient)
-                above = self._powers(((n, e) for n, e, is_sum in early if is_sum), above)
+                above = self._powers(((n, e) for n, e, s in early if s), above)
                 above = self._powers(late, above)
             else:
                 above = self._scaled(self._powers(late), coefficient)
@@ -227,7 +231,7 @@ class Lowering:
 
         return [b for b, _ in split], build
 
-    def _powers(self, factors: Iterable[tuple[int, Expr]], first: int | None = None) -> int:
+    def _powers(self, factors: Iterable[tuple[int, Fraction]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""
         product = self.b.const(1) if first is None else first
         for number, exponent in factors:
@@ -239,13 +243,15 @@ class Lowering:
         base, exponent = removable.norm(*node.as_base_exp())
         if not exponent.is_Rational:
             return (base, exponent), lambda a: self.b.add("pow", *a)
-        if exponent > 0:
-            return (base,), lambda a: self._power(a[0], exponent)
-        return (base,), lambda a: self.b.add("div", self.b.const(1), self._power(a[0], -exponent))
-
-    def _power(self, base: int, exponent: Expr) -> int:
-        """Return a positive rational power."""
         exact = Fraction(int(exponent.p), int(exponent.q))
+        if exact > 0:
+            return (base,), lambda a: self._power(a[0], exact)
+        return (base,), lambda a: self.b.add("div", self.b.const(1), self._power(a[0], -exact))
+
+    def _power(self, base: int, exact: Fraction) -> int:
+        """Return a positive rational power."""
+        if exact == 1:
+            return base
         unrolled = fold.power(self.b, base, exact)
         return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
 

@@ -84,9 +84,10 @@ def _symmetric(b: Builder, matrix: Matrix) -> bool:
     n = len(matrix)
     pairs = [(matrix[i][j], matrix[j][i]) for i in range(n) for j in range(i)]
     pairs = [(one, other) for one, other in pairs if one != other]
-    groups = {"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}
-    program = prune(b.program(groups))
-    for seed in range(SAMPLES if pairs else 0):
+    if not pairs:
+        return True
+    program = prune(b.program({"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}))
+    for seed in range(SAMPLES):
         values = interpret_exactly(program, random_point(program, seed))
         for one, other in zip(values["one"], values["other"], strict=True):
             if not abs(one - other) <= SAME * (1 + abs(one)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 from codegen.chains import share_products, share_sums
@@ -46,7 +47,7 @@ ROUND = (
 """Each of these makes work for the others: they are repeated while the cost falls."""
 
 MAX_ROUNDS = 4
-WORTHWHILE = 0.98
+WORTHWHILE = 0.95
 """Another round follows where one leaves at most this share of the cost."""
 
 INVERT = Pass("divisors known early inverted once", reciprocals, f"{REAL}: one more rounding")
@@ -100,6 +101,7 @@ def _cheaper(program: Program, p: Pass) -> Program:
     return result if costs(result) < costs(program) else program
 
 
+@lru_cache(maxsize=16)
 def costs(program: Program) -> tuple[int, int]:
     """Return the cost of what does not depend on constants and parameters alone, and of all."""
     known = bindings(program)

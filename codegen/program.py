@@ -79,24 +79,28 @@ def _text(instruction: Instruction) -> str:
     return f"{instruction.op} {'' if data is None else f'{data} '}{' '.join(map(str, instruction.args))}"
 
 
+_ARITIES = {name: row.arity for name, row in OPS.items()}
+
+
 def verify(program: Program) -> None:
     """Assert that a program is well formed; a failure is a defect of a pass, not of an input."""
     for k, (op, args, value) in enumerate(program.instructions):
-        if op in LEAVES:
+        arity = _ARITIES.get(op)
+        if arity is None:
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
-        else:
-            assert OPS[op].arity in {VARIADIC, len(args)}, (k, op)
-            assert max(args) < k, (k, op, args)
-            assert min(args) >= 0, (k, op, args)
-            assert (value is not None) == (op in WITH_DATA), (k, op)
-            if op in INTEGER_FIRST:
-                order = fold.constant(program, args[0])
-                assert order is not None, (k, op)
-                assert order.denominator == 1, (k, op)
-                assert order >= 0, (k, op)
-            if op in SOLVE:
-                _verify_solve(program, k)
+            continue
+        assert arity in {VARIADIC, len(args)}, (k, op)
+        for a in args:
+            assert 0 <= a < k, (k, op, args)
+        assert (value is None) != (op in WITH_DATA), (k, op)
+        if op in INTEGER_FIRST:
+            order = fold.constant(program, args[0])
+            assert order is not None, (k, op)
+            assert order.denominator == 1, (k, op)
+            assert order >= 0, (k, op)
+        elif op in SOLVE:
+            _verify_solve(program, k)
     size = len(program.instructions)
     assert all(0 <= r < size for group in program.results.values() for r in group)
 

@@ -198,6 +198,7 @@ _FUNCTIONS: dict[Any, tuple[str, int]] = {
     sp.csc: ("sin", -1), sp.cot: ("tan", -1), sp.csch: ("sinh", -1), sp.coth: ("tanh", -1),
 }  # fmt: skip
 """Functions that are zero at zero, by row; reciprocals with the power -1."""
+_RECIPROCALS = frozenset(f for f, (_, power) in _FUNCTIONS.items() if power < 0)
 _DIFFERENCES: dict[Any, tuple[str, int, bool]] = {
     sp.cos: ("1 - cos", -1, False), sp.cosh: ("cosh - 1", 1, False), sp.exp: ("expm1", 1, False),
     sp.sin: ("x - sin", -1, True), sp.sinh: ("sinh - x", 1, True),
@@ -229,6 +230,8 @@ def rewrite(product: Expr) -> Expr:
     """
     factors = [f.as_base_exp() for f in sp.Mul.make_args(product)]
     powers = {base: e for base, e in factors if e.is_Rational}
+    if all(e.p > 0 and b.func not in _RECIPROCALS for b, e in powers.items()):
+        return product  # nothing is divided by
     parts: list[Expr] = []
     changed = False
     for base, e in factors:

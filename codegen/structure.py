@@ -124,6 +124,8 @@ def fit(program: Program, system: System, structure: Structure) -> tuple[Program
     values that are fixed; rates of held states are zero and left out. Raises `InputError` for a
     held state whose rate is not zero.
     """
+    if not structure.names:
+        return prune(program), Layout.of(system)
     leaves = {
         **_slots("parameter", system.parameter_names, structure.parameters, structure.equal),
         **_slots("state", system.state_names, structure.states, {}),

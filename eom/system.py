@@ -7,7 +7,7 @@ A `System` holds plain SymPy symbols and expressions over them, no ``Function('x
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -288,7 +288,27 @@ def _check_symbols(system: System) -> None:
     if system.mass_matrix is not None:
         named += [("mass matrix", e) for e in system.mass_matrix]
     for where, expression in named:
-        _check_expression(system, where, expression, known)
+        if not isinstance(expression, sp.Basic):
+            _check_expression(system, where, expression, known)
+    everything = nodes(expression for _, expression in named)
+    if any(isinstance(e, _UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
+        for where, expression in named:
+            _check_expression(system, where, expression, known)
+
+
+_UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
+
+
+def nodes(expressions: Iterable[Expr]) -> Iterator[Expr]:
+    """Yield each distinct subexpression of some expressions once."""
+    stack = list(expressions)
+    seen = set(stack)
+    while stack:
+        node = stack.pop()
+        yield node
+        fresh = [a for a in node.args if a not in seen]
+        seen.update(fresh)
+        stack += fresh
 
 
 def _check_expression(system: System, where: str, expression: Expr, known: set[Expr]) -> None:
@@ -304,7 +324,7 @@ def _check_expression(system: System, where: str, expression: Expr, known: set[E
             got=", ".join(sorted(str(s) for s in unknown)),
             expected="states, parameters, inputs, time or a definition before it",
         )
-    if expression.atoms(sp.Derivative, sp.core.function.AppliedUndef):
+    if expression.atoms(*_UNUSABLE):
         raise InputError(
             "function of time or derivative in an expression",
             where=f"{system.name}: {where}",

@@ -145,7 +145,8 @@ class NativeMethod:
 def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
     text = single_text(tableau, program, layout)
-    library = native.load(native.compile_library(text), text)
+    flags = native.flags_for(0, len(program.instructions))
+    library = native.load(native.compile_library(text, flags), text, flags)
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))

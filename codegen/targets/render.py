@@ -22,6 +22,8 @@ from eom.system import Quantity
 from eom.tables import Table
 
 MAX_INLINE = 72
+MAX_READS = 2
+"""Processors take one operand from memory for nothing; more reads than this are a load of their own."""
 ATOM = 100
 
 
@@ -220,7 +222,7 @@ class _Renderer:
             elif k in self.variables and instruction.op not in OPS:
                 self._assign(k, self.variables[k].expression)
             elif instruction.op not in OPS:
-                self._write(k, self.slots[instruction.op].format(instruction.value), ATOM)
+                self._read(k)
             else:
                 self._operation(k)
         results = tuple(self.text[k][0] for k in self.program.results[self.group])
@@ -272,6 +274,15 @@ class _Renderer:
     def _operand(self, k: int, need: int) -> str:
         text, power = self.text[k]
         return text if power >= need else f"({text})"
+
+    def _read(self, k: int) -> None:
+        """Read a slot without a name where it is used; more than `MAX_READS` times, keep it."""
+        op, _, slot = self.program.instructions[k]
+        text = self.slots[op].format(slot)
+        if self.uses[k] > MAX_READS:
+            self._assign(k, text)
+        else:
+            self.text[k] = (text, ATOM)
 
     def _write(self, k: int, text: str, power: int) -> None:
         """Keep the text for its one place, or assign it."""
