@@ -163,8 +163,10 @@ def _substituted(
 
 
 def _plain(matrix: Any) -> list[list[float]] | None:
-    """Return |L||D||L^T| of a symmetric matrix, or None where the guard refuses a pivot."""
+    """Return |L||D||L^T|, or None for a matrix that is not symmetric or has a pivot refused."""
     n = matrix.rows
+    if any(matrix[i, j] != matrix[j, i] for i in range(n) for j in range(i)):
+        return None
     rows = [[matrix[i, j] for j in range(n)] for i in range(n)]
     total = [[0.0] * n for _ in range(n)]
     for k in range(n):

@@ -90,7 +90,7 @@ def test_notations_differ(run):
     assert run("derive", "point-mass").output in shown
 
 
-@pytest.mark.parametrize(("target", "files"), [("c", 4), ("numpy", 1)])
+@pytest.mark.parametrize(("target", "files"), [("c", 9), ("numpy", 1)])
 def test_generate_writes_the_same_bytes_twice(run, tmp_path, target, files):
     folders = [tmp_path / "a", tmp_path / "b"]
     for folder in folders:
