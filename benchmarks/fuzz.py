@@ -2,10 +2,10 @@
 
 Each expression is compared in five ways at several points, some of them extreme: what folding leaves
 against the tree as drawn, in 50 digits; what lowering makes of it as a SymPy expression, likewise; each
-target's double against the running error bound, wherever the bound holds; to the last bit, NaN
-included, where all operations are correctly rounded. Where something differs, the smallest part of
-the expression that differs is printed. In the end the generated texts are compared between processes
-with different hash seeds.
+target's numbers against the running error bound of its precision, wherever the bound holds; to the
+last bit, NaN included, where all operations are correctly rounded. Where something differs, the
+smallest part of the expression that differs is printed. In the end the generated
+texts are compared between processes with different hash seeds.
 """
 
 from __future__ import annotations
@@ -18,25 +18,28 @@ from time import perf_counter
 from typing import Any
 
 import click
+import mpmath
 import numpy as np
 import sympy as sp
 
+from benchmarks import fuzz_targets
 from benchmarks.expressions import PARAMETERS, STATES, Tree, context, draw, points
-from codegen.compiled import TARGETS
-from codegen.interpret import Bounded, Point, interpret, interpret_exactly, interpret_with_bound
-from codegen.layout import Layout
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_expressions
+from benchmarks.fuzz_targets import precision, refused, rounded, subset, values
+from codegen.interpret import Bounded, Point, interpret, interpret_exactly
+from codegen.lower import RATES, lower_expressions
 from codegen.ops import OPS
 from codegen.pipeline import optimise
 from codegen.program import Builder, Program
 from eom.errors import InputError
-from eom.system import Quantity
+from eom.tables import Table
 from tests.codegen.digests import HASH_SEEDS, digests_apart
-from tests.codegen.test_compiled import reliable
+from tests.codegen.test_compiled import judged
 
 UNIT = 100
 """Expressions that are compiled together."""
-POINTS = 4
+POINTS = 5
+MODEST = 3
+"""Points, and those of them that are not extreme."""
 SAME = 1e-35
 
 SYMPY: dict[str, Any] = {
@@ -44,6 +47,9 @@ SYMPY: dict[str, Any] = {
     "neg": lambda a: -a, "sqrt": sp.sqrt, "pow": sp.Pow, "abs": sp.Abs, "min": sp.Min, "max": sp.Max,
     **{op: getattr(sp, op) for op in ("sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh "
                                       "exp log atan2 sign").split()},
+    "hypot": lambda a, b: sp.sqrt(a**2 + b**2), "erf": sp.erf, "erfc": sp.erfc, "floor": sp.floor,
+    "mod": sp.Mod, "expm1": lambda a: sp.exp(a) - 1, "log1p": lambda a: sp.log(1 + a),
+    "besselj": sp.besselj, "bessely": sp.bessely,
     "lt": sp.Lt, "le": sp.Le, "eq": sp.Eq, "and": sp.And, "or": sp.Or, "not": sp.Not,
     "select": lambda c, a, b: sp.Piecewise((a, c), (b, True)),
 }  # fmt: skip
@@ -75,6 +81,8 @@ class Findings:
 
     compared: Counter[str] = field(default_factory=Counter)
     left_out: Counter[str] = field(default_factory=Counter)
+    refused: Counter[str] = field(default_factory=Counter)
+    """Expressions by target and operation that it lists as unsupported."""
     different: list[str] = field(default_factory=list)
 
     def judge(self, kind: str, same: bool, unit: Unit, k: int, point: Point, what: str) -> None:
@@ -95,110 +103,123 @@ def built(trees: Sequence[Tree]) -> Program:
     return optimise(b.program({RATES: [t.build(b) for t in trees]}))
 
 
-def layout(count: int) -> Layout:
-    """Return the layout of a unit of ``count`` expressions."""
-    x, p = (
-        tuple(Quantity(sp.Symbol(f"{letter}{k}", real=True)) for k in range(n))
-        for letter, n in (("x", STATES), ("p", PARAMETERS))
-    )
-    names = tuple(f"f{k}" for k in range(count))
-    results = {RATES: names, OUTPUTS: (), INVARIANTS: (), SINGULARITIES: ()}
-    return Layout("fuzz", "fuzz", x, p, (), results)
-
-
 def targets_here() -> tuple[list[str], list[str]]:
     """Return the targets that work on this machine, and why the others do not."""
     working, others = [], []
-    for target in sorted(set(TARGETS) - {"auto"}):
+    for target in fuzz_targets.names():
         try:
-            TARGETS[target](built([Tree("time")]), layout(1))
+            values(target, built([Tree("time")]), [Point(0.0, [0.0] * STATES, [0.0] * PARAMETERS)])
             working.append(target)
         except (InputError, ImportError, OSError) as error:
             others.append(f"{target}: {error}".splitlines()[0])
     return working, others
 
 
-def values(target: str, program: Program, at: Sequence[Point], count: int) -> Any:
-    """Return the numbers of a target, in shape (expressions, points)."""
-    _, functions, _ = TARGETS[target](program, layout(count))
-    t = np.array([v.t for v in at])
-    x, p = np.array([v.x for v in at]).T, np.array([v.p for v in at]).T
-    return functions[RATES](t, x, p)
+@dataclass(frozen=True)
+class Expected:
+    """What a unit is at a point: whether each result is reliable, its bound, its value in doubles."""
+
+    point: Point
+    sure: list[bool]
+    bounds: list[Bounded]
+    doubles: list[float]
+
+    @classmethod
+    def of(cls, program: Program, point: Point, target: str = "") -> Expected:
+        """Return what a target must give, in its precision."""
+        sure, bounds = judged(program, point, precision(target))
+        numbers = program.results[RATES]
+        doubles = interpret(program, point)[RATES]
+        return cls(point, [sure[k] for k in numbers], [bounds[k] for k in numbers], doubles)
 
 
 def check(unit: Unit, targets: Iterable[str], found: Findings) -> None:
     """Compare everything about a unit."""
-    bounds = [interpret_with_bound(unit.program, point)[RATES] for point in unit.at]
-    sure = [reliable(unit.program, point) for point in unit.at]
-    _check_building(unit, bounds, sure, found)
-    doubles = [interpret(unit.program, point)[RATES] for point in unit.at]
-    numbers = unit.program.results[RATES]
-    rounded = [_correctly_rounded(tree) for tree in unit.trees]
+    expected = [Expected.of(unit.program, point) for point in unit.at]
+    _check_building(unit, expected[:MODEST], found)
     for target in targets:
-        got = values(target, unit.program, unit.at, len(unit.trees))
-        for j, point in enumerate(unit.at):
-            for k, number in enumerate(numbers):
-                value, bound = float(got[k, j]), bounds[j][k]
-                if sure[j][number]:
-                    good = abs(bound.value - value) <= bound.error
-                    what = f"{value!r}, exactly {float(bound.value)!r}, bound {bound.error:.2g}"
-                    found.judge(
-                        target, good, unit, k, point, _smallest(good, target, unit, k, j, what)
-                    )
-                else:
-                    found.left_out[target] += 1
-                if rounded[k]:
-                    same = np.array_equal(value, doubles[j][k], equal_nan=True)
-                    what = f"{value!r}, expected {doubles[j][k]!r} to the last bit"
-                    found.judge(f"{target}, to the last bit", same, unit, k, point, what)
+        ops = refused(target, unit.program)
+        for op in sorted(set().union(*ops)):
+            found.refused[f"{target}, {op}"] += sum(op in each for each in ops)
+        which = [k for k, each in enumerate(ops) if not each]
+        if target in fuzz_targets.PRECISIONS:
+            at = rounded(target, unit.at)
+            own = [Expected.of(unit.program, point, target) for point in at]
+            _check_target(unit, target, which, own, found)
+        else:
+            _check_target(unit, target, which, expected, found)
+
+
+def _check_target(
+    unit: Unit, target: str, which: Sequence[int], expected: Sequence[Expected], found: Findings
+) -> None:
+    """Compare the expressions ``which``, to the last bit where all operations are correctly rounded."""
+    at = [e.point for e in expected]
+    got = values(target, subset(unit.program, which), at) if which and at else ()
+    for row, k in zip(got, which, strict=True):
+        exactly = target not in fuzz_targets.PRECISIONS and _correctly_rounded(unit.trees[k])
+        for value, e in zip(map(float, row), expected, strict=True):
+            if e.sure[k]:
+                good, what = _compared(value, e.bounds[k])
+                if not good:
+                    what += _smallest(target, unit.trees[k], e.point)
+                found.judge(target, good, unit, k, e.point, what)
+            else:
+                found.left_out[target] += 1
+            if exactly:
+                same = np.array_equal(value, e.doubles[k], equal_nan=True)
+                what = f"{value!r}, expected {e.doubles[k]!r} to the last bit"
+                found.judge(f"{target}, to the last bit", same, unit, k, e.point, what)
 
 
 def _correctly_rounded(tree: Tree) -> bool:
-    return all(OPS[op].ulps <= 0.5 for op in tree.operations())
+    return all(op in OPS and OPS[op].ulps <= 0.5 for op in tree.operations())
 
 
-def _smallest(good: bool, target: str, unit: Unit, k: int, j: int, what: str) -> str:
-    """Add the smallest part of the expression that differs by itself."""
-    if good:
-        return what
-    for part in unit.trees[k].parts():
+def _compared(value: float, bound: Bounded) -> tuple[bool, str]:
+    """Tell whether a number is within its bound, and say what was expected."""
+    good = bool(abs(bound.value - mpmath.mpf(value)) <= bound.error)
+    return good, f"{value!r}, exactly {float(bound.value)!r}, bound {float(bound.error):.2g}"
+
+
+def _smallest(target: str, tree: Tree, point: Point) -> str:
+    """Describe the smallest part of an expression that differs by itself."""
+    for part in tree.parts():
         program = built([part])
-        (bound,) = interpret_with_bound(program, unit.at[j])[RATES]
-        value = float(values(target, program, [unit.at[j]], 1)[0, 0])
-        if reliable(program, unit.at[j])[program.results[RATES][0]] and not (
-            abs(bound.value - value) <= bound.error
-        ):
-            return f"{what}\n  by itself: {part} = {value!r}, exactly {float(bound.value)!r}"
-    return what
+        if any(refused(target, program)):
+            continue
+        expected = Expected.of(program, point, target)
+        good, what = _compared(float(values(target, program, [point])[0, 0]), expected.bounds[0])
+        if expected.sure[0] and not good:
+            return f"\n  by itself: {part} = {what}"
+    return ""
 
 
-def _check_building(
-    unit: Unit, bounds: list[list[Bounded]], sure: list[list[bool]], found: Findings
-) -> None:
-    """Compare folding, and lowering from SymPy, with the trees, in 50 digits at points near the base."""
+def _check_building(unit: Unit, expected: Sequence[Expected], found: Findings) -> None:
+    """Compare folding, and lowering from SymPy, with the trees, in 50 digits."""
     m = context()
     lowered = [_lowered(tree) for tree in unit.trees]
-    numbers = unit.program.results[RATES]
-    for j, point in enumerate(unit.at[: POINTS // 2]):
-        folded = interpret_exactly(unit.program, point)[RATES]
+    for e in expected:
+        folded = interpret_exactly(unit.program, e.point)[RATES]
         for k, tree in enumerate(unit.trees):
-            exact = tree.exact(m, point)
-            if not sure[j][numbers[k]] or not m.isfinite(exact):
+            exact = tree.exact(m, e.point)
+            if not e.sure[k] or not m.isfinite(exact):
                 found.left_out["folding"] += 1
                 continue
-            slack = bounds[j][k].error * 2.0**-100 + SAME * (1 + abs(exact))
+            slack = e.bounds[k].error * 2.0**-100 + SAME * (1 + abs(exact))
             what = f"{folded[k]}, exactly {exact}"
-            found.judge("folding", abs(folded[k] - exact) <= slack, unit, k, point, what)
+            found.judge("folding", abs(folded[k] - exact) <= slack, unit, k, e.point, what)
             program = lowered[k]
             if program is not None:
-                (other,) = interpret_exactly(program, replace(point, x=[*point.x, point.t]))[RATES]
+                at = replace(e.point, x=[*e.point.x, e.point.t])
+                (other,) = interpret_exactly(program, at)[RATES]
                 what = f"{other}, exactly {exact}"
-                found.judge("lowering", abs(other - exact) <= slack, unit, k, point, what)
+                found.judge("lowering", abs(other - exact) <= slack, unit, k, e.point, what)
 
 
 def _lowered(tree: Tree) -> Program | None:
     """Return the program of the tree as a SymPy expression; None where it is not written so."""
-    if not tree.operations() <= set(SYMPY):
+    if not tree.operations() <= {*SYMPY, "table"}:
         return None
     x = [sp.Symbol(f"x{k}", real=True) for k in range(STATES)]
     p = [sp.Symbol(f"p{k}", real=True) for k in range(PARAMETERS)]
@@ -217,6 +238,8 @@ def _lowered(tree: Tree) -> Program | None:
 
 
 def _in_sympy(tree: Tree, slots: dict[Any, Any]) -> Any:
+    if isinstance(tree.leaf, Table):
+        return tree.leaf(_in_sympy(tree.args[0], slots))
     if tree.op in OPS:
         return SYMPY[tree.op](*[_in_sympy(a, slots) for a in tree.args])
     if tree.op == "const":
@@ -242,6 +265,8 @@ def main(count: int, seed: int, only: int | None) -> None:
         check(Unit.of(seed, first, size), targets, found)
     for kind, number in sorted(found.compared.items()):
         click.echo(f"{kind}: {number} compared, {found.left_out[kind]} left out")
+    for kind, number in sorted(found.refused.items()):
+        click.echo(f"{kind}: refused, {number} expressions")
     one, *more = (digests_apart(s) for s in HASH_SEEDS)
     if any(other != one for other in more):
         found.different.append("texts differ between processes with different hash seeds")

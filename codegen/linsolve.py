@@ -77,10 +77,10 @@ def back_exact(m: Any, matrix: Any, *right: Any) -> list[Any]:
     """Return the solution, NaN for a singular matrix or one that is not finite."""
     if not all(m.isfinite(x) for x in (*matrix, *right)):
         return [m.nan] * len(right)
-    try:
-        return list(m.lu_solve(matrix, m.matrix(right)))
-    except ZeroDivisionError:
+    factors = _pivoted(m, matrix)
+    if any(row[k] == 0 for k, row in enumerate(factors[2])):
         return [m.nan] * len(right)
+    return _substituted(factors, right)
 
 
 def bound(m: Any, matrix: Any, errors: Any, right: Sequence[Any], right_errors: Any) -> list[float]:
@@ -91,20 +91,28 @@ def bound(m: Any, matrix: Any, errors: Any, right: Sequence[Any], right_errors: 
     with partial pivoting, or |L||D||L^T| where that is larger).
     """
     n = len(right)
-    try:
-        inverse = matrix**-1
-        solution = inverse * m.matrix(right)
-    except ZeroDivisionError:
+    factors = _pivoted(m, matrix)
+    if any(row[k] == 0 for k, row in enumerate(factors[2])):
         return [float("inf")] * n
+    columns = [_substituted(factors, [m.mpf(int(i == j)) for i in range(n)]) for j in range(n)]
+    inverse = [[float(abs(columns[j][i])) for j in range(n)] for i in range(n)]
+    solution = _substituted(factors, right)
     growth = _growth(m, matrix)
     unit = 3 * n * 2.0**-53
     size = [abs(float(x)) for x in solution]
     spread = [
         float(right_errors[i])
-        + sum((errors[i][j] + unit / (1 - unit) * growth[i][j]) * size[j] for j in range(n))
+        + _sum_of_products(
+            [float(errors[i][j]) + unit / (1 - unit) * growth[i][j] for j in range(n)], size
+        )
         for i in range(n)
     ]
-    return [sum(abs(float(inverse[i, j])) * spread[j] for j in range(n)) for i in range(n)]
+    return [_sum_of_products(row, spread) for row in inverse]
+
+
+def _sum_of_products(one: Sequence[float], other: Sequence[float]) -> float:
+    """Return the sum, where nothing times infinity is nothing."""
+    return sum(a * b for a, b in zip(one, other, strict=True) if a and b)
 
 
 def _growth(m: Any, matrix: Any) -> list[list[float]]:
@@ -140,9 +148,25 @@ def _pivoted(m: Any, matrix: Any) -> tuple[list[int], list[list[Any]], list[list
     return order, lower, rows
 
 
+def _substituted(
+    factors: tuple[list[int], list[list[Any]], list[list[Any]]], right: Sequence[Any]
+) -> list[Any]:
+    """Solve by the factors that `_pivoted` found, all of whose pivots are other than zero."""
+    order, lower, upper = factors
+    n = len(right)
+    x = [right[i] for i in order]
+    for i in range(n):
+        x[i] -= sum(lower[i][k] * x[k] for k in range(i))
+    for i in range(n - 1, -1, -1):
+        x[i] = (x[i] - sum(upper[i][k] * x[k] for k in range(i + 1, n))) / upper[i][i]
+    return x
+
+
 def _plain(matrix: Any) -> list[list[float]] | None:
-    """Return |L||D||L^T| of a symmetric matrix, or None where the guard refuses a pivot."""
+    """Return |L||D||L^T|, or None for a matrix that is not symmetric or has a pivot refused."""
     n = matrix.rows
+    if any(matrix[i, j] != matrix[j, i] for i in range(n) for j in range(i)):
+        return None
     rows = [[matrix[i, j] for j in range(n)] for i in range(n)]
     total = [[0.0] * n for _ in range(n)]
     for k in range(n):

@@ -137,13 +137,14 @@ def _error(instruction: Instruction, exact: Bounded) -> float:
 
     Nor has a zero whose error is what the bound allows for underflow: the points are of size one.
     """
-    value = instruction.value
-    is_double = instruction.op == "const" and Fraction(float(exact.value)) == value
+    rounded = float(exact.value)
+    is_const = instruction.op == "const" and math.isfinite(rounded)
+    is_double = is_const and Fraction(rounded) == instruction.value
     return 0.0 if is_double or exact.error < _UNDERFLOW else exact.error
 
 
 def _whole(value: Any) -> Any:
-    return value - round(value)
+    return value - value.context.nint(value)
 
 
 _EDGES: dict[str, tuple[tuple[int, ...], Callable[..., Iterable[Any]]]] = {

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from codegen import compile as compile_system
 from codegen import native
 from codegen.compiled import generate
-from codegen.interpret import Bounded, Point, interpret, interpret_with_bound
+from codegen.interpret import Point, interpret
 from codegen.names import C_MATH, RESERVED
 from codegen.pipeline import specialised
 from codegen.program import Program
@@ -23,8 +23,9 @@ from codegen.targets import c, c_float
 from codegen.targets.c_float import in_single_precision, prefix, single_text
 from eom.system import System
 from tests.codegen.test_compiled import (
+    SINGLE,
     SYSTEMS,
-    good_operand_is_near,
+    judged,
     points,
     random_values,
     several,
@@ -40,10 +41,6 @@ from tests.codegen.test_targets import system_of as all_operations
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
-
-SCALE = 2.0**29
-"""Unit roundoff of float over that of double: 2^-24 / 2^-53."""
-TINY, HUGE = 1e-30, 1e30
 
 
 class Single:
@@ -79,17 +76,11 @@ def single(values):
 def check(program, group, point, got):
     """Compare where the bound of first order holds in single precision; return how many there were."""
     every = Program(program.instructions, {"all": tuple(range(len(program.instructions)))})
-    bounded = [Bounded(b.value, b.error * SCALE) for b in interpret_with_bound(every, point)["all"]]
-    doubles = interpret(every, point)["all"]
-    good = []
-    for (op, args, _), v, d in zip(program.instructions, bounded, doubles, strict=True):
-        near = any(good_operand_is_near(op, [bounded[k] for k in args]))
-        sized = v.value == 0 or TINY < abs(v.value) < HUGE
-        near |= bool(v.value) and v.error > 1e-2 * abs(v.value)  # first order no longer
-        good.append(all(good[k] for k in args) and sized and np.isfinite(d) and not near)
+    good, bounded = judged(program, point, SINGLE)
+    finite = np.isfinite(interpret(every, point)["all"])
     checked = 0
     for k, value in zip(program.results[group], got, strict=True):
-        if good[k]:
+        if good[k] and finite[k]:
             error = abs(mpmath.mpf(float(value)) - bounded[k].value)
             assert error <= bounded[k].error, (k, value, bounded[k])
             checked += 1

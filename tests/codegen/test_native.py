@@ -72,7 +72,7 @@ def test_files_of_c_are_generated_without_a_compiler(cache, monkeypatch):
     monkeypatch.setenv("CC", "/nowhere/cc")
     compiled = compile_system(eom.free_rigid_body(), "numpy")
     files = generate(compiled.program, compiled.layout, "c")
-    assert len(files) == 9
+    assert {"free_rigid_body.h", "free_rigid_body.c", "Makefile"} <= set(files)
     assert all(text.isascii() for text in files.values())
 
 

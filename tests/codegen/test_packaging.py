@@ -152,6 +152,14 @@ def test_nothing_is_compared_where_a_jump_is_in_doubt():
     assert all(e.bound < 1 for e in checks.expect(program, away)["outputs"])
 
 
+@needs_compiler
+def test_constants_and_quotients_beyond_doubles_are_no_obstacle(tmp_path):
+    huge = sp.Integer(10) ** 400
+    far = sp.Mod(sp.sin(x) * sp.Float(1e200), y * sp.Float(1e-200))
+    files = dict(package(system_of([huge * x, x / huge, far, sp.floor(sp.sin(x) * 1e300), x + y])))
+    assert run_test_program(files, tmp_path, COMPILERS[0]).returncode == 0
+
+
 def test_expected_values_are_the_nearest_doubles_and_bounds_are_small():
     program, _ = specialised(expressions_of([sp.sin(x) * sp.exp(y)]), {})
     (found,) = checks.expect(program, Point(0.0, [0.7, 1.9, 0.0], [0.0, 0.0]))["outputs"]
