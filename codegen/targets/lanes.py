@@ -84,9 +84,9 @@ TEMPLATES: dict[str, Template] = {
 
 _SLOTS = {
     "time": "t",
-    "state": "x[{0}]",
-    "parameter": "p[{0}]",
-    "input": "u[{0}]",
+    "state": "lanes_load_(x + {0} * xs)",
+    "parameter": "lanes_load_(p + {0} * LANES_)",
+    "input": "lanes_load_(u + {0} * us)",
     CONSTANT: "c[{0}]",
     CLOCK: "w[{0}]",
 }
@@ -96,9 +96,19 @@ _NUMBERS = {
     "nan": "NAN",
     EVERY_NUMBER: "lanes_all_({0})",
 }
-_EARLY = ("const lane_ *p",)
+_EARLY = ("const double *p",)
 _TIMED = ("lane_ t", "const lane_ *c")
-_LATE = ("lane_ t", "const lane_ *x", "const lane_ *c", "const lane_ *w", "const lane_ *u")
+_LATE = (
+    "lane_ t",
+    "const double *x",
+    "ptrdiff_t xs",
+    "const lane_ *c",
+    "const lane_ *w",
+    "const double *u",
+    "ptrdiff_t us",
+)
+_LOCAL = ("c[{0}] = {1};", "lane_ *c"), ("w[{0}] = {1};", "lane_ *w")
+_STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
 _CARRIED = "lane_ *carried_"
 
 
@@ -236,13 +246,13 @@ def source(program: Program, layout: Layout) -> str:
             function = c_helpers.table_function(n, table)
             lines += [f"{function}\n", f"{_by_lane(f'lanes_{n}', n, 'a')}\n"]
     if early.results:
-        lines += [*_kernel(f"{name}_constants_kernel", _EARLY, early, "c"), ""]
+        lines += [*_kernel(f"{name}_constants_kernel", _EARLY, early, *_LOCAL[0]), ""]
     for group in groups:
         head = f"{name}_{group.name}"
         if group.timed.results:
-            lines += [*_kernel(f"{head}_clock", _TIMED, group.timed, "w"), ""]
-        lines += [*_kernel(f"{head}_kernel", _LATE, group.late, "y"), ""]
-        lines += [_lanes(name, group, len(early.results), layout), ""]
+            lines += [*_kernel(f"{head}_clock", _TIMED, group.timed, *_LOCAL[1]), ""]
+        lines += [*_kernel(f"{head}_kernel", _LATE, group.late, *_STORED), ""]
+        lines += [*_lanes(name, group, len(early.results), layout), ""]
     return "\n".join(lines)
 
 
@@ -267,10 +277,14 @@ def _helpers(called: set[str]) -> list[str]:
     return [text for name, text in HELPERS.items() if name in wanted]
 
 
-def _kernel(head: str, arguments: Sequence[str], body: Body, target: str) -> list[str]:
-    """A computation over arrays of lanes; a long one in parts, as in the C target."""
-    target = f"lane_ *{target}"
-    stores = [f"    {target[-1]}[{k}] = {r};" for k, r in enumerate(body.results)]
+def _kernel(
+    head: str, arguments: Sequence[str], body: Body, place: str, target: str
+) -> list[str]:
+    """A computation of one block: all loads, then all stores; a long one in parts, as in C.
+
+    ``place``: how the result {0} is stored as {1}; ``target``: declaration of where results go.
+    """
+    stores = [f"    {place.format(k, r)}" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
         return _static(head, "INLINE_", (*arguments, target), [*_assigned(body.lines), *stores])
     parts, size = split(body, PART_LINES)
@@ -303,7 +317,7 @@ def _store(line: Line, slot: int) -> str:
 
 
 def _variables(declared: Sequence[str]) -> list[str]:
-    return [text.split()[-1].lstrip("*") for text in declared]
+    return [a.split()[-1].lstrip("*") for text in declared for a in text.split(",")]
 
 
 def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
@@ -332,56 +346,89 @@ def _signature(name: str, group: str) -> str:
     return "\n    ".join([head, *arrays, "double *y, ptrdiff_t y_row, ptrdiff_t y_column)"])
 
 
-def _rows(array: str, count: int, indent: str) -> list[str]:
-    """Load the rows of an array for the points from j on."""
-    place = f"{array} + {{0}} * {array}_row + j * {array}_column"
+def _run(head: str) -> list[str]:
+    """Blocks that stand one after another, with the same parameters and time."""
     return [
-        f"{indent}{array}l[{k}] = lanes_load_({place.format(k)}, {array}_column, left);"
-        for k in range(count)
+        f"static void {head}_run(size_t blocks, const double *t, const double *x, ptrdiff_t xs,",
+        "    const lane_ *c, const lane_ *w, const double *u, ptrdiff_t us, ptrdiff_t step,",
+        "    double *y, ptrdiff_t ys) {",
+        "    const lane_ now = lanes_load_(t);",
+        "    for (size_t k = 0; k < blocks; ++k) {",
+        f"        {head}_kernel(now, x, xs, c, w, u, us, y, ys);",
+        "        x += LANES_, u += step, y += LANES_;",
+        "    }",
+        "}",
+        "",
     ]
 
 
-def _lanes(name: str, group: _Group, constants: int, layout: Layout) -> str:
-    """A loop over blocks of points; what all points share is loaded and prepared in the first."""
-    head, results = f"{name}_{group.name}", len(group.late.results)
-    timed = len(group.timed.results)
-    sizes = {"x": len(layout.states), "p": len(layout.parameters), "u": len(layout.inputs)}
-    sizes["p"] *= bool(constants)
-    rooms = {f"{a}l": n for a, n in sizes.items()} | {"c": constants, "w": timed, "yl": results}
-    prepare = [*_rows("p", sizes["p"], ""), f"{name}_constants_kernel(pl, c);"] if constants else []
-    inputs = _rows("u", sizes["u"], "")
-    clock = [f"{head}_clock(tl, c, w);"] if timed else []
-    stores = [f"lanes_store_(y + {k} * y_row + j * y_column, y_column, left, yl[{k}]);" for k in range(results)]  # fmt: skip
-    return "\n".join(
-        [
-            f"{_signature(name, group.name)} {{",
-            *(f"    lane_ {a}[{max(1, n)}];" for a, n in rooms.items()),
-            f"    {', '.join(f'(void){a}' for a in ('pl', 'ul', 'xl', 'c', 'w', *_outer(sizes)))};",
-            "    for (size_t k = 0; k < count; k += LANES_) {",
-            "        const ptrdiff_t j = (ptrdiff_t)k;",
-            "        const int left = count - k < LANES_ ? (int)(count - k) : LANES_;",
-            "        const lane_ tl = lanes_load_(t + j * t_step, t_step, left);",
-            *_when("k == 0 || p_column != 0", prepare),
-            *_when("k == 0 || u_column != 0", inputs),
-            *_when("k == 0 || t_step != 0 || p_column != 0", clock),
-            *_rows("x", sizes["x"], " " * 8),
-            f"        {head}_kernel(tl, xl, c, w, ul, yl);",
-            *(f"        {s}" for s in stores),
-            "    }",
-            "}",
-        ]
-    )
+def _lanes(name: str, group: _Group, constants: int, layout: Layout) -> list[str]:
+    """A loop over runs of blocks; what all points share is prepared in the first.
+
+    Points that do not stand side by side, and the last ones, go through a block on the stack.
+    """
+    head, timed, results = f"{name}_{group.name}", len(group.timed.results), len(group.late.results)
+    states, parameters, inputs = map(len, (layout.states, layout.parameters, layout.inputs))
+    rooms = {"xb": states, "ub": inputs, "yb": results, "pb": parameters}
+    prepare = [
+        f"lanes_pack_(pb, {parameters}, p + j * p_column, p_row, p_column, left);",
+        f"{name}_constants_kernel(pb, c);",
+    ]
+    clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
+    clock += [f"{head}_clock(lanes_load_(tb), c, w);"] if timed else []
+    shared = "t_step == 0 && p_column == 0" if constants else "t_step == 0"
+    again = "t_step != 0 || p_column != 0" if constants else "t_step != 0"
+    lines = [
+        "double tb[LANES_];",
+        *(f"double {a}[{max(1, n)} * LANES_];" for a, n in rooms.items()),
+        f"lane_ c[{max(1, constants)}], w[{max(1, timed)}];",
+        "(void)xb, (void)ub, (void)pb, (void)c, (void)w;",
+        f"(void)x_column, (void)u_column, {', '.join(f'(void){a}' for a in ('p', 'p_row', 'p_column'))};",
+        "for (size_t k = 0; k < count;) {",
+        "    const ptrdiff_t j = (ptrdiff_t)k;",
+        "    const int left = count - k < LANES_ ? (int)(count - k) : LANES_, full = left == LANES_;",
+        *_when("k == 0 || p_column != 0", prepare if constants else []),
+        *_when(f"k == 0 || {again}", clock),
+        "    const double *xk = x + j * x_column, *uk = u + j * u_column;",
+        "    ptrdiff_t xs = x_row, us = u_row, ys = y_row;",
+        "    double *yk = y + j * y_column;",
+        f"    const int x_packed = {_packed('x', states)};",
+        f"    const int u_packed = {_packed('u', inputs)};",
+        "    const int y_packed = y_column != 1 || !full;",
+        f"    const int together = {shared} && !x_packed && !y_packed && (!u_packed || u_column == 0);",
+        "    const size_t blocks = together ? (count - k) / LANES_ : 1;",
+        *_block("x", states, "x_packed"),
+        *_block("u", inputs, "u_packed"),
+        "    if (y_packed) yk = yb, ys = LANES_;",
+        f"    {head}_run(blocks, tb, xk, xs, c, w, uk, us, u_column == 0 ? 0 : LANES_, yk, ys);",
+        f"    if (y_packed) lanes_unpack_(yb, {results}, y + j * y_column, y_row, y_column, left);",
+        "    k += blocks * LANES_;",
+        "}",
+    ]
+    body = [f"    {line}" for line in lines]
+    return [*_run(head), f"{_signature(name, group.name)} {{", *body, "}"]
 
 
-def _outer(sizes: Mapping[str, int]) -> list[str]:
-    """Return the arguments that a function without elements of their arrays does not use."""
-    return [v for a, n in sizes.items() if not n for v in (a, f"{a}_row", f"{a}_column")]
+def _packed(a: str, rows: int) -> str:
+    """Tell whether a block of an array must be copied."""
+    return f"{a}_column != 1 || !full" if rows else "0"
+
+
+def _block(a: str, rows: int, packed: str) -> list[str]:
+    """Copy the rows of a block; those that all points share once."""
+    if not rows:
+        return []
+    pack = f"lanes_pack_({a}b, {rows}, {a} + j * {a}_column, {a}_row, {a}_column, left);"
+    return [
+        f"    if ({packed} && (k == 0 || {a}_column != 0)) {pack}",
+        f"    if ({packed}) {a}k = {a}b, {a}s = LANES_;",
+    ]
 
 
 def _when(condition: str, lines: Sequence[str]) -> list[str]:
     if not lines:
         return []
-    return [f"        if ({condition}) {{", *(f"            {line}" for line in lines), "        }"]
+    return [f"    if ({condition}) {{", *(f"        {line}" for line in lines), "    }"]
 
 
 LANES = Target(

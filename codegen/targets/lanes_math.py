@@ -83,7 +83,7 @@ TYPES = """\
 typedef double lane_ __attribute__((vector_size(8 * LANES_)));
 typedef unsigned long long mask_ __attribute__((vector_size(8 * LANES_)));
 #define INLINE_ static inline __attribute__((always_inline, unused))
-#define APART_ static __attribute__((noinline, cold, unused))
+#define APART_ static __attribute__((noinline, unused))
 
 INLINE_ lane_ lanes_all_(double a) { return a - (lane_){0.0}; }
 INLINE_ mask_ lanes_bits_(unsigned long long a) { return a + (mask_){0}; }
@@ -110,25 +110,20 @@ INLINE_ int lanes_any_beyond_(lane_ a, double limit) {
 #endif
 }
 
-/* Elements at a[k * step]; where fewer points are left than lanes, the last one fills up. */
-APART_ lane_ lanes_gather_(const double *a, ptrdiff_t step, int left) {
+INLINE_ lane_ lanes_load_(const double *a) {
     lane_ r;
-    for (int k = 0; k < LANES_; ++k) r[k] = a[(k < left ? k : left - 1) * step];
-    return r;
-}
-APART_ void lanes_scatter_(double *a, ptrdiff_t step, int left, lane_ v) {
-    for (int k = 0; k < left; ++k) a[k * step] = v[k];
-}
-INLINE_ lane_ lanes_load_(const double *a, ptrdiff_t step, int left) {
-    lane_ r;
-    if (step == 0) return lanes_all_(a[0]);
-    if (step != 1 || left != LANES_) return lanes_gather_(a, step, left);
     memcpy(&r, a, sizeof r);
     return r;
 }
-INLINE_ void lanes_store_(double *a, ptrdiff_t step, int left, lane_ v) {
-    if (step != 1 || left != LANES_) lanes_scatter_(a, step, left, v);
-    else memcpy(a, &v, sizeof v);
+INLINE_ void lanes_store_(double *a, lane_ v) { memcpy(a, &v, sizeof v); }
+/* Copy rows of points to or from blocks; where fewer are left than lanes, the last one fills up. */
+APART_ void lanes_pack_(double *block, int rows, const double *a, ptrdiff_t row, ptrdiff_t column, int left) {
+    for (int i = 0; i < rows; ++i)
+        for (int k = 0; k < LANES_; ++k) block[i * LANES_ + k] = a[i * row + (k < left ? k : left - 1) * column];
+}
+APART_ void lanes_unpack_(const double *block, int rows, double *a, ptrdiff_t row, ptrdiff_t column, int left) {
+    for (int i = 0; i < rows; ++i)
+        for (int k = 0; k < left; ++k) a[i * row + k * column] = block[i * LANES_ + k];
 }
 """
 """What every text needs: types, selection, loads and stores."""
