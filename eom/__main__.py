@@ -126,7 +126,7 @@ def derive(
     "--target",
     default="c",
     show_default=True,
-    metavar="c|c_f32|numpy|python|javascript",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript",
     help="Language.",
 )
 @click.option(
@@ -140,8 +140,8 @@ def derive(
 def generate(scene: str, target: str, folder: Path | None, fixed: bool, report: bool) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
-    Targets: c; c_f32 (single precision, without the integrator); numpy; python (plain floats,
-    no NumPy); javascript (for browsers and Node.js).
+    Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
     """
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files

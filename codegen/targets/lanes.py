@@ -67,7 +67,9 @@ TEMPLATES: dict[str, Template] = {
     "or": Template("lanes_one_(lanes_true_({0}) | lanes_true_({1}))"),
     "not": Template("lanes_one_(~lanes_true_({0}))"),
     "select": Template("lanes_choose_(lanes_true_({0}), {1}, {2})"),
-    **{op: call(f"lanes_{f.rstrip('_')}_", 2 if op in _BINARY else 1) for op, f in _LIBRARY.items()},
+    **{
+        op: call(f"lanes_{f.rstrip('_')}_", 2 if op in _BINARY else 1) for op, f in _LIBRARY.items()
+    },
     **{op: call(f"lanes_{f.rstrip('_')}_", 2) for op, f in _ORDERED.items()},
     "table": Template("lanes_{data}({0})"),
     "factor": Template(
@@ -153,7 +155,10 @@ APART_ void lanes_back_(int n, const lane_ *f, lane_ *x, double *s) {
 }
 
 HELPERS: dict[str, str] = {
-    **{name: c_helpers.HELPERS[name] for name in ("mod_", "jn", "yn", "stumpff_", "factor_", "back_")},
+    **{
+        name: c_helpers.HELPERS[name]
+        for name in ("mod_", "jn", "yn", "stumpff_", "factor_", "back_")
+    },
     **lanes_math.HELPERS,
     **{
         f"lanes_{f.rstrip('_')}_": _by_lane(
@@ -161,7 +166,9 @@ HELPERS: dict[str, str] = {
         )
         for op, f in _LIBRARY.items()
     },
-    **{f"lanes_{f.rstrip('_')}_": _ordered(f"lanes_{f.rstrip('_')}_", f) for f in _ORDERED.values()},
+    **{
+        f"lanes_{f.rstrip('_')}_": _ordered(f"lanes_{f.rstrip('_')}_", f) for f in _ORDERED.values()
+    },
     **_SOLVERS,
 }
 """Texts by name, each after those that it uses."""
@@ -277,9 +284,7 @@ def _helpers(called: set[str]) -> list[str]:
     return [text for name, text in HELPERS.items() if name in wanted]
 
 
-def _kernel(
-    head: str, arguments: Sequence[str], body: Body, place: str, target: str
-) -> list[str]:
+def _kernel(head: str, arguments: Sequence[str], body: Body, place: str, target: str) -> list[str]:
     """A computation of one block: all loads, then all stores; a long one in parts, as in C.
 
     ``place``: how the result {0} is stored as {1}; ``target``: declaration of where results go.

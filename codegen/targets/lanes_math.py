@@ -87,7 +87,9 @@ typedef unsigned long long mask_ __attribute__((vector_size(8 * LANES_)));
 
 INLINE_ lane_ lanes_all_(double a) { return a - (lane_){0.0}; }
 INLINE_ mask_ lanes_bits_(unsigned long long a) { return a + (mask_){0}; }
-INLINE_ lane_ lanes_choose_(mask_ m, lane_ a, lane_ b) { return (lane_)((m & (mask_)a) | (~m & (mask_)b)); }
+INLINE_ lane_ lanes_choose_(mask_ m, lane_ a, lane_ b) {
+    return (lane_)((m & (mask_)a) | (~m & (mask_)b));
+}
 INLINE_ lane_ lanes_one_(mask_ m) { return (lane_)(m & (mask_)lanes_all_(1.0)); }
 INLINE_ mask_ lanes_true_(lane_ a) { return (mask_)(a != 0.0); }
 INLINE_ lane_ lanes_abs_(lane_ a) { return (lane_)((mask_)a & ~(mask_)lanes_all_(-0.0)); }
@@ -117,11 +119,14 @@ INLINE_ lane_ lanes_load_(const double *a) {
 }
 INLINE_ void lanes_store_(double *a, lane_ v) { memcpy(a, &v, sizeof v); }
 /* Copy rows of points to or from blocks; where fewer are left than lanes, the last one fills up. */
-APART_ void lanes_pack_(double *block, int rows, const double *a, ptrdiff_t row, ptrdiff_t column, int left) {
+APART_ void lanes_pack_(double *block, int rows, const double *a, ptrdiff_t row, ptrdiff_t column,
+                        int left) {
     for (int i = 0; i < rows; ++i)
-        for (int k = 0; k < LANES_; ++k) block[i * LANES_ + k] = a[i * row + (k < left ? k : left - 1) * column];
+        for (int k = 0; k < LANES_; ++k)
+            block[i * LANES_ + k] = a[i * row + (k < left ? k : left - 1) * column];
 }
-APART_ void lanes_unpack_(const double *block, int rows, double *a, ptrdiff_t row, ptrdiff_t column, int left) {
+APART_ void lanes_unpack_(const double *block, int rows, double *a, ptrdiff_t row, ptrdiff_t column,
+                          int left) {
     for (int i = 0; i < rows; ++i)
         for (int k = 0; k < left; ++k) a[i * row + k * column] = block[i * LANES_ + k];
 }
@@ -149,9 +154,13 @@ INLINE_ lane_ lanes_sign_(lane_ a) {
     return lanes_choose_((mask_)(a == 0.0), lanes_all_(0.0), lanes_choose_((mask_)(a == a), unit, a));
 }""",
     "lanes_min_": """\
-INLINE_ lane_ lanes_min_(lane_ a, lane_ b) { return lanes_choose_((mask_)(a < b) | (mask_)(a != a), a, b); }""",
+INLINE_ lane_ lanes_min_(lane_ a, lane_ b) {
+    return lanes_choose_((mask_)(a < b) | (mask_)(a != a), a, b);
+}""",
     "lanes_max_": """\
-INLINE_ lane_ lanes_max_(lane_ a, lane_ b) { return lanes_choose_((mask_)(a > b) | (mask_)(a != a), a, b); }""",
+INLINE_ lane_ lanes_max_(lane_ a, lane_ b) {
+    return lanes_choose_((mask_)(a > b) | (mask_)(a != a), a, b);
+}""",
     "lanes_floor_": """\
 INLINE_ lane_ lanes_floor_(lane_ a) {
     const lane_ big = lanes_signed_(lanes_all_(4503599627370496.0), a);
@@ -181,7 +190,8 @@ INLINE_ lane_ lanes_circle_(lane_ a, int turn) {{
     const mask_ quadrant = (mask_)shifted + (unsigned long long)turn;
     const lane_ r = lanes_choose_(-(quadrant & 1), cosine, sine);
     const lane_ found = (lane_)((mask_)r ^ ((quadrant & 2) << 62));
-    return __builtin_expect(lanes_any_beyond_(a, {LARGEST_ANGLE!r}), 0) ? lanes_far_(a, found, turn) : found;
+    if (__builtin_expect(lanes_any_beyond_(a, {LARGEST_ANGLE!r}), 0)) return lanes_far_(a, found, turn);
+    return found;
 }}""",
     "lanes_sin_": "INLINE_ lane_ lanes_sin_(lane_ a) { return lanes_circle_(a, 0); }",
     "lanes_cos_": "INLINE_ lane_ lanes_cos_(lane_ a) { return lanes_circle_(a, 1); }",
