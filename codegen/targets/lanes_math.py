@@ -64,8 +64,11 @@ def horner(variable: str, coefficients: Sequence[float]) -> str:
 
 
 TYPES = """\
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi" /* Vectors go to static functions alone. */
+/* Vectors go to static functions alone, which no other compiler sees. */
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#elif __has_warning("-Wpsabi")
+#pragma clang diagnostic ignored "-Wpsabi"
 #endif
 
 #ifndef LANES_
@@ -132,6 +135,8 @@ APART_ void lanes_unpack_(const double *block, int rows, double *a, ptrdiff_t ro
 }
 """
 """What every text needs: types, selection, loads and stores."""
+FEW_CALLS = 24
+"""Own functions are written out where they are called, unless there are more calls than these."""
 
 _WHOLE = "6755399441055744.0"  # 1.5 * 2^52: the sum with a small number rounds it to a whole one
 
@@ -193,9 +198,9 @@ INLINE_ lane_ lanes_circle_(lane_ a, int turn) {{
     if (__builtin_expect(lanes_any_beyond_(a, {LARGEST_ANGLE!r}), 0)) return lanes_far_(a, found, turn);
     return found;
 }}""",
-    "lanes_sin_": "INLINE_ lane_ lanes_sin_(lane_ a) { return lanes_circle_(a, 0); }",
-    "lanes_cos_": "INLINE_ lane_ lanes_cos_(lane_ a) { return lanes_circle_(a, 1); }",
-    "lanes_tan_": "INLINE_ lane_ lanes_tan_(lane_ a) { return lanes_circle_(a, 0) / lanes_circle_(a, 1); }",
+    "lanes_sin_": "OFTEN_ lane_ lanes_sin_(lane_ a) { return lanes_circle_(a, 0); }",
+    "lanes_cos_": "OFTEN_ lane_ lanes_cos_(lane_ a) { return lanes_circle_(a, 1); }",
+    "lanes_tan_": "OFTEN_ lane_ lanes_tan_(lane_ a) { return lanes_circle_(a, 0) / lanes_circle_(a, 1); }",
     "lanes_power_": f"""\
 /* exp(a) - 1 over 2^n, and 2^(n - 1) in two factors; a is at most 710 and at least -1490. */
 INLINE_ lane_ lanes_power_(lane_ a, lane_ *one, lane_ *other) {{
@@ -213,25 +218,25 @@ INLINE_ lane_ lanes_within_(lane_ a, double least, double most) {{
     return lanes_choose_((mask_)(b > most), lanes_all_(most), b);
 }}""",
     "lanes_exp_": """\
-INLINE_ lane_ lanes_exp_(lane_ a) {
+OFTEN_ lane_ lanes_exp_(lane_ a) {
     lane_ one, other;
     const lane_ r = 1.0 + lanes_power_(lanes_within_(a, -750.0, 710.0), &one, &other);
     return (r + r) * one * other;
 }""",
     "lanes_expm1_": """\
-INLINE_ lane_ lanes_expm1_(lane_ a) {
+OFTEN_ lane_ lanes_expm1_(lane_ a) {
     lane_ one, other;
     const lane_ r = lanes_power_(lanes_within_(a, -60.0, 710.0), &one, &other);
     const lane_ power = one * other, found = r * power + (power - 0.5);
     return lanes_signed_(found + found, a);
 }""",
     "lanes_tanh_": """\
-INLINE_ lane_ lanes_tanh_(lane_ a) {
+OFTEN_ lane_ lanes_tanh_(lane_ a) {
     const lane_ e = lanes_expm1_(2.0 * lanes_within_(lanes_abs_(a), 0.0, 22.0));
     return lanes_signed_(e / (e + 2.0), a);
 }""",
     "lanes_log_": f"""\
-INLINE_ lane_ lanes_log_(lane_ a) {{
+OFTEN_ lane_ lanes_log_(lane_ a) {{
     const mask_ small = (mask_)(a < {2.0**-1022!r});
     const lane_ scaled = lanes_choose_(small, a * {2.0**54!r}, a);
     /* The nearest power of two: the exponent of a over sqrt(1/2), rounded down. */

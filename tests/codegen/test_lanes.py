@@ -463,7 +463,9 @@ def test_without_vector_extensions_the_plain_form_is_taken(monkeypatch, tmp_path
     real = " ".join(native.require_compiler())
     script = tmp_path / "cc"
     script.write_text(
-        f'#!/bin/sh\nfor last; do case "$last" in *.c) grep -q vector_size "$last" && exit 1;; esac; done\nexec {real} "$@"\n'
+        "#!/bin/sh\nfor file; do\n"
+        'case "$file" in *.c) grep -q vector_size "$file" && exit 1;; esac\n'
+        f'done\nexec {real} "$@"\n'
     )
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
