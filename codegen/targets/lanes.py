@@ -1,10 +1,11 @@
 """The C target in lanes: batches of points, one vector of points an operation.
 
 The text is C99 with the vector extensions of gcc and clang, for any processor: `LANES_` doubles a
-vector, 8 where the compiler may use AVX-512 and 4 elsewhere, or what the user defines. It computes
-what the C target computes, in the same order; only the functions of `lanes_math` are its own. The
-others, tables and linear systems are computed lane by lane. Every point has the same result in any
-lane, beside any neighbours: results do not depend on how points are divided among threads.
+vector, 8 where the compiler may use AVX-512, 2 where SSE2 is all there is and 4 elsewhere, or what the
+user defines (gcc -Wno-psabi, if those are wider than the registers). It computes what the C target
+computes, in the same order; only the functions of `lanes_math` are its own. The others, tables and
+linear systems are computed lane by lane. Every point has the same result in any lane, beside any
+neighbours: results do not depend on how points are divided among threads.
 """
 
 from __future__ import annotations
@@ -85,7 +86,7 @@ TEMPLATES: dict[str, Template] = {
 """Conditions are lanes of 0 and 1."""
 
 _SLOTS = {
-    "time": "t",
+    "time": "lanes_load_(t)",
     "state": "lanes_load_(x + {0} * xs)",
     "parameter": "lanes_load_(p + {0} * LANES_)",
     "input": "lanes_load_(u + {0} * us)",
@@ -99,9 +100,9 @@ _NUMBERS = {
     EVERY_NUMBER: "lanes_all_({0})",
 }
 _EARLY = ("const double *p",)
-_TIMED = ("lane_ t", "const lane_ *c")
+_TIMED = ("const double *t", "const lane_ *c")
 _LATE = (
-    "lane_ t",
+    "const double *t",
     "const double *x",
     "ptrdiff_t xs",
     "const lane_ *c",
@@ -369,9 +370,8 @@ def _run(head: str) -> list[str]:
         f"static void {head}_run(size_t blocks, const double *t, const double *x, ptrdiff_t xs,",
         "    const lane_ *c, const lane_ *w, const double *u, ptrdiff_t us, ptrdiff_t step,",
         "    double *y, ptrdiff_t ys) {",
-        "    const lane_ now = lanes_load_(t);",
         "    for (size_t k = 0; k < blocks; ++k) {",
-        f"        {head}_kernel(now, x, xs, c, w, u, us, y, ys);",
+        f"        {head}_kernel(t, x, xs, c, w, u, us, y, ys);",
         "        x += LANES_, u += step, y += LANES_;",
         "    }",
         "}",
@@ -393,7 +393,7 @@ def _lanes(name: str, group: _Group, constants: int, layout: Layout) -> list[str
     ]
     prepare = prepare if constants else []
     clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
-    clock += [f"{head}_clock(lanes_load_(tb), c, w);"] if timed else []
+    clock += [f"{head}_clock(tb, c, w);"] if timed else []
     first = [_first(line) for line in (*prepare, *clock)]
     shared = "t_step == 0 && p_column == 0" if constants else "t_step == 0"
     again = "t_step != 0 || p_column != 0" if constants else "t_step != 0"

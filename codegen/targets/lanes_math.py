@@ -74,6 +74,8 @@ TYPES = """\
 #ifndef LANES_
 #ifdef __AVX512F__
 #define LANES_ 8
+#elif defined(__SSE2__) && !defined(__AVX__)
+#define LANES_ 2
 #else
 #define LANES_ 4
 #endif
