@@ -28,7 +28,7 @@ from eom.scene import Scene
 
 POINTS = 500
 CALLS = 40
-MANY_POINTS = 100_000
+MANY_POINTS = 400_000
 LEAST_GAIN = 3.0
 QUICK_GAIN = 1.5
 """Any processor's bound for the short form; two lanes are the least that there are."""

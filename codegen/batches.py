@@ -19,13 +19,16 @@ from codegen import native
 from codegen.checked import Array, CheckedFunction, Function, Kernel
 from codegen.compiled import Compiled, batch_kernel
 from codegen.names import identifier
+from codegen.passes import prune
 from codegen.targets import lanes
 from eom.errors import InputError, unknown_name
 
 BLOCK = 64
 """Threads take whole multiples of so many points: of any number of lanes, and of lines of the cache."""
 FEWEST = 1024
-"""Points that are worth a thread of their own."""
+"""Points of a share, at least."""
+LEAST_WORK = 500_000
+"""Additions of a share, at least: about a tenth of a millisecond, which a thread takes to wake up."""
 
 
 @dataclass(frozen=True)
@@ -77,16 +80,18 @@ def batch(compiled: Compiled, group: str, threads: int | None = None) -> Batch:
     elif isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise InputError("wrong number of threads", got=threads, expected="1 or more, or None")
     kernel, form, notice = _kernel(compiled, group)
-    checked = CheckedFunction(group, compiled.layout, divided(kernel, threads))
+    cost = prune(compiled.program, [group]).cost()
+    fewest = max(FEWEST, LEAST_WORK // max(1, cost))
+    checked = CheckedFunction(group, compiled.layout, divided(kernel, threads, fewest))
     return Batch(compiled, group, threads, form, notice, checked)
 
 
-def divided(kernel: Kernel, threads: int) -> Kernel:
-    """Divide the points among threads; the caller's own takes the first share."""
+def divided(kernel: Kernel, threads: int, fewest: int = FEWEST) -> Kernel:
+    """Divide the points among threads, ``fewest`` to each; the caller's own takes the first share."""
 
     def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
         count = out.shape[1] if out.ndim == 2 else 1
-        share = max(FEWEST, -(-count // threads))
+        share = max(fewest, -(-count // threads))
         share = -(-share // BLOCK) * BLOCK
         if share >= count:
             kernel(t, x, p, u, out)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from codegen import compile as compile_system
 from codegen import native
-from codegen.batches import BLOCK, FEWEST, divided
+from codegen.batches import BLOCK, FEWEST, LEAST_WORK, divided
 from codegen.checked import CheckedFunction
 from codegen.compiled import batch_kernel, generate
 from codegen.interpret import Point, interpret, interpret_with_bound
@@ -390,7 +390,7 @@ def test_points_that_are_not_finite_leave_their_neighbours_alone(by_width):
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 5, None])
 def test_results_do_not_depend_on_the_number_of_threads(compiled, threads):
-    n = 5 * FEWEST + 37
+    n = 5 * LEAST_WORK // 20 + 37  # more than five shares of any of its groups
     t, xs, ps, us = drawn(n)
     for group in compiled.functions:
         expected = compiled.batch(group, 1)(t, xs, ps, us)
