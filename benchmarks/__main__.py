@@ -17,6 +17,7 @@ from benchmarks import (
     derivations,
     integration,
     jacobians,
+    lanes,
     machine,
     pendulum,
     rates,
@@ -42,6 +43,7 @@ class Measurement:
 MEASUREMENTS = (
     Measurement(rates.measure),
     Measurement(calls.measure),
+    Measurement(lanes.measure),
     Measurement(jacobians.measure),
     Measurement(integration.measure),
     Measurement(stages.measure, quick=False),

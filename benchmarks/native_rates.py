@@ -98,7 +98,7 @@ class Rates:
         prepare = getattr(self.library, self.prepare)
         prepare.argtypes = [ctypes.c_void_p] * 2
         prepare.restype = None
-        made = _aligned(np.zeros(ROOM))
+        made = aligned(np.zeros(ROOM))
         prepare(p.ctypes.data, made.ctypes.data)
         return made
 
@@ -137,14 +137,14 @@ class Points:
             draw(-1.0, 1.0, len(layout.inputs)),
             np.zeros(n),
         )
-        return cls(*(_aligned(a) for a in arrays))
+        return cls(*(aligned(a) for a in arrays))
 
     def with_room(self, results: int) -> Points:
         """Return the same arguments with room for so many results."""
-        return replace(self, dx=_aligned(np.zeros(results)))
+        return replace(self, dx=aligned(np.zeros(results)))
 
 
-def _aligned(values: Array) -> Array:
+def aligned(values: Array) -> Array:
     """Return a copy that starts a cache line, so that its place is the same in every run."""
     room = np.empty(values.size + CACHE_LINE // 8)
     start = (-room.ctypes.data % CACHE_LINE) // 8

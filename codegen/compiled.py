@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from codegen.targets.registry import ROWS
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError, unknown_name
 from eom.system import System
+
+if TYPE_CHECKING:
+    from codegen.batches import Batch
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,16 @@ class Compiled:
         from codegen.linear import compiled_jacobian
 
         return compiled_jacobian(self, wrt, of)
+
+    def batch(self, group: str = RATES, threads: int | None = None) -> Batch:
+        """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
+
+        ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
+        there are processors; results do not depend on it. See `codegen.batches`.
+        """
+        from codegen.batches import batch
+
+        return batch(self, group, threads)
 
     @cached_property
     def files(self) -> Mapping[str, str]:
@@ -228,7 +241,7 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
     prepare = _address(library, f"{name}_prepare")
     constants = max(1, len(by_parameters(program, layout.sizes).values))
     for group in layout.sizes:
-        checked = CheckedFunction(group, layout, _batch_kernel(library, f"{name}_{group}_batch"))
+        checked = CheckedFunction(group, layout, batch_kernel(library, f"{name}_{group}_batch"))
         lengths = (
             len(layout.states),
             len(layout.parameters),
@@ -244,7 +257,8 @@ def _address(library: ctypes.CDLL, symbol: str) -> int:
     return ctypes.cast(getattr(library, symbol), ctypes.c_void_p).value or 0
 
 
-def _batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
+def batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
+    """Return the kernel of a C function over strided arrays of points."""
     function = getattr(library, symbol)
     array = [ctypes.c_void_p, ctypes.c_ssize_t, ctypes.c_ssize_t]
     function.argtypes = [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_ssize_t, *array * 4]

@@ -126,7 +126,7 @@ def derive(
     "--target",
     default="c",
     show_default=True,
-    metavar="c|c_f32|numpy|python|javascript",
+    metavar="c|c_f32|c_lanes|numpy|python|javascript",
     help="Language.",
 )
 @click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
@@ -141,8 +141,9 @@ def generate(
 ) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
-    Targets: c; c_f32 (single precision, without the integrator); numpy; python (plain floats,
-    no NumPy); javascript (for browsers and Node.js). --out may be left out with --report.
+    Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
+    --out may be left out with --report.
     """
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files

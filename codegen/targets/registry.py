@@ -11,6 +11,7 @@ from codegen.program import Program
 from codegen.targets import c, checks, packaging
 from codegen.targets.c_float import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
+from codegen.targets.lanes import LANES
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target
@@ -29,4 +30,4 @@ def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
 
 C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, _c_files)
 
-ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, JAVASCRIPT, NUMPY, PYTHON)}
+ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}

@@ -24,6 +24,7 @@ from eom.tables import Table
 MAX_INLINE = 72
 MAX_READS = 2
 """Processors take one operand from memory for nothing; more reads than this are a load of their own."""
+EVERY_NUMBER = "number"
 ATOM = 100
 
 
@@ -149,7 +150,8 @@ def render(
     """Render one group of results of a pruned program.
 
     ``slots``: how a slot of each kind of leaf is read, for example ``"x[{0}]"``. ``number``: how
-    special numbers are written (``inf``, ``-inf``, ``nan``). ``data``: names of the tables, as
+    special numbers are written (``inf``, ``-inf``, ``nan``), and under `EVERY_NUMBER` a format string
+    for whatever is written in its place. ``data``: names of the tables, as
     `table_names` gives them.
     """
     return _Renderer(program, group, names, templates, slots, number, data).body()
@@ -230,6 +232,8 @@ class _Renderer:
 
     def _number(self, value: float) -> tuple[str, int]:
         text = self.special.get(repr(value), repr(value))
+        if EVERY_NUMBER in self.special:
+            return (self.special[EVERY_NUMBER].format(text), ATOM)
         return (text, ATOM) if value >= 0 or text != repr(value) else (f"({text})", ATOM)
 
     def _operation(self, k: int) -> None:
