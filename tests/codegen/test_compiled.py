@@ -185,11 +185,12 @@ def regular(matrix, precision=DOUBLE):
     n, size = matrix.value.rows, max(map(abs, matrix.value))
     if not math.isfinite(size):
         return False
-    unit = np.eye(n).tolist()
-    inverse = np.array([linsolve.back_exact(mpmath, matrix.value, *row) for row in unit], float).T
+    inverse = linsolve.sizes_of_inverse(size.context, matrix.value)
+    if inverse is None:
+        return False
     change = precision.scale * (matrix.error + float(size) * 2.0**-45)
     with np.errstate(over="ignore", invalid="ignore"):
-        shift = np.abs(inverse) @ np.array(change, dtype=float)
+        shift = np.array(inverse) @ np.array(change, dtype=float)
     return bool(np.all(np.isfinite(shift))) and shift.sum(axis=1).max() < 1e-2 / n
 
 
