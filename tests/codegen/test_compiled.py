@@ -174,7 +174,8 @@ def judged(program, point, precision=DOUBLE):
             good.append(known and (op == "factor" or regular(a[0], precision)))
             continue
         is_near = any(good_operand_is_near(op, a, data))
-        sized = op not in OPS or v.value == 0 or precision.tiny < abs(v.value) < precision.huge
+        sized = v.value == 0 or precision.tiny < abs(v.value) < precision.huge
+        sized |= op not in OPS and mpmath.isfinite(v.value)
         fine = math.isfinite(v.error) and v.error <= precision.relative * abs(v.value or mpmath.inf)
         good.append(known and sized and fine and not is_near)
     return good, values
