@@ -79,7 +79,7 @@ def rounded(target: str, at: Sequence[Point]) -> list[Point]:
     for point in at:
         with np.errstate(over="ignore", under="ignore"):
             t, *numbers = (float(v) for v in np.float32([point.t, *point.x, *point.p]))
-        if np.all(np.isfinite(numbers)):
+        if np.all(np.isfinite([t, *numbers])):
             found.append(Point(t, numbers[:STATES], numbers[STATES:]))
     return found
 

@@ -91,12 +91,10 @@ def bound(m: Any, matrix: Any, errors: Any, right: Sequence[Any], right_errors: 
     with partial pivoting, or |L||D||L^T| where that is larger).
     """
     n = len(right)
-    factors = _pivoted(m, matrix)
-    if any(row[k] == 0 for k, row in enumerate(factors[2])):
+    inverse = sizes_of_inverse(m, matrix)
+    if inverse is None:
         return [float("inf")] * n
-    columns = [_substituted(factors, [m.mpf(int(i == j)) for i in range(n)]) for j in range(n)]
-    inverse = [[float(abs(columns[j][i])) for j in range(n)] for i in range(n)]
-    solution = _substituted(factors, right)
+    solution = back_exact(m, matrix, *right)
     growth = _growth(m, matrix)
     unit = 3 * n * 2.0**-53
     size = [abs(float(x)) for x in solution]
@@ -108,6 +106,16 @@ def bound(m: Any, matrix: Any, errors: Any, right: Sequence[Any], right_errors: 
         for i in range(n)
     ]
     return [_sum_of_products(row, spread) for row in inverse]
+
+
+def sizes_of_inverse(m: Any, matrix: Any) -> list[list[float]] | None:
+    """Return the moduli of the entries of the inverse; None for a singular matrix."""
+    n = matrix.rows
+    factors = _pivoted(m, matrix)
+    if any(row[k] == 0 for k, row in enumerate(factors[2])):
+        return None
+    columns = [_substituted(factors, [m.mpf(int(i == j)) for i in range(n)]) for j in range(n)]
+    return [[float(abs(columns[j][i])) for j in range(n)] for i in range(n)]
 
 
 def _sum_of_products(one: Sequence[float], other: Sequence[float]) -> float:
@@ -143,8 +151,10 @@ def _pivoted(m: Any, matrix: Any) -> tuple[list[int], list[list[Any]], list[list
         order[k], order[best] = order[best], order[k]
         lower[k][:k], lower[best][:k] = lower[best][:k], lower[k][:k]
         for i in range(k + 1, n):
-            lower[i][k] = rows[i][k] / rows[k][k] if rows[k][k] else m.mpf(0)
-            rows[i] = [a - lower[i][k] * b for a, b in zip(rows[i], rows[k], strict=True)]
+            if rows[i][k] and rows[k][k]:
+                factor = lower[i][k] = rows[i][k] / rows[k][k]
+                changed = [a - factor * b for a, b in zip(rows[i][k:], rows[k][k:], strict=True)]
+                rows[i][k:] = changed
     return order, lower, rows
 
 

@@ -15,24 +15,40 @@ def digests():
     """A digest of each generated file by system, target and name."""
     from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
-    from codegen.compiled import TARGETS, generate
+    from codegen.compiled import generate
     from codegen.derivative import jacobian
     from codegen.elsewhere import as_system
     from codegen.lower import RATES
     from codegen.pipeline import specialised
-    from eom import catalogue
+    from codegen.targets.registry import ROWS
+    from eom import catalogue, gravity_gradient_satellite, heavy_top
     from eom.scene import Scene
 
     systems = {name: Scene.ready(name).derive() for name in catalogue.names()}
     systems["pendulum"] = as_system(n_link_pendulum_on_cart(LINKS))
+    systems["top in other angles"] = heavy_top("3-1-2")
+    systems["satellite by cosines"] = gravity_gradient_satellite("dcm")
+    systems["unordered"] = _unordered()
     found = {}
     for name, system in systems.items():
         program, layout = specialised(system, {})
-        for target in sorted(set(TARGETS) - {"auto"}):
+        for target in ROWS:
             for file, text in generate(program, layout, target).items():
                 found[f"{name} {target} {file}"] = _digest(text)
         found[f"{name} jacobian"] = _digest(str(jacobian(program, RATES).program))
     return found
+
+
+def _unordered():
+    """A system of operations whose operands SymPy keeps in no order of its own."""
+    import sympy as sp
+
+    from eom.system import System
+
+    x, y, a = sp.symbols("x y a", real=True)
+    choice = sp.Piecewise((1, (x > 0) & (y > 1) & (a < x)), (2, True))
+    greatest = sp.Max(sp.sin(x), sp.cos(y), sp.exp(a)) + sum(sp.sin(k * x + y) for k in range(9))
+    return System.from_rates("unordered", {x: sp.Min(x, y, a, x * y, 3) + choice, y: greatest})
 
 
 def _digest(text):

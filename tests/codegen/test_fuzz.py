@@ -3,6 +3,7 @@
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from benchmarks import fuzz, fuzz_targets
@@ -18,6 +19,7 @@ from benchmarks.expressions import (
 )
 from benchmarks.fuzz import Findings, Unit, check
 from codegen import native
+from codegen.interpret import Point
 from codegen.ops import OPS, TRUTH_VALUES
 from codegen.targets import numpy_
 from codegen.targets.registry import ROWS
@@ -102,6 +104,18 @@ def test_what_a_target_refuses_is_counted_and_the_rest_compared():
     assert found.different == []
     assert found.refused == {"python, besselj": 1}  # J_2(2) is a number already
     assert 0 < found.compared["python"] < found.compared["numpy"]
+
+
+def test_points_beyond_single_precision_are_left_out():
+    fits = Point(0.1, [0.0, 1.0, 1e-300], [2.0, 3.0])
+    huge = [
+        replace(fits, t=1e300),
+        replace(fits, x=[1e39, 0.0, 0.0]),
+        replace(fits, p=[0.0, -1e40]),
+    ]
+    (kept,) = fuzz_targets.rounded("c_f32", [huge[0], fits, *huge[1:]])
+    assert (kept.t, kept.x[2]) == (float(np.float32(0.1)), 0.0)
+    assert fuzz_targets.rounded("python", [*huge, fits]) == [*huge, fits]
 
 
 @pytest.mark.skipif(not native.compiler(), reason="tests C itself")
