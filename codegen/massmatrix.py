@@ -9,12 +9,14 @@ diagonal, becomes the operations of `codegen.linsolve`, which exchange rows wher
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
-from codegen.interpret import interpret_exactly, random_point
+from codegen.interpret import Point, interpret_exactly, random_point
 from codegen.linsolve import Shape
+from codegen.ops import TRUTH_VALUES
 from codegen.passes import prune
-from codegen.program import Builder
+from codegen.program import Builder, Program
 
 UNROLLED = 8
 """Largest block that becomes straight-line code."""
@@ -26,6 +28,8 @@ SINGULAR = Fraction(1, 2**50)
 """A pivot of straight-line code that is smaller, relative to its diagonal entry, has no right digit."""
 
 SAMPLES = 3
+PIECEWISE = TRUTH_VALUES | {"abs", "sign", "min", "max", "select", "floor", "mod", "table"}
+"""Operations whose values at some points do not tell what they are elsewhere."""
 
 Matrix = Sequence[Sequence[int]]
 
@@ -80,10 +84,15 @@ def _solve_block(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
 
 
 def _symmetric(b: Builder, matrix: Matrix) -> bool:
-    """Tell whether a matrix is symmetric; entries written differently are compared by value."""
+    """Tell whether a matrix is symmetric; entries written differently are compared by value.
+
+    Values at points tell nothing of functions that are made of pieces: such entries must be written
+    in the same way. States of both signs tell sqrt(x^2) from x.
+    """
     n = len(matrix)
     pairs = [(matrix[i][j], matrix[j][i]) for i in range(n) for j in range(i)]
     pairs = [(one, other) for one, other in pairs if one != other]
+<<<<<<< HEAD
     if not pairs:
         return True
     program = prune(b.program({"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}))
@@ -93,6 +102,26 @@ def _symmetric(b: Builder, matrix: Matrix) -> bool:
             if not abs(one - other) <= SAME * (1 + abs(one)):
                 return False
     return True
+=======
+    groups = {"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}
+    program = prune(b.program(groups))
+    if any(i.op in PIECEWISE for i in program.instructions):
+        return False
+    points = [random_point(program, seed) for seed in range(SAMPLES if pairs else 0)]
+    turned = [replace(at, x=[-v for v in at.x], u=[-v for v in at.u]) for at in points]
+    return all(_same(program, at) for at in points) and all(
+        _same(program, at, undefined=True) for at in turned
+    )
+
+
+def _same(program: Program, point: Point, undefined: bool = False) -> bool:
+    """Tell whether both groups have the same values; ``undefined``: both may have none."""
+    values = interpret_exactly(program, point)
+    return all(
+        abs(one - other) <= SAME * (1 + abs(one)) or (undefined and one != one and other != other)  # noqa: PLR0124 - NaN
+        for one, other in zip(values["one"], values["other"], strict=True)
+    )
+>>>>>>> fuzzfix
 
 
 def _unrolled(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
@@ -139,7 +168,12 @@ def _guarded(b: Builder, pivot: int, diagonal: int) -> int:
 def _order(b: Builder, matrix: Matrix) -> list[int]:
     """Return the rows in the order of least degree (Tinney and Walker, 1967), ties by number."""
     n = len(matrix)
-    near = {i: {j for j in range(n) if j != i and _is_entry(b, matrix[i][j])} for i in range(n)}
+    near: dict[int, set[int]] = {i: set() for i in range(n)}
+    for i in range(n):
+        for j in range(n):
+            if i != j and _is_entry(b, matrix[i][j]):
+                near[i].add(j)
+                near[j].add(i)
     order: list[int] = []
     while near:
         i = min(near, key=lambda k: (len(near[k]), k))

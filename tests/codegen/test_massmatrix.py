@@ -256,3 +256,30 @@ def test_jacobians_of_a_pendulum_do_not_depend_on_how_it_is_solved(target, monke
     for by in ("states", "parameters", "inputs"):
         found, known = (c.jacobian(by).dense(*arguments) for c in (looped, straight))
         np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (sp.floor(x / 2), sp.Integer(0)),
+        (sp.Abs(x), x),
+        (sp.sqrt(x**2 + 2 * x * y + y**2), x + y),
+        (sp.Piecewise((x, x > -2), (1, True)), x),
+        (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1, sp.Integer(0)),
+    ],
+)
+def test_entries_that_are_the_same_only_at_some_points_are_no_symmetry(one, other):
+    """floor(x/2) is zero, and |x| is x, wherever the samples are."""
+    matrix = sp.Matrix([[2, one], [other, 5]])
+    system = System(
+        "pieces",
+        (Quantity(x), Quantity(y)),
+        (sp.Integer(1), y),
+        mass_matrix=sp.ImmutableMatrix(matrix),
+    )
+    program = lower_system(system)
+    for at_x in (-3.0, 0.7, 5.5):
+        values = matrix.subs({x: at_x, y: 0.25})
+        expected = values.LUsolve(sp.Matrix([1, 0.25]))
+        got = interpret_exactly(program, Point(x=[at_x, 0.25]))[RATES]
+        assert all(abs(float(a) - float(b)) < 1e-12 for a, b in zip(got, expected, strict=True))

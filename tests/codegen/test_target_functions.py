@@ -16,7 +16,8 @@ from codegen.stumpff import LARGEST
 from eom.errors import InputError
 from eom.tables import Table
 from tests import node
-from tests.codegen.test_c_float import SCALE, Single
+from tests.codegen.test_c_float import Single
+from tests.codegen.test_compiled import SINGLE
 from tests.codegen.test_targets import system_of, x
 
 BREAKPOINTS, VALUES = [-2, -0.5, 0.25, 1, 4], [1, -1, 0.5, 0.5, 3]
@@ -51,7 +52,7 @@ def evaluations():
         yield target, [functions["outputs"](*point[:3]) for point in at], 1.0
     if native.compiler():
         single = Single(program, layout)
-        yield "c_f32", [single("outputs", *point) for point in at], SCALE
+        yield "c_f32", [single("outputs", *point) for point in at], SINGLE.scale
     if node.NODE:
         (text,) = generate(program, layout, "javascript").values()
         (rows,) = node.run([node.Job(text, "outputs", at, COUNT)])
