@@ -87,6 +87,7 @@ def verify(program: Program) -> None:
     for k, (op, args, value) in enumerate(program.instructions):
         arity = _ARITIES.get(op)
         if arity is None:
+            assert op in LEAVES, (k, op)
             assert not args, (k, op)
             assert (value is None) == (op in {"pi", "time"}), (k, op)
             continue

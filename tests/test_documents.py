@@ -43,8 +43,9 @@ def test_readme_gives_set_up_main_job_and_test_command():
     assert len(lines) == 6
     assert lines[0].startswith("python3 -m venv")
     assert "eom run" in lines[2]
-    assert "eom derive" in lines[3]
-    assert "pytest" in lines[4]
+    assert "eom accuracy" in lines[3]
+    assert "eom derive" in lines[4]
+    assert "pytest" in lines[5]
 
 
 @pytest.mark.parametrize(

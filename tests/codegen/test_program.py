@@ -103,5 +103,5 @@ def test_results_that_do_not_exist_are_found(number):
 
 
 def test_unknown_operations_are_found():
-    with pytest.raises(KeyError):
+    with pytest.raises(AssertionError):
         Program((Instruction("pi"), Instruction("gamma", (0,))), {"f": (1,)})
