@@ -384,51 +384,66 @@ def _lanes(name: str, group: _Group, constants: int, layout: Layout) -> list[str
 
     Points that do not stand side by side, and the last ones, go through a block on the stack.
     """
-    head, timed, results = f"{name}_{group.name}", len(group.timed.results), len(group.late.results)
-    states, parameters, inputs = map(len, (layout.states, layout.parameters, layout.inputs))
-    rooms = {"xb": states, "ub": inputs, "yb": results, "pb": parameters}
-    prepare = [
-        f"lanes_pack_(pb, {parameters}, p + j * p_column, p_row, p_column, left);",
-        f"{name}_constants_kernel(pb, c);",
-    ]
-    prepare = prepare if constants else []
-    clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
-    clock += [f"{head}_clock(tb, c, w);"] if timed else []
-    first = [_first(line) for line in (*prepare, *clock)]
-    shared = "t_step == 0 && p_column == 0" if constants else "t_step == 0"
-    again = "t_step != 0 || p_column != 0" if constants else "t_step != 0"
+    head = f"{name}_{group.name}"
+    sizes = {
+        "x": len(layout.states),
+        "u": len(layout.inputs),
+        "y": len(group.late.results),
+        "p": len(layout.parameters),
+    }
+    prepare, clock = _early_stages(name, group, constants, sizes["p"])
     lines = [
         "double tb[LANES_];",
-        *(f"double {a}[{max(1, n)} * LANES_];" for a, n in rooms.items()),
-        f"lane_ c[{max(1, constants)}], w[{max(1, timed)}];",
+        *(f"double {a}b[{max(1, n)} * LANES_];" for a, n in sizes.items()),
+        f"lane_ c[{max(1, constants)}], w[{max(1, len(group.timed.results))}];",
         "(void)xb, (void)ub, (void)pb, (void)c, (void)w;",
-        f"(void)x_column, (void)u_column, {', '.join(f'(void){a}' for a in ('p', 'p_row', 'p_column'))};",
+        "(void)x_column, (void)u_column, (void)p, (void)p_row, (void)p_column;",
         "if (count == 0) return;",
         "const int first = count < LANES_ ? (int)count : LANES_;",
-        *first,
+        *(_first(line) for line in (*prepare, *clock)),
         "for (size_t k = 0; k < count;) {",
         "    const ptrdiff_t j = (ptrdiff_t)k;",
         "    const int left = count - k < LANES_ ? (int)(count - k) : LANES_, full = left == LANES_;",
         *_when("k > 0 && p_column != 0", prepare),
-        *_when(f"k > 0 && ({again})", clock),
-        "    const double *xk = x + j * x_column, *uk = u + j * u_column;",
-        "    ptrdiff_t xs = x_row, us = u_row, ys = y_row;",
-        "    double *yk = y + j * y_column;",
-        f"    const int x_packed = {_packed('x', states)};",
-        f"    const int u_packed = {_packed('u', inputs)};",
-        "    const int y_packed = y_column != 1 || !full;",
-        f"    const int together = {shared} && !x_packed && !y_packed && (!u_packed || u_column == 0);",
-        "    const size_t blocks = together ? (count - k) / LANES_ : 1;",
-        *_block("x", states, "x_packed"),
-        *_block("u", inputs, "u_packed"),
-        "    if (y_packed) yk = yb, ys = LANES_;",
-        f"    {head}_run(blocks, tb, xk, xs, c, w, uk, us, u_column == 0 ? 0 : LANES_, yk, ys);",
-        f"    if (y_packed) lanes_unpack_(yb, {results}, y + j * y_column, y_row, y_column, left);",
-        "    k += blocks * LANES_;",
+        *_when("k > 0 && (t_step != 0 || p_column != 0)", clock),
+        *_blocks(head, sizes, "t_step == 0 && p_column == 0" if constants else "t_step == 0"),
         "}",
     ]
     body = [f"    {line}" for line in lines]
     return [*_run(head), f"{_signature(name, group.name)} {{", *body, "}"]
+
+
+def _early_stages(
+    name: str, group: _Group, constants: int, parameters: int
+) -> tuple[list[str], list[str]]:
+    """Return the statements that prepare parameters, and those that prepare times."""
+    prepare = [
+        f"lanes_pack_(pb, {parameters}, p + j * p_column, p_row, p_column, left);",
+        f"{name}_constants_kernel(pb, c);",
+    ]
+    clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
+    clock += [f"{name}_{group.name}_clock(tb, c, w);"] if group.timed.results else []
+    return prepare if constants else [], clock
+
+
+def _blocks(head: str, sizes: Mapping[str, int], shared: str) -> list[str]:
+    """Compute one block, or all whole ones that lie side by side and share the early stages."""
+    return [
+        "    const double *xk = x + j * x_column, *uk = u + j * u_column;",
+        "    ptrdiff_t xs = x_row, us = u_row, ys = y_row;",
+        "    double *yk = y + j * y_column;",
+        f"    const int x_packed = {_packed('x', sizes)};",
+        f"    const int u_packed = {_packed('u', sizes)};",
+        "    const int y_packed = y_column != 1 || !full;",
+        f"    const int together = {shared} && !x_packed && !y_packed && (!u_packed || u_column == 0);",
+        "    const size_t blocks = together ? (count - k) / LANES_ : 1;",
+        *_block("x", sizes),
+        *_block("u", sizes),
+        "    if (y_packed) yk = yb, ys = LANES_;",
+        f"    {head}_run(blocks, tb, xk, xs, c, w, uk, us, u_column == 0 ? 0 : LANES_, yk, ys);",
+        f"    if (y_packed) lanes_unpack_(yb, {sizes['y']}, y + j * y_column, y_row, y_column, left);",
+        "    k += blocks * LANES_;",
+    ]
 
 
 def _first(line: str) -> str:
@@ -436,19 +451,19 @@ def _first(line: str) -> str:
     return re.sub(r" \+ j \* \w+", "", line).replace("left", "first")
 
 
-def _packed(a: str, rows: int) -> str:
+def _packed(a: str, sizes: Mapping[str, int]) -> str:
     """Tell whether a block of an array must be copied."""
-    return f"{a}_column != 1 || !full" if rows else "0"
+    return f"{a}_column != 1 || !full" if sizes[a] else "0"
 
 
-def _block(a: str, rows: int, packed: str) -> list[str]:
+def _block(a: str, sizes: Mapping[str, int]) -> list[str]:
     """Copy the rows of a block; those that all points share once."""
-    if not rows:
+    if not sizes[a]:
         return []
-    pack = f"lanes_pack_({a}b, {rows}, {a} + j * {a}_column, {a}_row, {a}_column, left);"
+    pack = f"lanes_pack_({a}b, {sizes[a]}, {a} + j * {a}_column, {a}_row, {a}_column, left);"
     return [
-        f"    if ({packed} && (k == 0 || {a}_column != 0)) {pack}",
-        f"    if ({packed}) {a}k = {a}b, {a}s = LANES_;",
+        f"    if ({a}_packed && (k == 0 || {a}_column != 0)) {pack}",
+        f"    if ({a}_packed) {a}k = {a}b, {a}s = LANES_;",
     ]
 
 
