@@ -20,6 +20,7 @@ from codegen.passes import prune
 from codegen.program import Program
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers, lanes_math
+from codegen.targets.lanes_math import BINARY, HELPERS, LIBRARY, ORDERED, by_lane
 from codegen.targets.render import (
     ATOM,
     EVERY_NUMBER,
@@ -42,16 +43,6 @@ PART_LINES = 400
 """Functions with more assignments are split into parts of so many."""
 
 _OWN = ("sqrt", "sin", "cos", "tan", "exp", "log", "expm1", "tanh", "sign", "floor", "abs")
-_LIBRARY = {
-    "asin": "asin", "acos": "acos", "atan": "atan", "sinh": "sinh", "cosh": "cosh",
-    "asinh": "asinh", "acosh": "acosh", "atanh": "atanh", "erf": "erf", "erfc": "erfc",
-    "log1p": "log1p", "pow": "pow", "atan2": "atan2", "hypot": "hypot", "mod": "mod_",
-}  # fmt: skip
-"""Operations that are computed lane by lane, and the C functions of doubles that do it."""
-_BINARY = frozenset({"pow", "atan2", "hypot", "mod"})
-_ORDERED = {"besselj": "jn", "bessely": "yn", "stumpff": "stumpff_"}
-"""The same, after an integer that all lanes share."""
-
 TEMPLATES: dict[str, Template] = {
     "add": infix("+", 10),
     "sub": infix("-", 10),
@@ -68,10 +59,8 @@ TEMPLATES: dict[str, Template] = {
     "or": Template("lanes_one_(lanes_true_({0}) | lanes_true_({1}))"),
     "not": Template("lanes_one_(~lanes_true_({0}))"),
     "select": Template("lanes_choose_(lanes_true_({0}), {1}, {2})"),
-    **{
-        op: call(f"lanes_{f.rstrip('_')}_", 2 if op in _BINARY else 1) for op, f in _LIBRARY.items()
-    },
-    **{op: call(f"lanes_{f.rstrip('_')}_", 2) for op, f in _ORDERED.items()},
+    **{op: call(f"lanes_{f.rstrip('_')}_", 2 if op in BINARY else 1) for op, f in LIBRARY.items()},
+    **{op: call(f"lanes_{f.rstrip('_')}_", 2) for op, f in ORDERED.items()},
     "table": Template("lanes_{data}({0})"),
     "factor": Template(
         "lane_ {v}[{room}] = {{{entries}}};\n    double {v}s_[{room}];\n"
@@ -115,64 +104,6 @@ _STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
 _CARRIED = "lane_ *carried_"
 
 
-def _by_lane(name: str, function: str, arguments: str) -> str:
-    """Return the function of lanes that calls a function of doubles for each."""
-    arrays = arguments.split()
-    declared = ", ".join(f"lane_ {a}" for a in arrays)
-    inside = ", ".join(f"{a}[k]" for a in arrays)
-    return (
-        f"APART_ lane_ {name}({declared}) {{\n    lane_ r;\n"
-        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}({inside});\n    return r;\n}}"
-    )
-
-
-def _ordered(name: str, function: str) -> str:
-    return (
-        f"APART_ lane_ {name}(lane_ n, lane_ a) {{\n    lane_ r;\n"
-        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}((int)n[k], a[k]);\n    return r;\n}}"
-    )
-
-
-_SOLVERS = {
-    "lanes_factor_": """\
-/* Lane by lane, through s. */
-APART_ void lanes_factor_(int n, int symmetric, int room, lane_ *f, double *s) {
-    const int given = symmetric ? n * (n + 1) / 2 : n * n;
-    for (int k = 0; k < LANES_; ++k) {
-        for (int i = 0; i < given; ++i) s[i] = f[i][k];
-        factor_(n, symmetric, s);
-        for (int i = 0; i < room; ++i) f[i][k] = s[i];
-    }
-}""",
-    "lanes_back_": """\
-APART_ void lanes_back_(int n, const lane_ *f, lane_ *x, double *s) {
-    for (int k = 0; k < LANES_; ++k) {
-        for (int i = 0; i < n; ++i) s[i] = x[i][k];
-        for (int i = 0; i < 1 + n + n * n; ++i) s[n + i] = f[i][k];
-        back_(n, s + n, s);
-        for (int i = 0; i < n; ++i) x[i][k] = s[i];
-    }
-}""",
-}
-
-HELPERS: dict[str, str] = {
-    **{
-        name: c_helpers.HELPERS[name]
-        for name in ("mod_", "jn", "yn", "stumpff_", "factor_", "back_")
-    },
-    **lanes_math.HELPERS,
-    **{
-        f"lanes_{f.rstrip('_')}_": _by_lane(
-            f"lanes_{f.rstrip('_')}_", f, "a b" if op in _BINARY else "a"
-        )
-        for op, f in _LIBRARY.items()
-    },
-    **{
-        f"lanes_{f.rstrip('_')}_": _ordered(f"lanes_{f.rstrip('_')}_", f) for f in _ORDERED.values()
-    },
-    **_SOLVERS,
-}
-"""Texts by name, each after those that it uses."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _OWN_CALL = re.compile(rf"\blanes_({'|'.join(lanes_math.ULPS)})_\(")
 
@@ -256,7 +187,7 @@ def source(program: Program, layout: Layout) -> str:
     for table, n in tables.items():
         if f"lanes_{n}" in used:
             function = c_helpers.table_function(n, table)
-            lines += [f"{function}\n", f"{_by_lane(f'lanes_{n}', n, 'a')}\n"]
+            lines += [f"{function}\n", f"{by_lane(f'lanes_{n}', n, 'a')}\n"]
     if early.results:
         lines += [*_kernel("APART_", f"{name}_constants_kernel", _EARLY, early, *_LOCAL[0]), ""]
     for group in groups:
