@@ -299,8 +299,8 @@ def _run(head: str) -> list[str]:
     """Blocks that stand one after another, with the same parameters and time."""
     return [
         f"static void {head}_run(size_t blocks, const double *t, const double *x, ptrdiff_t xs,",
-        "    const lane_ *restrict c, const lane_ *restrict w, const double *u, ptrdiff_t us, ptrdiff_t step,",
-        "    double *y, ptrdiff_t ys) {",
+        "    const lane_ *restrict c, const lane_ *restrict w, const double *u, ptrdiff_t us,",
+        "    ptrdiff_t step, double *y, ptrdiff_t ys) {",
         "    for (size_t k = 0; k < blocks; ++k) {",
         f"        {head}_kernel(t, x, xs, c, w, u, us, y, ys);",
         "        x += LANES_, u += step, y += LANES_;",
