@@ -11,12 +11,14 @@ import sympy as sp
 
 from benchmarks.expressions import PARAMETERS, STATES
 from codegen import native
-from codegen.compiled import TARGETS, generate
+from codegen.compiled import TARGETS, batch_kernel, generate
 from codegen.interpret import Point, constants
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.names import identifier
 from codegen.passes import prune
 from codegen.program import Program
+from codegen.targets import lanes
 from codegen.targets.registry import ROWS
 from eom.system import Quantity
 from tests import node
@@ -118,5 +120,16 @@ def _single(program: Program, at: Sequence[Point]) -> Any:
     return np.array([run(RATES, v.t, v.x, v.p, []) for v in at]).T
 
 
-RUNNERS: Mapping[str, Runner] = {"javascript": _javascript, "c_f32": _single}
+def _lanes(program: Program, at: Sequence[Point]) -> Any:
+    here = layout(len(program.results[RATES]))
+    text = lanes.single_text(program, here)
+    library = native.load(native.compile_library(text), text)
+    kernel = batch_kernel(library, f"{identifier(here.name)}_{RATES}_lanes")
+    x, p = np.array([v.x for v in at]).T, np.array([v.p for v in at]).T
+    out = np.empty((len(program.results[RATES]), len(at)))
+    kernel(np.array([v.t for v in at]), x, p, np.empty((0, len(at))), out)
+    return out
+
+
+RUNNERS: Mapping[str, Runner] = {"javascript": _javascript, "c_f32": _single, "c_lanes": _lanes}
 """Targets that `codegen.compile` does not run."""

@@ -158,9 +158,8 @@ def generate(
     if report:
         show_report(chosen.derive(), values, target)
     if folder is not None:
-        stable = options["stable"]
-        made = specialised(chosen.derive(), values, stable=stable)
-        made = with_jacobians(*made, options["jacobian"], stable)
+        made = specialised(chosen.derive(), values, stable=options["stable"])
+        made = with_jacobians(*made, options["jacobian"], options["stable"])
         _report_files(write_files(generate_files(*made, target), folder))
 
 

@@ -20,6 +20,7 @@ from codegen.passes import prune
 from codegen.program import Program
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers, lanes_math
+from codegen.targets.lanes_math import BINARY, HELPERS, LIBRARY, ORDERED, by_lane
 from codegen.targets.render import (
     ATOM,
     EVERY_NUMBER,
@@ -42,16 +43,6 @@ PART_LINES = 400
 """Functions with more assignments are split into parts of so many."""
 
 _OWN = ("sqrt", "sin", "cos", "tan", "exp", "log", "expm1", "tanh", "sign", "floor", "abs")
-_LIBRARY = {
-    "asin": "asin", "acos": "acos", "atan": "atan", "sinh": "sinh", "cosh": "cosh",
-    "asinh": "asinh", "acosh": "acosh", "atanh": "atanh", "erf": "erf", "erfc": "erfc",
-    "log1p": "log1p", "pow": "pow", "atan2": "atan2", "hypot": "hypot", "mod": "mod_",
-}  # fmt: skip
-"""Operations that are computed lane by lane, and the C functions of doubles that do it."""
-_BINARY = frozenset({"pow", "atan2", "hypot", "mod"})
-_ORDERED = {"besselj": "jn", "bessely": "yn", "stumpff": "stumpff_"}
-"""The same, after an integer that all lanes share."""
-
 TEMPLATES: dict[str, Template] = {
     "add": infix("+", 10),
     "sub": infix("-", 10),
@@ -68,10 +59,8 @@ TEMPLATES: dict[str, Template] = {
     "or": Template("lanes_one_(lanes_true_({0}) | lanes_true_({1}))"),
     "not": Template("lanes_one_(~lanes_true_({0}))"),
     "select": Template("lanes_choose_(lanes_true_({0}), {1}, {2})"),
-    **{
-        op: call(f"lanes_{f.rstrip('_')}_", 2 if op in _BINARY else 1) for op, f in _LIBRARY.items()
-    },
-    **{op: call(f"lanes_{f.rstrip('_')}_", 2) for op, f in _ORDERED.items()},
+    **{op: call(f"lanes_{f.rstrip('_')}_", 2 if op in BINARY else 1) for op, f in LIBRARY.items()},
+    **{op: call(f"lanes_{f.rstrip('_')}_", 2) for op, f in ORDERED.items()},
     "table": Template("lanes_{data}({0})"),
     "factor": Template(
         "lane_ {v}[{room}] = {{{entries}}};\n    double {v}s_[{room}];\n"
@@ -115,64 +104,6 @@ _STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
 _CARRIED = "lane_ *carried_"
 
 
-def _by_lane(name: str, function: str, arguments: str) -> str:
-    """Return the function of lanes that calls a function of doubles for each."""
-    arrays = arguments.split()
-    declared = ", ".join(f"lane_ {a}" for a in arrays)
-    inside = ", ".join(f"{a}[k]" for a in arrays)
-    return (
-        f"APART_ lane_ {name}({declared}) {{\n    lane_ r;\n"
-        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}({inside});\n    return r;\n}}"
-    )
-
-
-def _ordered(name: str, function: str) -> str:
-    return (
-        f"APART_ lane_ {name}(lane_ n, lane_ a) {{\n    lane_ r;\n"
-        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}((int)n[k], a[k]);\n    return r;\n}}"
-    )
-
-
-_SOLVERS = {
-    "lanes_factor_": """\
-/* Lane by lane, through s. */
-APART_ void lanes_factor_(int n, int symmetric, int room, lane_ *f, double *s) {
-    const int given = symmetric ? n * (n + 1) / 2 : n * n;
-    for (int k = 0; k < LANES_; ++k) {
-        for (int i = 0; i < given; ++i) s[i] = f[i][k];
-        factor_(n, symmetric, s);
-        for (int i = 0; i < room; ++i) f[i][k] = s[i];
-    }
-}""",
-    "lanes_back_": """\
-APART_ void lanes_back_(int n, const lane_ *f, lane_ *x, double *s) {
-    for (int k = 0; k < LANES_; ++k) {
-        for (int i = 0; i < n; ++i) s[i] = x[i][k];
-        for (int i = 0; i < 1 + n + n * n; ++i) s[n + i] = f[i][k];
-        back_(n, s + n, s);
-        for (int i = 0; i < n; ++i) x[i][k] = s[i];
-    }
-}""",
-}
-
-HELPERS: dict[str, str] = {
-    **{
-        name: c_helpers.HELPERS[name]
-        for name in ("mod_", "jn", "yn", "stumpff_", "factor_", "back_")
-    },
-    **lanes_math.HELPERS,
-    **{
-        f"lanes_{f.rstrip('_')}_": _by_lane(
-            f"lanes_{f.rstrip('_')}_", f, "a b" if op in _BINARY else "a"
-        )
-        for op, f in _LIBRARY.items()
-    },
-    **{
-        f"lanes_{f.rstrip('_')}_": _ordered(f"lanes_{f.rstrip('_')}_", f) for f in _ORDERED.values()
-    },
-    **_SOLVERS,
-}
-"""Texts by name, each after those that it uses."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 _OWN_CALL = re.compile(rf"\blanes_({'|'.join(lanes_math.ULPS)})_\(")
 
@@ -256,7 +187,7 @@ def source(program: Program, layout: Layout) -> str:
     for table, n in tables.items():
         if f"lanes_{n}" in used:
             function = c_helpers.table_function(n, table)
-            lines += [f"{function}\n", f"{_by_lane(f'lanes_{n}', n, 'a')}\n"]
+            lines += [f"{function}\n", f"{by_lane(f'lanes_{n}', n, 'a')}\n"]
     if early.results:
         lines += [*_kernel("APART_", f"{name}_constants_kernel", _EARLY, early, *_LOCAL[0]), ""]
     for group in groups:
@@ -368,8 +299,8 @@ def _run(head: str) -> list[str]:
     """Blocks that stand one after another, with the same parameters and time."""
     return [
         f"static void {head}_run(size_t blocks, const double *t, const double *x, ptrdiff_t xs,",
-        "    const lane_ *c, const lane_ *w, const double *u, ptrdiff_t us, ptrdiff_t step,",
-        "    double *y, ptrdiff_t ys) {",
+        "    const lane_ *restrict c, const lane_ *restrict w, const double *u, ptrdiff_t us,",
+        "    ptrdiff_t step, double *y, ptrdiff_t ys) {",
         "    for (size_t k = 0; k < blocks; ++k) {",
         f"        {head}_kernel(t, x, xs, c, w, u, us, y, ys);",
         "        x += LANES_, u += step, y += LANES_;",
@@ -384,51 +315,66 @@ def _lanes(name: str, group: _Group, constants: int, layout: Layout) -> list[str
 
     Points that do not stand side by side, and the last ones, go through a block on the stack.
     """
-    head, timed, results = f"{name}_{group.name}", len(group.timed.results), len(group.late.results)
-    states, parameters, inputs = map(len, (layout.states, layout.parameters, layout.inputs))
-    rooms = {"xb": states, "ub": inputs, "yb": results, "pb": parameters}
-    prepare = [
-        f"lanes_pack_(pb, {parameters}, p + j * p_column, p_row, p_column, left);",
-        f"{name}_constants_kernel(pb, c);",
-    ]
-    prepare = prepare if constants else []
-    clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
-    clock += [f"{head}_clock(tb, c, w);"] if timed else []
-    first = [_first(line) for line in (*prepare, *clock)]
-    shared = "t_step == 0 && p_column == 0" if constants else "t_step == 0"
-    again = "t_step != 0 || p_column != 0" if constants else "t_step != 0"
+    head = f"{name}_{group.name}"
+    sizes = {
+        "x": len(layout.states),
+        "u": len(layout.inputs),
+        "y": len(group.late.results),
+        "p": len(layout.parameters),
+    }
+    prepare, clock = _early_stages(name, group, constants, sizes["p"])
     lines = [
         "double tb[LANES_];",
-        *(f"double {a}[{max(1, n)} * LANES_];" for a, n in rooms.items()),
-        f"lane_ c[{max(1, constants)}], w[{max(1, timed)}];",
+        *(f"double {a}b[{max(1, n)} * LANES_];" for a, n in sizes.items()),
+        f"lane_ c[{max(1, constants)}], w[{max(1, len(group.timed.results))}];",
         "(void)xb, (void)ub, (void)pb, (void)c, (void)w;",
-        f"(void)x_column, (void)u_column, {', '.join(f'(void){a}' for a in ('p', 'p_row', 'p_column'))};",
+        "(void)x_column, (void)u_column, (void)p, (void)p_row, (void)p_column;",
         "if (count == 0) return;",
         "const int first = count < LANES_ ? (int)count : LANES_;",
-        *first,
+        *(_first(line) for line in (*prepare, *clock)),
         "for (size_t k = 0; k < count;) {",
         "    const ptrdiff_t j = (ptrdiff_t)k;",
         "    const int left = count - k < LANES_ ? (int)(count - k) : LANES_, full = left == LANES_;",
         *_when("k > 0 && p_column != 0", prepare),
-        *_when(f"k > 0 && ({again})", clock),
-        "    const double *xk = x + j * x_column, *uk = u + j * u_column;",
-        "    ptrdiff_t xs = x_row, us = u_row, ys = y_row;",
-        "    double *yk = y + j * y_column;",
-        f"    const int x_packed = {_packed('x', states)};",
-        f"    const int u_packed = {_packed('u', inputs)};",
-        "    const int y_packed = y_column != 1 || !full;",
-        f"    const int together = {shared} && !x_packed && !y_packed && (!u_packed || u_column == 0);",
-        "    const size_t blocks = together ? (count - k) / LANES_ : 1;",
-        *_block("x", states, "x_packed"),
-        *_block("u", inputs, "u_packed"),
-        "    if (y_packed) yk = yb, ys = LANES_;",
-        f"    {head}_run(blocks, tb, xk, xs, c, w, uk, us, u_column == 0 ? 0 : LANES_, yk, ys);",
-        f"    if (y_packed) lanes_unpack_(yb, {results}, y + j * y_column, y_row, y_column, left);",
-        "    k += blocks * LANES_;",
+        *_when("k > 0 && (t_step != 0 || p_column != 0)", clock),
+        *_blocks(head, sizes, "t_step == 0 && p_column == 0" if constants else "t_step == 0"),
         "}",
     ]
     body = [f"    {line}" for line in lines]
     return [*_run(head), f"{_signature(name, group.name)} {{", *body, "}"]
+
+
+def _early_stages(
+    name: str, group: _Group, constants: int, parameters: int
+) -> tuple[list[str], list[str]]:
+    """Return the statements that prepare parameters, and those that prepare times."""
+    prepare = [
+        f"lanes_pack_(pb, {parameters}, p + j * p_column, p_row, p_column, left);",
+        f"{name}_constants_kernel(pb, c);",
+    ]
+    clock = ["lanes_pack_(tb, 1, t + j * t_step, 0, t_step, left);"]
+    clock += [f"{name}_{group.name}_clock(tb, c, w);"] if group.timed.results else []
+    return prepare if constants else [], clock
+
+
+def _blocks(head: str, sizes: Mapping[str, int], shared: str) -> list[str]:
+    """Compute one block, or all whole ones that lie side by side and share the early stages."""
+    return [
+        "    const double *xk = x + j * x_column, *uk = u + j * u_column;",
+        "    ptrdiff_t xs = x_row, us = u_row, ys = y_row;",
+        "    double *yk = y + j * y_column;",
+        f"    const int x_packed = {_packed('x', sizes)};",
+        f"    const int u_packed = {_packed('u', sizes)};",
+        "    const int y_packed = y_column != 1 || !full;",
+        f"    const int together = {shared} && !x_packed && !y_packed && (!u_packed || u_column == 0);",
+        "    const size_t blocks = together ? (count - k) / LANES_ : 1;",
+        *_block("x", sizes),
+        *_block("u", sizes),
+        "    if (y_packed) yk = yb, ys = LANES_;",
+        f"    {head}_run(blocks, tb, xk, xs, c, w, uk, us, u_column == 0 ? 0 : LANES_, yk, ys);",
+        f"    if (y_packed) lanes_unpack_(yb, {sizes['y']}, y + j * y_column, y_row, y_column, left);",
+        "    k += blocks * LANES_;",
+    ]
 
 
 def _first(line: str) -> str:
@@ -436,19 +382,19 @@ def _first(line: str) -> str:
     return re.sub(r" \+ j \* \w+", "", line).replace("left", "first")
 
 
-def _packed(a: str, rows: int) -> str:
+def _packed(a: str, sizes: Mapping[str, int]) -> str:
     """Tell whether a block of an array must be copied."""
-    return f"{a}_column != 1 || !full" if rows else "0"
+    return f"{a}_column != 1 || !full" if sizes[a] else "0"
 
 
-def _block(a: str, rows: int, packed: str) -> list[str]:
+def _block(a: str, sizes: Mapping[str, int]) -> list[str]:
     """Copy the rows of a block; those that all points share once."""
-    if not rows:
+    if not sizes[a]:
         return []
-    pack = f"lanes_pack_({a}b, {rows}, {a} + j * {a}_column, {a}_row, {a}_column, left);"
+    pack = f"lanes_pack_({a}b, {sizes[a]}, {a} + j * {a}_column, {a}_row, {a}_column, left);"
     return [
-        f"    if ({packed} && (k == 0 || {a}_column != 0)) {pack}",
-        f"    if ({packed}) {a}k = {a}b, {a}s = LANES_;",
+        f"    if ({a}_packed && (k == 0 || {a}_column != 0)) {pack}",
+        f"    if ({a}_packed) {a}k = {a}b, {a}s = LANES_;",
     ]
 
 

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from codegen.targets import c_helpers
+
 LARGEST_ANGLE = 1e5
 """Up to it the quadrant has 16 bits."""
 
@@ -142,7 +144,7 @@ FEW_CALLS = 24
 
 _WHOLE = "6755399441055744.0"  # 1.5 * 2^52: the sum with a small number rounds it to a whole one
 
-HELPERS = {
+OWN = {
     "lanes_sqrt_": """\
 INLINE_ lane_ lanes_sqrt_(lane_ a) {
 #if defined(__AVX512F__) && LANES_ == 8
@@ -254,5 +256,75 @@ OFTEN_ lane_ lanes_log_(lane_ a) {{
     const lane_ other = lanes_choose_((mask_)(a > 0.0), a, bad);
     return lanes_choose_((mask_)(a > 0.0) & (mask_)(a < INFINITY), v, other);
 }}""",
+}
+"""Functions without a loop over lanes."""
+
+LIBRARY = {
+    "asin": "asin", "acos": "acos", "atan": "atan", "sinh": "sinh", "cosh": "cosh",
+    "asinh": "asinh", "acosh": "acosh", "atanh": "atanh", "erf": "erf", "erfc": "erfc",
+    "log1p": "log1p", "pow": "pow", "atan2": "atan2", "hypot": "hypot", "mod": "mod_",
+}  # fmt: skip
+"""Operations that are computed lane by lane, and the C functions of doubles that do it."""
+BINARY = frozenset({"pow", "atan2", "hypot", "mod"})
+ORDERED = {"besselj": "jn", "bessely": "yn", "stumpff": "stumpff_"}
+"""The same, after an integer that all lanes share."""
+
+
+def by_lane(name: str, function: str, arguments: str) -> str:
+    """Return the function of lanes that calls a function of doubles for each."""
+    arrays = arguments.split()
+    declared = ", ".join(f"lane_ {a}" for a in arrays)
+    inside = ", ".join(f"{a}[k]" for a in arrays)
+    return (
+        f"APART_ lane_ {name}({declared}) {{\n    lane_ r;\n"
+        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}({inside});\n    return r;\n}}"
+    )
+
+
+def _of_order(name: str, function: str) -> str:
+    return (
+        f"APART_ lane_ {name}(lane_ n, lane_ a) {{\n    lane_ r;\n"
+        f"    for (int k = 0; k < LANES_; ++k) r[k] = {function}((int)n[k], a[k]);\n    return r;\n}}"
+    )
+
+
+_SOLVERS = {
+    "lanes_factor_": """\
+/* Lane by lane, through s. */
+APART_ void lanes_factor_(int n, int symmetric, int room, lane_ *f, double *s) {
+    const int given = symmetric ? n * (n + 1) / 2 : n * n;
+    for (int k = 0; k < LANES_; ++k) {
+        for (int i = 0; i < given; ++i) s[i] = f[i][k];
+        factor_(n, symmetric, s);
+        for (int i = 0; i < room; ++i) f[i][k] = s[i];
+    }
+}""",
+    "lanes_back_": """\
+APART_ void lanes_back_(int n, const lane_ *f, lane_ *x, double *s) {
+    for (int k = 0; k < LANES_; ++k) {
+        for (int i = 0; i < n; ++i) s[i] = x[i][k];
+        for (int i = 0; i < 1 + n + n * n; ++i) s[n + i] = f[i][k];
+        back_(n, s + n, s);
+        for (int i = 0; i < n; ++i) x[i][k] = s[i];
+    }
+}""",
+}
+
+HELPERS: dict[str, str] = {
+    **{
+        name: c_helpers.HELPERS[name]
+        for name in ("mod_", "jn", "yn", "stumpff_", "factor_", "back_")
+    },
+    **OWN,
+    **{
+        f"lanes_{f.rstrip('_')}_": by_lane(
+            f"lanes_{f.rstrip('_')}_", f, "a b" if op in BINARY else "a"
+        )
+        for op, f in LIBRARY.items()
+    },
+    **{
+        f"lanes_{f.rstrip('_')}_": _of_order(f"lanes_{f.rstrip('_')}_", f) for f in ORDERED.values()
+    },
+    **_SOLVERS,
 }
 """Texts by name, each after those that it uses."""

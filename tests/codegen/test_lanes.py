@@ -4,6 +4,7 @@ import math
 import pickle
 import shutil
 import sys
+import threading
 
 import mpmath
 import numpy as np
@@ -190,7 +191,7 @@ def test_random_expressions_stay_within_the_error_bound(exprs, values):
         check_against_bound(program, "outputs", as_point(v), got[:, k])
 
 
-@settings(max_examples=8)
+@settings(max_examples=6)
 @given(several(ARITHMETIC, 4, 10), several(points(extreme), 9, 9), st.sampled_from(WIDTHS))
 def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, values, width):
     program, layout = specialised(system_of(exprs), {})
@@ -417,6 +418,19 @@ def test_shares_cover_every_point_once_and_start_at_blocks(count, threads):
     assert (out == 1).all()
     assert all(s % BLOCK == 0 for s in starts)
     assert len(starts) <= threads
+
+
+def test_shares_are_computed_at_the_same_time():
+    """Each waits for the others; the barrier breaks if they came one after the other."""
+    together = threading.Barrier(3)
+
+    def kernel(t, x, p, u, part):
+        together.wait(timeout=20)
+        part += 1
+
+    out, empty = np.zeros((1, 3 * FEWEST)), np.empty(0)
+    divided(kernel, 3)(np.float64(0), empty, empty, empty, out)
+    assert (out == 1).all()
 
 
 def test_an_error_in_a_share_comes_out_after_all_shares_ended():
