@@ -147,7 +147,8 @@ def stages(links: int) -> dict[str, Any]:
     system = done(as_system(kane))
     program, layout = done(specialised(system, {}))
     text = done(c.single_text(program, layout))
-    done(native.compile_library(text))
+    flags = native.flags_for(max(layout.sizes.values()), len(program.instructions))
+    done(native.compile_library(text, flags))
     done(TARGETS["c"](program, layout))
     found: dict[str, Any] = dict(zip(STAGES, (b - a for a, b in pairwise(marks)), strict=True))
     found["load"] -= found["text"]  # it writes the text anew, and finds its library in the cache
