@@ -19,6 +19,7 @@ from benchmarks import chains
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import native
+from codegen.lower import RATES
 from codegen.program import Program
 from codegen.targets import c
 
@@ -113,7 +114,8 @@ def _run(bodies: int) -> Measured:
     text = c.single_text(program, chains.layout(bodies))
     marks.append(sum(os.times()[:4]))
     with _empty_cache():
-        native.load(native.compile_library(text), text)
+        flags = native.flags_for(len(program.results[RATES]), len(program.instructions))
+        native.load(native.compile_library(text, flags), text, flags)
         marks.append(sum(os.times()[:4]))
     operations = sum(program.counts().values())
     return Measured(operations, marks[1] - marks[0], marks[2] - marks[1], len(text))

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
-from codegen.ops import LEAVES
-from codegen.passes import needed, prune
+from codegen.ops import LEAVES, Instruction
+from codegen.passes import prune
 from codegen.program import BINDING, Builder, Program, bindings
 
 CONSTANT, CLOCK = "constant", "clock"
@@ -38,6 +39,11 @@ def by_parameters(program: Program, groups: Iterable[str] | None = None) -> Cut:
     Law: in exact arithmetic and in floating point, ``late`` after ``early`` gives the values of
     ``program``. Only what ``groups`` of results (all if None) need is kept.
     """
+    return _without_parameters(program, None if groups is None else tuple(groups))
+
+
+@lru_cache(maxsize=16)
+def _without_parameters(program: Program, groups: tuple[str, ...] | None) -> Cut:
     return _cut(prune(program, groups), CONSTANT, {"parameter"})
 
 
@@ -80,15 +86,21 @@ def _cut(program: Program, leaf: str, moved: Collection[str]) -> Cut:
     used = {a for k, i in enumerate(program.instructions) if k not in early for a in i.args}
     used |= {k for results in program.results.values() for k in results}
     slots = {k: slot for slot, k in enumerate(sorted(early & used))}
-    b = Builder(program.rules)
+    if not slots:
+        return Cut(leaf, Program((), {leaf: ()}, rules=program.rules), program, ())
+    instructions: list[Instruction] = []
     new: dict[int, int] = {}
-    for k in sorted(needed(program, program.results)):
+    for k, (op, args, value) in enumerate(program.instructions):
         if k in slots:
-            new[k] = b.leaf(leaf, slots[k])
+            made = Instruction(leaf, (), slots[k])
         elif k not in early:
-            new[k] = b.again(program.instructions[k], new)
-        if k in new and k in program.names:
-            b.name(new[k], program.names[k])
-    late = prune(b.program({g: [new[k] for k in r] for g, r in program.results.items()}))
+            made = Instruction(op, tuple([new[a] for a in args]), value)
+        else:
+            continue
+        new[k] = len(instructions)
+        instructions.append(made)
+    results = {g: tuple(new[k] for k in r) for g, r in program.results.items()}
+    names = {new[k]: name for k, name in program.names.items() if k in new and k not in slots}
+    late = prune(Program(tuple(instructions), results, names, program.rules))
     before = Program(program.instructions, {leaf: tuple(slots)}, program.names, program.rules)
     return Cut(leaf, prune(before), late, tuple(slots))
