@@ -42,7 +42,9 @@ FARTHEST = 1e15
 CHUNK = 4096
 """Times that are computed together, so that all arrays stay in the cache."""
 SLACK = 1e-12
-"""By which part a moment may exceed the sum of the others, and |attitude0| differ from 1."""
+"""By which part a moment may exceed the sum of the other two, as the rest of the house allows."""
+LENGTH = 1e-9
+"""By how much the length of a unit quaternion may differ from 1; it is then made 1."""
 
 
 class Form(Protocol):
@@ -277,7 +279,7 @@ def free_body(
 
     Raises `InputError` for moments that no body has (not positive, or one above the sum of the other
     two by more than rounding, a part in 1e12), data that are not finite or of the wrong shape, an
-    attitude that is not of unit length to a part in 1e12, phases beyond 1e15 rad.
+    attitude that is not of unit length to 1e-9 (it is then made so), phases beyond 1e15 rad.
 
     Accuracy: both are right to some units in the last place of their size, at all times alike: the
     data are taken as exact, constants have 50 digits, phases are reduced in two doubles.
@@ -338,7 +340,7 @@ def _moments(values: ArrayLike) -> list[float]:
 
 def _unit(q: list[float]) -> tuple[float, float, float, float]:
     size = float(np.linalg.norm(q))
-    if abs(size - 1) > SLACK:
+    if abs(size - 1) > LENGTH:
         raise InputError(
             "attitude is not a unit quaternion", where=WHERE, got=f"norm {size!r}", expected=1
         )
