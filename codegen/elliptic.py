@@ -117,19 +117,24 @@ class Series(Protocol):
     def period(self) -> Pair:
         """2 K: sn and cn change their sign after it, dn and the theta function do not."""
 
-    @property
-    def slope(self) -> Number:
-        """Rate, at u = 0, of the argument of the theta function as it is returned."""
-
-    @property
-    def turn(self) -> Number:
-        """By how much the argument of the theta function drops from u = -K to K, in radians."""
-
     def __call__(self, u: Array) -> tuple[Array, Array, Array, Array, Array]:
         """Return the five arrays, for -K <= u <= K."""
 
 
-def series(modulus: Modulus, eta: Number) -> Series:
+@dataclass(frozen=True)
+class Prepared:
+    """Series, and two constants of their theta function that rates are made of, with all digits.
+
+    ``slope``: rate of its argument at u = 0, as it is returned. ``turn``: by how much that
+    argument grows from u = -K to K, in radians.
+    """
+
+    functions: Series
+    slope: Number
+    turn: Number
+
+
+def series(modulus: Modulus, eta: Number) -> Prepared:
     """Return the series that converges faster. ``eta``: from 0 to K'."""
     if modulus.m <= modulus.m1:
         return circular(modulus, eta)
@@ -171,8 +176,6 @@ class Circular:
 
     period: Pair
     scale: float
-    slope: Number
-    turn: Number
     sn: tuple[float, ...]
     cn: tuple[float, ...]
     dn: tuple[float, ...]
@@ -207,7 +210,7 @@ def _clenshaw(a: Sequence[float], twice: Array, f0: Array, f1: Array) -> Array:
     return f0 * (a[0] - later) + f1 * now
 
 
-def circular(modulus: Modulus, eta: Number) -> Circular:
+def circular(modulus: Modulus, eta: Number) -> Prepared:
     """Return the series in the nome q (DLMF 20.2.1 to 20.2.4, 22.2.4 to 22.2.6).
 
     The offset function is theta4(v + i pi eta/(2K) | q^2): real part with cosh, imaginary with sinh.
@@ -222,11 +225,10 @@ def circular(modulus: Modulus, eta: Number) -> Circular:
     real = [c.one, *(w * (e + 1 / e) for w, e in zip(wave, lift, strict=True))]
     imaginary = [c.zero, *(w * (1 / e - e) for w, e in zip(wave, lift, strict=True))]
     double = [squares[0], *(2 * p for p in squares[1:])]
-    return Circular(
+    slope = scale * sum(2 * n * b for n, b in enumerate(imaginary)) / sum(real)
+    functions = Circular(
         period=pair(2 * modulus.K),
         scale=float(scale),
-        slope=scale * sum(2 * n * b for n, b in enumerate(imaginary)) / sum(real),
-        turn=c.zero,
         sn=_doubles([three / sum(odd) * p for p in _alternating(odd)]),
         cn=_doubles([four / sum(odd) * p for p in odd]),
         dn=_doubles([four / three * p for p in double]),
@@ -234,21 +236,21 @@ def circular(modulus: Modulus, eta: Number) -> Circular:
         real=_doubles(real),
         imaginary=_doubles(imaginary),
     )
+    return Prepared(functions, slope, c.zero)
 
 
 @dataclass(frozen=True)
 class Hyperbolic:
     """Series in the complementary nome, for m > 1/2, divided by the greatest exponential.
 
-    With w = pi |u|/(2 K'), f = exp(-w) and X = q' exp(2w) <= 1, where q' is the complementary nome:
-    ``squares`` q'^(n^2), ``gaps`` q'^(n^2 - n), ``roots`` q'^(n^2/2); ``sines`` and ``cosines`` of
-    (2n+1) delta, delta = pi eta/(4 K'); ``log_root`` is log(q')/2, finite long after q' underflows.
+    With w = ``scale`` |u| = pi |u|/(2 K'), f = exp(-w) and X = q' exp(2w) <= 1, where q' is the
+    complementary nome: ``squares`` q'^(n^2) and ``gaps`` q'^(n^2 - n) (1 at n = 0) go with X^n,
+    ``real`` and ``imaginary`` with X^(n/2): q'^(n^2/2) times cosine and sine of (2n+1) delta, delta =
+    pi eta/(4 K'). ``factors``: of sn, cn, dn. ``log_root``: log(q')/2, finite long after q' underflows.
     """
 
     period: Pair
     scale: float
-    slope: Number
-    turn: Number
     log_root: float
     factors: tuple[float, float, float]
     squares: tuple[float, ...]
@@ -319,7 +321,7 @@ def _phase(
     return imaginary, real
 
 
-def hyperbolic(modulus: Modulus, eta: Number) -> Hyperbolic:
+def hyperbolic(modulus: Modulus, eta: Number) -> Prepared:
     """Return the series in the complementary nome (DLMF 20.7.30 to 20.7.33, 22.6 (iv)).
 
     theta4(v + i e | tau) is a multiple of exp(i c v) theta2(delta - i w/2 | -1/tau), tau = 2 i K'/K.
@@ -338,11 +340,10 @@ def hyperbolic(modulus: Modulus, eta: Number) -> Hyperbolic:
     scale = c.pi / 2 / modulus.K1
     rate = sum((2 * n + 1) * b * x for n, (b, x) in enumerate(zip(imaginary, fade, strict=True)))
     length, both = len(_doubles(roots)), 2 * sum(odd)
-    return Hyperbolic(
+    slope = scale / 2 * rate / sum(a * x for a, x in zip(real, fade, strict=True))
+    functions = Hyperbolic(
         period=pair(2 * modulus.K) if modulus.m1 else Pair(np.inf, 0.0),
         scale=float(scale),
-        slope=scale / 2 * rate / sum(a * x for a, x in zip(real, fade, strict=True)),
-        turn=2 * delta,
         log_root=float(c.log(q) / 2) if q else -np.inf,
         factors=(float(three / four), float(both / four), float(both / three)),
         squares=_doubles(squares),
@@ -350,3 +351,4 @@ def hyperbolic(modulus: Modulus, eta: Number) -> Hyperbolic:
         real=tuple(map(float, real[:length])),
         imaginary=tuple(map(float, imaginary[:length])),
     )
+    return Prepared(functions, slope, 2 * delta)

@@ -14,7 +14,7 @@ linear in u but for twice the argument of theta4(pi (u + i eta)/(2 K)) on the la
 F(phi | m1) = eta, tan^2 phi = I1 d32/(I3 d21).
 
 Sources: Jacobi, J. reine angew. Math. 39 (1850) 293; Whittaker, Analytical Dynamics (1937), sec. 69;
-van Zon and Schofield, J. Comput. Phys. 225 (2007) 145, sec. 2 to 4; Celledoni, Fasso, Saefstroem and
+van Zon and Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni, Fasso, Saefstroem and
 Zanna, SIAM J. Sci. Comput. 30 (2008) 2084. They integrate the precession angle by itself, which has
 no limit where the body spins about p3; the angle chi has one.
 """
@@ -51,7 +51,7 @@ class Form(Protocol):
     """A closed form in the frame P."""
 
     @property
-    def fastest(self) -> Number:
+    def fastest(self) -> float:
         """The greatest of the rates of its phases, rad/s."""
 
     @property
@@ -68,7 +68,7 @@ class Steady:
 
     omega: tuple[float, float, float]
     axis: tuple[float, float, float]
-    fastest: Number
+    fastest: float
     half_rate: Pair
     turn: Pair
     period: float = 0.0
@@ -97,7 +97,7 @@ class Periodic:
     half_drop: Pair
     turn: Pair
     sense: int
-    fastest: Number
+    fastest: float
     period: float
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
@@ -137,7 +137,7 @@ def _steady(motion: Polhode) -> Form:
     size = own.sqrt(sum(v * v for v in w))
     x, y, z = (float(v) for v in w)
     a, b, c = (float(v / size) if size else 0.0 for v in w)
-    return Steady((x, y, z), (a, b, c), size, scaled(size / 2), pair(2 * own.pi))
+    return Steady((x, y, z), (a, b, c), float(size), scaled(size / 2), pair(2 * own.pi))
 
 
 def _periodic(motion: Polhode) -> Form:
@@ -154,24 +154,24 @@ def _periodic(motion: Polhode) -> Form:
     H = root(own, motion.H2)
     third = number(own, I3)
     c = third * a3 / H
-    functions = series(modulus, _offset(motion, modulus, own))
+    prepared = series(modulus, _offset(motion, modulus, own))
     chi = H / third + sense * number(own, B) / (third * H * (1 + c))
-    half_rate = chi / 2 + sense * p * functions.slope
+    half_rate = chi / 2 + sense * p * prepared.slope
     moments = [number(own, v) for v in motion.moments]
     signed = (a1, sense * a2, a3)
     amplitudes = [float(v) for v in signed]
     cosines = [float(I * a / H) for I, a in zip(moments, signed, strict=True)]
     return Periodic(
-        functions=functions,
+        functions=prepared.functions,
         rate=scaled(p),
         start=pair(u0),
         amplitudes=(amplitudes[0], amplitudes[1], amplitudes[2]),
         cosines=(cosines[0], cosines[1], cosines[2]),
         half_rate=scaled(half_rate),
-        half_drop=scaled(-sense * functions.turn),
+        half_drop=scaled(-sense * prepared.turn),
         turn=pair(2 * own.pi),
         sense=sense,
-        fastest=max(p, abs(half_rate), a1, a2, a3),
+        fastest=float(max(p, abs(half_rate), a1, a2, a3)),
         period=float(4 * modulus.K / p),
     )
 
@@ -348,14 +348,14 @@ def _unit(q: list[float]) -> tuple[float, float, float, float]:
     return a, b, c, d
 
 
-def _times(t: ArrayLike, fastest: Number) -> Array:
+def _times(t: ArrayLike, fastest: float) -> Array:
     times = _array("times", t)
     longest = float(np.abs(times).max(initial=0.0))
     if longest * fastest > FARTHEST:
         raise InputError(
             "time too long: phases lose their digits",
             where=WHERE,
-            got=f"{longest:g} s at {float(fastest):g} rad/s",
+            got=f"{longest:g} s at {fastest:g} rad/s",
             expected=f"at most {FARTHEST:g} rad",
         )
     return times

@@ -11,7 +11,7 @@ velocity at t = 0 has components >= 0 along p1 and p3. With moments I1, I2, I3 i
     m = d21 B/(d32 C),  1 - m = d31 A/(d32 C),  p^2 = d32 C/(I1 I2 I3)
 
 (Whittaker, Analytical Dynamics, 4th ed. (1937), sec. 69; Lawden, Elliptic Functions and Applications
-(1989), sec. 5.10). The data are doubles, so that all of these are computed as fractions: A, the one
+(1989), ch. 5). The data are doubles, so that all of these are computed as fractions: A, the one
 that is a difference, is zero exactly where the motion is on the separatrix, and has all its digits
 beside it.
 """

@@ -6,6 +6,7 @@ the angle, not the theta functions and not the series of the code.
 
 import itertools
 import math
+import pickle
 
 import mpmath
 import numpy as np
@@ -338,12 +339,20 @@ def test_no_data_give_nan(I):
     """Warnings are errors here, too."""
     for omega in itertools.product(SIZES, repeat=3):
         motion = free_motion(I, omega, ATTITUDE)
-        longest = min(1e300, 9e14 / max(float(motion.form.fastest), 1e-290))
+        longest = min(1e300, 9e14 / max(motion.form.fastest, 1e-290))
         w, q = motion([0.0, 1e-300, -longest / 1e7, longest])
         assert np.isfinite(w).all()
         assert np.abs(np.linalg.norm(q, axis=0) - 1).max() <= 2e-15
         np.testing.assert_allclose(w[:, 0], omega, rtol=0, atol=3e-15 * math.hypot(*omega))
         np.testing.assert_allclose(q[:, 0], ATTITUDE, rtol=0, atol=2e-15)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_motion_can_be_sent_to_another_process(name):
+    motion = free_motion(*CASES[name])
+    again = pickle.loads(pickle.dumps(motion))
+    assert again == motion
+    np.testing.assert_array_equal(again([0.0, 3.7])[1], motion([0.0, 3.7])[1])
 
 
 def test_shapes():
@@ -364,7 +373,7 @@ def test_elliptic_functions(m, part, offset):
         K, K1 = mpmath.ellipk(own.m), mpmath.ellipk(own.m1)
         eta = offset * min(K1, mpf(60))
         u = float(part * min(K, mpf(60)))
-        found = series(own, eta)(np.array([u]))
+        found = series(own, eta).functions(np.array([u]))
         for name, value in zip(("sn", "cn", "dn"), found, strict=False):
             assert abs(mpmath.ellipfun(name, u, m=own.m) - mpf(float(value[0]))) <= 3e-15
         if own.m and own.m1:
