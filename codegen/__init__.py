@@ -3,6 +3,7 @@
 from codegen.accuracy import accuracy
 from codegen.card import Card
 from codegen.compiled import Compiled, compile
+from codegen.exact import FreeMotion, free_body, free_motion
 from codegen.integrate.trajectory import Stop
 from codegen.linear import Linear, compiled_jacobian, linearise
 from codegen.sensitivity import Sensitivities, sensitivities
@@ -14,6 +15,7 @@ __all__ = [
     "Card",
     "Compiled",
     "Drift",
+    "FreeMotion",
     "Linear",
     "Result",
     "Sensitivities",
@@ -22,6 +24,8 @@ __all__ = [
     "accuracy",
     "compile",
     "compiled_jacobian",
+    "free_body",
+    "free_motion",
     "linearise",
     "sensitivities",
     "simulate",
