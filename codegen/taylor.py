@@ -110,7 +110,7 @@ def _more(b: Builder, x: int) -> int:
     return b.add("add", b.const(1), x)
 
 
-def _sum_of_squares(b: Builder, _: int, a: Sequence[int]) -> int:
+def _sum_of_squares(b: Builder, a: Sequence[int]) -> int:
     return b.add("add", _square(b, a[0]), _square(b, a[1]))
 
 
@@ -150,7 +150,7 @@ RULES: Mapping[str, Rule] = {
     "mul": Rule(lambda o, v, a, w: o.dot(a[0], a[1])),
     "div": Rule(lambda o, v, a, w: (o.now(a[0]) - o.dot(a[1], v, low=1)) * o.inverse(a[1])),
     "sqrt": Rule(lambda o, v, a, w: _root(o, v, o.now(a[0]))),
-    "hypot": Rule(lambda o, v, a, w: _root(o, v, o.now(w)), _sum_of_squares),
+    "hypot": Rule(lambda o, v, a, w: _root(o, v, o.now(w))),
     "pow": Rule(_power),
     "exp": _integral(lambda b, v, a: v),
     "expm1": _integral(lambda b, v, a: b.add("exp", a[0])),
@@ -172,7 +172,7 @@ RULES: Mapping[str, Rule] = {
         lambda b, v, a: b.add("sqrt", b.add("mul", b.add("sub", a[0], b.const(1)), _more(b, a[0])))
     ),
     "atanh": _quotient(lambda b, v, a: b.add("mul", _less(b, a[0]), _more(b, a[0]))),
-    "atan2": Rule(_atan2, _sum_of_squares),
+    "atan2": Rule(_atan2, lambda b, v, a: _sum_of_squares(b, a)),
     "abs": Rule(lambda o, v, a, w: o.choose(o.first(a[0]), -o.now(a[0]), o.now(a[0]))),
     "min": _branch(lambda o, a: o.first(a[0]) - o.first(a[1]), 0, 1),
     "max": _branch(lambda o, a: o.first(a[0]) - o.first(a[1]), 1, 0),
@@ -222,21 +222,26 @@ def prepare(program: Program, group: str, layout: Layout | None = None) -> Prepa
     b = Builder(program.rules)
     new: list[int] = []
     varies: list[bool] = []
+    partners: dict[int, int] = {}
     for k, instruction in enumerate(program.instructions):
+        before = _early_partner(b, instruction, new, varies)
         new.append(b.again(instruction, new))
         _extend(varies, b.instructions)
+        if before is not None:
+            partners[new[k]] = before
         if k in program.names:
             b.name(new[k], program.names[k])
         refused = instruction.op in OPS and instruction.op not in {*RULES, *STEPS, *_SOLVE}
         if refused and any(varies[new[a]] for a in instruction.args):
             raise _refusal(program, layout, group, k)
     items = {k: _entries(b, k) for k, i in enumerate(b.instructions) if i.op == "back"}
-    partners: dict[int, int] = {}
     done = 0
     while done < len(b.instructions):
         _extend(varies, b.instructions)
-        if varies[done]:
-            _add_partner(b, done, varies, partners)
+        op, args, _ = b.instructions[done]
+        build = RULES[op].partner if op in RULES and varies[done] else None
+        if build and done not in partners:
+            partners[done] = build(b, done, args)
         done += 1
     results = {group: [new[k] for k in program.results[group]]}
     return Prepared(b.program(results), tuple(varies), partners, items)
@@ -247,13 +252,18 @@ def _entries(b: Builder, back: int) -> tuple[int, ...]:
     return tuple(b.add("item", back, value=k) for k in range(size))
 
 
-def _add_partner(b: Builder, k: int, varies: Sequence[bool], partners: dict[int, int]) -> None:
-    op, args, _ = b.instructions[k]
-    build = RULES[op].partner if op in RULES else None
-    if op == "pow" and varies[args[1]]:
-        partners[k] = b.add("mul", args[1], b.add("log", args[0]))
-    elif build:
-        partners[k] = build(b, k, args)
+def _early_partner(
+    b: Builder, instruction: Instruction, new: Sequence[int], varies: list[bool]
+) -> int | None:
+    """Return the partner of a norm or a power, whose own order k is needed: it comes before them."""
+    args = [new[a] for a in instruction.args]
+    partner = None
+    if instruction.op == "hypot" and any(varies[a] for a in args):
+        partner = _sum_of_squares(b, args)
+    elif instruction.op == "pow" and varies[args[1]]:
+        partner = b.add("mul", args[1], b.add("log", args[0]))
+    _extend(varies, b.instructions)
+    return partner
 
 
 def _extend(varies: list[bool], instructions: Sequence[Instruction]) -> None:
@@ -288,9 +298,19 @@ def unrolled(prepared: Prepared, group: str, order: int) -> Program:
     for k in range(order):
         jet.advance(k, states)
         for state, rate in zip(states, rates, strict=True):
-            state.append(jet.series[rate][k] * Fraction(1, k + 1))
+            state.append(_scaled(jet.series[rate][k], Fraction(1, k + 1)))
     results = [states[i][k].number for k in range(1, order + 1) for i in range(len(rates))]
     return prune(b.program({JET: results}))
+
+
+def _scaled(a: Scalar, factor: Fraction) -> Any:
+    """Return a * factor; a constant factor of ``a`` is multiplied beforehand."""
+    op, args, _ = a.builder.instructions[a.number]
+    for k, other in (args, args[::-1]) if op == "mul" else ():
+        value = a.builder.instructions[k].value
+        if a.builder.instructions[k].op == "const" and isinstance(value, Fraction):
+            return Scalar(a.builder, other) * (value * factor)
+    return a * factor
 
 
 class _Unrolled(Order):

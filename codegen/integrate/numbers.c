@@ -1,5 +1,8 @@
 /* At least the distance from t to the next double. */
-static inline double spacing(double t) { return fmax(DBL_EPSILON * fabs(t), DBL_MIN); }
+static inline double spacing(double t) {
+    const double relative = DBL_EPSILON * fabs(t);
+    return relative > DBL_MIN ? relative : DBL_MIN;
+}
 
 /* a + b exactly as a rounded sum and what was lost (Knuth, 1969). */
 static inline double two_sum(double a, double b, double *lost) {

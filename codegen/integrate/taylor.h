@@ -26,7 +26,7 @@ enum {
 
 typedef struct {
     double t, t_end, h, h_max, rtol, margin;
-    double t_low, t_old, h_old;
+    double t_low, t_old, h_old, reach; /* reach: log2 of a step over the radius of convergence */
     double atol[@STATES@], x[@STATES@], x_low[@STATES@], x_old[@STATES@];
     double floor[@STATES@];          /* atol / rtol */
     double size[@STATES@];           /* how large each state is at present */

@@ -22,14 +22,18 @@ from codegen.targets import c
 from codegen.taylor import JET, Prepared, prepare, unrolled
 
 LEAST_ORDER = 4
-LEAST_TOLERANCE = 2.0**-53
+CAUTION = 1 / 32
+"""The last terms are held to this part of the tolerance, since errors of all steps add up."""
+LEAST_TOLERANCE = 2.0**-52
+"""Smaller terms are lost in rounding."""
 FLAGS = ("-O2", "-ffp-contract=fast")
 """Sums of products are nearly all there is: a fused operation does both and rounds once."""
 
 
 def order_of(rtol: float) -> int:
     """Return the order that suits a tolerance: Jorba and Zou (2005), sect. 3.1."""
-    return max(LEAST_ORDER, math.ceil(1 - math.log(max(rtol, LEAST_TOLERANCE)) / 2))
+    smallest = max(CAUTION * rtol, LEAST_TOLERANCE)
+    return max(LEAST_ORDER, math.ceil(1 - math.log(smallest) / 2))
 
 
 def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
@@ -71,7 +75,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "ORDER": str(order),
         "STACK": f"about {8 * len(prepared.program.instructions) * (order + 1)}",
         "BRANCHES": str(int(prepared.has_branches)),
-        "SAFETY": repr(-2.0 - 0.7 / (order - 1)),
+        "CAUTION": repr(CAUTION),
         "SERIES_CONSTANTS": str(max(1, constants)),
         "SERIES": "\n".join(series),
     }
@@ -91,7 +95,7 @@ def _structures(
     vector: Any = double * n
     state: list[tuple[str, Any]] = [
         (f, double)
-        for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+        for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old", "reach")
     ]
     state += [(f, vector) for f in ("atol", "x", "x_low", "x_old", "floor", "size")]
     state += [("jet", vector * order), ("singular", double * room), ("closest", double * room)]
