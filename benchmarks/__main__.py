@@ -22,6 +22,7 @@ from benchmarks import (
     rates,
     stages,
     startup,
+    taylor,
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
@@ -44,6 +45,7 @@ MEASUREMENTS = (
     Measurement(calls.measure),
     Measurement(jacobians.measure),
     Measurement(integration.measure),
+    Measurement(taylor.measure, quick=False),
     Measurement(stages.measure, quick=False),
     Measurement(pendulum.measure, quick=False),
     Measurement(chains.measure),

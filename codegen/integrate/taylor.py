@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from codegen.integrate import runge_kutta
+from codegen.integrate.jets import series
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.trajectory import Array
 from codegen.layout import Layout
@@ -19,7 +20,7 @@ from codegen.names import comment, identifier
 from codegen.program import Program
 from codegen.stages import by_parameters
 from codegen.targets import c
-from codegen.taylor import JET, Prepared, prepare, unrolled
+from codegen.taylor import Prepared, prepare
 
 LEAST_ORDER = 4
 CAUTION = 1 / 32
@@ -60,7 +61,7 @@ def single_text(program: Program, layout: Layout, order: int) -> str:
 def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
     name = identifier(layout.name)
     prefix = f"{name}_taylor"
-    series, constants = _series(prepared, prefix, order)
+    functions, constants = series(prepared, f"{prefix}_series", order)
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     return {
         "TITLE": comment(layout.title),
@@ -77,13 +78,8 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "BRANCHES": str(int(prepared.has_branches)),
         "CAUTION": repr(CAUTION),
         "SERIES_CONSTANTS": str(max(1, constants)),
-        "SERIES": "\n".join(series),
+        "SERIES": "\n".join(functions),
     }
-
-
-def _series(prepared: Prepared, prefix: str, order: int) -> tuple[list[str], int]:
-    """Return the function of all coefficients, and the number of constants that it reads."""
-    return c.kernels(unrolled(prepared, RATES, order), JET, f"{prefix}_series")
 
 
 @cache
@@ -113,7 +109,7 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     prepared = prepare(program, RATES, layout)
     text = single_text(program, layout, order)
     prefix = f"{identifier(layout.name)}_taylor"
-    _, of_series = _series(prepared, prefix, order)
+    _, of_series = series(prepared, f"{prefix}_series", order)
     of_rates = len(by_parameters(program, layout.sizes).values)
     constants = (max(1, of_rates), max(1, of_series))
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import eom
 from codegen import compile as compile_system
 from codegen import native, simulate, taylor
+from codegen.integrate import jets
 from codegen.integrate import taylor as method
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES
@@ -238,11 +239,15 @@ def test_inputs_that_are_functions_are_refused():
     assert held.y_stop[0] == pytest.approx(3, rel=1e-15)
 
 
+@pytest.mark.parametrize("operations", [0, 10**9])
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 @pytest.mark.parametrize(
     "system", [RIGID, PENDULUM, eom.free_rigid_body("3-1-2")], ids=lambda s: s.name
 )
-def test_generated_files_pass_strict_compilers_without_a_warning(compiler, system, tmp_path):
+def test_generated_files_pass_strict_compilers_without_a_warning(
+    compiler, system, operations, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(jets, "MOST_UNROLLED", operations)
     if shutil.which(compiler) is None:
         pytest.skip(f"no {compiler}")
     compiled = compile_system(system, "numpy")
@@ -266,3 +271,48 @@ def test_generated_files_pass_strict_compilers_without_a_warning(compiler, syste
             run = [compiler, *flags, "-c", str(tmp_path / name), "-o", str(tmp_path / "object.o")]
             done = subprocess.run(run, capture_output=True, text=True, check=False)
             assert done.returncode == 0, done.stderr
+
+
+# --- loops ------------------------------------------------------------------------------------------
+
+SMOOTH = (
+    sp.sqrt(2 + y1), (2 + y1) ** k, (2 + y1) ** y2, sp.exp(y2), sp.sin(y1 * y2), sp.tan(y1 / 2),
+    sp.log(3 + y2),
+    sp.sinh(y1), sp.tanh(y2), sp.erf(y1), sp.asin(y1 / 3), sp.acos(y2 / 3), sp.atan(y2), sp.asinh(y1),
+    sp.acosh(2 + y1**2), sp.atanh(y2 / 4), sp.atan2(y1, 2 + y2), sp.Abs(y1 - 5), sp.Max(y1, y2 - 5),
+    y1 / (3 + y2), sp.sqrt(y1**2 + y2**2 + 1), sp.Piecewise((y1, y2 < 9), (y2, True)), k * TIME * y1,
+)  # fmt: skip
+EVERY = System.from_rates("every", {y1: sum(SMOOTH) / 40, y2: -y1 + sp.cos(TIME), y3: k})
+MATRIX = [[3 + sp.cos(y1), sp.sin(y2), y3], [sp.sin(y2), 4 + y1**2, k], [y3, k, 5]]
+COUPLED = System(
+    "coupled", (eom.system.Quantity(y1), eom.system.Quantity(y2), eom.system.Quantity(y3)),
+    (y2, -y1, sp.sin(y1)), (eom.system.Quantity(k),), mass_matrix=sp.ImmutableMatrix(MATRIX),
+)  # fmt: skip
+
+
+@needs_compiler
+@pytest.mark.parametrize("operations", [0, 10**9])
+@pytest.mark.parametrize("system", [EVERY, COUPLED, RIGID, PENDULUM], ids=lambda s: s.name)
+def test_loops_and_straight_lines_follow_the_solution(system, operations, monkeypatch):
+    from codegen import massmatrix
+
+    monkeypatch.setattr(jets, "MOST_UNROLLED", operations)
+    monkeypatch.setattr(massmatrix, "UNROLLED", 0)
+    compiled = compile_system(system, "c")
+    assert system is not COUPLED or "factor" in compiled.program.counts()
+    start, p = (0.4, 0.3, 0.2)[: len(system.states)], [1.5] * len(system.parameters)
+    run = simulate(compiled, start, (0.5, 2.0), p, "taylor", 1e-12)
+    fine = simulate(compiled, start, (0.5, 2.0), p, "DOP853", 1e-13)
+    np.testing.assert_allclose(run.y_stop, fine.y_stop, rtol=1e-10)
+    assert run.rejected == 0
+    assert run.steps < 40
+
+
+def test_a_large_system_is_written_as_loops_of_moderate_length():
+    compiled = compile_system(eom.Scene.ready("gravity-gradient-satellite").derive(), "numpy")
+    lengths = [
+        len(method.files(compiled.program, compiled.layout, order)[f"{name}.c"])
+        for name in ["gravity_gradient_satellite_taylor"]
+        for order in (16, 20)
+    ]
+    assert abs(lengths[0] - lengths[1]) < 200
