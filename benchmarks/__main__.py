@@ -24,6 +24,7 @@ from benchmarks import (
     rates,
     stages,
     startup,
+    taylor,
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
@@ -48,6 +49,7 @@ MEASUREMENTS = (
     Measurement(jacobians.measure),
     Measurement(integration.measure),
     Measurement(exact.measure, needs_compiler=False),
+    Measurement(taylor.measure, quick=False),
     Measurement(stages.measure, quick=False),
     Measurement(pendulum.measure, quick=False),
     Measurement(chains.measure),
