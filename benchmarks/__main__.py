@@ -15,6 +15,7 @@ from benchmarks import (
     compile_time,
     counts,
     derivations,
+    exact,
     integration,
     jacobians,
     lanes,
@@ -23,6 +24,7 @@ from benchmarks import (
     rates,
     stages,
     startup,
+    taylor,
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
@@ -46,6 +48,8 @@ MEASUREMENTS = (
     Measurement(lanes.measure),
     Measurement(jacobians.measure),
     Measurement(integration.measure),
+    Measurement(exact.measure, needs_compiler=False),
+    Measurement(taylor.measure, quick=False),
     Measurement(stages.measure, quick=False),
     Measurement(pendulum.measure, quick=False),
     Measurement(chains.measure),

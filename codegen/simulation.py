@@ -7,30 +7,26 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
-from codegen.integrate import runge_kutta, scipy_
-from codegen.integrate.dop853 import DOP853
+from codegen.integrate import scipy_
+from codegen.integrate.methods import SameObject, integrator_of
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
 from eom.errors import InputError, unknown_name
 from eom.system import System
 
-METHODS = ("auto", "DOP853", *(f"scipy:{m}" for m in scipy_.METHODS))
-"""``auto`` is DOP853; DOP853 runs in generated C on the target c, by SciPy otherwise."""
-
 DEFAULT_MARGIN = 1e-6
 RELATIVE_FLOOR = 1e-8
 """A constant that starts below its change under so small a change of the states counts as zero."""
 
 Values = Mapping[str, float] | Sequence[float] | Array | None
-T = TypeVar("T")
 Signal = float | Callable[[float], float]
 
 
@@ -137,7 +133,7 @@ def simulate(
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
-    compiled = system if isinstance(system, Compiled) else _compile_once(_Identity(system))
+    compiled = system if isinstance(system, Compiled) else _compile_once(SameObject(system))
     layout = compiled.layout
     held, signals = _inputs(compiled, inputs or {})
     x0 = _start(compiled, initial)
@@ -164,7 +160,7 @@ def simulate(
 def _run(
     compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
 ) -> Result:
-    integrator, used = _integrator(compiled, method, signals)
+    integrator, used = integrator_of(compiled, method, signals, problem.rtol)
     began = time.perf_counter()
     trajectory = integrator(problem)
     seconds = time.perf_counter() - began
@@ -172,27 +168,9 @@ def _run(
     return replace(_result(compiled, problem, trajectory, signals), method=used, seconds=seconds)
 
 
-@dataclass(frozen=True, eq=False)
-class _Identity(Generic[T]):
-    """A value as a key by identity, kept alive while it is in a cache."""
-
-    value: T
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Identity) and other.value is self.value
-
-    def __hash__(self) -> int:
-        return id(self.value)
-
-
 @lru_cache(maxsize=64)
-def _compile_once(key: _Identity[System]) -> Compiled:
+def _compile_once(key: SameObject[System]) -> Compiled:
     return compile_system(key.value)
-
-
-@lru_cache(maxsize=64)
-def _build_once(key: _Identity[Compiled]) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(DOP853, key.value.program, key.value.layout)
 
 
 def _positive(value: float, name: str) -> float:
@@ -278,22 +256,6 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
     compiled.guard.check(compiled.structure.completed(everything))
     return values
-
-
-def _integrator(
-    compiled: Compiled, method: str, signals: scipy_.Inputs | None
-) -> tuple[Callable[[Problem], Trajectory], str]:
-    """Choose the integrator; return it, ready to run, and what it is called."""
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
-    own = method in {"auto", "DOP853"}
-    if own and compiled.target == "c" and signals is None:
-        native = _build_once(_Identity(compiled))
-        return lambda problem: runge_kutta.integrate(native, problem), "DOP853 in generated C"
-    name = "DOP853" if own else method.removeprefix("scipy:")
-    reason = " (inputs are Python functions)" if own and signals is not None else ""
-    used = f"{name} of SciPy over {compiled.target} functions{reason}"
-    return lambda problem: scipy_.integrate(compiled, problem, name, signals), used
 
 
 def _result(

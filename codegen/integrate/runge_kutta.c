@@ -9,23 +9,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-/* At least the distance from t to the next double. */
-static inline double spacing(double t) { return fmax(DBL_EPSILON * fabs(t), DBL_MIN); }
-
-/* a + b exactly as a rounded sum and what was lost (Knuth, 1969). */
-static inline double two_sum(double a, double b, double *lost) {
-    const double sum = a + b, part = sum - a;
-    *lost = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
-static int first_bad(const double *x) {
-    for (int i = 0; i < N; ++i)
-        if (!isfinite(x[i])) return i;
-    return -1;
-}
-
-static double scaled_norm(const @PREFIX@ *s, const double *v) {
+@NUMBERS@static double scaled_norm(const @PREFIX@ *s, const double *v) {
     double sum = 0.0;
     for (int i = 0; i < N; ++i) {
         const double r = v[i] / (s->atol[i] + s->rtol * fabs(s->x[i]));
@@ -101,73 +85,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     }
 }
 
-#if S
-/* The state that each singularity is about, or -1. */
-static const int coordinate[S] = {@COORDINATES@};
-
-/* The largest turn of these states in a step, in radians where they are angles. */
-static double largest_turn(const @PREFIX@ *s, const double *x_new) {
-    double turn = 0.0;
-    for (int m = 0; m < S; ++m)
-        if (coordinate[m] >= 0) turn = fmax(turn, fabs(x_new[coordinate[m]] - s->x[coordinate[m]]));
-    return turn;
-}
-
-/* Whether a step that ends with the values after may have come near a singularity. */
-static int may_be_singular(const @PREFIX@ *s, const double *after, double turn) {
-    for (int m = 0; m < S; ++m) {
-        const double near = fmin(fabs(s->singular[m]), fabs(after[m]));
-        const double moved = fabs(after[m] - s->singular[m]);
-        if (near < 0.1 || near <= s->margin || near < 2.0 * moved || !isfinite(after[m])) return 1;
-    }
-    return turn > 0.25;
-}
-
-/* The first place in the last step at which a singularity is nearer than the margin, or 2. */
-static double find_singular(@PREFIX@ *s, const double *after, const double *u) {
-    enum { PARTS = 8 };
-    double y[N], here[S], before[S], first = 2.0;
-    for (int k = 0; k < S; ++k) before[k] = s->singular[k];
-    for (int part = 1; part <= PARTS; ++part) {
-        const double right = (double)part / PARTS;
-        interpolate(s, right, y);
-        @NAME@_singularities(s->t_old + right * s->h_old, y, &s->constants, u, here);
-        for (int k = 0; k < S; ++k) {
-            if (part == PARTS) here[k] = after[k];
-            s->closest[k] = fmin(s->closest[k], fabs(here[k]));
-            const int crossed = (here[k] > 0.0) != (before[k] > 0.0);
-            if (!crossed && fabs(here[k]) > s->margin) continue;
-            double low = right - 1.0 / PARTS, high = right, value[S];
-            for (int turn = 0; turn < 60; ++turn) {
-                const double middle = 0.5 * (low + high);
-                interpolate(s, middle, y);
-                @NAME@_singularities(s->t_old + middle * s->h_old, y, &s->constants, u, value);
-                if ((value[k] > 0.0) != (before[k] > 0.0) || fabs(value[k]) <= s->margin) high = middle;
-                else low = middle;
-            }
-            if (high < first) {
-                first = high;
-                s->which = k;
-            }
-        }
-        if (first <= 1.0) return first;
-        for (int k = 0; k < S; ++k) before[k] = here[k];
-    }
-    return 2.0;
-}
-#endif
-
-static void store(@PREFIX@_output *o, double t, const double *x) {
-    o->t[o->count] = t;
-    for (int i = 0; i < N; ++i) o->x[o->count * N + (size_t)i] = x[i];
-    o->count += 1;
-}
-
-static int wants_grid_point(const @PREFIX@_output *o, double t, double direction) {
-    return o->grid != NULL && o->next < o->grid_count && direction * (o->grid[o->next] - t) <= 0.0;
-}
-
-int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
+@EVENTS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -30,7 +30,7 @@ def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
     """Return header and source of the integrator by file name."""
     values = _values(tableau, layout)
     return {
-        f"{values['PREFIX']}.{kind}": _fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
+        f"{values['PREFIX']}.{kind}": fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
     }
 
 
@@ -44,11 +44,17 @@ def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
     )
 
 
-def _fill(template: str, values: Mapping[str, str]) -> str:
-    text = resources.files("codegen.integrate").joinpath(template).read_text(encoding="ascii")
-    for key, value in values.items():
+def fill(template: str, values: Mapping[str, str]) -> str:
+    """Return a template of this folder with its keys replaced, those of the shared parts first."""
+    text = _template(template)
+    shared = {key: _template(f"{key.lower()}.c") for key in ("NUMBERS", "EVENTS")}
+    for key, value in {**shared, **values}.items():
         text = text.replace(f"@{key}@", value)
     return text
+
+
+def _template(name: str) -> str:
+    return resources.files("codegen.integrate").joinpath(name).read_text(encoding="ascii")
 
 
 def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
@@ -120,6 +126,13 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
     state += [("constants", double * constants)]
+    return structures(prefix, state)
+
+
+def structures(
+    prefix: str, state: Sequence[tuple[str, Any]]
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Return the structure of an integrator from its fields, and that of its output."""
     output: list[tuple[str, Any]] = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
     output += [(f, ctypes.c_size_t) for f in ("capacity", "count", "grid_count", "next")]
     kinds = (
@@ -132,9 +145,13 @@ def _structures(
 
 @dataclass(frozen=True)
 class NativeMethod:
-    """An integrator compiled for one system: functions and structures."""
+    """An integrator compiled for one system: functions, structures, and what its dense output is.
 
-    tableau: Tableau
+    ``terms``: coefficients a state and step; ``solution(t, h, x, coefficients)`` evaluates them.
+    """
+
+    terms: int
+    solution: Callable[[Array, Array, Array, Array], Any]
     start: Any
     run: Any
     state: type[ctypes.Structure]
@@ -146,18 +163,26 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
     text = single_text(tableau, program, layout)
     flags = native.flags_for(0, len(program.instructions))
-    library = native.load(native.compile_library(text, flags), text, flags)
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
     state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms, constants)
+    start, run, library = loaded(text, flags, prefix, state)
+    return NativeMethod(tableau.dense_terms, DenseSolution, start, run, state, output, library)
+
+
+def loaded(
+    text: str, flags: Sequence[str], prefix: str, state: type[ctypes.Structure]
+) -> tuple[Any, Any, ctypes.CDLL]:
+    """Compile and load an integrator; return its two functions and the library."""
+    library = native.load(native.compile_library(text, flags), text, flags)
     size = getattr(library, f"{prefix}_size")
     size.restype = ctypes.c_size_t
     assert size() == ctypes.sizeof(state)
     start, run = getattr(library, f"{prefix}_start"), getattr(library, f"{prefix}_run")
     start.argtypes = [ctypes.c_void_p] * 3
     run.argtypes = [*[ctypes.c_void_p] * 3, ctypes.c_longlong]
-    return NativeMethod(tableau, start, run, state, output, library)
+    return start, run, library
 
 
 def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
@@ -207,7 +232,7 @@ class _Store:
 
     def __init__(self, method: NativeMethod, problem: Problem) -> None:
         self.n = len(problem.x0)
-        self.terms = method.tableau.dense_terms
+        self.terms, self.solution = method.terms, method.solution
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
         capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
@@ -251,7 +276,7 @@ class _Store:
             h = np.diff(t)
             if count:
                 h[-1] = s.h_old
-            solution = DenseSolution(t, h, x, self.dense[:count].copy())
+            solution = self.solution(t, h, x, self.dense[:count].copy())
             if problem.t_eval is not None:
                 direction = np.sign(problem.t_span[1] - problem.t_span[0])
                 reached = s.steps > 0 or stop.kind == "end"

@@ -210,6 +210,29 @@ def source(program: Program, layout: Layout) -> str:
     return "\n".join(lines)
 
 
+def kernels(program: Program, group: str, head: str) -> tuple[list[str], int]:
+    """Return static functions of one group for the use inside a file, and their number of constants.
+
+    ``head``_constants(p, ps, c) fills an array from the parameters; ``head``(t, x, xs, c, w, u, us,
+    y, ys) computes the results, w is not read. All of their helpers are called ``head``_helper.
+    """
+    cut = by_parameters(program, [group])
+    slots, tables = with_slots_of(cut, program, {}), table_names(program)
+    early = _render(cut.early, CONSTANT, {}, tables)
+    late = _render(cut.late, group, slots, tables)
+    lines = [
+        *_kernel(f"{head}_constants", _EARLY, early, "double *c", "c[{0}]"),
+        "",
+        *_kernel(head, _LATE, late, "double *y, ptrdiff_t ys", "y[{0} * ys]"),
+        "",
+    ]
+    helpers = [h for h in HELPERS if h.endswith("_") and f"{h}(" in "\n".join(lines)]
+    texts = [f"{HELPERS[h]}\n" for h in helpers] + lines
+    for h in helpers:
+        texts = [re.sub(rf"\b{h}\(", f"{head}_{h}(", text) for text in texts]
+    return texts, len(cut.values)
+
+
 def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
     return render(program, group, names, TEMPLATES, _SLOTS, _NUMBERS, tables)
 

@@ -1,0 +1,145 @@
+"""Taylor series of high order with their whole loop in generated C, for one system and one order."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from codegen.integrate import runge_kutta
+from codegen.integrate.jets import series
+from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.trajectory import Array
+from codegen.layout import Layout
+from codegen.lower import RATES, SINGULARITIES
+from codegen.names import comment, identifier
+from codegen.program import Program
+from codegen.stages import by_parameters
+from codegen.targets import c
+from codegen.taylor import Prepared, prepare
+
+LEAST_ORDER = 4
+CAUTION = 1 / 32
+"""The last terms are held to this part of the tolerance, since errors of all steps add up."""
+LEAST_TOLERANCE = 2.0**-52
+"""Smaller terms are lost in rounding."""
+FLAGS = ("-O2", "-ffp-contract=fast")
+"""Sums of products are nearly all there is: a fused operation does both and rounds once."""
+
+
+def order_of(rtol: float) -> int:
+    """Return the order that suits a tolerance: Jorba and Zou (2005), sect. 3.1."""
+    smallest = max(CAUTION * rtol, LEAST_TOLERANCE)
+    return max(LEAST_ORDER, math.ceil(1 - math.log(smallest) / 2))
+
+
+def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name.
+
+    Raises `InputError` for a value that changes with time and has no Taylor series.
+    """
+    prepared = prepare(program, RATES, layout)
+    values = _values(prepared, layout, order)
+    return {
+        f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"taylor.{kind}", values)
+        for kind in ("h", "c")
+    }
+
+
+def single_text(program: Program, layout: Layout, order: int) -> str:
+    """Return functions and integrator as one text that compiles by itself."""
+    name = identifier(layout.name)
+    header, source = files(program, layout, order).values()
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
+    return c.single_text(program, layout) + rest.replace(f'#include "{name}_taylor.h"\n', "")
+
+
+def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
+    name = identifier(layout.name)
+    prefix = f"{name}_taylor"
+    functions, constants = series(prepared, f"{prefix}_series", order)
+    singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
+    return {
+        "TITLE": comment(layout.title),
+        "NAME": name,
+        "PREFIX": prefix,
+        "UPPER": prefix.upper(),
+        "HEADER": f"{prefix}.h",
+        "STATES": str(n),
+        "SINGULARITIES": str(singular),
+        "SINGULAR_ROOM": str(max(1, singular)),
+        "COORDINATES": ", ".join(map(str, layout.coordinates)),
+        "ORDER": str(order),
+        "STACK": f"about {8 * len(prepared.program.instructions) * (order + 1)}",
+        "BRANCHES": str(int(prepared.has_branches)),
+        "CAUTION": repr(CAUTION),
+        "SERIES_CONSTANTS": str(max(1, constants)),
+        "SERIES": "\n".join(functions),
+    }
+
+
+@cache
+def _structures(
+    prefix: str, n: int, room: int, order: int, constants: tuple[int, int]
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Mirror the two structures of taylor.h."""
+    double: Any = ctypes.c_double
+    vector: Any = double * n
+    state: list[tuple[str, Any]] = [
+        (f, double)
+        for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old", "reach")
+    ]
+    state += [(f, vector) for f in ("atol", "x", "x_low", "x_old", "floor", "size")]
+    state += [("jet", vector * order), ("singular", double * room), ("closest", double * room)]
+    state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
+    state += [(f, ctypes.c_int) for f in ("status", "which")]
+    state += [("constants", double * constants[0]), ("series_constants", double * constants[1])]
+    return runge_kutta.structures(prefix, state)
+
+
+def build(program: Program, layout: Layout, order: int) -> NativeMethod:
+    """Compile the integrator of a system for this machine; `runge_kutta.integrate` runs it.
+
+    Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.
+    """
+    prepared = prepare(program, RATES, layout)
+    text = single_text(program, layout, order)
+    prefix = f"{identifier(layout.name)}_taylor"
+    _, of_series = series(prepared, f"{prefix}_series", order)
+    of_rates = len(by_parameters(program, layout.sizes).values)
+    constants = (max(1, of_rates), max(1, of_series))
+    n, singular = len(layout.states), len(layout.results[SINGULARITIES])
+    state, output = _structures(prefix, n, max(1, singular), order, constants)
+    start, run, library = runge_kutta.loaded(text, FLAGS, prefix, state)
+    return NativeMethod(order, TaylorSolution, start, run, state, output, library)
+
+
+class TaylorSolution:
+    """The polynomials of a whole run: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+
+    def __init__(self, t: Array, _: Array, x: Array, coefficients: Array) -> None:
+        self.ts = t
+        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
+        self._x, self._coefficients = x, coefficients
+
+    def __call__(self, t: float | Sequence[float] | Array) -> Array:
+        """Evaluate; times outside the run are extrapolated from the nearest step."""
+        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        count = len(self._coefficients)
+        if not count:
+            values = np.repeat(self._x[:1], len(times), axis=0)
+            return values[0] if np.ndim(t) == 0 else values.T
+        forward = self.ts[-1] >= self.ts[0]
+        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
+        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, count - 1)
+        since = (times - self.ts[k])[:, None]
+        terms = self._coefficients[k]
+        value = np.zeros_like(self._x[k])
+        for j in range(terms.shape[1] - 1, -1, -1):
+            value = (value + terms[:, j]) * since
+        value = value + self._x[k]
+        return value[0] if np.ndim(t) == 0 else value.T
