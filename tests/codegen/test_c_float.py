@@ -40,7 +40,7 @@ from tests.codegen.test_targets import every_operation, hostile_system, strictly
 from tests.codegen.test_targets import system_of as all_operations
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 
 
 class Single:

@@ -51,7 +51,7 @@ from tests.codegen.test_targets import every_operation, hostile_system, strictly
 from tests.codegen.test_targets import system_of as all_operations
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 WIDTHS = (2, 4, 8)
 
 

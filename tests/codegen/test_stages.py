@@ -10,6 +10,7 @@ from hypothesis import given, settings
 
 import eom
 from codegen import compile as compile_system
+from codegen import native
 from codegen.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.ops import LEAVES
@@ -109,7 +110,7 @@ def test_quick_calls_follow_parameters_that_change_in_place(target):
     np.testing.assert_array_equal(first, f(0.0, state, [1.0, 1.5, 2.0]))
 
 
-@pytest.mark.skipif(not shutil.which("gcc"), reason="no gcc")
+@pytest.mark.skipif(not (shutil.which("gcc") and native.compiler()), reason="no gcc")
 def test_parameters_where_constants_belong_do_not_compile(tmp_path):
     compiled = compile_system(eom.free_rigid_body(), "c")
     compiled.write(tmp_path)

@@ -25,7 +25,7 @@ from eom.system import Definition, Quantity, System
 from eom.tables import Table
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
-COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror", "-O2")
 
 x, y, p, q = sp.symbols("x y p q", real=True)
