@@ -1,6 +1,5 @@
 """Shared partial sums: the same values in exact arithmetic, never more operations."""
 
-import time
 from fractions import Fraction
 
 import sympy as sp
@@ -12,6 +11,7 @@ from codegen.chains import MAX_TERMS, PRODUCTS, chains, share_products, share_su
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import lower_expressions
 from codegen.program import Builder, Name
+from tests.clock import growth_within
 
 a, b, c, d, e = SYMBOLS = sp.symbols("a b c d e", real=True)
 VALUES = [1.5, -2.25, 4.0, 0.625, -7.0]
@@ -135,13 +135,7 @@ def many(count, terms=5):
 
 
 def test_time_is_nearly_linear():
-    def seconds(program):
-        start = time.process_time()
-        share_sums(program)
-        return time.process_time() - start
-
-    small, large = many(500), many(4000)
-    assert min(seconds(large) for _ in range(3)) < 40 * min(seconds(small) for _ in range(5))
+    assert growth_within(24, share_sums, many(500), many(4000))
 
 
 def test_long_sums_that_share_all_their_terms():

@@ -1,6 +1,5 @@
 """Common factors: the same values in exact arithmetic, at a lower cost."""
 
-import time
 from fractions import Fraction
 
 import pytest
@@ -13,6 +12,7 @@ from codegen.interpret import Point, interpret_exactly
 from codegen.lower import lower_expressions
 from codegen.passes import prune
 from codegen.program import Builder, Name
+from tests.clock import growth_within
 
 a, b, c, d, e, f = SYMBOLS = sp.symbols("a b c d e f", real=True)
 VALUES = [1.5, -2.25, 4.0, 0.625, -7.0, 0.25]
@@ -142,13 +142,7 @@ def many(count):
 
 
 def test_time_is_nearly_linear_even_in_one_sum():
-    def seconds(program):
-        start = time.process_time()
-        factor_sums(program)
-        return time.process_time() - start
-
-    small, large = many(600), many(4800)
-    assert min(seconds(large) for _ in range(3)) < 40 * min(seconds(small) for _ in range(3))
+    assert growth_within(24, factor_sums, many(600), many(4800))
 
 
 def test_values_of_a_long_sum_stay():
