@@ -12,10 +12,10 @@ from codegen.passes import prune
 from codegen.program import Program
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, table_function
+from codegen.targets.c_lines import assigned, part_lines, variables
 from codegen.targets.render import (
     ATOM,
     Body,
-    Line,
     Names,
     Tables,
     Template,
@@ -343,40 +343,25 @@ def _kernel(
     """
     stores = [f"    {_stride(place.format(k))} = {r};" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
-        return _static(head, "inline void", (*arguments, target), [*_assigned(body.lines), *stores])
+        return _static(
+            head,
+            "inline void",
+            (*arguments, target),
+            [*assigned(body.lines, "double", _stride), *stores],
+        )
     parts, size = split(body, PART_LINES)
     texts: list[str] = []
     calls = []
     for k, part in enumerate(parts):
-        lines = [_load(line, slot) for line, slot in part.loads]
-        lines += _assigned(part.lines)
-        lines += [_store(line, slot) for line, slot in part.stores]
+        lines = part_lines(part, "double", _stride)
         last = k == len(parts) - 1
         declared = (*arguments, _CARRIED, *((target,) if last else ()))
         texts += [*_static(f"{head}_{k}", "void", declared, lines + (stores if last else [])), ""]
-        calls.append(f"    {head}_{k}({', '.join(_variables(declared))});")
+        calls.append(f"    {head}_{k}({', '.join(variables(declared))});")
     return [
         *texts,
         *_static(head, "void", (*arguments, target), [f"    double carried_[{size}];", *calls]),
     ]
-
-
-def _load(line: Line, slot: int) -> str:
-    if line.room:
-        return f"    const double *const {line.variable} = carried_ + {slot};"
-    return f"    const double {line.variable} = carried_[{slot}];"
-
-
-def _store(line: Line, slot: int) -> str:
-    if line.room:
-        copy = f"carried_[{slot} + k_] = {line.variable}[k_];"
-        return f"    for (int k_ = 0; k_ < {line.room}; ++k_) {copy}"
-    return f"    carried_[{slot}] = {line.variable};"
-
-
-def _variables(declared: Sequence[str]) -> list[str]:
-    """Return the names of declared arguments."""
-    return [a.split()[-1].lstrip("*") for text in declared for a in text.split(",")]
 
 
 def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
@@ -384,19 +369,9 @@ def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str])
     return [
         f"static {kind} {name}(",
         f"    {', '.join(declared)}) {{",
-        f"    {', '.join(f'(void){a}' for a in _variables(declared))};",
+        f"    {', '.join(f'(void){a}' for a in variables(declared))};",
         *lines,
         "}",
-    ]
-
-
-def _assigned(lines: Sequence[Line]) -> list[str]:
-    return [
-        f"    {_stride(line.expression)}"
-        if line.room
-        else f"    const double {line.variable} = {_stride(line.expression)};"
-        + (f" /* {line.comment} */" if line.comment else "")
-        for line in lines
     ]
 
 

@@ -20,12 +20,12 @@ from codegen.passes import prune
 from codegen.program import Program
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers, lanes_math
+from codegen.targets.c_lines import assigned, part_lines, variables
 from codegen.targets.lanes_math import BINARY, HELPERS, LIBRARY, ORDERED, by_lane
 from codegen.targets.render import (
     ATOM,
     EVERY_NUMBER,
     Body,
-    Line,
     Names,
     Tables,
     Template,
@@ -235,57 +235,28 @@ def _kernel(
     """
     stores = [f"    {place.format(k, r)}" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
-        return _static(head, kind, (*arguments, target), [*_assigned(body.lines), *stores])
+        return _static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
     parts, size = split(body, PART_LINES)
     texts: list[str] = []
     calls = []
     for k, part in enumerate(parts):
-        lines = [_load(line, slot) for line, slot in part.loads]
-        lines += _assigned(part.lines)
-        lines += [_store(line, slot) for line, slot in part.stores]
+        lines = part_lines(part, "lane_")
         last = k == len(parts) - 1
         declared = (*arguments, _CARRIED, *((target,) if last else ()))
         lines += stores if last else []
         texts += [*_static(f"{head}_{k}", "static", declared, lines), ""]
-        calls.append(f"    {head}_{k}({', '.join(_variables(declared))});")
+        calls.append(f"    {head}_{k}({', '.join(variables(declared))});")
     room = f"    lane_ carried_[{size}];"
     return [*texts, *_static(head, "static", (*arguments, target), [room, *calls])]
-
-
-def _load(line: Line, slot: int) -> str:
-    if line.room:
-        return f"    const lane_ *const {line.variable} = carried_ + {slot};"
-    return f"    const lane_ {line.variable} = carried_[{slot}];"
-
-
-def _store(line: Line, slot: int) -> str:
-    if line.room:
-        copy = f"carried_[{slot} + k_] = {line.variable}[k_];"
-        return f"    for (int k_ = 0; k_ < {line.room}; ++k_) {copy}"
-    return f"    carried_[{slot}] = {line.variable};"
-
-
-def _variables(declared: Sequence[str]) -> list[str]:
-    return [a.split()[-1].lstrip("*") for text in declared for a in text.split(",")]
 
 
 def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
     """Return a static function; arguments that it does not use give no warning."""
     return [
         f"{kind} void {name}({', '.join(declared)}) {{",
-        f"    {', '.join(f'(void){a}' for a in _variables(declared))};",
+        f"    {', '.join(f'(void){a}' for a in variables(declared))};",
         *lines,
         "}",
-    ]
-
-
-def _assigned(lines: Sequence[Line]) -> list[str]:
-    return [
-        f"    {line.expression}"
-        if line.room
-        else f"    const lane_ {line.variable} = {line.expression};"
-        + (f" /* {line.comment} */" if line.comment else "")
-        for line in lines
     ]
 
 

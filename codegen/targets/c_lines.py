@@ -1,0 +1,45 @@
+"""Lines of C that scalars and vector lanes share: assignments, and what parts carry along."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from codegen.targets.render import Line, Part
+
+
+def assigned(lines: Sequence[Line], kind: str, write: Callable[[str], str] = str) -> list[str]:
+    """Return assignments to variables of type ``kind``, their expressions changed by ``write``."""
+    return [
+        f"    {write(line.expression)}"
+        if line.room
+        else f"    const {kind} {line.variable} = {write(line.expression)};"
+        + (f" /* {line.comment} */" if line.comment else "")
+        for line in lines
+    ]
+
+
+def part_lines(part: Part, kind: str, write: Callable[[str], str] = str) -> list[str]:
+    """Return the lines of a part between its loads from what is carried and its stores to it."""
+    return [
+        *(_load(line, slot, kind) for line, slot in part.loads),
+        *assigned(part.lines, kind, write),
+        *(_store(line, slot) for line, slot in part.stores),
+    ]
+
+
+def variables(declared: Sequence[str]) -> list[str]:
+    """Return the names of declared arguments."""
+    return [a.split()[-1].lstrip("*") for text in declared for a in text.split(",")]
+
+
+def _load(line: Line, slot: int, kind: str) -> str:
+    if line.room:
+        return f"    const {kind} *const {line.variable} = carried_ + {slot};"
+    return f"    const {kind} {line.variable} = carried_[{slot}];"
+
+
+def _store(line: Line, slot: int) -> str:
+    if line.room:
+        copy = f"carried_[{slot} + k_] = {line.variable}[k_];"
+        return f"    for (int k_ = 0; k_ < {line.room}; ++k_) {copy}"
+    return f"    carried_[{slot}] = {line.variable};"
