@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.integrate import scipy_
-from codegen.integrate.methods import SameObject, integrator_of
+from codegen.integrate.methods import SameObject, Task, integrator_of
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
@@ -160,7 +160,7 @@ def simulate(
 def _run(
     compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
 ) -> Result:
-    integrator, used = integrator_of(compiled, method, signals, problem.rtol)
+    integrator, used = integrator_of(Task(compiled, problem, signals), method)
     began = time.perf_counter()
     trajectory = integrator(problem)
     seconds = time.perf_counter() - began

@@ -13,11 +13,8 @@ from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
 
-METHODS = ("auto", "DOP853", "taylor", *(f"scipy:{m}" for m in scipy_.METHODS))
-"""``auto`` is DOP853; DOP853 runs in generated C on the target c, by SciPy otherwise. ``taylor`` runs
-in generated C beside every target; its order follows from the relative tolerance."""
-
 T = TypeVar("T")
+Integrator = Callable[[Problem], Trajectory]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,42 +30,80 @@ class SameObject(Generic[T]):
         return id(self.value)
 
 
+@dataclass(frozen=True)
+class Task:
+    """What is to be integrated: ``signals`` give the inputs over time where they are functions."""
+
+    compiled: Compiled
+    problem: Problem
+    signals: scipy_.Inputs | None
+
+
+@dataclass(frozen=True)
+class Method:
+    """A name, what it is, and what prepares the integrator and says what it is called in full."""
+
+    name: str
+    meaning: str
+    prepare: Callable[[Task], tuple[Integrator, str]]
+
+
 @lru_cache(maxsize=64)
-def _build_once(key: SameObject[Compiled]) -> runge_kutta.NativeMethod:
+def _dop853_once(key: SameObject[Compiled]) -> runge_kutta.NativeMethod:
     return runge_kutta.build(DOP853, key.value.program, key.value.layout)
 
 
 @lru_cache(maxsize=64)
-def _build_taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMethod:
+def _taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMethod:
     return taylor.build(key.value.program, key.value.layout, order)
 
 
-def integrator_of(
-    compiled: Compiled, method: str, signals: scipy_.Inputs | None, rtol: float
-) -> tuple[Callable[[Problem], Trajectory], str]:
-    """Choose the integrator; return it, ready to run, and what it is called."""
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
-    if method == "taylor":
-        return _taylor(compiled, signals, taylor.order_of(rtol))
-    own = method in {"auto", "DOP853"}
-    if own and compiled.target == "c" and signals is None:
-        native = _build_once(SameObject(compiled))
-        return lambda problem: runge_kutta.integrate(native, problem), "DOP853 in generated C"
-    name = "DOP853" if own else method.removeprefix("scipy:")
-    reason = " (inputs are Python functions)" if own and signals is not None else ""
-    used = f"{name} of SciPy over {compiled.target} functions{reason}"
-    return lambda problem: scipy_.integrate(compiled, problem, name, signals), used
+def _native(method: runge_kutta.NativeMethod) -> Integrator:
+    return lambda problem: runge_kutta.integrate(method, problem)
 
 
-def _taylor(
-    compiled: Compiled, signals: scipy_.Inputs | None, order: int
-) -> tuple[Callable[[Problem], Trajectory], str]:
-    if signals is not None:
+def _dop853(task: Task) -> tuple[Integrator, str]:
+    """In generated C where that is the target and nothing calls Python; by SciPy otherwise."""
+    if task.compiled.target == "c" and task.signals is None:
+        return _native(_dop853_once(SameObject(task.compiled))), "DOP853 in generated C"
+    integrator, used = _scipy("DOP853")(task)
+    reason = " (inputs are Python functions)" if task.signals is not None else ""
+    return integrator, used + reason
+
+
+def _taylor(task: Task) -> tuple[Integrator, str]:
+    if task.signals is not None:
         raise InputError(
             "method taylor cannot differentiate inputs that are Python functions",
             hint="write them into the system as functions of time, or choose DOP853",
         )
-    native = _build_taylor_once(SameObject(compiled), order)
-    used = f"Taylor series of order {order} in generated C"
-    return lambda problem: runge_kutta.integrate(native, problem), used
+    order = taylor.order_of(task.problem.rtol)
+    native = _taylor_once(SameObject(task.compiled), order)
+    return _native(native), f"Taylor series of order {order} in generated C"
+
+
+def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
+    def prepare(task: Task) -> tuple[Integrator, str]:
+        used = f"{name} of SciPy over {task.compiled.target} functions"
+        return lambda p: scipy_.integrate(task.compiled, p, name, task.signals), used
+
+    return prepare
+
+
+ROWS = (
+    Method("auto", "DOP853", _dop853),
+    Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
+    Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
+    *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
+      for m in scipy_.METHODS),
+)  # fmt: skip
+METHODS = tuple(row.name for row in ROWS)
+"""Names that ``method`` takes; `ROWS` says what they are."""
+
+
+def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
+    """Choose the integrator; return it, ready to run, and what it is called."""
+    row = next((row for row in ROWS if row.name == method), None)
+    if row is None:
+        raise unknown_name("method", method, METHODS)
+    return row.prepare(task)
