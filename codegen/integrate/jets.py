@@ -1,25 +1,27 @@
-"""The function of all Taylor coefficients in C: straight-line code for small systems, loops for others.
+"""The function of all Taylor coefficients in C: a loop over the orders.
 
-The loop goes over the orders; its body is one pass over the operations, whose sums of products are
-loops again. Both read the rules of `codegen.taylor`.
+Its body is one pass over the operations by the rules of `codegen.taylor`. Sums of products are added
+up four at a time, one in each place of a vector (`codegen.integrate.packs`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
+from codegen.integrate.bilinear import Coefficient, forms, linear_in_time, wide
+from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, needed
+from codegen.integrate.packs import WIDTH, Group, Pack, Sum, part_groups, steps, whole_group
 from codegen.lower import RATES
-from codegen.ops import OPS, Instruction
+from codegen.ops import Instruction
 from codegen.program import Builder, Program
 from codegen.targets import c
-from codegen.taylor import JET, RULES, Order, Prepared, Series, residuals, unrolled
+from codegen.taylor import RULES, Order, Prepared, Series, residuals
 
-MOST_UNROLLED = 8000
-"""Operations of straight-line code that a compiler takes about a second for. Heavy top with quaternion,
-order 8 to 20: 129 to 364 us a run, loops 287 to 421 us, compiled in 1.2 s and 0.4 s at order 20."""
-_LINEAR = frozenset({"add", "sub", "neg", "abs", "min", "max", "select", "item"})
+FEWEST_WHOLE = 2
+"""Values in a whole group, at least: a vector with one costs more than it brings."""
+AT_ONCE = 8
+"""Sums of vectors that a loop makes at once, so that all stay in registers."""
 START = "start"
 
 
@@ -28,124 +30,117 @@ def series(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
 
     ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``.
     """
-    if operations(prepared, order) <= MOST_UNROLLED:
-        return c.kernels(unrolled(prepared, RATES, order), JET, head)
-    return looped(prepared, head, order)
-
-
-def operations(prepared: Prepared, order: int) -> int:
-    """Return about how many operations the straight-line code has."""
-    pairs = zip(prepared.program.instructions, prepared.varies, strict=True)
-    total = 0
-    for (op, args, _), varies in pairs:
-        if op in OPS and varies:
-            is_product = op not in _LINEAR and sum(prepared.varies[a] for a in args) > (op == "mul")
-            total += order * order * max(1, len(args) - 1) if is_product else order
-    return total
-
-
-def looped(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
-    """Return what `series` does, as loops over the orders."""
-    loop = _Loop(prepared)
-    body, firsts = loop.body(), [loop.first(r) for r in loop.rates]
-    texts, constants = c.kernels(loop.start(), START, f"{head}_start")
+    found = forms(prepared)
+    whole = [whole_group(some, [found[n] for n in some])
+             for some in wide(prepared, WIDTH, FEWEST_WHOLE)]  # fmt: skip
+    rules = _Rules(prepared, whole)
+    order_of_work = steps(prepared, whole)
+    single = {n: rules.lines(n) for n in order_of_work if not isinstance(n, Group)}
+    vectors = _Vectors(rules, whole, part_groups(list(rules.sums)))
+    body = [line for step in order_of_work
+            for line in (vectors.whole(step) if isinstance(step, Group) else single[step])]  # fmt: skip
+    lines = needed([
+        *vectors.declarations(order),
+        f"for (int k = 1; k < {order}; ++k) {{",
+        "    const double part = 1.0 / k, next = 1.0 / (k + 1);",
+        "    (void)part;",
+        *(f"    {line}" for line in (*vectors.sums(), *body, *vectors.stored(), *rules.results())),
+        "}",
+    ])  # fmt: skip
+    texts, constants = c.kernels(rules.start(), START, f"{head}_start")
     texts = [text.replace(f"{head}_start_constants", f"{head}_constants") for text in texts]
-    room = max(1, len(loop.rows))
-    n = len(prepared.program.results[RATES])
-    lines = [
-        "/* The sum of a[j] b[k - j] over j from low to high. */",
-        f"static inline double {head}_dot(const double *a, const double *b, int low, int high, int k) {{",
-        "    double one = 0.0, other = 0.0;",
-        "    int j = low;",
-        "    for (; j < high; j += 2) {",
-        "        one += a[j] * b[k - j];",
-        "        other += a[j + 1] * b[k - j - 1];",
-        "    }",
-        "    return j == high ? one + other + a[j] * b[k - j] : one + other;",
-        "}",
+    function = [
+        *DECLARATIONS.splitlines(),
         "",
-        f"static void {head}(double t, const double *x, ptrdiff_t xs, const double *c, const double *w,",
+        "static void HEAD(double t, const double *x, ptrdiff_t xs, const double *c, const double *w,",
         "    const double *u, ptrdiff_t us, double *y, ptrdiff_t ys) {",
-        f"    double a[{room}][{order}], d[{room}][{order}], f[{max(1, len(loop.slots))}];",
-        f"    {head}_start(t, x, xs, c, w, u, us, f, 1);",
-        *(f"    {line}" for line in loop.before),
-        *(f"    y[{i} * ys] = {first};" for i, first in enumerate(firsts)),
-        f"    for (int k = 1; k < {order}; ++k) {{",
-        "        const double part = 1.0 / k, next = 1.0 / (k + 1);",
-        "        (void)part, (void)d, (void)f;",
-        *(f"        {line}" for line in body),
-        *(f"        y[({n} * k + {i}) * ys] = next * {loop.now(r)};" for i, r in enumerate(loop.rates)),
-        "    }",
+        *(f"    {line}" for line in lines),
         "}",
         "",
-    ]  # fmt: skip
-    return [*texts, *(line.replace("HEAD", head) for line in lines)], constants
+    ]
+    return [*texts, *(line.replace("HEAD", head) for line in function)], constants
 
 
-@dataclass(frozen=True)
-class _Text:
-    """A coefficient as a C expression in brackets; an empty one is zero."""
+class _Rules(Order):
+    """The rules as text of order k, and what they read: values of order 0, sums of lower orders."""
 
-    text: str
-
-    def __str__(self) -> str:
-        return self.text or "0.0"
-
-    def __neg__(self) -> _Text:
-        return _Text(f"(-{self})") if self.text else self
-
-    def __add__(self, other: _Text) -> _Text:
-        if not (self.text and other.text):
-            return self if self.text else other
-        return _Text(f"({self} + {other})")
-
-    def __sub__(self, other: _Text) -> _Text:
-        return _Text(f"({self} - {other})") if self.text and other.text else self + -other
-
-    def __rsub__(self, other: Fraction) -> _Text:
-        return _Text(f"({float(other)!r} - {self})")
-
-    def __mul__(self, other: _Text | Fraction) -> _Text:
-        factor = other if isinstance(other, _Text) else _Text(repr(float(other)))
-        return _Text(f"({self} * {factor})" if self.text and factor.text else "")
-
-
-_ZERO = _Text("")
-
-
-class _Loop(Order):
-    """Order k as text: rows ``a`` of coefficients, ``d`` of j a_j, values ``f`` of order 0."""
-
-    def __init__(self, prepared: Prepared) -> None:
-        self.prepared = prepared
+    def __init__(self, prepared: Prepared, whole: Sequence[Group]) -> None:
+        self.prepared, self.varies = prepared, prepared.varies
         self.instructions = prepared.program.instructions
         self.rates = prepared.program.results[RATES]
-        blocks = {"factor", "back"}
-        numbers = [
-            k for k, v in enumerate(prepared.varies) if v and self.instructions[k].op not in blocks
-        ]
-        self.rows = {k: row for row, k in enumerate(numbers)}
+        self.linear = linear_in_time(prepared)
+        self.places = {n: (g, place) for g, group in enumerate(whole)
+                       for place, n in enumerate(group.values)}  # fmt: skip
+        self.first_part = len(whole)
         self.slots: dict[tuple[Series, bool], int] = {}
-        self.before: list[str] = []
-        self.weighted: set[int] = set()
-        """Rows whose ``d`` some sum reads."""
+        self.sums: dict[Sum, int] = {}
+        self.kept: dict[Series, int] = {}
+        """Values whose coefficients of all orders are stored, with the row in which."""
 
-    def body(self) -> list[str]:
-        """Return the lines of one order; what comes before the loop is put into ``before``."""
-        lines = []
-        for n, instruction in enumerate(self.instructions):
-            if n in self.rows:
-                row = self.rows[n]
-                self.before.append(f"a[{row}][0] = {self.first(n)};")
-                lines.append(f"a[{row}][k] = {self._coefficient(n, instruction)};")
-                lines.append(f"d[{row}][k] = k * a[{row}][k];")
-            elif instruction.op == "back":
-                lines += self._solve(n, instruction)
-        unused = tuple(f"d[{row}][k] = " for row in self.rows.values() if row not in self.weighted)
-        return [line for line in lines if not (unused and line.startswith(unused))]
+    def lines(self, n: Series) -> list[str]:
+        """Return the lines of the coefficient of one value."""
+        instruction = self.instructions[n]
+        if instruction.op == "back":
+            return self._solve(n, instruction)
+        if instruction.op == "factor":
+            return []
+        return [f"const double v{n} = {self._coefficient(n, instruction)};"]
+
+    def _coefficient(self, n: Series, instruction: Instruction) -> str:
+        op, args, value = instruction
+        if op == "state":
+            source = self.source(n)
+            return "HEAD_PLACE({}, {})".format(*source) if source else f"x{value}"
+        if op == "time":
+            return "k == 1 ? 1.0 : 0.0"
+        if op == "item":
+            return f"v{args[0]}[{value}]"
+        return str(RULES[op].coefficient(self, n, args, self.prepared.partner(n)))
+
+    def _solve(self, n: Series, instruction: Instruction) -> list[str]:
+        size = len(instruction.args) - 1
+        right = ", ".join(map(str, residuals(self, self.prepared, n)))
+        return [
+            f"double v{n}[{size}] = {{{right}}};",
+            f"HEAD_start_back_({size}, v{n}_factor, v{n});",
+        ]
+
+    def source(self, n: Series) -> tuple[str, int] | None:
+        """Return the vector that holds the coefficient of a value, and the place in it."""
+        instruction = self.instructions[n]
+        is_state = instruction.op == "state"
+        found = self.places.get(self.rates[instruction.slot] if is_state else n)
+        return found and (f"{'s' if is_state else 'g'}{found[0]}", found[1])
+
+    def first_order(self) -> list[str]:
+        """Return the lines of the first coefficients of the states, alone or in vectors."""
+        values: dict[int, list[str]] = {}
+        for n, (g, _) in self.places.items():
+            values.setdefault(g, []).append(str(self.first(n)))
+        zeros = ["0.0"] * WIDTH
+        lines = [
+            f"HEAD_pack s{g} = {four([*texts, *zeros][:WIDTH])};" for g, texts in values.items()
+        ]
+        lines += [f"double x{i} = {self.first(rate)};" for i, rate in enumerate(self.rates)]
+        return lines + [f"y[{i} * ys] = x{i};" for i in range(len(self.rates))]
+
+    def results(self) -> list[str]:
+        """Return the lines of the next coefficients of the states."""
+        groups = sorted({self.places[rate][0] for rate in self.rates if rate in self.places})
+        lines = [f"s{g} = HEAD_SCALED(g{g}, next);" for g in groups]
+        for i, rate in enumerate(self.rates):
+            place = self.places.get(rate)
+            lines.append(
+                f"x{i} = HEAD_PLACE(s{place[0]}, {place[1]});"
+                if place
+                else f"x{i} = next * {self.now(rate)};"
+            )
+        return lines + [
+            f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))
+        ]
 
     def start(self) -> Program:
-        """Return the program of the values of order 0."""
+        """Return the program of the values of order 0 that are read."""
         b = Builder(self.prepared.program.rules)
         new: list[int] = []
         for instruction in self.instructions:
@@ -155,64 +150,202 @@ class _Loop(Order):
         ]
         return b.program({START: results})
 
-    def _coefficient(self, n: int, instruction: Instruction) -> str:
-        op, args, value = instruction
-        if op == "state":
-            return f"y[({len(self.rates)} * (k - 1) + {value}) * ys]"
-        if op == "time":
-            return "k == 1 ? 1.0 : 0.0"
-        if op == "item":
-            return f"v{args[0]}[{value}]" if self.prepared.varies[args[0]] else "0.0"
-        return str(RULES[op].coefficient(self, n, args, self.prepared.partner(n)))
+    def matrices(self) -> list[str]:
+        """Return the lines that factor the matrices of linear systems at order 0."""
+        lines = []
+        for n, (op, args, _) in enumerate(self.instructions):
+            if op == "back" and self.varies[n]:
+                shape, size = self.instructions[args[0]].value, len(args) - 1
+                entries = ", ".join(str(self.first(a)) for a in self.instructions[args[0]].args)
+                symmetric = int(bool(getattr(shape, "symmetric", False)))
+                lines += [
+                    f"double v{n}_factor[{1 + size + size * size}] = {{{entries}}};",
+                    f"HEAD_start_factor_({size}, {symmetric}, v{n}_factor);",
+                ]
+        return lines
 
-    def _solve(self, n: int, instruction: Instruction) -> Sequence[str]:
-        if not self.prepared.varies[n]:
-            return []
-        factor = instruction.args[0]
-        shape = self.instructions[factor].value
-        size = len(instruction.args) - 1
-        entries = ", ".join(str(self.first(a)) for a in self.instructions[factor].args)
-        symmetric = int(bool(getattr(shape, "symmetric", False)))
-        self.before += [
-            f"double v{n}_factor[{1 + size + size * size}] = {{{entries}}};",
-            f"HEAD_start_factor_({size}, {symmetric}, v{n}_factor);",
-        ]
-        right = ", ".join(map(str, residuals(self, self.prepared, n)))
+    def slot(self, a: Series, inverted: bool) -> Text:
+        """Return where a value of order 0 stands, or its inverse."""
+        return Text(f"f[{self.slots.setdefault((a, inverted), len(self.slots))}]")
+
+    def now(self, a: Series) -> Text:
+        return Text(f"v{a}") if self.varies[a] else ZERO
+
+    def first(self, a: Series) -> Text:
+        return self.slot(a, False)
+
+    def inverse(self, a: Series) -> Text:
+        return self.slot(a, True)
+
+    def dot(self, a: Series, b: Series, low: int = 0, high: int = 0) -> Text:
+        total = self._between(Sum(a, b, weighted=False))
+        if a == b and not low and not high:
+            return total + self.first(a) * self.now(a) * Fraction(2)
+        if not low:
+            total = total + self.first(a) * self.now(b)
+        if not high:
+            total = total + self.now(a) * self.first(b)
+        return total
+
+    def moment(self, a: Series, b: Series, high: int = 0) -> Text:
+        total = self._between(Sum(a, b, weighted=True)) * Text("part")
+        return total if high else total + self.now(a) * self.first(b)
+
+    def _between(self, wanted: Sum) -> Text:
+        """Return the sum over j from 1 to k - 1."""
+        a, b = wanted.left, wanted.right
+        if not (self.varies[a] and self.varies[b]):
+            return ZERO
+        if a in self.linear:
+            return self._of_linear(a, b)
+        if b in self.linear and not wanted.weighted:
+            return self._of_linear(b, a)
+        group, place = divmod(self.sums.setdefault(wanted, len(self.sums)), WIDTH)
+        return Text(f"HEAD_PLACE(m{self.first_part + group}, {place})")
+
+    def _of_linear(self, a: Series, b: Series) -> Text:
+        rows = [self.kept.setdefault(n, len(self.kept)) for n in (a, b)]
+        return Text(f"(k > 1 ? a[{rows[0]}][1] * a[{rows[1]}][k - 1] : 0.0)")
+
+    def choose(self, negative: Text, a: Text, b: Text) -> Text:
+        return Text(f"({negative} < 0.0 ? {a} : {b})")
+
+
+class _Vectors:
+    """The groups of sums, whole ones first, with their packs by number."""
+
+    def __init__(self, rules: _Rules, whole: Sequence[Group], parts: Sequence[Group]) -> None:
+        self.rules, self.groups = rules, [*whole, *parts]
+        packs = (pack for group in self.groups for pair in group.products for pack in pair)
+        self.numbers = {pack: number for number, pack in enumerate(dict.fromkeys(packs))}
+        pairs = (pair for group in whole for pair in group.products)
+        self.pairs = {pair: number for number, pair in enumerate(dict.fromkeys(pairs))}
+        added = (pack for group in whole for pack in group.added)
+        scaled = (pack.factors for pack in (*self.numbers, *added) if not pack.is_plain)
+        self.factors = {f: number for number, f in enumerate(dict.fromkeys(scaled))}
+        self.stores: set[Pack] = set()
+
+    def declarations(self, order: int) -> list[str]:
+        """Return the lines before the first order."""
+        rules = self.rules
+        lines = [
+            *rules.matrices(),
+            *(f"const HEAD_pack c{number} = {four(map(self._coefficient, factors))};"
+              for factors, number in self.factors.items()),
+            *(f"p[{number}][0] = {self._scaled(pack, self._first(pack))};"
+              for pack, number in self.numbers.items()),
+            *(f"const HEAD_pack e{number} = {self._scaled(left, f'p[{self.numbers[right]}][0]')};"
+              for (left, right), number in self.pairs.items()),
+            *(f"a[{row}][0] = {rules.first(n)};" for n, row in rules.kept.items()),
+            *rules.first_order(),
+        ]  # fmt: skip
         return [
-            f"double v{n}[{size}] = {{{right}}};",
-            f"HEAD_start_back_({size}, v{n}_factor, v{n});",
+            f"double f[{max(1, len(rules.slots))}], a[{max(1, len(rules.kept))}][{order}];",
+            f"HEAD_pack p[{max(1, len(self.numbers))}][{order}];",
+            "(void)p, (void)a;",
+            "HEAD_start(t, x, xs, c, w, u, us, f, 1);",
+            *lines,
         ]
 
-    def _slot(self, a: Series, inverted: bool) -> _Text:
-        return _Text(f"f[{self.slots.setdefault((a, inverted), len(self.slots))}]")
+    def sums(self) -> list[str]:
+        """Return the lines of m of each group: the terms from j = 1 to k - 1 of its sums.
 
-    def now(self, a: Series) -> _Text:
-        return _Text(f"a[{self.rows[a]}][k]") if a in self.rows else _ZERO
+        Each product has its own chain of additions. The latest coefficients come last, so that little
+        waits for them.
+        """
+        chains = [(f"m{g}_{n}", *pair) for g, group in enumerate(self.groups)
+                  for n, pair in enumerate(group.products)]  # fmt: skip
+        parts = (chains[k : k + AT_ONCE] for k in range(0, len(chains), AT_ONCE))
+        totals = (" ".join(f"m{g}_{n}" for n in range(len(group.products)))
+                  for g, group in enumerate(self.groups))  # fmt: skip
+        return [
+            *(line for part in parts for line in self._chains(part)),
+            *(f"const HEAD_pack m{g} = {_sum(names.split())};" for g, names in enumerate(totals)),
+        ]
 
-    def first(self, a: Series) -> _Text:
-        return self._slot(a, False)
+    def _chains(self, chains: Sequence[tuple[str, Pack, Pack]]) -> list[str]:
+        def more(left: str, right: str) -> list[str]:
+            terms = ((m, f"p[{self.numbers[a]}][{left}], p[{self.numbers[b]}][{right}]")
+                     for m, a, b in chains)  # fmt: skip
+            return [*(f"    {m} = HEAD_MORE({m}, {term});" for m, term in terms), "}"]
 
-    def inverse(self, a: Series) -> _Text:
-        return self._slot(a, True)
+        return [
+            *(f"HEAD_pack {m} = HEAD_PACK(0.0, 0.0, 0.0, 0.0);" for m, _, _ in chains),
+            "for (int j = 2; j < k - 1; ++j) {",
+            *more("j", "k - j"),
+            "if (k > 1) {",
+            *more("1", "k - 1"),
+            "if (k > 2) {",
+            *more("k - 1", "1"),
+        ]
 
-    def dot(self, a: Series, b: Series, low: int = 0, high: int = 0) -> _Text:
-        if a not in self.rows:
-            return _ZERO if low else self.first(a) * self.now(b)
-        if b not in self.rows:
-            return _ZERO if high else self.now(a) * self.first(b)
-        return self._call(f"a[{self.rows[a]}]", b, low, high)
+    def whole(self, group: Group) -> list[str]:
+        """Return the lines of a whole group: its values are its sums with what these lack."""
+        g = self.groups.index(group)
+        lines = [line for pair in group.products for pack in pair for line in self._store(pack)]
+        total = f"m{g}"
+        for left, right in group.products:
+            total = f"HEAD_MORE({total}, p[{self.numbers[left]}][0], b{self.numbers[right]})"
+        for pair in group.products:
+            total = f"HEAD_MORE({total}, e{self.pairs[pair]}, b{self.numbers[pair[0]]})"
+        for pack in group.added:
+            total = f"HEAD_PLUS({total}, {self._scaled(pack, self._now(pack))})"
+        places = (
+            f"const double v{n} = HEAD_PLACE(g{g}, {at});" for at, n in enumerate(group.values)
+        )
+        return [*lines, f"const HEAD_pack g{g} = {total};", *places]
 
-    def moment(self, a: Series, b: Series, high: int = 0) -> _Text:
-        if a not in self.rows:
-            return _ZERO
-        if b not in self.rows:
-            return _ZERO if high else self.now(a) * self.first(b)
-        self.weighted.add(self.rows[a])
-        return self._call(f"d[{self.rows[a]}]", b, 1, high) * _Text("part")
+    def stored(self) -> list[str]:
+        """Return the lines that keep what later orders read."""
+        rows = (f"a[{row}][k] = {self.rules.now(n)};" for n, row in self.rules.kept.items())
+        return [*rows, *(line for pack in self.numbers for line in self._store(pack))]
 
-    def _call(self, row: str, b: Series, low: int, high: int) -> _Text:
-        end = f"k - {high}" if high else "k"
-        return _Text(f"HEAD_dot({row}, a[{self.rows[b]}], {low}, {end}, k)")
+    def _store(self, pack: Pack) -> list[str]:
+        """Return the lines that make a vector, without its coefficients, and store it, once."""
+        if pack in self.stores:
+            return []
+        self.stores.add(pack)
+        bare = f"b{self.numbers[pack]}"
+        return [
+            f"const HEAD_pack {bare} = {self._now(pack)};",
+            f"p[{self.numbers[pack]}][k] = {self._scaled(pack, bare)};",
+        ]
 
-    def choose(self, negative: _Text, a: _Text, b: _Text) -> _Text:
-        return _Text(f"({negative} < 0.0 ? {a} : {b})")
+    def _scaled(self, pack: Pack, text: str) -> str:
+        return text if pack.is_plain else f"HEAD_TIMES({text}, c{self.factors[pack.factors]})"
+
+    def _first(self, pack: Pack) -> str:
+        """Return the values of order 0 of a pack; times the order, where it is weighted."""
+        pairs = zip(pack.places, pack.weighted, strict=True)
+        return four(
+            "0.0" if n is None or weighted else self.rules.first(n) for n, weighted in pairs
+        )
+
+    def _now(self, pack: Pack) -> str:
+        """Return the coefficients of order k: chosen from one or two vectors where these hold them."""
+        sources = [self.rules.source(n) for n in pack.places if n is not None]
+        held = [source for source in sources if source]
+        names = list(dict.fromkeys(name for name, _ in held))
+        if len(held) < len(sources) or any(pack.weighted) or len(names) > 2:
+            pairs = zip(pack.places, pack.weighted, strict=True)
+            texts = ("0.0" if n is None else ("k * " if w else "") + str(self.rules.now(n))
+                     for n, w in pairs)  # fmt: skip
+            return four(texts)
+        places = iter([place + WIDTH * names.index(name) for name, place in held])
+        wanted = [at if n is None else next(places) for at, n in enumerate(pack.places)]
+        if wanted == list(range(WIDTH)):
+            return names[0]
+        return f"HEAD_CHOSEN({names[0]}, {names[-1]}, {', '.join(map(str, wanted))})"
+
+    def _coefficient(self, given: Coefficient | None) -> str:
+        if given is None:
+            return "0.0"
+        factors = (str(self.rules.slot(*still)) for still in given.factors)
+        return " * ".join([repr(float(given.number)), *factors])
+
+
+def _sum(names: Sequence[str]) -> str:
+    total = names[0]
+    for name in names[1:]:
+        total = f"HEAD_PLUS({total}, {name})"
+    return total
