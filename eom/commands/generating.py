@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from eom.commands.shared import (
+    Rows,
+    WithTable,
     compiled_of,
     progress_of,
     report_files,
@@ -17,8 +19,18 @@ from eom.commands.shared import (
 )
 from eom.errors import InputError
 
+if TYPE_CHECKING:
+    from codegen.integrate.written import Choice
+    from eom.scene import Scene
 
-@click.command()
+
+def _integrators() -> Rows:
+    from codegen.integrate.written import ROWS
+
+    return [(row.name, row.meaning) for row in ROWS]
+
+
+@click.command(cls=WithTable, title="Integrators", rows=_integrators)
 @scene_argument
 @click.option(
     "--target",
@@ -26,6 +38,17 @@ from eom.errors import InputError
     show_default=True,
     metavar="c|c_f32|c_lanes|numpy|python|javascript",
     help="Language.",
+)
+@click.option(
+    "--integrator",
+    metavar="NAME",
+    help="Written beside the target c; see below.  [default: dop853]",
+)
+@click.option(
+    "--rtol",
+    type=float,
+    default=None,
+    help="Tolerance that taylor's order suits.  [default: the scene's]",
 )
 @click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
@@ -51,14 +74,21 @@ def generate(
 
     if folder is None and not report:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
-    chosen = scene_of(scene)
+    chosen = scene_of(scene, rtol=options["rtol"])
+    integrator = _choice(options["integrator"], chosen)
     values = chosen.parameter_values() if fixed else {}
     if report:
-        show_report(chosen.derive(), values, target)
+        show_report(chosen.derive(), values, target, integrator)
     if folder is not None:
         made = specialised(chosen.derive(), values, stable=options["stable"])
         made = with_jacobians(*made, options["jacobian"], options["stable"])
-        report_files(write_files(generate_files(*made, target), folder))
+        report_files(write_files(generate_files(*made, target, integrator), folder))
+
+
+def _choice(name: str | None, scene: Scene) -> Choice | None:
+    from codegen.integrate.written import Choice
+
+    return None if name is None else Choice(name, scene.integration.rtol)
 
 
 @click.command()

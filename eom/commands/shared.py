@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from codegen import Compiled
     from eom.scene import Scene
 
+Rows = list[tuple[str, str]]
+
 QUIET_SECONDS = 0.5
 """Work that is shorter shows no progress bar."""
 
@@ -25,6 +27,20 @@ target_option = click.option(
     metavar="c|numpy|python|auto",
     help="What to compile for.",
 )
+
+
+class WithTable(click.Command):
+    """A command whose help ends with a table of names and meanings, made for the help alone."""
+
+    def __init__(self, title: str, rows: Callable[[], Rows], **settings: Any) -> None:
+        super().__init__(**settings)
+        self.title, self.rows = title, rows
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the table."""
+        with formatter.section(self.title):
+            formatter.write_dl(self.rows())
+        super().format_epilog(ctx, formatter)
 
 
 def is_file(name: str) -> bool:
@@ -43,6 +59,13 @@ def scene_of(name: str, **options: Any) -> Scene:
     data = scene.model_dump(exclude_unset=True)
     data["integration"] = {**data.get("integration", {}), **changed}
     return Scene(**data)
+
+
+def methods() -> Rows:
+    """Return names and meanings of the methods of `codegen.simulate`."""
+    from codegen.integrate.methods import ROWS
+
+    return [(row.name, row.meaning) for row in ROWS]
 
 
 def print_equations(scene: Scene, style: str, explain: bool) -> None:

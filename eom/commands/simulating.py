@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.shared import (
+    WithTable,
     compiled_of,
+    methods,
     print_equations,
     progress_of,
     report_files,
@@ -26,19 +28,7 @@ STOPPED = 1
 """Exit status of a run that ended before its time."""
 
 
-class WithMethods(click.Command):
-    """A command whose help ends with the table of methods, which is imported for it alone."""
-
-    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write a name and its meaning a line."""
-        from codegen.integrate.methods import ROWS
-
-        with formatter.section("Methods"):
-            formatter.write_dl([(row.name, row.meaning) for row in ROWS])
-        super().format_epilog(ctx, formatter)
-
-
-@click.command(cls=WithMethods)
+@click.command(cls=WithTable, title="Methods", rows=methods)
 @scene_argument
 @click.option(
     "--method", default=None, help="Integrator, one of those below.  [default: the scene's]"
