@@ -20,7 +20,7 @@ import mpmath
 from codegen.interpret import constants
 from codegen.layout import Layout
 from codegen.lower import RATES
-from codegen.ops import BLOCKS, OPS, Instruction, row_of
+from codegen.ops import BLOCKS, Instruction, row_of
 from codegen.program import Program
 from codegen.taylor import RULES, STEPS, Order, Prepared, Series, prepare, residuals
 from eom.errors import InputError
@@ -71,7 +71,9 @@ def integrate(
     """
     prepared = prepare(program, RATES, layout)
     if prepared.has_branches:
-        raise InputError("rates with branches have no Taylor series across these", where=layout.name)
+        raise InputError(
+            "rates with branches have no Taylor series across these", where=layout.name
+        )
     first, end = (Fraction(s) for s in span)
     t, length = first, abs(end - first)
     state = [_whole(Fraction(float(x))) for x in values.start]
@@ -96,11 +98,15 @@ def integrate(
         if progress is not None:
             progress(float((t - first) / (end - first)))
     raise InputError(
-        "no solution with many digits", where=layout.name, got=f"{max_steps} steps, to t = {float(t)}"
+        "no solution with many digits",
+        where=layout.name,
+        got=f"{max_steps} steps, to t = {float(t)}",
     )
 
 
-def _fitting(terms: Sequence[Sequence[int]], unit: Fraction, rest: Fraction, digits: int) -> Fraction:
+def _fitting(
+    terms: Sequence[Sequence[int]], unit: Fraction, rest: Fraction, digits: int
+) -> Fraction:
     """Return the step at which the last terms are 10^-digits of the largest state."""
     size = max(1, *(abs(row[0]) for row in terms)) * Fraction(1, 10**digits)
     order = len(terms[0]) - 1
@@ -187,7 +193,7 @@ class _Jet(Order):
     def _first(
         self, n: int, instruction: Instruction, t: Fraction, states: Sequence[Sequence[int]]
     ) -> int:
-        op, args, value = instruction
+        op, args, _ = instruction
         if n in self.known:
             return _whole(Fraction(self.known[n]))
         if op == "state":

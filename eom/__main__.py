@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run."""
+"""The command line: list, derive, generate, accuracy, simulate, run, bench."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from eom.commands.benching import bench
 from eom.commands.deriving import derive
 from eom.commands.generating import accuracy, generate
 from eom.commands.listing import list_names
@@ -42,7 +43,7 @@ def main() -> None:
     """
 
 
-for command in (list_names, derive, generate, accuracy, simulate, run):
+for command in (list_names, derive, generate, accuracy, simulate, run, bench):
     main.add_command(command)
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from math import cos, pi, sin
 
 import sympy as sp
 
+from eom import catalogue
 from eom.dissipation import viscous_slug
 from eom.errors import unknown_name
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
@@ -171,13 +172,21 @@ PROBLEMS: tuple[Problem, ...] = (
 )  # fmt: skip
 
 
-def ready(name: str) -> Problem:
-    """Return a reference problem or a ready scene. Raises `InputError` for other names."""
-    from eom import catalogue
+def names() -> list[str]:
+    """Return the names of the reference problems and of the ready scenes."""
+    return [*(row.name for row in PROBLEMS), *catalogue.names()]
 
+
+def ready(name: str) -> Problem:
+    """Return a reference problem, a ready scene, or a scene from a file.
+
+    Raises `InputError` for other names.
+    """
     rows = {row.name: row for row in PROBLEMS}
     if name in rows:
         return rows[name]
+    if name.endswith(".toml") or "/" in name:
+        return from_scene(Scene.from_toml(name))
     if name not in catalogue.names():
-        raise unknown_name("problem or scene", name, [*rows, *catalogue.names()])
+        raise unknown_name("problem or scene", name, names())
     return from_scene(Scene.ready(name))

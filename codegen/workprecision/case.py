@@ -117,7 +117,14 @@ def _tight(case: Case, compiled: Compiled) -> Reference:
     runs = []
     for method, rtol in TIGHT[case.stiff]:
         run = simulate(
-            compiled, case.start, (0.0, case.end), None, method, rtol, 1e-3 * rtol, inputs=case.inputs
+            compiled,
+            case.start,
+            (0.0, case.end),
+            None,
+            method,
+            rtol,
+            1e-3 * rtol,
+            inputs=case.inputs,
         )
         if run.status != 0:
             raise InputError("no reference solution", where=case.name, got=run.message)
