@@ -94,11 +94,14 @@ def _extended(
         [case.parameters[n] for n in names_of(layout.parameters)],
         [case.inputs[n] for n in names_of(layout.inputs)],
     )
+    tell = progress or (lambda fraction: None)
     fine, coarse = (
         extended.integrate(
-            compiled.program, layout, values, (0.0, case.end), d, MAX_EXTENDED_STEPS, progress
+            compiled.program, layout, values, (0.0, case.end), digits, MAX_EXTENDED_STEPS, told
         )
-        for d in DIGITS
+        for digits, told in zip(
+            DIGITS, (lambda f: tell(0.6 * f), lambda f: tell(0.6 + 0.4 * f)), strict=True
+        )
     )
     high = np.array([float(x) for x in fine.end])
     low = np.array([float(x - Fraction(float(x))) for x in fine.end])

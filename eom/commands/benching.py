@@ -139,8 +139,11 @@ def _first_results(
                 text=True,
                 check=False,
             )
-            if done.returncode == 0:
-                found[kind] = json.loads(done.stdout.splitlines()[-1])
+            if done.returncode != 0:
+                reason = next(iter(done.stderr.strip().splitlines()[-1:]), "no message")
+                click.echo(f"note: no time to a first result: {reason}", err=True)
+                break
+            found[kind] = json.loads(done.stdout.splitlines()[-1])
             progress(0.05 * (k + 1))
     return found
 

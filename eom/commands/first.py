@@ -1,8 +1,8 @@
 """Time to the first result in a process of its own: ``python -m eom.commands.first NAME OTHERS``.
 
 It prints one line of JSON: seconds to import, to derive, to generate and compile the functions, to do
-so for the method (taylor; Radau for stiff problems), and to integrate at 1e-9; with OTHERS = heyoka,
-also heyoka's compilation and run from the same derived rates.
+so for the method (taylor; Radau for stiff problems), and to integrate at 1e-9; with OTHERS = heyoka
+and a problem that is not stiff, also heyoka's compilation and run from the same derived rates.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ def stages(name: str, others: str) -> dict[str, float]:
     clock.lap("the method's code")
     clock.laps["the method's code"] -= run.seconds
     clock.laps["integrate"] = run.seconds
-    if others == "heyoka" and importlib.util.find_spec("heyoka") is not None:
+    wanted = others == "heyoka" and not problem.stiff
+    if wanted and importlib.util.find_spec("heyoka") is not None:
         _heyoka(clock, case)
     return clock.laps
 
