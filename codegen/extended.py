@@ -75,33 +75,48 @@ def integrate(
             "rates with branches have no Taylor series across these", where=layout.name
         )
     first, end = (Fraction(s) for s in span)
-    t, length = first, abs(end - first)
-    state = [_whole(Fraction(float(x))) for x in values.start]
-    largest = [abs(x) for x in state]
-    jet = _Jet(prepared, values)
-    order = math.ceil(1.3 * digits)
-    unit = (end - t) / 1000
+    run = _Run(_Jet(prepared, values), values.start, first, (end - first) / 1000)
     for step in range(max_steps):
-        if t == end:
-            return Solution(
-                tuple(Fraction(x, ONE) for x in state), tuple(x / ONE for x in largest), step
-            )
-        terms = jet.series(t, state, unit, order)
-        step_size = _fitting(terms, unit, end - t, digits)
-        if abs(step_size) < LEAST_STEP * length or (
-            step == LOOK and abs(t - first) * max_steps < HOPELESS * LOOK * length
-        ):
+        try:
+            run.step(end, digits)
+        except ZeroDivisionError:
             break
-        state = [_summed(row, _whole(step_size / unit)) for row in terms]
-        largest = [max(a, abs(b)) for a, b in zip(largest, state, strict=True)]
-        t, unit = t + step_size, step_size
+        done = (run.t - first) / (end - first)
         if progress is not None:
-            progress(float((t - first) / (end - first)))
+            progress(float(done))
+        if run.t == end:
+            return run.solution(step + 1)
+        hopeless = step == LOOK and done * max_steps < HOPELESS * LOOK
+        if hopeless or abs(run.unit) < LEAST_STEP * abs(end - first):
+            break
     raise InputError(
         "no solution with many digits",
         where=layout.name,
-        got=f"{max_steps} steps, to t = {float(t)}",
+        got=f"{step + 1} steps, to t = {float(run.t)}",
+        expected=f"at most {max_steps} steps to the end",
     )
+
+
+class _Run:
+    """Where a run has come to; ``unit``: the last step, and the time in which coefficients are."""
+
+    def __init__(self, jet: _Jet, start: Sequence[float], t: Fraction, unit: Fraction) -> None:
+        self.jet, self.t, self.unit = jet, t, unit
+        self.state = [_whole(Fraction(float(x))) for x in start]
+        self.largest = [abs(x) for x in self.state]
+
+    def step(self, end: Fraction, digits: int) -> None:
+        """Make one step, not beyond ``end``."""
+        terms = self.jet.series(self.t, self.state, self.unit, math.ceil(1.3 * digits))
+        size = _fitting(terms, self.unit, end - self.t, digits)
+        self.state = [_summed(row, _whole(size / self.unit)) for row in terms]
+        self.largest = [max(a, abs(b)) for a, b in zip(self.largest, self.state, strict=True)]
+        self.t, self.unit = self.t + size, size
+
+    def solution(self, steps: int) -> Solution:
+        """Return what was found."""
+        end = tuple(Fraction(x, ONE) for x in self.state)
+        return Solution(end, tuple(x / ONE for x in self.largest), steps)
 
 
 def _fitting(

@@ -149,8 +149,13 @@ def _try(
         except TooLongError:
             return Absence(program.name, rtol, f"takes more than {plan.limit:g} s")
         except (InputError, UserWarning) as error:
-            return Absence(program.name, rtol, str(error).splitlines()[0])
+            return Absence(program.name, rtol, _reason(error))
     return None
+
+
+def _reason(error: Exception) -> str:
+    """Return the first sentence of an error, or of a warning that a tolerance is not kept."""
+    return str(error).splitlines()[0].partition(". ")[0]
 
 
 def _trial(

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from codegen.workprecision.programs import Program
     from eom.problems import Problem
 
+WIDTH = 120
+"""Columns of the table at least: no cell is cut."""
+
 
 def _problems() -> Rows:
     from eom.problems import names, ready
@@ -154,7 +157,7 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
 
     from codegen.workprecision import showing
 
-    console = Console(record=True, width=max(100, Console().width))
+    console = Console(record=True, width=max(WIDTH, Console().width))
     console.print(showing.table(diagram))
     for line in showing.notes(diagram):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
