@@ -147,7 +147,9 @@ def _try(
         try:
             trials.append(_trial(program, case, compiled, known, rtol, plan.limit))
         except TooLongError:
-            return Absence(program.name, rtol, f"takes more than {plan.limit:g} s")
+            return Absence(
+                program.name, rtol, f"takes more than {plan.limit:g} s, or too many steps"
+            )
         except (InputError, UserWarning) as error:
             return Absence(program.name, rtol, _reason(error))
     return None

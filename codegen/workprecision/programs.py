@@ -44,7 +44,8 @@ class End:
 
 
 Run = Callable[[float], End]
-"""Integrate once; give up with `TooLongError` after so many seconds (heyoka: after `MAX_STEPS`)."""
+"""Integrate once; give up with `TooLongError` after so many seconds of processor time
+(heyoka: after `MAX_STEPS`)."""
 
 
 @dataclass(frozen=True)
@@ -91,12 +92,14 @@ def _ours(method: str) -> Program:
 
 
 def _watch(limit: float) -> Callable[[float], None]:
-    """Give up ``limit`` seconds after the first call: what is compiled before does not count."""
-    calls: list[float] = []
+    """Give up ``limit`` seconds of processor time after the first call: compilation is over then."""
+    began: list[float] = []
 
     def watch(_: float) -> None:
-        calls.append(time.perf_counter())
-        if calls[-1] - calls[0] > limit:
+        now = time.process_time()
+        if not began:
+            began.append(now)
+        if now - began[0] > limit:
             raise TooLongError
 
     return watch
@@ -148,11 +151,10 @@ def _solve_ivp(method: str) -> Program:
 
 
 def _watched(function: Callable[..., Any], limit: float) -> Callable[..., Any]:
-    began = time.perf_counter()
+    watch = _watch(limit)
 
     def watched(t: float, x: Any) -> Any:
-        if time.perf_counter() - began > limit:
-            raise TooLongError
+        watch(t)
         return function(t, x)
 
     return watched

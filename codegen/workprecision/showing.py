@@ -107,7 +107,8 @@ def draw(figure: Any, diagram: Diagram) -> None:
         values = [p.error for p in own], [p.seconds for p in own]
         axis.plot(*values, linestyle=line, linewidth=width, label=name, **marks)
     if diagram.reference.error > 1e-16:
-        axis.axvline(diagram.reference.error, color="grey", linewidth=0.8)
+        label = "error of the reference"
+        axis.axvline(diagram.reference.error, color="grey", linewidth=0.8, label=label)
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.invert_xaxis()
