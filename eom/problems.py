@@ -2,6 +2,9 @@
 
 A system that can be derived is derived; only problems that are given as equations in their source are
 written as such. Units are SI. The ready scenes are problems, too: `from_scene`.
+
+The satellite has its greatest moment along the orbit normal and librates. One with the least there
+tumbles, and its motion is chaotic: after 20 orbits twelve digits are lost, after 100 all, by any method.
 """
 
 from __future__ import annotations
@@ -18,8 +21,8 @@ from eom.dissipation import viscous_slug
 from eom.errors import unknown_name
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
-from eom.spinning import SpinningSymmetricBody
-from eom.system import TIME, Quantity, System
+from eom.spinning import lecture_torque
+from eom.system import TIME, System
 
 ORBIT = 1.13e-3
 """Rate of a low circular orbit, rad/s."""
@@ -73,13 +76,6 @@ def _equations(name: str, factors: tuple[float, float, float], torque: sp.Expr) 
     return System.from_rates(name, dict(zip(y, rates, strict=True)))
 
 
-def _spinner() -> System:
-    """Return the 3-1-2 spinner under a constant torque M about b1; its spin rate C is a constant."""
-    M = Quantity(sp.Symbol("M", real=True), "N m", "torque about b1")
-    body = SpinningSymmetricBody((M.symbol, sp.Integer(0), sp.Integer(0)), parameters=(M,))
-    return body.system()
-
-
 MOMENTS = {"I1": 1.0, "I2": 2.0, "I3": 3.0}
 AT_REST = {"q0": 1.0, "q1": 0.0, "q2": 0.0, "q3": 0.0}
 SPIN = {"omega_1": 0.3, "omega_2": 1.0, "omega_3": 0.8}
@@ -119,11 +115,11 @@ PROBLEMS: tuple[Problem, ...] = (
     ),
     Problem(
         "spinner-with-torque",
-        "3-1-2 spinner under a constant torque about b1",
-        "derived; lecture 001, numbers of a toy gyroscope",
-        _spinner,
+        "3-1-2 spinner under a constant torque about -b1",
+        "derived; lecture 001",
+        lambda: lecture_torque().system(),
         {"theta": 0.1, "psi": 0.0, "phi": 0.0, "theta_dot": 0.0, "psi_dot": 0.2, "C": 20.0},
-        {"I1": 0.12, "I2": 0.06, "M": 0.5},
+        {"I1": 0.06, "I2": 0.12, "M1": 0.5},
         10.0,
         {},
     ),

@@ -21,6 +21,7 @@ from eom.system import System
 DIGITS = (24, 20)
 """Of the run that counts, and of the one that tells how far it can be trusted."""
 MAX_EXTENDED_STEPS = 20_000
+WORST = 1e-6
 TIGHT = {
     False: (("DOP853", 1e-13), ("scipy:LSODA", 1e-12)),
     True: (("scipy:Radau", 1e-12), ("scipy:LSODA", 1e-12)),
@@ -75,19 +76,25 @@ def reference(
 ) -> Reference:
     """Return the end with many digits where there is a Taylor series; else by two tight runs.
 
-    Raises `InputError` where neither comes to the end.
+    Raises `InputError` where neither comes to the end, or where it is known to less than `WORST`.
     """
-    if not case.stiff:
-        try:
-            return _extended(case, compiled, progress)
-        except InputError:
-            pass
-    return _tight(case, compiled)
+    found = None if case.stiff else _extended(case, compiled, progress)
+    found = found or _tight(case, compiled)
+    if not found.error <= WORST:
+        raise InputError(
+            "no reference solution: the motion depends on its start too much",
+            where=case.name,
+            got=f"{found.how}; known to {found.error:.1e}",
+            expected=f"an end that is known to {WORST:.0e}",
+            hint="choose an earlier end time",
+        )
+    return found
 
 
 def _extended(
     case: Case, compiled: Compiled, progress: Callable[[float], None] | None
-) -> Reference:
+) -> Reference | None:
+    """Return the end with many digits, or None where that cannot be had."""
     layout = compiled.layout
     values = extended.Values(
         [case.start[n] for n in names_of(layout.states)],
@@ -95,14 +102,15 @@ def _extended(
         [case.inputs[n] for n in names_of(layout.inputs)],
     )
     tell = progress or (lambda fraction: None)
-    fine, coarse = (
-        extended.integrate(
-            compiled.program, layout, values, (0.0, case.end), digits, MAX_EXTENDED_STEPS, told
+    parts = (lambda f: tell(0.6 * f), lambda f: tell(0.6 + 0.4 * f))
+    span, most = (0.0, case.end), MAX_EXTENDED_STEPS
+    try:
+        fine, coarse = (
+            extended.integrate(compiled.program, layout, values, span, digits, most, told)
+            for digits, told in zip(DIGITS, parts, strict=True)
         )
-        for digits, told in zip(
-            DIGITS, (lambda f: tell(0.6 * f), lambda f: tell(0.6 + 0.4 * f)), strict=True
-        )
-    )
+    except InputError:
+        return None
     high = np.array([float(x) for x in fine.end])
     low = np.array([float(x - Fraction(float(x))) for x in fine.end])
     scale = _scale(np.array(fine.largest))

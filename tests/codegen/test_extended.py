@@ -12,7 +12,7 @@ from codegen import extended
 from codegen.interpret import constants
 from eom import problems
 from eom.errors import InputError
-from eom.system import TIME, System
+from eom.system import TIME, Quantity, System
 
 x, y, z = sp.symbols("x y z", real=True)
 
@@ -62,7 +62,7 @@ def test_solutions_of_linear_systems():
     """A mass matrix that depends on the state: (1 + x^2) x' = 1, so that x + x^3/3 = t."""
     system = System(
         name="m",
-        states=tuple(problems.Quantity(s) for s in (x, y)),
+        states=tuple(Quantity(s) for s in (x, y)),
         rates=(sp.Integer(1), x),
         mass_matrix=sp.ImmutableMatrix([[1 + x**2, 0], [0, 2 + sp.sin(x)]]),
     )

@@ -76,6 +76,19 @@ def test_a_reference_that_cannot_be_had_is_refused():
         cases.reference(case, case.compiled())
 
 
+def test_an_end_that_hangs_on_the_last_digit_of_the_start_is_refused(monkeypatch):
+    """Lorenz's equations lose a digit in about 2.5 units of time; few digits, so that few do."""
+    monkeypatch.setattr(cases, "DIGITS", (14, 10))
+    z = sp.Symbol("z", real=True)
+    rates = {x: 10 * (y - x), y: x * (28 - z) - y, z: x * y - sp.Rational(8, 3) * z}
+    system = System.from_rates("lorenz", rates)
+    case = replace(CASE, system=system, parameters={}, start={"x": 1.0, "y": 1.0, "z": 20.0})
+    near, far = replace(case, end=1.0), replace(case, end=15.0)
+    assert cases.reference(near, near.compiled()).error < 1e-8
+    with pytest.raises(InputError, match="depends on its start"):
+        cases.reference(far, far.compiled())
+
+
 NAMES = [row.name for row in programs.programs()]
 
 
