@@ -37,7 +37,7 @@ def test_table_picture_and_data(run, tmp_path):
     assert (tmp_path / "out" / "forced-rigid-body.txt").read_text().strip() in done.stdout
     data = json.loads((tmp_path / "out" / "forced-rigid-body.json").read_text())
     assert set(data) == {
-        "schema", "problem", "reference", "plan", "points", "absent",
+        "schema", "problem", "reference", "plan", "points", "absent", "comparisons",
         "machine", "date", "source", "closed", "first_result",
     }  # fmt: skip
     assert data["plan"]["seed"] == 5

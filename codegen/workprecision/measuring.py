@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import random
 import statistics
 import warnings
@@ -178,3 +180,18 @@ def fastest(points: Sequence[Point], error: float) -> Point | None:
     """Return the fastest of some points whose error is at most ``error``."""
     enough = [p for p in points if p.error <= error]
     return min(enough, key=lambda p: p.seconds, default=None)
+
+
+def time_at(points: Sequence[Point], error: float) -> float:
+    """Return the time of one program at an error, between its points by straight lines in the diagram.
+
+    The least where its curve passes the error more than once; infinite where it never gets there.
+    """
+    found = [p.seconds for p in points if p.error == error]
+    for a, b in itertools.pairwise(points):
+        if min(a.error, b.error) < error < max(a.error, b.error):
+            share = math.log(error / a.error) / math.log(b.error / a.error)
+            found.append(a.seconds * (b.seconds / a.seconds) ** share)
+    if found:
+        return min(found)
+    return min((p.seconds for p in points if p.error < error), default=math.inf)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -11,11 +12,14 @@ from typing import Any
 from rich.table import Table
 
 from codegen.export import drawn
-from codegen.workprecision.measuring import Diagram, Point, fastest
+from codegen.integrate.methods import METHODS
+from codegen.workprecision.measuring import Diagram, Point, fastest, time_at
 
 SCHEMA = 1
 ERRORS = (1e-3, 1e-6, 1e-9, 1e-12)
 """Errors that the columns of the table are about."""
+COMPARED = ("heyoka", "solve_ivp:DOP853", "solve_ivp:LSODA")
+"""Programs that this project's fastest method is compared with."""
 SPREAD = 0.25
 """Medians that exceed the least time by more are told."""
 STYLES: Mapping[str, tuple[str, float]] = {
@@ -46,6 +50,33 @@ def table(diagram: Diagram) -> Table:
         least = f"{'' if best.known else '< '}{best.error:.1e}"
         result.add_row(name, *cells, least, time_text(best))
     return result
+
+
+def comparisons(diagram: Diagram) -> dict[str, dict[str, tuple[str, float]]]:
+    """Return, by peer and error, this project's fastest method and its time over the peer's.
+
+    Times are those of the curves at that error; errors that either does not reach are left out.
+    """
+    found: dict[str, dict[str, tuple[str, float]]] = {}
+    by_name = {n: [p for p in diagram.points if p.program == n] for n in names(diagram.points)}
+    own = [n for n in by_name if n in METHODS and n != "auto" and not n.startswith("scipy:")]
+    for peer in (n for n in COMPARED if n in by_name):
+        for error in ERRORS:
+            theirs = time_at(by_name[peer], error)
+            times = {n: time_at(by_name[n], error) for n in own}
+            best = min(times, key=lambda n: times[n], default="")
+            if best and max(theirs, times[best]) < math.inf:
+                found.setdefault(peer, {})[f"{error:.0e}"] = (best, times[best] / theirs)
+    return found
+
+
+def comparison_lines(diagram: Diagram) -> list[str]:
+    """Return `comparisons` as text, a line a peer."""
+    return [
+        f"fastest here over {peer}: "
+        + ", ".join(f"{ratio:.2g} at {e} ({name})" for e, (name, ratio) in rows.items())
+        for peer, rows in comparisons(diagram).items()
+    ]
 
 
 def time_text(point: Point | None) -> str:
@@ -90,6 +121,7 @@ def data(diagram: Diagram, about: Mapping[str, Any]) -> str:
         "plan": asdict(diagram.plan),
         "points": [asdict(p) for p in diagram.points],
         "absent": [asdict(a) for a in diagram.absent],
+        "comparisons": comparisons(diagram),
         **about,
     }
     return json.dumps(found, indent=1) + "\n"

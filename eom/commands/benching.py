@@ -159,7 +159,7 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
 
     console = Console(record=True, width=max(WIDTH, Console().width))
     console.print(showing.table(diagram))
-    for line in showing.notes(diagram):
+    for line in (*showing.comparison_lines(diagram), *showing.notes(diagram)):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for kind, laps in first.items():
         stages = ", ".join(f"{name} {1e3 * seconds:.3g} ms" for name, seconds in laps.items())

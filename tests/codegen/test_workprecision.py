@@ -56,9 +56,10 @@ def test_errors_below_that_of_the_reference_are_not_told():
 
 
 @pytest.mark.parametrize("stiff", [False, True])
-def test_two_tight_runs_agree_with_many_digits(known, compiled, stiff):
-    tight = cases._tight(replace(CASE, stiff=stiff), compiled)
-    assert known.distance(tight.high) <= 2 * tight.error < 1e-6
+def test_two_tight_runs_agree_with_many_digits(compiled, stiff):
+    case = replace(CASE, stiff=stiff, end=2.0)
+    tight, fine = cases._tight(case, compiled), cases.reference(replace(CASE, end=2.0), compiled)
+    assert fine.distance(tight.high) <= 2 * tight.error < 1e-6
 
 
 def test_a_case_with_branches_has_a_reference():
@@ -219,12 +220,48 @@ def test_the_fastest_point_at_an_error():
     assert showing.time_text(point(1e-3, 2e-3, 3e-3)) == "2 ms +50%"
 
 
+def test_times_between_points():
+    points = [point(1e-2, 1.0), point(1e-4, 4.0), point(1e-3, 16.0), point(1e-6, 64.0)]
+    assert measuring.time_at(points, 1e-4) == pytest.approx(4.0)
+    assert measuring.time_at(points, 1e-3) == pytest.approx(2.0), "half way, on the first line"
+    assert measuring.time_at(points, 1e-5) == pytest.approx(16.0 * 4 ** (2 / 3))
+    assert measuring.time_at(points, 1.0) == 1.0
+    assert measuring.time_at(points, 1e-7) == np.inf
+
+
+def test_comparisons_are_of_this_projects_fastest_method(known):
+    def curve(name, factor, last):
+        return [Point(name, e, e, True, factor * t, factor * t, 3, 1)
+                for e, t in ((1e-3, 1.0), (1e-6, 2.0), (1e-9, 4.0), (1e-12, 8.0)) if e >= last]  # fmt: skip
+
+    curves = [
+        ("auto", 1.0, 1e-12),
+        ("DOP853", 2.0, 1e-6),
+        ("taylor", 3.0, 1e-12),
+        ("scipy:RK45", 0.1, 1e-12),
+    ]
+    points = [
+        p
+        for c in [*curves, ("heyoka", 6.0, 1e-9), ("solve_ivp:DOP853", 600.0, 1e-3)]
+        for p in curve(*c)
+    ]
+    found = showing.comparisons(measuring.Diagram(CASE, known, tuple(points), (), QUICK))
+    assert found == {
+        "heyoka": {
+            "1e-03": ("DOP853", pytest.approx(1 / 3)),
+            "1e-06": ("DOP853", pytest.approx(1 / 3)),
+            "1e-09": ("taylor", pytest.approx(1 / 2)),
+        },
+        "solve_ivp:DOP853": {"1e-03": ("DOP853", pytest.approx(1 / 300))},
+    }
+
+
 def test_the_picture_shows_each_program(tmp_path):
     pytest.importorskip("matplotlib")
     from matplotlib.figure import Figure
 
     rows = programs.programs(["scipy:RK45", "solve_ivp:DOP853"])
-    diagram = measuring.measure(CASE, rows, QUICK)
+    diagram = measuring.measure(CASE, rows, replace(QUICK, tolerances=(1e-3, 1e-5)))
     figure = Figure()
     showing.draw(figure, diagram)
     (axis,) = figure.axes
