@@ -21,6 +21,7 @@ from codegen import fastcall, native
 from codegen.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
 from codegen.elsewhere import as_system
 from codegen.guard import Guard
+from codegen.integrate.written import Choice
 from codegen.layout import Layout, names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.names import identifier
@@ -30,7 +31,7 @@ from codegen.sparse import SparseJacobian
 from codegen.stages import by_parameters
 from codegen.structure import Structure
 from codegen.targets import c, load_module, python_
-from codegen.targets.registry import ROWS
+from codegen.targets.registry import ROWS, target_of
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError, unknown_name
 from eom.system import System
@@ -188,15 +189,18 @@ def compile(  # noqa: A001 - the word that users expect
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 
 
-def generate(program: Program, layout: Layout, target: str) -> Mapping[str, str]:
+def generate(
+    program: Program, layout: Layout, target: str, integrator: Choice | None = None
+) -> Mapping[str, str]:
     """Return the generated files of a target by name; needs no compiler.
 
-    Raises `InputError` for an unknown target, and for an operation that the target cannot compute.
+    ``integrator``: what the target c writes beside the functions, by default DOP853.
+    Raises `InputError` for an unknown target or integrator, and for an operation that the target
+    cannot compute.
     """
-    if target not in ROWS:
-        raise unknown_name("target", target, ROWS)
-    refuse_unsupported(ROWS[target], program, layout)
-    return ROWS[target].files(program, layout)
+    row = target_of(target, integrator)
+    refuse_unsupported(row, program, layout)
+    return row.files(program, layout)
 
 
 Functions = Mapping[str, Function]

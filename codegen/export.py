@@ -75,6 +75,16 @@ def save_plot(
     Needs Matplotlib (extra ``plot``). Raises `InputError` where it is missing or the file cannot
     be written.
     """
+
+    def draw(figure: Any) -> None:
+        _draw(figure, result, names, units)
+        figure.suptitle(title)
+
+    return drawn(path, draw)
+
+
+def drawn(path: str | Path, draw: Callable[[Any], None]) -> Path:
+    """Write the picture that ``draw`` makes of an empty Matplotlib figure. Raises as `save_plot`."""
     file = Path(path)
     check_kinds(None, file)
     import matplotlib as mpl
@@ -82,8 +92,7 @@ def save_plot(
 
     with mpl.rc_context({"font.size": 9}):
         figure = Figure(layout="constrained")
-        _draw(figure, result, names, units)
-        figure.suptitle(title)
+        draw(figure)
         return _whole(file, lambda part: figure.savefig(part, format=file.suffix[1:], dpi=150))
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from codegen.compiled import generate
+from codegen.integrate.written import Choice
 from codegen.lower import RATES, lower_system
 from codegen.passes import prune
 from codegen.pipeline import formed, optimise, steps
@@ -40,7 +41,12 @@ class Report:
     sizes: Mapping[str, int]
 
 
-def report(system: System, parameters: Mapping[str, float], target: str = "c") -> Report:
+def report(
+    system: System,
+    parameters: Mapping[str, float],
+    target: str = "c",
+    integrator: Choice | None = None,
+) -> Report:
     """Return what generating code for ``system`` gives, with ``parameters`` fixed to numbers.
 
     Raises `InputError` as `codegen.compile` does.
@@ -62,7 +68,7 @@ def report(system: System, parameters: Mapping[str, float], target: str = "c") -
         stages.append(_stage(f"{p.name}, again" if p.name in met else p.name, program))
         met.add(p.name)
         final = program
-    files = generate(optimise(kept), layout, target)
+    files = generate(optimise(kept), layout, target, integrator)
     sizes = {name: len(text.encode()) for name, text in files.items()}
     return Report(tuple(stages), final.counts(), sizes)
 
@@ -97,12 +103,17 @@ def _operations(expression: Any, known: dict[Any, int]) -> int:
     return known[expression]
 
 
-def show(system: System, parameters: Mapping[str, float], target: str) -> None:
+def show(
+    system: System,
+    parameters: Mapping[str, float],
+    target: str,
+    integrator: Choice | None = None,
+) -> None:
     """Print what code generation leaves to compute; nothing is compiled."""
     from rich.console import Console
     from rich.table import Table
 
-    found = report(system, parameters, target)
+    found = report(system, parameters, target, integrator)
     titles = ("right-hand side", "operations", "cost in additions", "live")
     stages = Table(*titles, box=None, pad_edge=False)
     for stage in found.stages:

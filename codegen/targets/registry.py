@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 
-from codegen.integrate import runge_kutta
-from codegen.integrate.dop853 import DOP853
+from codegen.integrate import written
 from codegen.layout import Layout
 from codegen.program import Program
 from codegen.targets import c, checks, packaging
@@ -15,19 +16,39 @@ from codegen.targets.lanes import LANES
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
 from codegen.targets.target import Target
+from eom.errors import InputError, unknown_name
 
 
-def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
-    written = {
+def _c_files(integrator: written.Choice, program: Program, layout: Layout) -> Mapping[str, str]:
+    files = {
         **c.files(program, layout),
-        **runge_kutta.files(DOP853, layout),
+        **written.files(integrator, program, layout),
         **packaging.descriptions(layout),
         **(packaging.sparsity(layout, layout.patterns) if layout.patterns else {}),
         **checks.checks(program, layout),
     }
-    return {**written, **packaging.build(layout, written)}
+    return {**files, **packaging.build(layout, files)}
 
 
-C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, _c_files)
+C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, partial(_c_files, written.Choice()))
 
 ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}
+
+
+def target_of(name: str, integrator: written.Choice | None = None) -> Target:
+    """Return a target by name, which writes ``integrator`` beside the functions.
+
+    Raises `InputError` for unknown names, and for an integrator where the target writes none.
+    """
+    if name not in ROWS:
+        raise unknown_name("target", name, ROWS)
+    if integrator is None:
+        return ROWS[name]
+    written.check(integrator)
+    if ROWS[name] is not C:
+        raise InputError(
+            "integrators are written for the target c alone",
+            got=f"target {name}, integrator {integrator.name}",
+            hint="leave out the integrator, or choose the target c",
+        )
+    return replace(C, files=partial(_c_files, integrator))

@@ -1,0 +1,183 @@
+"""Run time against error: `eom bench`."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom.commands.shared import Rows, WithTable, progress_of, report_files
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from codegen.workprecision.measuring import Diagram, Plan
+    from codegen.workprecision.programs import Program
+    from eom.problems import Problem
+
+WIDTH = 120
+"""Columns of the table at least: no cell is cut."""
+
+
+def _problems() -> Rows:
+    from eom.problems import names, ready
+
+    return [(name, ready(name).title) for name in names()]
+
+
+@click.command(cls=WithTable, title="Problems", rows=_problems)
+@click.argument("names", metavar="[PROBLEM|SCENE]...", nargs=-1)
+@click.option("--all", "everything", is_flag=True, help="Every reference problem and ready scene.")
+@click.option(
+    "--methods",
+    default=None,
+    metavar="NAME,NAME,...",
+    help="Only these; also solve_ivp:DOP853, solve_ivp:LSODA, solve_ivp:Radau and heyoka.",
+)
+@click.option(
+    "--out",
+    "folder",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Folder for a table, a picture and all data as JSON of each problem.",
+)
+@click.option("--quick", is_flag=True, help="Fewer tolerances and rounds, in seconds a problem.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the order of the runs.")
+def bench(
+    names: tuple[str, ...],
+    everything: bool,
+    methods: str | None,
+    folder: Path | None,
+    **options: Any,
+) -> None:
+    """Measure run time against error of every method, beside SciPy and heyoka.
+
+    Times are those of the integration alone, the least of repeated runs in shuffled order; +30% says
+    that their median is so much more. The time to a first result is told apart. Errors are those
+    at the end, against a solution with many digits.
+    """
+    from codegen.compiled import write_files
+    from codegen.workprecision import programs
+
+    if not names and not everything:
+        raise InputError("no problem named", expected="PROBLEM or SCENE ...", hint="or --all")
+    chosen = _chosen(names, everything)
+    measured = programs.programs([] if methods is None else methods.split(","))
+    if folder is not None:
+        write_files({}, folder)
+    about = _about(measured)
+    for problem in chosen:
+        _bench(problem, measured, _plan(**options), folder, about)
+
+
+def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
+    """Return each problem once, in order."""
+    from eom import problems
+
+    wanted = [*names, *(problems.names() if everything else [])]
+    return [problems.ready(name) for name in dict.fromkeys(wanted)]
+
+
+def _plan(quick: bool, seed: int) -> Plan:
+    from dataclasses import replace
+
+    from codegen.workprecision.measuring import QUICK, Plan
+
+    return replace(QUICK if quick else Plan(), seed=seed)
+
+
+def _about(measured: list[Program]) -> dict[str, Any]:
+    from codegen import machine
+
+    found = machine.description(["heyoka"])
+    if found["heyoka"] == "not installed" and any(p.name == "heyoka" for p in measured):
+        click.echo("note: no heyoka: install it with pip install 'eom-toolkit[bench]'", err=True)
+    date = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    return {"machine": found, "date": date}
+
+
+def _bench(
+    problem: Problem,
+    measured: list[Program],
+    plan: Plan,
+    folder: Path | None,
+    about: Mapping[str, Any],
+) -> None:
+    from codegen.workprecision.case import Case
+    from codegen.workprecision.measuring import measure
+
+    numbers = (problem.start, problem.parameters, problem.inputs)
+    case = Case(problem.name, problem.title, problem.system, *numbers, problem.end, problem.stiff)
+    with progress_of(f"measuring {problem.name}") as progress:
+        first = _first_results(problem, measured, progress)
+        diagram = measure(case, measured, plan, lambda f: progress(0.1 + 0.9 * f))
+    lines = _print(diagram, first)
+    if folder is not None:
+        about = {**about, "source": problem.source, "closed": problem.closed, "first_result": first}
+        _write(diagram, lines, about, folder)
+
+
+def _first_results(
+    problem: Problem, measured: list[Program], progress: Callable[[float], None]
+) -> dict[str, dict[str, float]]:
+    """Return seconds by stage in new processes, with an empty cache and with what it then holds."""
+    from codegen.native import CACHE_VARIABLE
+
+    others = "heyoka" if any(p.name == "heyoka" for p in measured) else "none"
+    command = [sys.executable, "-m", "eom.commands.first", problem.name, others]
+    found = {}
+    with tempfile.TemporaryDirectory() as cache:
+        for k, kind in enumerate(("uncached", "cached")):
+            done = subprocess.run(  # noqa: S603 - this package, no shell
+                command,
+                env={**os.environ, CACHE_VARIABLE: cache},
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+            if done.returncode != 0:
+                reason = next(iter(done.stderr.strip().splitlines()[-1:]), "no message")
+                click.echo(f"note: no time to a first result: {reason}", err=True)
+                break
+            found[kind] = json.loads(done.stdout.splitlines()[-1])
+            progress(0.05 * (k + 1))
+    return found
+
+
+def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
+    """Print the table and what is to be said of it; return the same as text."""
+    from rich.console import Console
+
+    from codegen.workprecision import showing
+
+    console = Console(record=True, width=max(WIDTH, Console().width))
+    console.print(showing.table(diagram))
+    for line in (*showing.comparison_lines(diagram), *showing.notes(diagram)):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    for kind, laps in first.items():
+        stages = ", ".join(f"{name} {1e3 * seconds:.3g} ms" for name, seconds in laps.items())
+        console.print(f"first result, {kind}: {stages}", highlight=False, soft_wrap=True)
+    console.print()
+    return console.export_text()
+
+
+def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> None:
+    from codegen import export
+    from codegen.compiled import write_files
+    from codegen.workprecision import showing
+
+    name = diagram.case.name
+    files = {f"{name}.json": showing.data(diagram, about), f"{name}.txt": text}
+    written = write_files(files, folder)
+    if export.can_draw():
+        written.append(showing.save(diagram, folder / f"{name}.png"))
+    else:
+        click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
+    report_files(written)

@@ -1,0 +1,117 @@
+"""Code, and its accuracy: `eom generate`, `eom accuracy`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom.commands.shared import (
+    Rows,
+    WithTable,
+    compiled_of,
+    progress_of,
+    report_files,
+    scene_argument,
+    scene_of,
+    target_option,
+)
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from codegen.integrate.written import Choice
+    from eom.scene import Scene
+
+
+def _integrators() -> Rows:
+    from codegen.integrate.written import ROWS
+
+    return [(row.name, row.meaning) for row in ROWS]
+
+
+@click.command(cls=WithTable, title="Integrators", rows=_integrators)
+@scene_argument
+@click.option(
+    "--target",
+    default="c",
+    show_default=True,
+    metavar="c|c_f32|c_lanes|numpy|python|javascript",
+    help="Language.",
+)
+@click.option(
+    "--integrator",
+    metavar="NAME",
+    help="Written beside the target c; see below.  [default: dop853]",
+)
+@click.option(
+    "--rtol",
+    type=float,
+    default=None,
+    help="Tolerance that taylor's order suits.  [default: the scene's]",
+)
+@click.option("--out", "folder", type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--fixed", is_flag=True, help="Compile in the scene's parameter values.")
+@click.option("--report", is_flag=True, help="Print operations by stage and kind, and file sizes.")
+@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
+@click.option(
+    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
+)
+def generate(
+    scene: str, target: str, folder: Path | None, fixed: bool, report: bool, **options: Any
+) -> None:
+    """Write the equations of SCENE as C (with an integrator), or as a module.
+
+    Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
+    vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
+    --out may be left out with --report.
+    """
+    from codegen.compiled import generate as generate_files
+    from codegen.compiled import write_files
+    from codegen.linear import with_jacobians
+    from codegen.pipeline import specialised
+    from codegen.report import show as show_report
+
+    if folder is None and not report:
+        raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
+    chosen = scene_of(scene, rtol=options["rtol"])
+    integrator = _choice(options["integrator"], chosen)
+    values = chosen.parameter_values() if fixed else {}
+    if report:
+        show_report(chosen.derive(), values, target, integrator)
+    if folder is not None:
+        made = specialised(chosen.derive(), values, stable=options["stable"])
+        made = with_jacobians(*made, options["jacobian"], options["stable"])
+        report_files(write_files(generate_files(*made, target, integrator), folder))
+
+
+def _choice(name: str | None, scene: Scene) -> Choice | None:
+    from codegen.integrate.written import Choice
+
+    return None if name is None else Choice(name, scene.integration.rtol)
+
+
+@click.command()
+@scene_argument
+@target_option
+@click.option("--samples", type=int, default=None, help="Random points.  [default: 200]")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the random points.")
+@click.option(
+    "--range", "ranges", multiple=True, metavar="NAME=LOW:HIGH", help="Where; or NAME=VALUE."
+)
+@click.option(
+    "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
+)
+@click.option("--stable", is_flag=True, help="Apply every identity against cancellation.")
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def accuracy(scene: str, target: str, stable: bool, as_json: bool, **options: Any) -> None:
+    """Measure the error of every result of SCENE against 50 digits, and name its cause."""
+    from codegen import card_text
+
+    chosen = scene_of(scene)
+    values = chosen.initial_values() | chosen.parameter_values() | chosen.input_values()
+    options["values"] = values | {"t": chosen.integration.t_end}
+    compiled = compiled_of(chosen, target, stable)
+    with progress_of("measuring") as progress:
+        card = card_text.measured(compiled, progress=progress, **options)
+    card_text.show(card, as_json)

@@ -1,0 +1,116 @@
+"""What several commands have in common: their arguments, scenes with options, progress."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from codegen import Compiled
+    from eom.scene import Scene
+
+Rows = list[tuple[str, str]]
+
+QUIET_SECONDS = 0.5
+"""Work that is shorter shows no progress bar."""
+
+scene_argument = click.argument("scene", metavar="SCENE")
+target_option = click.option(
+    "--target",
+    default="auto",
+    show_default=True,
+    metavar="c|numpy|python|auto",
+    help="What to compile for.",
+)
+
+
+class WithTable(click.Command):
+    """A command whose help ends with a table of names and meanings, made for the help alone."""
+
+    def __init__(self, title: str, rows: Callable[[], Rows], **settings: Any) -> None:
+        super().__init__(**settings)
+        self.title, self.rows = title, rows
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the table."""
+        with formatter.section(self.title):
+            formatter.write_dl(self.rows())
+        super().format_epilog(ctx, formatter)
+
+
+def is_file(name: str) -> bool:
+    """Tell files from names of scenes and derivations."""
+    return name.endswith(".toml") or "/" in name
+
+
+def scene_of(name: str, **options: Any) -> Scene:
+    """Return a ready scene or one from a file, with the options that were given."""
+    from eom.scene import Scene
+
+    scene = Scene.from_toml(name) if is_file(name) else Scene.ready(name)
+    changed = {k: v for k, v in options.items() if v is not None}
+    if not changed:
+        return scene
+    data = scene.model_dump(exclude_unset=True)
+    data["integration"] = {**data.get("integration", {}), **changed}
+    return Scene(**data)
+
+
+def methods() -> Rows:
+    """Return names and meanings of the methods of `codegen.simulate`."""
+    from codegen.integrate.methods import ROWS
+
+    return [(row.name, row.meaning) for row in ROWS]
+
+
+def print_equations(scene: Scene, style: str, explain: bool) -> None:
+    """Print the equations of a scene and, if asked for, what they leave out."""
+    from eom.printing import show
+
+    click.echo(show(scene.derive(), style))
+    if explain and style == "text":
+        click.echo(f"\nLeft out\n{scene.explain()}")
+
+
+def compiled_of(scene: Scene, target: str, stable: bool = False) -> Compiled:
+    """Return a scene compiled; what the user should know about it goes to standard error."""
+    import codegen
+
+    compiled = codegen.compile(scene.derive(), target, stable=stable)
+    if compiled.notice:
+        click.echo(f"note: {compiled.notice}", err=True)
+    return compiled
+
+
+@contextmanager
+def progress_of(work: str) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar once the work has taken a while, on a terminal's standard error."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    bar = Progress(console=console, transient=True, disable=not console.is_terminal)
+    task = bar.add_task(work, total=1.0)
+    began = time.monotonic()
+
+    def report(fraction: float) -> None:
+        if not bar.live.is_started and time.monotonic() - began > QUIET_SECONDS:
+            bar.start()
+        bar.update(task, completed=fraction)
+
+    try:
+        yield report
+    finally:
+        if bar.live.is_started:
+            bar.stop()
+
+
+def report_files(files: list[Path]) -> None:
+    """Print what was written."""
+    for file in files:
+        click.echo(f"wrote {file} ({file.stat().st_size:,} bytes)")

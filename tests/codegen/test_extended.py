@@ -1,0 +1,147 @@
+"""Solutions with many digits against closed forms, and the reference problems as data."""
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import codegen
+from codegen import extended
+from codegen.interpret import constants
+from eom import problems
+from eom.errors import InputError
+from eom.system import TIME, Quantity, System
+
+x, y, z = sp.symbols("x y z", real=True)
+
+
+def end_of(system, start, end, digits=24, parameters=(), max_steps=10_000):
+    compiled = codegen.compile(system, "numpy")
+    values = extended.Values(start, parameters, ())
+    span = (0.0, end)
+    return extended.integrate(
+        compiled.program, compiled.layout, values, span, digits, max_steps
+    ), compiled
+
+
+def number(fraction):
+    return mpmath.mpf(fraction.numerator) / fraction.denominator
+
+
+@pytest.mark.parametrize("end", [20.0, -3.0])
+def test_torque_free_rates_are_sn_cn_dn(end):
+    problem = problems.ready("detest-b5")
+    solution, compiled = end_of(problem.system, list(problem.start.values()), end)
+    (m,) = {abs(v) for v in constants(compiled.program).values() if 0.5 < abs(v) < 0.52}
+    with mpmath.workdps(40):
+        for value, name in zip(solution.end, ("sn", "cn", "dn"), strict=True):
+            exact = mpmath.ellipfun(name, mpmath.mpf(end), m=mpmath.mpf(m))
+            assert abs(number(value) - exact) < 1e-22
+
+
+SMOOTH = {
+    "quotient, root": ({x: sp.sqrt(x) / (1 + TIME)}, (1.0,), lambda t: (1 + mpmath.log(1 + t) / 2) ** 2),
+    "power": ({x: x ** sp.Rational(3, 2)}, (1.0,), lambda t: 1 / (1 - t / 2) ** 2),
+    "tangent": ({x: 1 + x**2 + 0 * y, y: 0 * y}, (0.0, 1.0), mpmath.tan),
+    "exponential": ({x: sp.exp(-x)}, (0.0,), lambda t: mpmath.log(1 + t)),
+    "sine of time": ({x: sp.sin(TIME) * sp.cos(TIME)}, (0.0,), lambda t: mpmath.sin(t) ** 2 / 2),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", SMOOTH)
+def test_functions_have_all_their_digits(case):
+    rates, start, exact = SMOOTH[case]
+    solution, _ = end_of(System.from_rates("s", rates), start, 0.75)
+    with mpmath.workdps(40):
+        assert abs(number(solution.end[0]) - exact(mpmath.mpf(0.75))) < 1e-22
+
+
+def test_solutions_of_linear_systems():
+    """A mass matrix that depends on the state: (1 + x^2) x' = 1, so that x + x^3/3 = t."""
+    system = System(
+        name="m",
+        states=tuple(Quantity(s) for s in (x, y)),
+        rates=(sp.Integer(1), x),
+        mass_matrix=sp.ImmutableMatrix([[1 + x**2, 0], [0, 2 + sp.sin(x)]]),
+    )
+    solution, _ = end_of(system, (0.0, 0.0), 2.0)
+    found = solution.end[0]
+    assert abs(found + found**3 / 3 - 2) < Fraction(1, 10**22)
+
+
+@pytest.mark.parametrize("digits", [12, 18, 24])
+def test_digits_are_what_a_step_keeps(digits):
+    """The error follows the digits asked for, up to the growth of the solution over the steps."""
+    solution, _ = end_of(System.from_rates("s", {x: y, y: -x}), (0.0, 1.0), 30.0, digits)
+    with mpmath.workdps(40):
+        error = abs(number(solution.end[0]) - mpmath.sin(30))
+    assert 0 < error < 10.0 ** (1 - digits)
+
+
+def test_what_has_no_solution_is_refused():
+    with pytest.raises(InputError, match="branches"):
+        end_of(System.from_rates("s", {x: abs(x) - 1}), (0.5,), 3.0)
+    with pytest.raises(InputError, match="many digits"):
+        end_of(System.from_rates("s", {x: x**2}), (1.0,), 2.0)
+    with pytest.raises(InputError, match="many digits"):
+        end_of(System.from_rates("s", {x: y, y: -x}), (0.0, 1.0), 1e6, max_steps=1000)
+
+
+# --- the reference problems ------------------------------------------------------------------------------
+
+
+def test_every_problem_has_all_its_numbers():
+    assert len({row.name for row in problems.PROBLEMS}) == len(problems.PROBLEMS)
+    for name in problems.names():
+        problem = problems.ready(name)
+        assert tuple(problem.start) == problem.system.state_names
+        assert set(problem.parameters) == set(problem.system.parameter_names)
+        assert problem.source
+        assert problem.end > 0
+        assert all(np.isfinite([*problem.start.values(), *problem.parameters.values()]))
+
+
+def test_unknown_problems():
+    with pytest.raises(InputError, match="did you mean detest-b5"):
+        problems.ready("detest-b4")
+
+
+def test_the_free_body_is_that_of_the_closed_form():
+    problem = problems.ready("free-body-attitude")
+    moments, start = list(problem.parameters.values()), list(problem.start.values())
+    solution, _ = end_of(problem.system, start, problem.end, parameters=moments)
+    motion = codegen.free_motion(moments, start[:3], start[3:])
+    omega, q = motion([problem.end])
+    found = np.array([float(v) for v in solution.end])
+    assert np.abs(omega[:, 0] - found[:3]).max() < 1e-14
+    assert np.abs(q[:, 0] - found[3:]).max() < 1e-13
+
+
+def test_known_closed_forms_are_those_that_are_tested():
+    closed = {row.name for row in problems.PROBLEMS if row.closed}
+    assert closed == {"detest-b5", "free-body-attitude"}
+
+
+@pytest.mark.parametrize(
+    "name", [n for n in problems.names() if n not in {"damped-body-stiff", "gravity-gradient-100"}]
+)
+def test_invariants_hold_to_all_digits(name):
+    """Over the first part of each problem: constants by their expressions, with many digits."""
+    problem = problems.ready(name)
+    system = problem.system
+    parameters = [problem.parameters[n] for n in system.parameter_names]
+    start = [problem.start[n] for n in system.state_names]
+    solution, _ = end_of(system, start, problem.end / 50, parameters=parameters)
+    symbols = [q.symbol for q in (*system.states, *system.parameters)]
+    at = {
+        s: sp.Float(mpmath.mpf(v), 40) for s, v in zip(symbols, [*start, *parameters], strict=True)
+    }
+    with mpmath.workdps(40):
+        numbers = [sp.Float(number(v), 40) for v in solution.end]
+    later = {**at, **dict(zip(symbols, numbers, strict=False))}
+    for invariant in system.invariants:
+        full = system.expand(invariant.expression)
+        first, last = (full.subs(values).evalf(40) for values in (at, later))
+        assert abs(last - first) < 1e-20 * max(1, abs(first))

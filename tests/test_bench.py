@@ -1,0 +1,123 @@
+"""``eom bench``, as a user meets it."""
+
+import importlib.util
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from codegen import export
+from eom import problems
+from eom.__main__ import main
+from eom.commands import benching
+
+METHODS = "DOP853,solve_ivp:LSODA"
+
+
+@pytest.fixture
+def run():
+    runner = CliRunner()
+    return lambda *words: runner.invoke(main, [str(w) for w in words], catch_exceptions=False)
+
+
+@pytest.fixture
+def no_first_results(monkeypatch):
+    monkeypatch.setattr(benching, "_first_results", lambda *_: {})
+
+
+def test_table_picture_and_data(run, tmp_path):
+    pytest.importorskip("matplotlib")
+    words = ["bench", "forced-rigid-body", "--quick", "--methods", METHODS, "--seed", 5]
+    done = run(*words, "--out", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    for word in ("DOP853", "solve_ivp:LSODA", "error", "reference: Taylor", "first result, cached"):
+        assert word in done.stdout
+    files = {f.name for f in (tmp_path / "out").iterdir()}
+    assert files == {f"forced-rigid-body.{kind}" for kind in ("json", "txt", "png")}
+    assert (tmp_path / "out" / "forced-rigid-body.txt").read_text().strip() in done.stdout
+    data = json.loads((tmp_path / "out" / "forced-rigid-body.json").read_text())
+    assert set(data) == {
+        "schema", "problem", "reference", "plan", "points", "absent", "comparisons",
+        "machine", "date", "source", "closed", "first_result",
+    }  # fmt: skip
+    assert data["plan"]["seed"] == 5
+    assert data["machine"]["compiler"]
+    assert data["machine"]["numpy"][0].isdigit()
+    assert {p["program"] for p in data["points"]} == set(METHODS.split(","))
+    for p in data["points"]:
+        assert set(p) == {"program", "rtol", "error", "known", "seconds", "median", "runs", "steps"}
+    first = data["first_result"]
+    assert set(first) == {"uncached", "cached"}
+    assert {"import", "derive", "generate and compile", "integrate"} <= set(first["cached"])
+    assert "heyoka: compile" not in first["cached"], "it was not asked for"
+
+
+def test_scenes_and_scene_files_are_problems(run, tmp_path, no_first_results):
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'outputs = ["omega_1"]\n[body]\nmoments = [1.0, 2.0, 2.5]\n'
+        "[initial]\nomega_1 = 1\nomega_2 = 0.1\nomega_3 = 0\n[integration]\nt_end = 2.0\n"
+    )
+    done = run("bench", file, "t-handle", "t-handle", "--quick", "--methods", "DOP853")
+    assert done.exit_code == 0, done.output
+    assert done.stdout.count("reference: ") == 2
+    assert "mine: " in done.stdout
+
+
+def test_help_lists_the_problems(run):
+    text = run("bench", "--help").output
+    assert all(name in text for name in problems.names())
+    assert "bench" in run("--help").output
+
+
+def without(monkeypatch, module):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda n, *a: None if n == module else find(n, *a)
+    )
+
+
+def test_absent_matplotlib_leaves_table_and_data(run, tmp_path, monkeypatch, no_first_results):
+    without(monkeypatch, "matplotlib")
+    assert not export.can_draw()
+    words = ["bench", "t-handle", "--quick", "--methods", "DOP853", "--out", tmp_path]
+    done = run(*words)
+    assert done.exit_code == 0
+    assert "no picture" in done.stderr
+    assert {f.suffix for f in tmp_path.iterdir()} == {".json", ".txt"}
+
+
+def test_absent_heyoka_is_said(run, monkeypatch, no_first_results):
+    without(monkeypatch, "heyoka")
+    done = run("bench", "t-handle", "--quick", "--methods", "DOP853,heyoka")
+    assert done.exit_code == 0
+    assert "heyoka: not from rtol 1e-04: heyoka is not installed" in done.stdout
+
+
+BAD = {
+    "no problem": (["bench"], "--all"),
+    "unknown problem": (["bench", "detest-b6"], "did you mean detest-b5?"),
+    "unknown file": (["bench", "missing.toml"], "no such scene file"),
+    "unknown method": (["bench", "t-handle", "--methods", "DOP583"], "did you mean DOP853"),
+    "second problem unknown": (["bench", "t-handle", "heavy-tap"], "did you mean heavy-top"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_clear_error_before_anything_runs(run, case, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words, expected = BAD[case]
+    done = run(*words)
+    assert done.exit_code == 2
+    assert done.stderr.count("error: ") == 1
+    assert expected in done.stderr
+    assert done.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_is_found_before_anything_runs(run, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    done = run("bench", "t-handle", "--quick", "--out", tmp_path / "file" / "below")
+    assert done.exit_code == 2
+    assert "cannot be written" in done.stderr
+    assert done.stdout == ""

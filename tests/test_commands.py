@@ -1,0 +1,95 @@
+"""The command line where it reads tables: methods and integrators; what `eom generate` writes."""
+
+import shutil
+import subprocess
+
+import pytest
+from click.testing import CliRunner
+
+from codegen import native
+from codegen.integrate import methods, written
+from eom.__main__ import main
+
+needs_make = pytest.mark.skipif(
+    not (native.compiler() and shutil.which("make")), reason="compiles C by make"
+)
+
+
+@pytest.fixture
+def run():
+    runner = CliRunner()
+    return lambda *words: runner.invoke(main, [str(w) for w in words], catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    ("command", "title", "rows"),
+    [
+        ("simulate", "Methods", methods.ROWS),
+        ("generate", "Integrators", written.ROWS),
+    ],
+)
+def test_help_lists_every_row(run, command, title, rows):
+    text = run(command, "--help").output
+    listed = text.partition(f"{title}:\n")[2].splitlines()
+    assert [line.split()[0] for line in listed if line[2:3].strip()] == [row.name for row in rows]
+    assert all(" ".join(row.meaning.split())[:30] in text for row in rows)
+
+
+@pytest.mark.parametrize("name", [row.name for row in written.ROWS])
+def test_each_integrator_is_written_and_no_other(run, tmp_path, name):
+    done = run("generate", "heavy-top", "--integrator", name, "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    others = [row.name for row in written.ROWS if row.name != name]
+    files = {f.name for f in tmp_path.iterdir()}
+    assert (f"heavy_top_{name}.c" in files) == (name != "none")
+    assert not any(f"heavy_top_{other}.c" in files for other in others)
+    assert (f"heavy_top_{name}.o" in (tmp_path / "Makefile").read_text()) == (name != "none")
+
+
+@needs_make
+@pytest.mark.parametrize("name", [row.name for row in written.ROWS])
+def test_each_integrator_builds_with_strict_options(run, tmp_path, name):
+    run("generate", "bicycle-wheel", "--integrator", name, "--out", tmp_path)
+    done = subprocess.run(
+        ["make", "CFLAGS=-O1", "check"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "warning" not in done.stderr
+
+
+def test_the_order_of_taylor_suits_the_tolerance(run, tmp_path):
+    def order(folder, *words):
+        run("generate", "t-handle", "--integrator", "taylor", "--out", tmp_path / folder, *words)
+        text = (tmp_path / folder / "t_handle_taylor.h").read_text()
+        return int(text.partition("series of order ")[2].split()[0])
+
+    fine, scenes, coarse = order("a", "--rtol", 1e-12), order("b"), order("c", "--rtol", 1e-3)
+    assert fine > scenes > coarse
+
+
+def test_report_counts_the_chosen_integrator(run, tmp_path):
+    words = ["generate", "t-handle", "--report", "--integrator", "taylor", "--out", tmp_path]
+    done = run(*words)
+    size = (tmp_path / "t_handle_taylor.c").stat().st_size
+    assert f"t_handle_taylor.c: {size:,} bytes" in done.output
+    assert "dop853" not in done.output
+
+
+BAD = {
+    "no such integrator": (["--integrator", "taylr"], "did you mean taylor?"),
+    "integrator of a module": (
+        ["--integrator", "taylor", "--target", "numpy"],
+        "written for the target c alone",
+    ),
+    "tolerance": (["--integrator", "taylor", "--rtol", "0"], "rtol"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_integrators_are_one_clear_error(run, case, tmp_path):
+    words, expected = BAD[case]
+    done = run("generate", "t-handle", "--out", tmp_path / "x", *words)
+    assert done.exit_code == 2
+    assert done.stderr.count("error: ") == 1
+    assert expected in done.stderr
+    assert list(tmp_path.iterdir()) == []
