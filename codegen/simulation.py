@@ -163,7 +163,7 @@ def _run(
     integrator, used = integrator_of(Task(compiled, problem, signals), method)
     began = time.perf_counter()
     trajectory = integrator(problem)
-    seconds = time.perf_counter() - began
+    seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
     problem.report(trajectory.stop.t)
     return replace(_result(compiled, problem, trajectory, signals), method=used, seconds=seconds)
 

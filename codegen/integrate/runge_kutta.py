@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -193,18 +194,32 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     s.h, s.h_max = problem.first_step or 0.0, problem.max_step
     s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
     p, u = _pointer(problem.parameters), _pointer(problem.inputs)
-    store = _Store(method, problem)
-    status = method.start(ctypes.addressof(s), p, u)
+    store, clock = _Store(method, problem), _Clock()
+    status = clock.timed(method.start, ctypes.addressof(s), p, u)
+    output = ctypes.addressof(store.output)
     while status in {PAUSED, FULL}:
         left = problem.max_steps - s.steps - s.rejected
         if left <= 0:
             break
         if not store.make_room():
-            return store.trajectory(s, Stop("memory", s.t), problem)
-        attempts = min(STEPS_A_CALL, left)
-        status = method.run(ctypes.addressof(s), u, ctypes.addressof(store.output), attempts)
+            return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
+        status = clock.timed(method.run, ctypes.addressof(s), u, output, min(STEPS_A_CALL, left))
         problem.report(s.t)
-    return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem)
+    return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem, clock.seconds)
+
+
+class _Clock:
+    """Seconds in generated code."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+
+    def timed(self, function: Callable[..., int], *args: object) -> int:
+        """Call a function and add its time."""
+        began = time.perf_counter()
+        status = function(*args)
+        self.seconds += time.perf_counter() - began
+        return status
 
 
 _STOPS = {
@@ -264,7 +279,7 @@ class _Store:
         self._point()
         return True
 
-    def trajectory(self, s: Any, stop: Stop, problem: Problem) -> Trajectory:
+    def trajectory(self, s: Any, stop: Stop, problem: Problem, seconds: float) -> Trajectory:
         """Return what was stored; without a grid the start is the first point."""
         count = self.output.count
         t, x = self.t[:count], self.x[:count]
@@ -292,6 +307,7 @@ class _Store:
             steps=s.steps,
             rejected=s.rejected,
             solution=solution,
+            seconds=seconds,
         )
 
 

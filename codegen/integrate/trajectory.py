@@ -62,7 +62,10 @@ class Stop:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Times (N,), states (n, N), how the run stopped, and what it cost."""
+    """Times (N,), states (n, N), how the run stopped, and what it cost.
+
+    ``seconds``: of the integration alone, where generated code does all of it; else None.
+    """
 
     t: Array
     y: Array
@@ -74,3 +77,4 @@ class Trajectory:
     steps: int
     rejected: int
     solution: Any = None
+    seconds: float | None = None
