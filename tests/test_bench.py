@@ -121,3 +121,14 @@ def test_a_folder_that_cannot_be_written_is_found_before_anything_runs(run, tmp_
     assert done.exit_code == 2
     assert "cannot be written" in done.stderr
     assert done.stdout == ""
+
+
+def test_a_first_result_that_fails_is_said(run, tmp_path, monkeypatch):
+    broken = tmp_path / "python"
+    broken.write_text("#!/bin/sh\necho 'out of order' >&2\nexit 3\n")
+    broken.chmod(0o755)
+    monkeypatch.setattr(benching.sys, "executable", str(broken))
+    done = run("bench", "t-handle", "--quick", "--methods", "DOP853")
+    assert done.exit_code == 0
+    assert "no time to a first result: out of order" in done.stderr
+    assert "first result" not in done.stdout

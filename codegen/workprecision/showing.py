@@ -135,7 +135,7 @@ def draw(figure: Any, diagram: Diagram) -> None:
         own = [p for p in diagram.points if p.program == name]
         line, width = next((v for k, v in STYLES.items() if name.startswith(k)), ("-", 1.5))
         colour = "black" if name == "heyoka" else f"C{k % 10}"
-        marks = {"marker": "osv^Dx*P<>"[k % 10], "markersize": 4, "color": colour}
+        marks = {"marker": "osv^Dx*"[k % 7], "markersize": 4, "color": colour}
         values = [p.error for p in own], [p.seconds for p in own]
         axis.plot(*values, linestyle=line, linewidth=width, label=name, **marks)
     if diagram.reference.error > 1e-16:
