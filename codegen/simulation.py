@@ -287,7 +287,7 @@ def _result(
     outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
     floors = _floors(compiled, problem)
     rows = zip(layout.results[INVARIANTS], values[INVARIANTS], floors, strict=True)
-    drift = {n: _drift(v, float(f)) for n, v, f in rows}
+    drift = {n: drift_of(v, float(f)) for n, v, f in rows}
     stop = trajectory.stop
     return Result(
         t=trajectory.t,
@@ -327,7 +327,8 @@ def _evaluate(
     return function(trajectory.t, trajectory.y, problem.parameters, u)
 
 
-def _drift(values: Array, floor: float) -> Drift:
+def drift_of(values: Array, floor: float) -> Drift:
+    """Return the drift of a constant of the motion from its values at the stored points."""
     if not values.size:
         return Drift(0.0, 0.0, floor, values)
     change = values - values[0]
