@@ -19,47 +19,25 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from codegen.charts import Between, CompiledCharts, Followed, compile_charts
 from codegen.compiled import Compiled
-from codegen.compiled import compile as compile_system
 from codegen.identity import SameObject
 from codegen.integrate.trajectory import MAX_STEPS, Array
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS
-from codegen.simulation import DEFAULT_MARGIN, Drift, Result, drift_of
+from codegen.simulation import DEFAULT_MARGIN, Result, drift_of
 from codegen.simulation import simulate as simulate_one
 from eom.system import Charts
 
-TURN = 0.5
-"""Radians that no angle turns by between two points at which whole turns are counted."""
+Span = tuple[float, float]
 NEARLY = 1e-12
 """Margin of the run in the second chart: its stop is a crossing."""
-
-
-@dataclass(frozen=True)
-class CompiledCharts:
-    """Both systems of `Charts` and the two transfers, compiled."""
-
-    charts: Charts
-    first: Compiled
-    second: Compiled
-    forth: Compiled
-    back: Compiled
-
-
-def compile_charts(charts: Charts, target: str = "auto") -> CompiledCharts:
-    """Compile charts; the transfers, which are used some dozen times a passage, as plain Python.
-
-    Raises as `codegen.compile` does.
-    """
-    systems = [compile_system(s, target) for s in (charts.first, charts.second)]
-    transfers = [compile_system(s, "python") for s in (charts.forth, charts.back)]
-    return CompiledCharts(charts, *systems, *transfers)
 
 
 @lru_cache(maxsize=16)
@@ -98,17 +76,6 @@ def simulate(
 
 
 @dataclass(frozen=True)
-class Angles:
-    """Where the angles are: first, second and third, continuous in time, at a time and on a branch."""
-
-    t: float
-    values: tuple[float, float, float]
-    branch: float
-    inside: bool
-    """Whether the first angle has no meaning there."""
-
-
-@dataclass(frozen=True)
 class _Part:
     """One run in one chart: its result, and states, outputs and dense output in angles."""
 
@@ -118,46 +85,6 @@ class _Part:
     outputs: Mapping[str, Array]
     solution: Any
     closest: float
-    branch: float
-
-
-class _Second:
-    """States of the first chart from a run in the second, by angles that were followed."""
-
-    def __init__(self, run: _Run, solution: Any, start: Angles, end: float) -> None:
-        self.run, self.solution = run, solution
-        self.path = [start]
-        self.ts, self.end = solution.ts, end
-        self._follow()
-        self.times = np.array([a.t for a in self.path])
-
-    @property
-    def closest(self) -> float:
-        """The least |singular function| at the points that were followed."""
-        return min(self.run.distance(self.solution(a.t)) for a in self.path)
-
-    def _follow(self) -> None:
-        """Go through the run in pieces in which no angle turns much."""
-        direction = math.copysign(1.0, self.end - self.path[0].t)
-        while direction * (self.end - (here := self.path[-1]).t) > 0:
-            x = self.solution(here.t)
-            step = max(self.run.piece(x), 4 * math.ulp(here.t))
-            t = here.t + direction * step
-            t = self.end if direction * (self.end - t) <= 0.01 * step else t
-            self.path.append(self.run.angles(t, self.solution(t), here))
-
-    def __call__(self, t: Any) -> Array:
-        """Return the states at times inside the run, shape (n,) or (n, len(t))."""
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        forward = self.times[-1] >= self.times[0]
-        nodes, wanted = (self.times, times) if forward else (-self.times, -times)
-        places = np.clip(np.searchsorted(nodes, wanted, side="right") - 1, 0, len(nodes) - 1)
-        columns = [
-            self.run.states(x := self.solution(float(at)), self.run.angles(float(at), x, self.path[k]))
-            for at, k in zip(times, places, strict=True)
-        ]
-        values = np.array(columns).T.reshape(len(self.run.names), len(times))
-        return values[:, 0] if np.ndim(t) == 0 else values
 
 
 class _Run:
@@ -172,82 +99,17 @@ class _Run:
         plan: tuple[tuple[float, float], Callable[[float], None] | None],
     ) -> None:
         self.made, self.options, self.margin = made, options, margin
-        self.parameters = parameters
+        self.between = Between(made, parameters, margin)
         self.span, self.progress = plan
-        self.names = names_of(made.first.layout.states)
-        self.branch = 1.0
+        self.names = self.between.names
 
-    def _values(self, compiled: Compiled, further: Mapping[str, float] | None = None) -> Array:
-        known = {**self.parameters, "branch": self.branch, **(further or {})}
-        names = names_of(compiled.layout.parameters)
-        return to_array({n: known[n] for n in names if n in known}, names, "parameter")
-
-    # --- geometry ---
-
-    @cached_property
-    def _distance(self) -> Callable[[Array], float]:
-        from codegen.interpret import Point, interpret
-        from codegen.lower import lower_expressions
-
-        symbols = [q.symbol for q in self.made.charts.second.states]
-        program = lower_expressions({"value": [self.made.charts.distance]}, symbols, [])
-        return lambda x: float(interpret(program, Point(x=x.tolist()))["value"][0])
-
-    def distance(self, x: Array) -> float:
-        """Return |singular function| at a state of the second chart."""
-        return self._distance(x)
-
-    def piece(self, x: Array) -> float:
-        """Return a time in which no angle turns by more than `TURN`: they turn as fast as w/|s|."""
-        w = float(np.abs(x[:3]).sum()) or 1e-300
-        return TURN * max(self.distance(x), 0.5 * self.margin) / w
-
-    def angles(self, t: float, x: Array, before: Angles) -> Angles:
-        """Return the angles that follow those of ``before``."""
-        inside = self.distance(x) <= self.margin
-        if inside:
-            found = self._back(x, before.branch, before.values[0])
-            first, second, third = before.values[0], found[1], found[3]
-            return Angles(t, _near((first, second, third), before.values), before.branch, True)
-        branch = before.branch
-        if before.inside:
-            branch = min(
-                (branch, -branch),
-                key=lambda b: abs(math.remainder(self._back(x, b)[0] - before.values[0], 2 * math.pi)),
-            )
-        found = self._back(x, branch)
-        return Angles(t, _near(found[:3], before.values), branch, False)
-
-    def _back(self, x: Array, branch: float, first: float = 0.0) -> tuple[float, ...]:
-        """Return the three angles, and the third one that fits ``first``."""
-        p = self._values(self.made.back, {"branch": branch, "first_angle": first})
-        found = self.made.back.outputs(0.0, x, p)
-        return (*(float(found[k]) for k in self.made.charts.angles), float(found[-1]))
-
-    def states(self, x: Array, angles: Angles) -> Array:
-        """Return the states of the first chart."""
-        p = self._values(
-            self.made.back, {"branch": angles.branch, "first_angle": angles.values[0]}
-        )
-        found = np.asarray(self.made.back.outputs(0.0, x, p)[:-1])
-        found[list(self.made.charts.angles)] = angles.values
-        return found
-
-    def sign(self, x: Array) -> float:
-        """Return the branch of a state of the first chart: the sign of cos or sin of its second angle."""
-        theta = float(x[self.made.charts.angles[1]])
-        return math.copysign(1.0, math.sin(theta) if self.made.charts.symmetric else math.cos(theta))
-
-    # --- runs ---
-
-    def whole(
-        self, initial: Any, grid: Array | None, max_steps: int, dense_output: bool
-    ) -> Result:
+    def whole(self, initial: Any, grid: Array | None, max_steps: int, dense_output: bool) -> Result:
         """Run chart after chart until something else than a singularity stops the motion."""
         start, end = self.span
         x = to_array(initial, self.names, "initial value")
-        t, parts, left = start, [], max_steps
-        second = self._is_near(x)
+        parts: list[_Part] = []
+        t, left = start, max_steps
+        second = self.between.is_near(x)
         while True:
             own = None if grid is None else grid[np.sign(end - start) * (grid - t) >= 0]
             if own is not None and parts:
@@ -262,11 +124,6 @@ class _Run:
                 return self._together(parts, grid is not None, dense_output)
             second = not second
 
-    def _is_near(self, x: Array) -> bool:
-        theta = float(x[self.made.charts.angles[1]])
-        s = math.sin(theta) if self.made.charts.symmetric else math.cos(theta)
-        return abs(s) <= self.made.charts.enter
-
     def _is_transfer(self, part: _Part, second: bool) -> bool:
         """Tell a stop at the border of a chart from one that nothing can be done about."""
         if not second:
@@ -278,7 +135,16 @@ class _Run:
         if self.progress is not None:
             self.progress(part)
 
-    def _run(self, compiled: Compiled, x: Array, span: tuple[float, float], **more: Any) -> Result:
+    def _run(
+        self,
+        compiled: Compiled,
+        values: Array,
+        x: Array,
+        span: Span,
+        grid: Array | None,
+        left: int,
+        margin: float,
+    ) -> Result:
         start, end = self.span
         done, share = (span[0] - start) / (end - start), (span[1] - span[0]) / (end - start)
         inputs = self.options["inputs"] or {}
@@ -288,56 +154,61 @@ class _Run:
             compiled,
             x,
             span,
-            self._values(compiled),
-            progress=lambda part: self._told(done + share * part),
-            **options,
-            **more,
-        )
-
-    def _in_first(
-        self, x: Array, span: tuple[float, float], grid: Array | None, left: int
-    ) -> _Part:
-        made = self.made
-        result = self._run(
-            made.first,
-            x,
-            span,
+            values,
             t_eval=grid,
             dense_output=True,
             max_steps=left,
-            margin=made.charts.enter,
+            margin=margin,
+            progress=lambda part: self._told(done + share * part),
+            **options,
+        )
+
+    def _in_first(self, x: Array, span: Span, grid: Array | None, left: int) -> _Part:
+        margin = self.made.charts.enter
+        result = self._run(
+            self.made.first, self.between.values(self.made.first), x, span, grid, left, margin
         )
         outputs = {**result.outputs, **{n: d.start + d.over_time for n, d in result.drift.items()}}
         closest = min(result.margin.values(), default=math.inf)
-        self.branch = self.sign(result.y_stop)
-        return _Part(result, result.y, result.y_stop, outputs, result.sol, closest, self.branch)
+        return _Part(result, result.y, result.y_stop, outputs, result.sol, closest)
 
-    def _in_second(
-        self, x: Array, span: tuple[float, float], grid: Array | None, left: int
-    ) -> _Part:
-        made = self.made
-        self.branch = self.sign(x)
-        start = np.asarray(made.forth.outputs(0.0, x, self._values(made.forth)))
-        inside = self.distance(start) <= self.margin
-        values = tuple(float(x[k]) for k in made.charts.angles)
-        result = self._run(
-            made.second,
-            start,
-            span,
-            t_eval=grid,
-            dense_output=True,
-            max_steps=left,
-            margin=NEARLY,
-        )
-        if result.sol is None:
+    def _in_second(self, x: Array, span: Span, grid: Array | None, left: int) -> _Part:
+        result, followed = self._followed(x, span, grid, left)
+        if followed is None:
             nothing = np.repeat(x[:, None], len(result.t), axis=1)
-            return _Part(result, nothing, x, {}, None, self.distance(start), self.branch)
-        angles = Angles(span[0], (values[0], values[1], values[2]), self.branch, inside)
-        followed = _Second(self, result.sol, angles, result.t_stop)
+            return _Part(result, nothing, x, {}, None, self.made.charts.enter)
+        lost = next((k for k, a in enumerate(followed.path) if k and a.inside), 0)
+        if lost and len(self.made.charts.second.singularities) > 1:
+            result, followed = self._without_direction(
+                x, span, grid, left, followed.path[lost - 1].t
+            )
         y = followed(result.t) if len(result.t) else np.empty((len(self.names), 0))
-        last = self.states(result.y_stop, followed.path[-1])
-        self.branch = followed.path[-1].branch
-        return _Part(result, y, last, result.outputs, followed, followed.closest, self.branch)
+        last = self.between.states(result.y_stop, followed.path[-1])
+        return _Part(result, y, last, result.outputs, followed, followed.closest)
+
+    def _followed(
+        self, x: Array, span: Span, grid: Array | None, left: int
+    ) -> tuple[Result, Followed | None]:
+        """Run in the second chart from a state of the first, and follow the angles."""
+        between, second = self.between, self.made.second
+        start, angles = between.forth(span[0], x)
+        values = between.values(second, branch=angles.branch)
+        result = self._run(second, values, start, span, grid, left, NEARLY)
+        if result.sol is None:
+            return result, None
+        return result, Followed(between, result.sol, angles, result.t_stop)
+
+    def _without_direction(
+        self, x: Array, span: Span, grid: Array | None, left: int, end: float
+    ) -> tuple[Result, Followed]:
+        """Return a run in the second chart up to where the torque has no direction."""
+        direction = np.sign(end - span[0])
+        kept = None if grid is None else grid[direction * (end - grid) >= 0]
+        result, followed = self._followed(x, (span[0], end), kept, left)
+        assert followed is not None
+        place = self.made.charts.second.singularities[-1]
+        message = f"stopped at t = {end:.9g} s: {place.expression} = 0 is singular: {place.meaning}"
+        return replace(result, status=1, message=message), followed
 
     def _together(self, parts: list[_Part], on_grid: bool, dense_output: bool) -> Result:
         """Return all parts as one result; a point that two parts share stands once."""
@@ -354,9 +225,7 @@ class _Run:
         }
         layout = self.made.first.layout
         changes = [p.result.t_stop for p in parts[:-1]]
-        drift = {
-            n: drift_of(values[n], self._floor(first, n)) for n in layout.results[INVARIANTS]
-        }
+        drift = {n: drift_of(values[n], self._floor(first, n)) for n in layout.results[INVARIANTS]}
         expressions = layout.results["singularities"]
         return replace(
             last,
@@ -372,7 +241,7 @@ class _Run:
             why=parts[0].result.why,
             steps=sum(p.result.steps for p in parts),
             rejected=sum(p.result.rejected for p in parts),
-            notice=_notice(self.made, changes) or last.notice,
+            notice=_notice(changes) or last.notice,
             names=self.names,
         )
 
@@ -393,19 +262,11 @@ class _Run:
             "input",
         )
         function = self.made.first.functions[group]
-        found = function(part.result.t, part.y, self._values(self.made.first), inputs)
+        found = function(part.result.t, part.y, self.between.values(self.made.first), inputs)
         return np.asarray(found[layout.results[group].index(name)])
 
 
-def _near(found: Sequence[float], before: Sequence[float]) -> tuple[float, float, float]:
-    """Return angles with the whole turns that bring them nearest to those before."""
-    a, b, c = (
-        w + math.remainder(v - w, 2 * math.pi) for v, w in zip(found, before, strict=True)
-    )
-    return a, b, c
-
-
-def _notice(made: CompiledCharts, changes: Sequence[float]) -> str:
+def _notice(changes: Sequence[float]) -> str:
     if not changes:
         return ""
     times = ", ".join(f"{t:.6g}" for t in changes[:6]) + (", ..." if len(changes) > 6 else "")
@@ -430,6 +291,3 @@ class _Joined:
         columns = [self.parts[k](float(at)) for at, k in zip(times, places, strict=True)]
         values = np.array(columns).T
         return values[:, 0] if np.ndim(t) == 0 else values
-
-
-__all__ = ["Angles", "CompiledCharts", "Drift", "compile_charts", "simulate"]

@@ -63,9 +63,12 @@ def charts(scene: Scene) -> Charts:
     rates = ("theta_dot", "psi_dot", "C") if spinner else ("omega_1", "omega_2", "omega_3")
     requested = (*scene.requested, *(q.name for q in angles.coordinates), *rates)
     first, _ = assembly.derive(scene, scene.full_system, tuple(dict.fromkeys(requested)))
+    places = [first.state_names.index(a.name) for a in angles.angles]
     returned = _returned(angles) | (_spinner_rates(angles) if spinner else {})
     second = _second(scene, first, angles, returned)
-    forth = [*_body_rates(angles), *_quaternion(angles)] if spinner else _quaternion_and_rates(angles)
+    forth = (
+        [*_body_rates(angles), *_quaternion(angles)] if spinner else _quaternion_and_rates(angles)
+    )
     return Charts(
         first,
         second,
@@ -77,7 +80,7 @@ def charts(scene: Scene) -> Charts:
             | {sp.Symbol("third_angle", real=True): _third(angles, returned)},
             (Quantity(BRANCH), Quantity(FIRST)),
         ),
-        tuple(first.state_names.index(a.name) for a in angles.angles),
+        (places[0], places[1], places[2]),
         angles.axes[0] == angles.axes[2],
         ENTER,
         _distance(angles),
@@ -232,9 +235,7 @@ def _spinning(scene: Description, returned: Mapping[Expr, Expr]) -> System:
     return reduce.substitute(full, {sp.Symbol("I3", positive=True): sp.Symbol("I1", positive=True)})
 
 
-def _with_torque(
-    scene: Description, parts: Any, own: Any, inputs: Any, inertia: Any
-) -> System:
+def _with_torque(scene: Description, parts: Any, own: Any, inputs: Any, inertia: Any) -> System:
     branch = () if BRANCH in {q.symbol for q in own} else (Quantity(BRANCH),)
     needs = any(BRANCH in sp.sympify(c).free_symbols for c in parts)
     law = torques.applied(parts, (*own, *(branch if needs else ())), inputs)
