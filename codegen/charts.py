@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,7 @@ import numpy as np
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.integrate.trajectory import Array
-from codegen.interpret import Point, interpret
 from codegen.layout import names_of, to_array
-from codegen.lower import lower_expressions
 from eom.system import Charts
 
 TURN = 0.5
@@ -74,15 +71,10 @@ class Between:
         inside = self.distance(found) <= self.margin
         return found, Angles(t, (first, second, third), self.sign(x), inside)
 
-    @cached_property
-    def _distance(self) -> Callable[[Array], float]:
-        symbols = [q.symbol for q in self.made.charts.second.states]
-        program = lower_expressions({"value": [self.made.charts.distance]}, symbols, [])
-        return lambda x: float(interpret(program, Point(x=x.tolist()))["value"][0])
-
     def distance(self, x: Array) -> float:
         """Return |singular function| at a state of the second chart."""
-        return self._distance(x)
+        p = self.values(self.made.back, branch=1.0, first_angle=0.0)
+        return float(self.made.back.outputs(0.0, x, p)[-1])
 
     def piece(self, x: Array) -> float:
         """Return a time in which no angle turns by more than `TURN`: they turn as fast as w/|s|."""
@@ -111,12 +103,12 @@ class Between:
         """Return the three angles, and the third one that fits ``first``."""
         p = self.values(self.made.back, branch=branch, first_angle=first)
         found = self.made.back.outputs(0.0, x, p)
-        return (*(float(found[k]) for k in self.made.charts.angles), float(found[-1]))
+        return (*(float(found[k]) for k in self.made.charts.angles), float(found[-2]))
 
     def states(self, x: Array, angles: Angles) -> Array:
         """Return the states of the first chart."""
         p = self.values(self.made.back, branch=angles.branch, first_angle=angles.values[0])
-        found = np.asarray(self.made.back.outputs(0.0, x, p)[:-1])
+        found = np.asarray(self.made.back.outputs(0.0, x, p)[:-2])
         found[list(self.made.charts.angles)] = angles.values
         return found
 

@@ -77,13 +77,15 @@ def charts(scene: Scene) -> Charts:
             second,
             "back",
             {q.symbol: returned.get(q.symbol, q.symbol) for q in first.states}
-            | {sp.Symbol("third_angle", real=True): _third(angles, returned)},
+            | {
+                sp.Symbol("third_angle", real=True): _third(angles, returned),
+                sp.Symbol("distance", real=True): _distance(angles),
+            },
             (Quantity(BRANCH), Quantity(FIRST)),
         ),
         (places[0], places[1], places[2]),
         angles.axes[0] == angles.axes[2],
         ENTER,
-        _distance(angles),
     )
 
 

@@ -238,9 +238,11 @@ class Charts:
     ``first``: in angles, ``second``: without their singularity; its first singularity expression is
     zero where it hands back. ``forth``: states of ``first``, outputs the states of ``second`` in
     order; ``back`` the other way, with the parameters ``branch`` (sign of the singular function) and
-    ``first_angle``, and as last output the third angle that fits that. ``angles``: places of the
-    three angles among the states of ``first``; ``symmetric``: whether the first and last axis are
-    the same. ``enter``: |singular function| at which angles are left. ``distance``: that, over ``second``.
+    ``first_angle``, and as last outputs the third angle that fits that, and |singular function|.
+    The first three states of ``second`` are the angular velocity. ``angles``: places of the three
+    angles among the states of ``first``; ``symmetric``: whether the first and last axis are the
+    same, and the singular function is the sine of the second angle, not the cosine. ``enter``:
+    |singular function| at which angles are left.
     """
 
     first: System
@@ -250,7 +252,6 @@ class Charts:
     angles: tuple[int, int, int]
     symmetric: bool
     enter: float
-    distance: Expr
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:

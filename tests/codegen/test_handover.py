@@ -1,6 +1,8 @@
 """Hand-over near singular angles: the same motion as in quaternions, angles that are continuous."""
 
+import itertools
 import math
+import subprocess
 
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ import sympy as sp
 
 import eom
 from codegen import compile as compile_system
-from codegen import handover, native, simulate
+from codegen import handover, handover_c, native, simulate
 from codegen.charts import compile_charts
+from codegen.compiled import write_files
 from eom.errors import InputError
 from eom.handover import charts
 from eom.kinematics import SEQUENCES, quaternion, quaternion_of_sequence, rotation_sequence
@@ -65,12 +68,11 @@ def made():
 
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
-@pytest.mark.parametrize("branch", [1.0, -1.0])
-def test_there_and_back_is_the_same_to_rounding(sequence, branch):
+def test_there_and_back_is_the_same_to_rounding(sequence):
     """Near and far from the singular angle; on both branches; the third angle fits the first."""
     made = compile_charts(charts(tumbling(sequence)), "python")
     symmetric = sequence[0] == sequence[-1]
-    for near in (1.0, 0.1, 1e-3, 1e-6):
+    for near, branch in itertools.product((1.0, 0.1, 1e-3, 1e-6), (1.0, -1.0)):
         base = math.asin(near) if symmetric else math.acos(near)
         theta = base if branch > 0 else (-base if symmetric else math.pi - base)
         x = np.array([0.3, -0.4, 0.5, 1.1, theta, -2.0])
@@ -80,6 +82,7 @@ def test_there_and_back_is_the_same_to_rounding(sequence, branch):
         back = made.back.outputs(0.0, q, [1.0, 2.0, 2.5, branch, 1.1])
         off = np.array([math.remainder(v, 2 * math.pi) for v in back[:6] - x])
         assert np.all(np.abs(off) <= 1e-15 / near)
+        assert back[7] == pytest.approx(near, rel=1e-15 / near)
         assert abs(math.remainder(back[6] - x[5], 2 * math.pi)) <= 2e-15
 
 
@@ -120,7 +123,7 @@ def test_a_near_miss_turns_the_angles_as_angles_alone_do(made, miss, sense):
         for n in names
     ]
     alone = simulate(
-        compiled.first, start, (0, sense * 8), [1.0, 2.0, 2.5], rtol=1e-12, margin=1e-9
+        compiled.first, start, (0, sense * 8), [1.0, 2.0, 2.5], "DOP853", 1e-12, margin=1e-9
     )
     assert alone.status == 0
     assert min(there.margin.values()) == pytest.approx(math.sin(miss), rel=0.2)
@@ -184,24 +187,22 @@ def spin(compiled, values, span, **options):
     names = compiled.first.layout.results["rates"]
     values = {"I1": 1.0, "I2": 1.6, **values, **start}
     known = {n: values[n] for n in (q.name for q in compiled.first.layout.parameters)}
-    return (
-        handover.simulate(compiled, {n: start[n] for n in names}, span, known, **options),
-        known,
-        start,
-    )
+    options = {"method": "DOP853", **options}
+    result = handover.simulate(compiled, {n: start[n] for n in names}, span, known, **options)
+    return result, known, start
 
 
 @pytest.mark.parametrize(
     ("components", "values"),
     [((0, "k*cos(t)", 0), {"k": 0.1}), (("-k", 0, 0), {"k": 0.1}), ((0, 0, 0), {})],
 )
-def test_the_rates_of_the_spinner_are_taken_over(components, values):
+def test_the_rates_of_the_spinner_are_taken_over(made, components, values):
     """Beside the angles alone, which pass at a distance of some hundredths."""
-    made = compile_charts(charts(spinner(components, values)), TARGET)
+    made = made(spinner(components, values))
     result, known, start = spin(made, values, (0, 3), rtol=1e-12)
     names = made.first.layout.results["rates"]
     alone = simulate(
-        made.first, {n: start[n] for n in names}, (0, 3), known, rtol=1e-12, margin=1e-8
+        made.first, {n: start[n] for n in names}, (0, 3), known, "DOP853", 1e-12, margin=1e-8
     )
     assert "changed 2 times" in result.notice
     assert min(result.margin.values()) < 0.1
@@ -209,15 +210,15 @@ def test_the_rates_of_the_spinner_are_taken_over(components, values):
     assert all(d.relative < 1e-9 for d in result.drift.values())
 
 
-def test_a_torque_without_direction_stops_the_spinner():
+def test_a_torque_without_direction_stops_the_spinner(made):
     """At theta = 90 degrees exactly nothing tells where b1 points; without torque it passes."""
     straight = {"psi_dot": 0.0, "C": 0.0}
-    pushed = compile_charts(charts(spinner(("-k", 0, 0), {"k": 0.1})), TARGET)
+    pushed = made(spinner(("-k", 0, 0), {"k": 0.1}))
     result, _, _ = spin(pushed, {"k": 0.1}, (0, 3), start=straight)
     assert result.status == 1
     assert "no direction" in result.message
     assert result["theta"][-1] == pytest.approx(math.pi / 2, abs=1e-5)
-    free = compile_charts(charts(spinner((0, 0, 0))), TARGET)
+    free = made(spinner((0, 0, 0)))
     result, _, _ = spin(free, {}, (0, 3), start=straight, rtol=1e-11)
     assert result.status == 0
     assert result["theta"][-1] == pytest.approx(3.1, abs=1e-7)
@@ -228,3 +229,95 @@ def test_a_torque_without_direction_stops_the_spinner():
 def test_coordinates_without_singular_angles_are_refused():
     with pytest.raises(InputError, match="Euler angles"):
         charts(eom.Scene.ready("heavy-top"))
+
+
+# --- in C -----------------------------------------------------------------------------------------
+
+MAIN = """
+#include "scene_handover.h"
+#include <stdio.h>
+#include <string.h>
+int main(void) {
+    static scene_handover s;
+    static double t[4000], x[4000 * @N@];
+    const double p[] = {@P@}, start[] = {@X@}, grid[] = {@GRID@};
+    scene_handover_output o = {t, x, @STEPS@ ? NULL : grid, 4000, 0, @STEPS@ ? 0 : sizeof grid / sizeof *grid, 0};
+    s.t = 0.0, s.t_end = @END@, s.rtol = 1e-11, s.atol = 1e-14, s.margin = 1e-6;
+    memcpy(s.x, start, sizeof start);
+    int status = scene_handover_start(&s, p, NULL);
+    do status = scene_handover_run(&s, NULL, &o, 7);
+    while (status == SCENE_HANDOVER_PAUSED);
+    printf("%d %lld %.17g\\n", status, s.changes, s.closest);
+    for (size_t k = 0; k < o.count; ++k) {
+        printf("%.17g", t[k]);
+        for (int i = 0; i < @N@; ++i) printf(" %.17g", x[k * @N@ + (size_t)i]);
+        printf("\\n");
+    }
+    return 0;
+}
+"""
+
+
+def in_c(compiled, folder, start, parameters, end, grid):
+    """Compile the generated files with every warning an error, and run them."""
+    values = {"N": len(start), "P": parameters, "X": start, "GRID": grid or [0.0], "END": [end]}
+    text = MAIN.replace("@STEPS@", str(int(grid is None)))
+    for key, numbers in values.items():
+        listed = [numbers] if isinstance(numbers, int) else numbers
+        text = text.replace(
+            f"@{key}@", ", ".join(repr(v if isinstance(v, int) else float(v)) for v in listed)
+        )
+    written = write_files({**handover_c.files(compiled), "main.c": text}, folder)
+    sources = [str(f) for f in written if f.suffix == ".c"]
+    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+    subprocess.run(
+        [*native.compiler(), *flags, *sources, "-o", str(folder / "run"), "-lm"], check=True
+    )
+    printed = subprocess.run(
+        [str(folder / "run")], check=True, capture_output=True, text=True, timeout=60
+    )
+    head, *rows = printed.stdout.splitlines()
+    table = np.array([[float(v) for v in row.split()] for row in rows]).T
+    status, changes, closest = head.split()
+    return int(status), int(changes), float(closest), table[0], table[1:]
+
+
+@pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
+@pytest.mark.parametrize(
+    ("start", "omega", "end"),
+    [((0.2, 0.0, 1e-3), (1.0, 0.0, 0.0), 9.0), ((0.2, 0.0, 1e-3), (1.0, 0.0, 0.0), -9.0),
+     ((0.3, 0.0, 0.0), (1.0, 0.0, 0.0), 6.0), ((0.3, math.pi / 2, 0.0), (1.0, 0.2, 0.1), 6.0)],
+)  # fmt: skip
+def test_c_follows_the_same_angles(made, tmp_path, start, omega, end):
+    scene = tumbling("3-1-2", start=start, omega=omega)
+    compiled = made(scene)
+    grid = np.linspace(0, end, 24).tolist()
+    expected = run(compiled, scene, (0, end), rtol=1e-11, atol=1e-14, t_eval=grid)
+    x = [dict(zip(("psi", "theta", "phi", "omega_1", "omega_2", "omega_3"), (*start, *omega), strict=True))[n]
+         for n in compiled.first.layout.results["rates"]]  # fmt: skip
+    status, changes, closest, t, y = in_c(compiled, tmp_path, x, [1.0, 2.0, 2.5], end, grid)
+    assert status == 0
+    assert f"changed {changes} times" in expected.notice
+    assert t.tolist() == grid
+    assert closest <= 2 * min(expected.margin.values()) + 1e-6
+    np.testing.assert_allclose(y, expected.y, rtol=0, atol=1e-5)
+
+
+@pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
+def test_c_stores_every_step_in_order(made, tmp_path):
+    scene = tumbling("3-1-2", start=(0.2, 0.0, 0.02), omega=(1.0, 0.0, 0.0))
+    names = made(scene).first.layout.results["rates"]
+    x = [{"psi": 0.2, "phi": 0.02, "omega_1": 1.0}.get(n, 0.0) for n in names]
+    status, changes, _, t, y = in_c(made(scene), tmp_path, x, [1.0, 2.0, 2.5], 9.0, None)
+    assert (status, changes) == (0, 6)
+    assert np.all(np.diff(t) > 0)
+    assert t[-1] == 9.0
+    psi = y[list(names).index("psi")]
+    assert np.abs(np.diff(psi)).max() < 1.0
+
+
+@pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
+def test_c_files_are_the_same_each_time(made):
+    compiled = made(tumbling("3-1-2"))
+    assert handover_c.files(compiled) == handover_c.files(compiled)
+    assert "scene_handover.h" in handover_c.files(compiled)
