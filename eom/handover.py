@@ -19,7 +19,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom import assembly, reduce, torques
+from eom import assembly, reduce, start, torques
 from eom.description import Description, inertia_values
 from eom.errors import InputError
 from eom.frames import unit_vector
@@ -86,6 +86,21 @@ def charts(scene: Scene) -> Charts:
         (places[0], places[1], places[2]),
         angles.axes[0] == angles.axes[2],
         ENTER,
+    )
+
+
+def numbers(scene: Scene, found: Charts) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the initial values of the first of a scene's charts, and the parameters of both.
+
+    Raises `InputError` that lists what is missing.
+    """
+    values = start.states(scene, scene.full_system) | start.constants(scene)
+    systems = found.first, found.second
+    names = [n for s in systems for n in s.parameter_names if n != BRANCH.name]
+    where = "[parameters] or [initial]"
+    return (
+        start.pick(values, found.first.state_names, "initial value", "[initial]"),
+        start.pick(values, dict.fromkeys(names), "parameter", where),
     )
 
 

@@ -14,7 +14,7 @@ from codegen import handover, handover_c, native, simulate
 from codegen.charts import compile_charts
 from codegen.compiled import write_files
 from eom.errors import InputError
-from eom.handover import charts
+from eom.handover import charts, numbers
 from eom.kinematics import SEQUENCES, quaternion, quaternion_of_sequence, rotation_sequence
 
 MATRIX_OF_Q = sp.lambdify(quaternion().symbols, quaternion().matrix)
@@ -241,7 +241,8 @@ int main(void) {
     static scene_handover s;
     static double t[4000], x[4000 * @N@];
     const double p[] = {@P@}, start[] = {@X@}, grid[] = {@GRID@};
-    scene_handover_output o = {t, x, @STEPS@ ? NULL : grid, 4000, 0, @STEPS@ ? 0 : sizeof grid / sizeof *grid, 0};
+    scene_handover_output o = {t, x, NULL, 4000, 0, 0, 0};
+    if (!@STEPS@) o.grid = grid, o.grid_count = sizeof grid / sizeof *grid;
     s.t = 0.0, s.t_end = @END@, s.rtol = 1e-11, s.atol = 1e-14, s.margin = 1e-6;
     memcpy(s.x, start, sizeof start);
     int status = scene_handover_start(&s, p, NULL);
@@ -262,11 +263,9 @@ def in_c(compiled, folder, start, parameters, end, grid):
     """Compile the generated files with every warning an error, and run them."""
     values = {"N": len(start), "P": parameters, "X": start, "GRID": grid or [0.0], "END": [end]}
     text = MAIN.replace("@STEPS@", str(int(grid is None)))
-    for key, numbers in values.items():
-        listed = [numbers] if isinstance(numbers, int) else numbers
-        text = text.replace(
-            f"@{key}@", ", ".join(repr(v if isinstance(v, int) else float(v)) for v in listed)
-        )
+    for key, given in values.items():
+        listed = str(given) if key == "N" else ", ".join(repr(float(v)) for v in given)
+        text = text.replace(f"@{key}@", listed)
     written = write_files({**handover_c.files(compiled), "main.c": text}, folder)
     sources = [str(f) for f in written if f.suffix == ".c"]
     flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
@@ -293,8 +292,9 @@ def test_c_follows_the_same_angles(made, tmp_path, start, omega, end):
     compiled = made(scene)
     grid = np.linspace(0, end, 24).tolist()
     expected = run(compiled, scene, (0, end), rtol=1e-11, atol=1e-14, t_eval=grid)
-    x = [dict(zip(("psi", "theta", "phi", "omega_1", "omega_2", "omega_3"), (*start, *omega), strict=True))[n]
-         for n in compiled.first.layout.results["rates"]]  # fmt: skip
+    names = ("psi", "theta", "phi", "omega_1", "omega_2", "omega_3")
+    given = dict(zip(names, (*start, *omega), strict=True))
+    x = [given[n] for n in compiled.first.layout.results["rates"]]
     status, changes, closest, t, y = in_c(compiled, tmp_path, x, [1.0, 2.0, 2.5], end, grid)
     assert status == 0
     assert f"changed {changes} times" in expected.notice
@@ -321,3 +321,40 @@ def test_c_files_are_the_same_each_time(made):
     compiled = made(tumbling("3-1-2"))
     assert handover_c.files(compiled) == handover_c.files(compiled)
     assert "scene_handover.h" in handover_c.files(compiled)
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+
+def test_a_scene_asks_for_it_and_gives_the_numbers():
+    data = tumbling("3-1-2", torque=TORQUE, parameters={"k": 0.7}).model_dump(exclude_unset=True)
+    scene = eom.Scene(**data, integration={"handover": True})
+    found = charts(scene)
+    initial, parameters = numbers(scene, found)
+    assert scene.integration.handover
+    assert not eom.Scene(**data).integration.handover
+    assert initial == {
+        "omega_1": 1.0,
+        "omega_2": -1.3,
+        "omega_3": 0.8,
+        "psi": 0.4,
+        "theta": 0.9,
+        "phi": -0.3,
+    }
+    assert parameters == {"I1": 1.0, "I2": 2.0, "I3": 2.5, "k": 0.7}
+    result = handover.simulate(
+        compile_charts(found, "numpy"), initial, (0, 0.5), parameters, "DOP853"
+    )
+    assert result.status == 0
+
+
+WHEEL = {"theta": 0.1, "psi": 0.0, "phi": 0.3, "theta_dot": 0.0, "psi_dot": 0.0, "C": 6.0}
+
+
+def test_the_spin_of_a_wheel_is_a_number_of_both_charts():
+    """C is constant: a parameter in angles, and there no state; in the quaternion it is omega_2."""
+    data = eom.Scene.ready("bicycle-wheel").model_dump(exclude_unset=True)
+    wheel = eom.Scene(**{**data, "initial": WHEEL})
+    initial, parameters = numbers(wheel, charts(wheel))
+    assert initial == {n: v for n, v in WHEEL.items() if n != "C"}
+    assert parameters == {"I1": 0.06, "I2": 0.12, "M1": 0.5, "C": 6.0}
