@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from codegen import requested
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.identity import SameObject
 from codegen.integrate import scipy_
-from codegen.integrate.methods import SameObject, Task, integrator_of
+from codegen.integrate.methods import Task, integrator_of
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
@@ -60,7 +62,8 @@ class Result:
     1: stopped at a singular configuration; -1: stopped because numbers failed), ``message``,
     ``success`` (status >= 0). ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
-    where the run stopped. ``method``: what integrated, in ``seconds``.
+    where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
+    the method was chosen and not given.
     """
 
     t: Array
@@ -79,7 +82,10 @@ class Result:
     rejected: int
     seconds: float = 0.0
     notice: str = ""
+    why: str = ""
     names: tuple[str, ...] = field(default=())
+    left_out: tuple[str, ...] = ()
+    """States and constants of the motion that the requested outputs do not need."""
 
     def __repr__(self) -> str:
         """Say how the run ended and what it holds."""
@@ -116,6 +122,7 @@ def simulate(
     t_eval: ArrayLike | None = None,
     *,
     inputs: Mapping[str, Signal] | None = None,
+    outputs: Sequence[str] | None = None,
     dense_output: bool = False,
     first_step: float | None = None,
     max_step: float = math.inf,
@@ -126,18 +133,18 @@ def simulate(
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
     ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
-    time for each input; functions are called from Python. ``method``: one of `METHODS`. Steps meet
+    time for each input; functions are called from Python. ``method``: one of `METHODS`.
+    ``outputs``: names of outputs and states; only states that these need are integrated. Steps meet
     the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
     every step without it. ``margin``: the run stops where a singularity's expression gets below it.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
-    compiled = system if isinstance(system, Compiled) else _compile_once(SameObject(system))
-    layout = compiled.layout
+    part = requested.part(_compiled(system), outputs)
+    compiled, span = part.compiled, _span(t_span)
     held, signals = _inputs(compiled, inputs or {})
-    x0 = _start(compiled, initial)
-    span = _span(t_span)
+    x0 = _start(compiled, part.start(initial))
     problem = Problem(
         x0=x0,
         t_span=span,
@@ -146,7 +153,7 @@ def simulate(
         rtol=_positive(rtol, "rtol"),
         atol=_tolerances(atol, rtol, len(x0)),
         margin=_positive(margin, "margin"),
-        singularities=len(layout.results[SINGULARITIES]),
+        singularities=len(compiled.layout.results[SINGULARITIES]),
         t_eval=None if t_eval is None else _grid(t_eval, span),
         dense_output=dense_output,
         first_step=None if first_step is None else _positive(first_step, "first_step"),
@@ -154,18 +161,30 @@ def simulate(
         max_steps=_count(max_steps),
         progress=progress,
     )
-    return _run(compiled, problem, method, signals)
+    return _run(part, problem, method, signals)
 
 
 def _run(
-    compiled: Compiled, problem: Problem, method: str, signals: scipy_.Inputs | None
+    part: requested.Part, problem: Problem, method: str, signals: scipy_.Inputs | None
 ) -> Result:
+    compiled = part.compiled
     integrator, used = integrator_of(Task(compiled, problem, signals), method)
     began = time.perf_counter()
     trajectory = integrator(problem)
     seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
     problem.report(trajectory.stop.t)
-    return replace(_result(compiled, problem, trajectory, signals), method=used, seconds=seconds)
+    result = _result(compiled, problem, trajectory, signals)
+    return replace(
+        result,
+        method=trajectory.method or used,
+        why=trajectory.why,
+        left_out=part.left_out,
+        seconds=seconds,
+    )
+
+
+def _compiled(system: System | Compiled) -> Compiled:
+    return system if isinstance(system, Compiled) else _compile_once(SameObject(system))
 
 
 @lru_cache(maxsize=64)
@@ -268,7 +287,7 @@ def _result(
     outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
     floors = _floors(compiled, problem)
     rows = zip(layout.results[INVARIANTS], values[INVARIANTS], floors, strict=True)
-    drift = {n: _drift(v, float(f)) for n, v, f in rows}
+    drift = {n: drift_of(v, float(f)) for n, v, f in rows}
     stop = trajectory.stop
     return Result(
         t=trajectory.t,
@@ -308,7 +327,8 @@ def _evaluate(
     return function(trajectory.t, trajectory.y, problem.parameters, u)
 
 
-def _drift(values: Array, floor: float) -> Drift:
+def drift_of(values: Array, floor: float) -> Drift:
+    """Return the drift of a constant of the motion from its values at the stored points."""
     if not values.size:
         return Drift(0.0, 0.0, floor, values)
     change = values - values[0]

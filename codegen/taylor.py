@@ -285,6 +285,21 @@ def _refusal(program: Program, layout: Layout | None, group: str, k: int) -> Inp
     )
 
 
+_FEW = frozenset({"add", "sub", "neg", "abs", "min", "max", "select", "item"})
+"""Operations of which each coefficient is one operation, whatever the order."""
+
+
+def operations(prepared: Prepared, order: int) -> int:
+    """Return about how many operations all coefficients up to an order take."""
+    pairs = zip(prepared.program.instructions, prepared.varies, strict=True)
+    total = 0
+    for (op, args, _), varies in pairs:
+        if op in OPS and varies:
+            is_product = op not in _FEW and sum(prepared.varies[a] for a in args) > (op == "mul")
+            total += order * order * max(1, len(args) - 1) if is_product else order
+    return total
+
+
 def unrolled(prepared: Prepared, group: str, order: int) -> Program:
     """Return a program of all coefficients x_1 to x_order of the states, in the group `JET`.
 

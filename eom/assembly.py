@@ -46,8 +46,8 @@ def full_system(scene: Description, *, general_torque: bool = False) -> System:
 
 def _spinner(scene: Description, general_torque: bool) -> System:
     states = {s.name: s for s in _SPINNER_STATES}
-    components, parameters, inputs = _components(scene, states, ("M1", "M2", "M3"), general_torque)
-    body = SpinningSymmetricBody(components, parameters, inputs)
+    torque, parameters, inputs = components(scene, states, ("M1", "M2", "M3"), general_torque)
+    body = SpinningSymmetricBody(torque, parameters, inputs)
     return body.system(scene.name, scene.title)
 
 
@@ -63,14 +63,14 @@ def _rigid_body(scene: Description, general_torque: bool) -> System:
         if scene.torque.gravity_gradient is not None:
             return torques.gravity_gradient(C, J)
         return torques.applied(
-            *_components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
+            *components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
         )
 
     inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
     return rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
 
 
-def _components(
+def components(
     scene: Description, states: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
     """Parse the torque components; return them with the scene's own parameters and inputs.
@@ -189,6 +189,11 @@ def _equal_moments(scene: Description, system: System) -> Pass:
         names,
         "the scene's moments of inertia are equal",
     )
+
+
+def equal_moments(scene: Description, system: System) -> System:
+    """Return a system with those moments of inertia made one that the scene has equal."""
+    return _equal_moments(scene, system)[0]
 
 
 def _only_requested(requested: Sequence[str], system: System) -> Pass:

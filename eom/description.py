@@ -98,7 +98,10 @@ class InitialAttitude(_Part):
 
 
 class Integration(_Part):
-    """End time (s), method, tolerances, number of output times, and of steps to try at most."""
+    """End time (s), method, tolerances, number of output times, and of steps to try at most.
+
+    ``handover``: near the singularity of Euler angles go on in quaternions (`eom.handover`).
+    """
 
     t_end: Number = 10.0
     method: str = "auto"
@@ -106,6 +109,7 @@ class Integration(_Part):
     atol: Annotated[float, Field(gt=0)] | None = None
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
     max_steps: Annotated[int, Field(ge=1)] = 10_000_000
+    handover: bool = False
 
 
 def _as_value(value: Any) -> Any:

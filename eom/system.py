@@ -231,6 +231,29 @@ class System:
         return sp.Add(*terms, full.diff(self.time))
 
 
+@dataclass(frozen=True)
+class Charts:
+    """One motion in two sets of coordinates, and what takes each to the other.
+
+    ``first``: in angles, ``second``: without their singularity; its first singularity expression is
+    zero where it hands back. ``forth``: states of ``first``, outputs the states of ``second`` in
+    order; ``back`` the other way, with the parameters ``branch`` (sign of the singular function) and
+    ``first_angle``, and as last outputs the third angle that fits that, and |singular function|.
+    The first three states of ``second`` are the angular velocity. ``angles``: places of the three
+    angles among the states of ``first``; ``symmetric``: whether the first and last axis are the
+    same, and the singular function is the sine of the second angle, not the cosine. ``enter``:
+    |singular function| at which angles are left.
+    """
+
+    first: System
+    second: System
+    forth: System
+    back: System
+    angles: tuple[int, int, int]
+    symmetric: bool
+    enter: float
+
+
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
     return tuple(
         Definition(Quantity(sp.Symbol(n, real=True)), as_expression(e)) for n, e in group.items()

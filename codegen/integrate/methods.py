@@ -5,29 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Generic, TypeVar
 
 from codegen.compiled import Compiled
-from codegen.integrate import runge_kutta, scipy_, taylor
+from codegen.identity import SameObject
+from codegen.integrate import choice, runge_kutta, scipy_, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
 
-T = TypeVar("T")
 Integrator = Callable[[Problem], Trajectory]
-
-
-@dataclass(frozen=True, eq=False)
-class SameObject(Generic[T]):
-    """A value as a key by identity, kept alive while it is in a cache."""
-
-    value: T
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, SameObject) and other.value is self.value
-
-    def __hash__(self) -> int:
-        return id(self.value)
 
 
 @dataclass(frozen=True)
@@ -90,8 +76,12 @@ def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     return prepare
 
 
-ROWS = (
-    Method("auto", "DOP853", _dop853),
+def _auto(task: Task) -> tuple[Integrator, str]:
+    return choice.prepared(task, {row.name: row.prepare for row in ROWS})
+
+
+ROWS: tuple[Method, ...] = (
+    Method("auto", "closed form, Taylor series, DOP853 or a stiff method: see `choice`", _auto),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))

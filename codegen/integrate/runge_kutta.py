@@ -197,14 +197,20 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     store, clock = _Store(method, problem), _Clock()
     status = clock.timed(method.start, ctypes.addressof(s), p, u)
     output = ctypes.addressof(store.output)
+    look = problem.watch_every if problem.watch else problem.max_steps
     while status in {PAUSED, FULL}:
         left = problem.max_steps - s.steps - s.rejected
         if left <= 0:
             break
         if not store.make_room():
             return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
-        status = clock.timed(method.run, ctypes.addressof(s), u, output, min(STEPS_A_CALL, left))
+        attempts = min(STEPS_A_CALL, left, look - s.steps - s.rejected)
+        status = clock.timed(method.run, ctypes.addressof(s), u, output, attempts)
         problem.report(s.t)
+        if problem.watch and status == PAUSED and s.steps + s.rejected >= look:
+            look += problem.watch_every
+            if problem.watch(s.t, np.array(s.x[:]), s.h_old):
+                return store.trajectory(s, Stop("left", s.t), problem, clock.seconds)
     return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem, clock.seconds)
 
 

@@ -155,7 +155,13 @@ class _Run:
         self.points.append(x)
         if self.problem.dense_output:
             self.interpolants.append(dense)
+        if where is None and self._is_left(solver):
+            return Stop("left", t)
         return None if where is None else Stop("singular", t, where[1])
+
+    def _is_left(self, solver: Any) -> bool:
+        watch = self.problem.watch if self.steps % self.problem.watch_every == 0 else None
+        return watch is not None and watch(solver.t, solver.y.copy(), solver.t - solver.t_old)
 
     def _failure(self, solver: Any) -> Stop:
         if self.broken >= 0:

@@ -145,7 +145,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1);
         s->evaluations += P;
         double h_abs = smaller(step_length(s), s->h_max);
-        if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, s->h);
+        if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, larger(s->h, smallest));
         if (h_abs < smallest && fabs(rest) > smallest) return stuck(s, 100.0 * smallest * direction, u);
         const int in_doubt = BRANCHES || s->steps == 0 || h_abs > 2.0 * fabs(s->h_old);
         double h, t_new, t_low;

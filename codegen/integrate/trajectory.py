@@ -23,7 +23,8 @@ class Problem:
 
     ``inputs``: values at which the inputs are held. ``margin``: distance from a singularity at
     which to stop. ``t_eval``: times to store in the direction of integration, or None for every
-    step. ``progress(fraction)``: called now and then.
+    step. ``progress(fraction)``: called now and then. ``watch(t, x, h)``: called after every
+    ``watch_every`` tried steps with the state and the last step; the run ends where it is true.
     """
 
     x0: Array
@@ -40,6 +41,8 @@ class Problem:
     max_step: float = math.inf
     max_steps: int = MAX_STEPS
     progress: Callable[[float], None] | None = None
+    watch: Callable[[float, Array, float], bool] | None = None
+    watch_every: int = 1
 
     def report(self, t: float) -> None:
         """Tell the progress at time ``t``."""
@@ -50,9 +53,10 @@ class Problem:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when a run stopped: end, singular, not finite, step, max_steps, memory.
+    """Why and when a run stopped: end, singular, not finite, step, max_steps, memory, left.
 
-    ``which``: number of the singularity, or of the state that is not finite.
+    ``which``: number of the singularity, or of the state that is not finite. A run is left where
+    its ``watch`` says so.
     """
 
     kind: str
@@ -78,3 +82,7 @@ class Trajectory:
     rejected: int
     solution: Any = None
     seconds: float | None = None
+    method: str = ""
+    """What integrated, where that was found out on the way."""
+    why: str = ""
+    """Why that was chosen."""

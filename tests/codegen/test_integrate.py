@@ -157,7 +157,7 @@ def scipy_reference(system, x0, parameters, span, rtol=1e-9, **options):
 @pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10, 1e-12])
 def test_steps_and_states_are_those_of_scipy(problem, rtol):
     system, x0, p, span = problem
-    ours = simulate(compile_system(system, "c"), x0, span, p, rtol=rtol)
+    ours = simulate(compile_system(system, "c"), x0, span, p, method="DOP853", rtol=rtol)
     theirs = scipy_reference(system, x0, p, span, rtol)
     assert abs(ours.steps - (len(theirs.t) - 1)) <= max(1, 0.01 * ours.steps)
     assert abs(ours.nfev - theirs.nfev) <= 24 + 0.02 * theirs.nfev
@@ -170,7 +170,7 @@ def test_steps_and_states_are_those_of_scipy(problem, rtol):
 
 @needs_compiler
 def test_the_first_steps_are_the_same_to_rounding():
-    ours = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 5), rtol=1e-8)
+    ours = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 5), method="DOP853", rtol=1e-8)
     theirs = scipy_reference(RIGID, (0.0, 1.0, 1.0), (), (0, 5), 1e-8)
     np.testing.assert_allclose(ours.t[:4], theirs.t[:4], rtol=1e-11)
     np.testing.assert_allclose(ours.y[:, :4], theirs.y[:, :4], rtol=1e-11, atol=1e-14)
@@ -179,13 +179,22 @@ def test_the_first_steps_are_the_same_to_rounding():
 @needs_compiler
 def test_evaluations_are_counted_as_they_happen():
     """One at the start, one for the first step, 12 an attempt; 3 more for each interpolant."""
-    plain = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), rtol=1e-6)
+    plain = simulate(
+        compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), method="DOP853", rtol=1e-6
+    )
     assert plain.nfev == 2 + 12 * (plain.steps + plain.rejected)
     dense = simulate(
-        compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), rtol=1e-6, dense_output=True
+        compile_system(RIGID, "c"),
+        (0.0, 1.0, 1.0),
+        (0, 20),
+        method="DOP853",
+        rtol=1e-6,
+        dense_output=True,
     )
     assert dense.nfev == plain.nfev + 3 * plain.steps
-    given = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), first_step=0.1)
+    given = simulate(
+        compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), method="DOP853", first_step=0.1
+    )
     assert given.nfev == 1 + 12 * (given.steps + given.rejected)
 
 
@@ -197,7 +206,15 @@ def test_the_observed_order_of_fixed_steps_is_8():
         exact = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])(4)
     errors = []
     for n in (8, 16, 32):
-        run = simulate(compiled, (2.0, 0.0), (0, 4), rtol=1e3, first_step=4 / n, max_step=4 / n)
+        run = simulate(
+            compiled,
+            (2.0, 0.0),
+            (0, 4),
+            method="DOP853",
+            rtol=1e3,
+            first_step=4 / n,
+            max_step=4 / n,
+        )
         assert run.steps == n
         errors.append(float(abs(mpmath.mpf(run.y[0, -1]) - exact[0])))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -216,7 +233,7 @@ def test_the_interpolant_is_of_order_7():
     for n in (8, 16):
         h = 4 / n
         options = {"rtol": 1e3, "first_step": h, "max_step": h}
-        run = simulate(compiled, (2.0, 0.0), (0, 4), dense_output=True, **options)
+        run = simulate(compiled, (2.0, 0.0), (0, 4), method="DOP853", dense_output=True, **options)
         errors.append(np.max(np.abs(run.sol(times)[0] - exact)))
     assert 6.4 < np.log2(errors[0] / errors[1]) < 9.6
 
@@ -224,7 +241,9 @@ def test_the_interpolant_is_of_order_7():
 @needs_compiler
 def test_dense_output_is_that_of_scipy(problem):
     system, x0, p, span = problem
-    ours = simulate(compile_system(system, "c"), x0, span, p, rtol=1e-8, dense_output=True)
+    ours = simulate(
+        compile_system(system, "c"), x0, span, p, method="DOP853", rtol=1e-8, dense_output=True
+    )
     theirs = scipy_reference(system, x0, p, span, 1e-8, dense_output=True)
     times = np.linspace(*span, 211)
     scale = 1 + np.abs(theirs.sol(times)).max()
@@ -242,7 +261,15 @@ def test_long_runs_outgrow_every_buffer_and_keep_everything():
     n = 52_345
     assert n > runge_kutta.STEPS_A_CALL > runge_kutta.FIRST_CAPACITY
     h = 1 / 64  # exact in binary, so that every step ends on a multiple
-    run = simulate(compiled, (1.0, 0.0), (0, n * h), first_step=h, max_step=h, dense_output=True)
+    run = simulate(
+        compiled,
+        (1.0, 0.0),
+        (0, n * h),
+        method="DOP853",
+        first_step=h,
+        max_step=h,
+        dense_output=True,
+    )
     assert run.steps == n
     np.testing.assert_array_equal(run.t, np.arange(n + 1) * h)
     energy = run.y[1] ** 2 / 2 - np.cos(run.y[0])
@@ -250,17 +277,19 @@ def test_long_runs_outgrow_every_buffer_and_keep_everything():
     middle = run.t[:-1] + h / 2
     x = run.sol(middle)
     np.testing.assert_allclose(x[1] ** 2 / 2 - np.cos(x[0]), energy[0], atol=1e-12)
-    again = simulate(compiled, (1.0, 0.0), (0, n * h), first_step=h, max_step=h, t_eval=[n * h])
+    again = simulate(
+        compiled, (1.0, 0.0), (0, n * h), method="DOP853", first_step=h, max_step=h, t_eval=[n * h]
+    )
     np.testing.assert_array_equal(again.y[:, -1], run.y[:, -1])
 
 
 @needs_compiler
 def test_a_paused_run_goes_on_as_if_it_had_not_paused(monkeypatch):
     compiled = compile_system(RIGID, "c")
-    whole = simulate(compiled, (0.0, 1.0, 1.0), (0, 50))
+    whole = simulate(compiled, (0.0, 1.0, 1.0), (0, 50), method="DOP853")
     monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
     monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
-    parts = simulate(compiled, (0.0, 1.0, 1.0), (0, 50), dense_output=True)
+    parts = simulate(compiled, (0.0, 1.0, 1.0), (0, 50), method="DOP853", dense_output=True)
     np.testing.assert_array_equal(parts.t, whole.t)
     np.testing.assert_array_equal(parts.y, whole.y)
     np.testing.assert_allclose(parts.sol(whole.t), whole.y, atol=1e-14)
