@@ -179,10 +179,7 @@ def source(program: Program, layout: Layout) -> str:
         "#include <math.h>",
         "#include <string.h>",
         "",
-        lanes_math.TYPES,
-        f"#define OFTEN_ {'INLINE_' if _calls(written) <= lanes_math.FEW_CALLS else 'APART_'}",
-        "",
-        *(f"{text}\n" for text in _helpers(used)),
+        *_preamble(written),
     ]
     for table, n in tables.items():
         if f"lanes_{n}" in used:
@@ -197,6 +194,40 @@ def source(program: Program, layout: Layout) -> str:
         lines += [*_kernel("INLINE_", f"{head}_kernel", _LATE, group.late, *_STORED), ""]
         lines += [*_lanes(name, group, len(early.results), layout), ""]
     return "\n".join(lines)
+
+
+def kernels(programs: Mapping[str, Program]) -> tuple[str, dict[str, int]]:
+    """Return static functions of programs by head, with types and helpers, for the use inside a file.
+
+    ``head``_constants(p, c) fills lanes from the parameters; ``head``_``group``(t, x, xs, c, w, u, us,
+    y, ys) computes the results of a group, w is not read. Also returned: the number of constants of
+    each program. Programs with tables are refused by an assertion.
+    """
+    lines: list[str] = []
+    bodies: list[Body] = []
+    counts = {}
+    for head, program in programs.items():
+        assert not table_names(program)
+        cut = by_parameters(program, list(program.results))
+        counts[head] = len(cut.values)
+        slots = with_slots_of(cut, program, {})
+        early = _render(cut.early, CONSTANT, {}, {})
+        bodies.append(early)
+        lines += [*_kernel("APART_", f"{head}_constants", _EARLY, early, *_LOCAL[0]), ""]
+        for group in program.results:
+            bodies.append(_render(prune(cut.late, [group]), group, slots, {}))
+            lines += [*_kernel("INLINE_", f"{head}_{group}", _LATE, bodies[-1], *_STORED), ""]
+    return "\n".join([*_preamble(bodies), *lines]), counts
+
+
+def _preamble(written: Sequence[Body]) -> list[str]:
+    """Return the types, and the helpers that bodies call."""
+    return [
+        lanes_math.TYPES,
+        f"#define OFTEN_ {'INLINE_' if _calls(written) <= lanes_math.FEW_CALLS else 'APART_'}",
+        "",
+        *(f"{text}\n" for text in _helpers({w for b in written for w in words(b)})),
+    ]
 
 
 def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:

@@ -1,0 +1,54 @@
+"""Taylor series of many trajectories in vector lanes: compiled for one system and one order.
+
+Each lane has its own time and step; one whose trajectory ends takes the next from the queue. The
+rule of the step is that of `codegen.integrate.taylor`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from codegen import native
+from codegen.integrate import taylor
+from codegen.integrate.runge_kutta import fill
+from codegen.layout import Layout
+from codegen.lower import RATES, SINGULARITIES
+from codegen.names import comment, identifier
+from codegen.passes import prune
+from codegen.program import Program
+from codegen.targets import lanes
+from codegen.taylor import Prepared, unrolled
+
+FLAGS = ("-O2", "-ffp-contract=fast", "-fno-tree-vectorize")
+
+
+def single_text(prepared: Prepared, program: Program, layout: Layout, order: int) -> str:
+    """Return the integrator as one text that compiles by itself."""
+    prefix = f"{identifier(layout.name)}_taylor_lanes"
+    functions = prune(program, [g for g in (RATES, SINGULARITIES) if g in layout.sizes])
+    series = unrolled(prepared, RATES, order)
+    texts, counts = lanes.kernels({f"{prefix}_f": functions, f"{prefix}_s": series})
+    values = {
+        "TITLE": comment(layout.title),
+        "KERNELS": texts,
+        "PREFIX": prefix,
+        "STATES": str(len(layout.states)),
+        "SINGULARITIES": str(len(layout.results[SINGULARITIES])),
+        "COORDINATES": ", ".join(map(str, layout.coordinates)),
+        "PARAMETERS": str(len(layout.parameters)),
+        "INPUTS": str(len(layout.inputs)),
+        "ORDER": str(order),
+        "BRANCHES": str(int(prepared.has_branches)),
+        "CAUTION": repr(taylor.CAUTION),
+        "CONSTANTS": str(max(1, counts[f"{prefix}_f"])),
+        "SERIES_CONSTANTS": str(max(1, counts[f"{prefix}_s"])),
+    }
+    events = fill("lanes_events.c", values)
+    return fill("taylor_lanes.c", {"LANES_EVENTS": events, "JOB": fill("job.c", {}), **values})
+
+
+def build(prepared: Prepared, program: Program, layout: Layout, order: int) -> Any:
+    """Compile for this machine; return the C function of a job. Raises `CompilerError`."""
+    text = single_text(prepared, program, layout, order)
+    library = native.load(native.compile_library(text, FLAGS), text, FLAGS)
+    return getattr(library, f"{identifier(layout.name)}_taylor_lanes_run")
