@@ -20,6 +20,8 @@ from codegen.targets import lanes
 from codegen.taylor import Prepared, unrolled
 
 FLAGS = ("-O2", "-ffp-contract=fast", "-fno-tree-vectorize")
+CAUTION = taylor.CAUTION / 2
+"""The largest of many errors is what counts: half of what one trajectory is allowed."""
 
 
 def single_text(prepared: Prepared, program: Program, layout: Layout, order: int) -> str:
@@ -39,7 +41,7 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
         "INPUTS": str(len(layout.inputs)),
         "ORDER": str(order),
         "BRANCHES": str(int(prepared.has_branches)),
-        "CAUTION": repr(taylor.CAUTION),
+        "CAUTION": repr(CAUTION),
         "CONSTANTS": str(max(1, counts[f"{prefix}_f"])),
         "SERIES_CONSTANTS": str(max(1, counts[f"{prefix}_s"])),
     }

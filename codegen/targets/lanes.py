@@ -216,7 +216,8 @@ def kernels(programs: Mapping[str, Program]) -> tuple[str, dict[str, int]]:
         lines += [*_kernel("APART_", f"{head}_constants", _EARLY, early, *_LOCAL[0]), ""]
         for group in program.results:
             bodies.append(_render(prune(cut.late, [group]), group, slots, {}))
-            lines += [*_kernel("INLINE_", f"{head}_{group}", _LATE, bodies[-1], *_STORED), ""]
+            whole = ("INLINE_", f"{head}_{group}", _LATE, bodies[-1], *_STORED)
+            lines += [*_kernel(*whole, part_length=len(bodies[-1].lines)), ""]
     return "\n".join([*_preamble(bodies), *lines]), counts
 
 
@@ -258,16 +259,22 @@ def _helpers(called: set[str]) -> list[str]:
 
 
 def _kernel(
-    kind: str, head: str, arguments: Sequence[str], body: Body, place: str, target: str
+    kind: str,
+    head: str,
+    arguments: Sequence[str],
+    body: Body,
+    place: str,
+    target: str,
+    part_length: int = PART_LINES,
 ) -> list[str]:
     """A computation of one block: all loads, then all stores; a long one in parts, as in C.
 
     ``place``: how the result {0} is stored as {1}; ``target``: declaration of where results go.
     """
     stores = [f"    {place.format(k, r)}" for k, r in enumerate(body.results)]
-    if len(body.lines) <= PART_LINES:
+    if len(body.lines) <= part_length:
         return _static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
-    parts, size = split(body, PART_LINES)
+    parts, size = split(body, part_length)
     texts: list[str] = []
     calls = []
     for k, part in enumerate(parts):
