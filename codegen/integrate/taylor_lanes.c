@@ -290,7 +290,6 @@ APART_ void settle_(run_ *r, const job_ *o, step_ *s, mask_ need, mask_ bad, con
 }
 
 int @PREFIX@_lanes(void) { return LANES_; }
-size_t @PREFIX@_size(void) { return sizeof(job_); }
 
 void @PREFIX@_run(const job_ *o) {
     run_ run, *const r = &run;
