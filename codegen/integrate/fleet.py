@@ -134,10 +134,14 @@ trajectory takes about six times as long."""
 
 @dataclass(frozen=True)
 class Built:
-    """What integrates many trajectories, what it is called, and why it is not something faster."""
+    """What integrates many trajectories, what it is called, and why it is not something faster.
+
+    ``text``: the generated source that does it.
+    """
 
     run: Runner
     method: str
+    text: str
     notice: str = ""
 
 
@@ -152,9 +156,8 @@ def build(compiled: Compiled, method: str, rtol: float) -> Built:
         raise unknown_name("method", method, METHODS, "ensemble")
     if compiled.target != "c":
         reason = f"target {compiled.target}: one trajectory after the other"
-        return Built(
-            _by_scipy(compiled), f"DOP853 of SciPy over {compiled.target} functions", reason
-        )
+        used = f"DOP853 of SciPy over {compiled.target} functions"
+        return Built(_by_scipy(compiled), used, compiled.source, reason)
     return row(compiled, rtol)
 
 
@@ -173,15 +176,17 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
     reason = _against_lanes(prepared, order)
     if not reason:
         try:
-            function, lanes = taylor_lanes.build(prepared, program, layout, order)
+            text = taylor_lanes.single_text(prepared, program, layout, order)
+            function, lanes = taylor_lanes.build(text, layout)
         except native.CompilerError as error:
             reason = f"{error.what} ({error.got.splitlines()[0]})"
         else:
             name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
-            return Built(runner(function), name)
+            return Built(runner(function), name, text)
     text = taylor.single_text(program, layout, order)
     run = _many(text, layout, "taylor", taylor.FLAGS)
-    return Built(run, f"Taylor series of order {order} in generated C", f"no lanes: {reason}")
+    name = f"Taylor series of order {order} in generated C"
+    return Built(run, name, text, f"no lanes: {reason}")
 
 
 def _against_lanes(prepared: Prepared, order: int) -> str:
@@ -198,7 +203,7 @@ def _dop853(compiled: Compiled, rtol: float) -> Built:  # noqa: ARG001 - the sig
     program, layout = compiled.program, compiled.layout
     text = runge_kutta.single_text(DOP853, program, layout)
     flags = native.flags_for(0, len(program.instructions))
-    return Built(_many(text, layout, DOP853.name, flags), "DOP853 in generated C")
+    return Built(_many(text, layout, DOP853.name, flags), "DOP853 in generated C", text)
 
 
 METHODS: dict[str, Callable[[Compiled, float], Built]] = {

@@ -49,12 +49,11 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
     return fill("taylor_lanes.c", {"LANES_EVENTS": events, "JOB": fill("job.c", {}), **values})
 
 
-def build(prepared: Prepared, program: Program, layout: Layout, order: int) -> tuple[Any, int]:
+def build(text: str, layout: Layout) -> tuple[Any, int]:
     """Compile for this machine; return the C function of a job and the number of lanes.
 
     Raises `CompilerError` where that fails, as with a compiler without vector extensions.
     """
-    text = single_text(prepared, program, layout, order)
     library = native.load(native.compile_library(text, FLAGS), text, FLAGS)
     prefix = f"{identifier(layout.name)}_taylor_lanes"
     return getattr(library, f"{prefix}_run"), int(getattr(library, f"{prefix}_lanes")())
