@@ -116,9 +116,10 @@ class Cluster(AbstractContextManager["Cluster"]):
 
     def finished(self, futures: Sequence[Any]) -> tuple[list[Any], list[Any]]:
         """Wait until one is done at least."""
-        from distributed import wait as wait_for
+        import distributed
 
-        done = wait_for(futures, return_when="FIRST_COMPLETED").done
+        untyped: Any = distributed
+        done = untyped.wait(futures, return_when="FIRST_COMPLETED").done
         self._given -= done
         return [f for f in futures if f in done], [f for f in futures if f not in done]
 

@@ -168,21 +168,22 @@ def ensemble(
     shared = _shared(
         compiled, t_span, inputs or {}, rtol, atol, t_eval, max_step, max_steps, margin
     )
-    counted = _statistics(compiled, statistics)
     some = population(compiled, initial, parameters)
     kept = store is None if keep is None else keep
     size = _chunk(chunk, some.count, shared, compiled)
-    plan = Plan(compiled, method, shared, counted, size, kept)
-    work: Work = run
-    integrator = built(SameObject(compiled), method, shared.rtol)
-    if store is not None:
-        work = partial(
-            stores.work, stores.opened(store, _contents(plan, some, integrator, store_format))
-        )
+    plan = Plan(compiled, method, shared, _statistics(compiled, statistics), size, kept)
+    work = run if store is None else _stored(plan, some, store, store_format)
+    built(SameObject(compiled), method, shared.rtol)  # before the threads that need it
     began = time.perf_counter()
     gathered = _gathered(plan, some, work, threads, client, progress)
-    notice = "; ".join(n for n in (compiled.notice, integrator.notice) if n)
-    return _result(gathered, integrator.method, notice, time.perf_counter() - began, store)
+    return _result(gathered, time.perf_counter() - began, store)
+
+
+def _stored(plan: Plan, some: Population, folder: str | Path, store_format: str) -> Work:
+    """Return what computes chunks and writes them, or reads those that are there."""
+    integrator = built(SameObject(plan.compiled), plan.method, plan.shared.rtol)
+    contents = _contents(plan, some, integrator, store_format)
+    return partial(stores.work, stores.opened(folder, contents))
 
 
 def _gathered(
@@ -295,15 +296,14 @@ def _contents(
     )
 
 
-def _result(
-    gathered: Gathered, method: str, notice: str, seconds: float, store: str | Path | None
-) -> Ensemble:
-    layout = gathered.plan.compiled.layout
+def _result(gathered: Gathered, seconds: float, store: str | Path | None) -> Ensemble:
+    plan, layout = gathered.plan, gathered.plan.compiled.layout
+    integrator = built(SameObject(plan.compiled), plan.method, plan.shared.rtol)
     empty = np.empty((2, 0), dtype=np.int64)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,
-        t=gathered.plan.shared.t_eval,
+        t=plan.shared.t_eval,
         counts={fleet.STATUS[number]: count for number, count in reasons},
         stopped=gathered.stopped[0] if gathered.stopped else empty,
         statistics=gathered.statistics(),
@@ -311,8 +311,8 @@ def _result(
         columns=gathered.columns,
         names=names_of(layout.states),
         outputs=layout.results[OUTPUTS],
-        method=method,
-        notice=notice,
+        method=integrator.method,
+        notice="; ".join(n for n in (plan.compiled.notice, integrator.notice) if n),
         steps=gathered.steps,
         computed=gathered.computed,
         seconds=seconds,
