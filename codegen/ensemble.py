@@ -44,7 +44,7 @@ from eom.system import System
 
 LARGEST_CHUNK = 8192
 CHUNK_BYTES = 64_000_000
-CHUNKS = 16
+CHUNKS = 8
 """Chunks of a small ensemble: enough for the threads, and long enough that lanes are seldom empty."""
 
 
