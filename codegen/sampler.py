@@ -143,8 +143,8 @@ class Sampler:
         if len(set(taken)) < len(taken):
             raise InputError("a name has two distributions", got=", ".join(taken))
         for what, value in (("count", self.count), ("seed", self.seed)):
-            if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-                raise InputError(f"{what} is not a whole number, zero or more", got=value)
+            if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**64:
+                raise InputError(f"{what} is not a whole number from 0 to 2^64 - 1", got=value)
 
     def __len__(self) -> int:
         """Return the number of samples."""
@@ -185,8 +185,8 @@ class Sampler:
             return np.empty((0, last - first))
         counters = -(-draws // A_COUNTER)
         bits = np.random.Philox(key=self.seed, counter=first * counters)
-        raw = bits.random_raw((last - first) * counters * A_COUNTER)
-        rows = raw.reshape(last - first, -1)[:, :draws].T
+        width = counters * A_COUNTER
+        rows = bits.random_raw((last - first) * width).reshape(last - first, width)[:, :draws].T
         return ((rows >> np.uint64(12)).astype(np.float64) + 0.5) * 2.0**-52
 
 

@@ -37,7 +37,10 @@ class Moments:
 
 
 def of_blocks(values: Array) -> list[Moments]:
-    """Return the moments of each block of columns of ``values`` (rows, N); NaN does not count."""
+    """Return the moments of each block of columns of ``values`` (rows, N).
+
+    What is not finite does not count. Sums that overflow make a mean or a variance that is not finite.
+    """
     rows, columns = values.shape
     blocks = -(-columns // BLOCK)
     padded = np.full((rows, blocks * BLOCK), np.nan)
@@ -46,9 +49,10 @@ def of_blocks(values: Array) -> list[Moments]:
     there = np.isfinite(cells)
     count = there.sum(axis=2)
     divisor = np.maximum(count, 1)
-    mean = _total(np.where(there, cells, 0.0)) / divisor
-    rest = np.where(there, cells - mean[:, :, None], 0.0)
-    squares = _total(rest * rest) - _total(rest) ** 2 / divisor
+    with np.errstate(over="ignore", invalid="ignore"):
+        mean = _total(np.where(there, cells, 0.0)) / divisor
+        rest = np.where(there, cells - mean[:, :, None], 0.0)
+        squares = _total(rest * rest) - _total(rest) ** 2 / divisor
     low = np.where(there, cells, np.inf).min(axis=2)
     high = np.where(there, cells, -np.inf).max(axis=2)
     columns_of = (count, mean, np.maximum(squares, 0.0), low, high)
@@ -67,15 +71,16 @@ def merge(a: Moments, b: Moments) -> Moments:
     """Return the moments of both."""
     count = a.count + b.count
     divisor = np.maximum(count, 1)
-    delta = b.mean - a.mean
     share = b.count / divisor
-    return Moments(
-        count,
-        np.where(a.count == 0, b.mean, a.mean + delta * share),
-        a.squares + b.squares + np.where((a.count > 0) & (b.count > 0), delta**2, 0.0) * a.count * share,
-        np.minimum(a.low, b.low),
-        np.maximum(a.high, b.high),
-    )  # fmt: skip
+    with np.errstate(over="ignore", invalid="ignore"):
+        delta = np.where((a.count > 0) & (b.count > 0), b.mean - a.mean, 0.0)
+        return Moments(
+            count,
+            np.where(a.count == 0, b.mean, a.mean + delta * share),
+            a.squares + b.squares + delta * delta * a.count * share,
+            np.minimum(a.low, b.low),
+            np.maximum(a.high, b.high),
+        )
 
 
 @dataclass
