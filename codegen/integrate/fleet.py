@@ -24,6 +24,7 @@ from codegen.integrate.trajectory import Array, Problem
 from codegen.layout import Layout
 from codegen.lower import RATES, SINGULARITIES
 from codegen.names import identifier
+from codegen.program import Program
 from codegen.taylor import Prepared, prepare
 from eom.errors import InputError, unknown_name
 from eom.tables import Table
@@ -173,7 +174,7 @@ def _auto(compiled: Compiled, rtol: float) -> Built:
 def _taylor(compiled: Compiled, rtol: float) -> Built:
     program, layout, order = compiled.program, compiled.layout, taylor.order_of(rtol)
     prepared = prepare(program, RATES, layout)
-    reason = _against_lanes(prepared, order)
+    reason = _against_lanes(program, prepared, order)
     if not reason:
         try:
             text = taylor_lanes.single_text(prepared, program, layout, order)
@@ -189,12 +190,12 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
     return Built(run, name, text, f"no lanes: {reason}")
 
 
-def _against_lanes(prepared: Prepared, order: int) -> str:
+def _against_lanes(program: Program, prepared: Prepared, order: int) -> str:
     """Return why there is no code in lanes, or an empty text."""
     count = operations(prepared, order)
     if count > MOST_IN_LANES:
         return f"{count:,} operations of straight-line code at order {order}"
-    if any(isinstance(i.value, Table) for i in prepared.program.instructions):
+    if any(isinstance(i.value, Table) for i in program.instructions):
         return "tables have no form in lanes"
     return ""
 

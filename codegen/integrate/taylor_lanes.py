@@ -16,7 +16,7 @@ from codegen.lower import RATES, SINGULARITIES
 from codegen.names import comment, identifier
 from codegen.passes import prune
 from codegen.program import Program
-from codegen.targets import lanes
+from codegen.targets.lanes_kernels import kernels
 from codegen.taylor import Prepared, unrolled
 
 FLAGS = ("-O2", "-ffp-contract=fast", "-fno-tree-vectorize")
@@ -29,7 +29,7 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
     prefix = f"{identifier(layout.name)}_taylor_lanes"
     functions = prune(program, [g for g in (RATES, SINGULARITIES) if g in layout.sizes])
     series = unrolled(prepared, RATES, order)
-    texts, counts = lanes.kernels({f"{prefix}_f": functions, f"{prefix}_s": series})
+    texts, counts = kernels({f"{prefix}_f": functions, f"{prefix}_s": series})
     values = {
         "TITLE": comment(layout.title),
         "KERNELS": texts,

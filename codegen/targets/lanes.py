@@ -88,9 +88,9 @@ _NUMBERS = {
     "nan": "NAN",
     EVERY_NUMBER: "lanes_all_({0})",
 }
-_EARLY = ("const double *p",)
+EARLY = ("const double *p",)
 _TIMED = ("const double *t", "const lane_ *c")
-_LATE = (
+LATE = (
     "const double *t",
     "const double *x",
     "ptrdiff_t xs",
@@ -99,8 +99,8 @@ _LATE = (
     "const double *u",
     "ptrdiff_t us",
 )
-_LOCAL = ("c[{0}] = {1};", "lane_ *c"), ("w[{0}] = {1};", "lane_ *w")
-_STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
+LOCAL = ("c[{0}] = {1};", "lane_ *c"), ("w[{0}] = {1};", "lane_ *w")
+STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
 _CARRIED = "lane_ *carried_"
 
 
@@ -167,7 +167,7 @@ def source(program: Program, layout: Layout) -> str:
     name = identifier(layout.name)
     cut = by_parameters(program, layout.sizes)
     names, tables = leaf_names(layout), table_names(program)
-    early = _render(cut.early, CONSTANT, names, tables)
+    early = rendered(cut.early, CONSTANT, names, tables)
     slots = with_slots_of(cut, program, names)
     groups = [_staged(cut.late, g, slots, tables) for g in layout.sizes]
     written = [early, *(b for g in groups for b in (g.timed, g.late))]
@@ -179,49 +179,24 @@ def source(program: Program, layout: Layout) -> str:
         "#include <math.h>",
         "#include <string.h>",
         "",
-        *_preamble(written),
+        *preamble(written),
     ]
     for table, n in tables.items():
         if f"lanes_{n}" in used:
             function = c_helpers.table_function(n, table)
             lines += [f"{function}\n", f"{by_lane(f'lanes_{n}', n, 'a')}\n"]
     if early.results:
-        lines += [*_kernel("APART_", f"{name}_constants_kernel", _EARLY, early, *_LOCAL[0]), ""]
+        lines += [*kernel("APART_", f"{name}_constants_kernel", EARLY, early, *LOCAL[0]), ""]
     for group in groups:
         head = f"{name}_{group.name}"
         if group.timed.results:
-            lines += [*_kernel("APART_", f"{head}_clock", _TIMED, group.timed, *_LOCAL[1]), ""]
-        lines += [*_kernel("INLINE_", f"{head}_kernel", _LATE, group.late, *_STORED), ""]
+            lines += [*kernel("APART_", f"{head}_clock", _TIMED, group.timed, *LOCAL[1]), ""]
+        lines += [*kernel("INLINE_", f"{head}_kernel", LATE, group.late, *STORED), ""]
         lines += [*_lanes(name, group, len(early.results), layout), ""]
     return "\n".join(lines)
 
 
-def kernels(programs: Mapping[str, Program]) -> tuple[str, dict[str, int]]:
-    """Return static functions of programs by head, with types and helpers, for the use inside a file.
-
-    ``head``_constants(p, c) fills lanes from the parameters; ``head``_``group``(t, x, xs, c, w, u, us,
-    y, ys) computes the results of a group, w is not read. Also returned: the number of constants of
-    each program. Programs with tables are refused by an assertion.
-    """
-    lines: list[str] = []
-    bodies: list[Body] = []
-    counts = {}
-    for head, program in programs.items():
-        assert not table_names(program)
-        cut = by_parameters(program, list(program.results))
-        counts[head] = len(cut.values)
-        slots = with_slots_of(cut, program, {})
-        early = _render(cut.early, CONSTANT, {}, {})
-        bodies.append(early)
-        lines += [*_kernel("APART_", f"{head}_constants", _EARLY, early, *_LOCAL[0]), ""]
-        for group in program.results:
-            bodies.append(_render(prune(cut.late, [group]), group, slots, {}))
-            whole = ("INLINE_", f"{head}_{group}", _LATE, bodies[-1], *_STORED)
-            lines += [*_kernel(*whole, part_length=len(bodies[-1].lines)), ""]
-    return "\n".join([*_preamble(bodies), *lines]), counts
-
-
-def _preamble(written: Sequence[Body]) -> list[str]:
+def preamble(written: Sequence[Body]) -> list[str]:
     """Return the types, and the helpers that bodies call."""
     return [
         lanes_math.TYPES,
@@ -231,7 +206,8 @@ def _preamble(written: Sequence[Body]) -> list[str]:
     ]
 
 
-def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
+def rendered(program: Program, group: str, names: Names, tables: Tables) -> Body:
+    """Render one group of results."""
     return render(program, group, names, TEMPLATES, _SLOTS, _NUMBERS, tables)
 
 
@@ -239,8 +215,8 @@ def _staged(program: Program, group: str, names: Names, tables: Tables) -> _Grou
     whole = prune(program, [group])
     cut = by_time(whole)
     rest = with_slots_of(cut, whole, names)
-    timed = _render(cut.early, CLOCK, names, tables)
-    return _Group(group, timed, _render(cut.late, group, rest, tables))
+    timed = rendered(cut.early, CLOCK, names, tables)
+    return _Group(group, timed, rendered(cut.late, group, rest, tables))
 
 
 def _calls(written: Iterable[Body]) -> int:
@@ -258,23 +234,17 @@ def _helpers(called: set[str]) -> list[str]:
     return [text for name, text in HELPERS.items() if name in wanted]
 
 
-def _kernel(
-    kind: str,
-    head: str,
-    arguments: Sequence[str],
-    body: Body,
-    place: str,
-    target: str,
-    part_length: int = PART_LINES,
+def kernel(
+    kind: str, head: str, arguments: Sequence[str], body: Body, place: str, target: str
 ) -> list[str]:
     """A computation of one block: all loads, then all stores; a long one in parts, as in C.
 
     ``place``: how the result {0} is stored as {1}; ``target``: declaration of where results go.
     """
     stores = [f"    {place.format(k, r)}" for k, r in enumerate(body.results)]
-    if len(body.lines) <= part_length:
-        return _static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
-    parts, size = split(body, part_length)
+    if len(body.lines) <= PART_LINES:
+        return static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
+    parts, size = split(body, PART_LINES)
     texts: list[str] = []
     calls = []
     for k, part in enumerate(parts):
@@ -282,13 +252,13 @@ def _kernel(
         last = k == len(parts) - 1
         declared = (*arguments, _CARRIED, *((target,) if last else ()))
         lines += stores if last else []
-        texts += [*_static(f"{head}_{k}", "static", declared, lines), ""]
+        texts += [*static(f"{head}_{k}", "static", declared, lines), ""]
         calls.append(f"    {head}_{k}({', '.join(variables(declared))});")
     room = f"    lane_ carried_[{size}];"
-    return [*texts, *_static(head, "static", (*arguments, target), [room, *calls])]
+    return [*texts, *static(head, "static", (*arguments, target), [room, *calls])]
 
 
-def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
+def static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
     """Return a static function; arguments that it does not use give no warning."""
     return [
         f"{kind} void {name}({', '.join(declared)}) {{",
