@@ -4,6 +4,7 @@ import ctypes
 import math
 import shutil
 import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from codegen.names import identifier
 from codegen.taylor import prepare
 from eom.errors import AssumptionError, InputError
 from eom.system import TIME, System
+from tests.clock import within
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 y1, y2, y3, k, u = sp.symbols("y1 y2 y3 k u", real=True)
@@ -293,6 +295,47 @@ def test_progress_ends_at_one_and_memory_may_be_left_out():
     assert found.counts == {"end": 1000}
     with pytest.raises(InputError, match="not kept"):
         _ = found.y
+
+
+@needs_compiler
+def test_statistics_are_those_of_the_trajectories():
+    scene = eom.Scene.ready("bicycle-wheel")
+    compiled = scene_once("bicycle-wheel")
+    start = scattered(scene, 600, 0.5)
+    output = compiled.layout.results["outputs"][0]
+    edges = np.linspace(-1, 1, 5)
+    asked = codegen.Statistics(("theta", output), quantiles=True, edges={"theta": edges})
+    given = (compiled, start, (0, 1), scene.parameter_values(), "taylor", 1e-7)
+    found = codegen.ensemble(*given, t_eval=[0.5, 1.0], statistics=asked)
+    bare = codegen.ensemble(*given, t_eval=[0.5, 1.0], statistics=asked, keep=False, chunk=256)
+    for name in asked.names:
+        values, counted = found[name], bare.statistics[name]
+        np.testing.assert_array_equal(counted.mean, found.statistics[name].mean)
+        np.testing.assert_allclose(counted.mean, values.mean(axis=1), rtol=1e-12)
+        np.testing.assert_allclose(counted.variance, values.var(axis=1, ddof=1), rtol=1e-10)
+        np.testing.assert_array_equal(counted.minimum, values.min(axis=1))
+        np.testing.assert_array_equal(counted.maximum, values.max(axis=1))
+        exact = np.quantile(values, [0.1, 0.5], axis=1, method="inverted_cdf").T
+        np.testing.assert_allclose(counted.quantile([0.1, 0.5]), exact, rtol=1e-3)
+    histogram = [np.histogram(row, edges)[0] for row in found["theta"]]
+    np.testing.assert_array_equal(bare.statistics["theta"].histogram, histogram)
+    largest = found.columns["drift"].max(axis=1)
+    assert [d.maximum[0] for d in bare.drift.values()] == largest.tolist()
+
+
+@needs_compiler
+def test_lanes_are_quicker_than_one_after_the_other(monkeypatch):
+    compiled, x = compiled_once(PENDULUM), RNG.normal(size=(2, 4000))
+    run = fleet.build(compiled, "taylor", 1e-9).run
+    monkeypatch.setattr(fleet, "MOST_IN_LANES", 1)
+    plain = fleet.build(compiled, "taylor", 1e-9).run
+
+    def seconds(function):
+        begin = time.process_time()
+        function(shared(2), x, np.ones(1))
+        return time.process_time() - begin
+
+    assert within(lambda: 0.8 * seconds(plain), lambda: seconds(run))
 
 
 BAD = {
