@@ -139,7 +139,7 @@ def _rows(contest: Contest, rtol: float, settings: Settings) -> tuple[Row, Row]:
         lambda: paired(
             lambda: seconds(lambda: contest.ours(rtol)),
             lambda: seconds(run),
-            5 if settings.quick else 15,
+            5 if settings.quick else 9,
         ),
         lambda p: p.ratio,
         LARGEST_RATIO,

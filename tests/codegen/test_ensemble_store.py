@@ -97,7 +97,7 @@ def test_whatever_file_is_damaged_is_computed_again(compiled, expected, kind, tm
     files = data_files(folder)
     rng = np.random.default_rng(2)
     again = 0
-    for number in rng.choice(len(files), 8, replace=False):
+    for number in rng.choice(len(files), 5, replace=False):
         file = files[number]
         before = file.read_bytes()
         middle = len(before) // 2
@@ -111,7 +111,7 @@ def test_whatever_file_is_damaged_is_computed_again(compiled, expected, kind, tm
             assert found.computed <= 1
             again += found.computed
         assert run(compiled, store=folder, store_format=kind).computed == 0
-    assert again >= 12
+    assert again >= 7
 
 
 def test_a_missing_record_is_a_missing_chunk(compiled, expected, kind, tmp_path):
