@@ -3,28 +3,40 @@
 from codegen.accuracy import accuracy
 from codegen.card import Card
 from codegen.compiled import Compiled, compile
+from codegen.ensemble import Ensemble, ensemble
 from codegen.exact import FreeMotion, free_body, free_motion
 from codegen.integrate.methods import METHODS
 from codegen.integrate.trajectory import Stop
 from codegen.linear import Linear, compiled_jacobian, linearise
+from codegen.sampler import Grid, Normal, Sampler, Uniform, UniformQuaternion
 from codegen.sensitivity import Sensitivities, sensitivities
 from codegen.simulation import Drift, Result, simulate
 from codegen.sparse import SparseJacobian
+from codegen.tallies import Statistics, Summary
 
 __all__ = [
     "METHODS",
     "Card",
     "Compiled",
     "Drift",
+    "Ensemble",
     "FreeMotion",
+    "Grid",
     "Linear",
+    "Normal",
     "Result",
+    "Sampler",
     "Sensitivities",
     "SparseJacobian",
+    "Statistics",
     "Stop",
+    "Summary",
+    "Uniform",
+    "UniformQuaternion",
     "accuracy",
     "compile",
     "compiled_jacobian",
+    "ensemble",
     "free_body",
     "free_motion",
     "linearise",

@@ -76,7 +76,7 @@ def batch(compiled: Compiled, group: str, threads: int | None = None) -> Batch:
     if group not in compiled.functions:
         raise unknown_name("group of results", group, compiled.functions)
     if threads is None:
-        threads = _processors()
+        threads = processors()
     elif isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
         raise InputError("wrong number of threads", got=threads, expected="1 or more, or None")
     kernel, form, notice = _kernel(compiled, group)
@@ -113,7 +113,7 @@ def divided(kernel: Kernel, threads: int, fewest: int = FEWEST) -> Kernel:
     return run
 
 
-def _processors() -> int:
+def processors() -> int:
     """Return the processors that this process may use."""
     allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed else os.cpu_count() or 1

@@ -88,9 +88,9 @@ _NUMBERS = {
     "nan": "NAN",
     EVERY_NUMBER: "lanes_all_({0})",
 }
-_EARLY = ("const double *p",)
+EARLY = ("const double *p",)
 _TIMED = ("const double *t", "const lane_ *c")
-_LATE = (
+LATE = (
     "const double *t",
     "const double *x",
     "ptrdiff_t xs",
@@ -99,8 +99,8 @@ _LATE = (
     "const double *u",
     "ptrdiff_t us",
 )
-_LOCAL = ("c[{0}] = {1};", "lane_ *c"), ("w[{0}] = {1};", "lane_ *w")
-_STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
+LOCAL = ("c[{0}] = {1};", "lane_ *c"), ("w[{0}] = {1};", "lane_ *w")
+STORED = ("lanes_store_(y + {0} * ys, {1});", "double *y, ptrdiff_t ys")
 _CARRIED = "lane_ *carried_"
 
 
@@ -167,7 +167,7 @@ def source(program: Program, layout: Layout) -> str:
     name = identifier(layout.name)
     cut = by_parameters(program, layout.sizes)
     names, tables = leaf_names(layout), table_names(program)
-    early = _render(cut.early, CONSTANT, names, tables)
+    early = rendered(cut.early, CONSTANT, names, tables)
     slots = with_slots_of(cut, program, names)
     groups = [_staged(cut.late, g, slots, tables) for g in layout.sizes]
     written = [early, *(b for g in groups for b in (g.timed, g.late))]
@@ -179,27 +179,35 @@ def source(program: Program, layout: Layout) -> str:
         "#include <math.h>",
         "#include <string.h>",
         "",
-        lanes_math.TYPES,
-        f"#define OFTEN_ {'INLINE_' if _calls(written) <= lanes_math.FEW_CALLS else 'APART_'}",
-        "",
-        *(f"{text}\n" for text in _helpers(used)),
+        *preamble(written),
     ]
     for table, n in tables.items():
         if f"lanes_{n}" in used:
             function = c_helpers.table_function(n, table)
             lines += [f"{function}\n", f"{by_lane(f'lanes_{n}', n, 'a')}\n"]
     if early.results:
-        lines += [*_kernel("APART_", f"{name}_constants_kernel", _EARLY, early, *_LOCAL[0]), ""]
+        lines += [*kernel("APART_", f"{name}_constants_kernel", EARLY, early, *LOCAL[0]), ""]
     for group in groups:
         head = f"{name}_{group.name}"
         if group.timed.results:
-            lines += [*_kernel("APART_", f"{head}_clock", _TIMED, group.timed, *_LOCAL[1]), ""]
-        lines += [*_kernel("INLINE_", f"{head}_kernel", _LATE, group.late, *_STORED), ""]
+            lines += [*kernel("APART_", f"{head}_clock", _TIMED, group.timed, *LOCAL[1]), ""]
+        lines += [*kernel("INLINE_", f"{head}_kernel", LATE, group.late, *STORED), ""]
         lines += [*_lanes(name, group, len(early.results), layout), ""]
     return "\n".join(lines)
 
 
-def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
+def preamble(written: Sequence[Body]) -> list[str]:
+    """Return the types, and the helpers that bodies call."""
+    return [
+        lanes_math.TYPES,
+        f"#define OFTEN_ {'INLINE_' if _calls(written) <= lanes_math.FEW_CALLS else 'APART_'}",
+        "",
+        *(f"{text}\n" for text in _helpers({w for b in written for w in words(b)})),
+    ]
+
+
+def rendered(program: Program, group: str, names: Names, tables: Tables) -> Body:
+    """Render one group of results."""
     return render(program, group, names, TEMPLATES, _SLOTS, _NUMBERS, tables)
 
 
@@ -207,8 +215,8 @@ def _staged(program: Program, group: str, names: Names, tables: Tables) -> _Grou
     whole = prune(program, [group])
     cut = by_time(whole)
     rest = with_slots_of(cut, whole, names)
-    timed = _render(cut.early, CLOCK, names, tables)
-    return _Group(group, timed, _render(cut.late, group, rest, tables))
+    timed = rendered(cut.early, CLOCK, names, tables)
+    return _Group(group, timed, rendered(cut.late, group, rest, tables))
 
 
 def _calls(written: Iterable[Body]) -> int:
@@ -226,7 +234,7 @@ def _helpers(called: set[str]) -> list[str]:
     return [text for name, text in HELPERS.items() if name in wanted]
 
 
-def _kernel(
+def kernel(
     kind: str, head: str, arguments: Sequence[str], body: Body, place: str, target: str
 ) -> list[str]:
     """A computation of one block: all loads, then all stores; a long one in parts, as in C.
@@ -235,7 +243,7 @@ def _kernel(
     """
     stores = [f"    {place.format(k, r)}" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
-        return _static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
+        return static(head, kind, (*arguments, target), [*assigned(body.lines, "lane_"), *stores])
     parts, size = split(body, PART_LINES)
     texts: list[str] = []
     calls = []
@@ -244,13 +252,13 @@ def _kernel(
         last = k == len(parts) - 1
         declared = (*arguments, _CARRIED, *((target,) if last else ()))
         lines += stores if last else []
-        texts += [*_static(f"{head}_{k}", "static", declared, lines), ""]
+        texts += [*static(f"{head}_{k}", "static", declared, lines), ""]
         calls.append(f"    {head}_{k}({', '.join(variables(declared))});")
     room = f"    lane_ carried_[{size}];"
-    return [*texts, *_static(head, "static", (*arguments, target), [room, *calls])]
+    return [*texts, *static(head, "static", (*arguments, target), [room, *calls])]
 
 
-def _static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
+def static(name: str, kind: str, declared: Sequence[str], lines: Sequence[str]) -> list[str]:
     """Return a static function; arguments that it does not use give no warning."""
     return [
         f"{kind} void {name}({', '.join(declared)}) {{",

@@ -1,0 +1,270 @@
+"""Many trajectories of one system by one call of C, without a Python step between them.
+
+Three kinds of generated text take the same job: Taylor series in vector lanes, and the scalar
+integrators (Taylor, Runge-Kutta) in a loop.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen import native
+from codegen.compiled import Compiled
+from codegen.integrate import runge_kutta, scipy_, taylor, taylor_lanes
+from codegen.integrate.dop853 import DOP853
+from codegen.integrate.trajectory import Array, Problem
+from codegen.layout import Layout
+from codegen.lower import RATES, SINGULARITIES
+from codegen.names import identifier
+from codegen.program import Program
+from codegen.taylor import Prepared, operations, prepare
+from eom.errors import InputError, unknown_name
+from eom.tables import Table
+
+STATUS = {
+    runge_kutta.DONE: "end",
+    runge_kutta.SINGULAR: "singular",
+    runge_kutta.NOT_FINITE: "not finite",
+    runge_kutta.STEP_TOO_SMALL: "step",
+    runge_kutta.PAUSED: "max_steps",
+}
+"""Why a trajectory stopped, by the number in `Runs.status`."""
+NUMBERS = {kind: number for number, kind in STATUS.items()}
+Integers = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Shared:
+    """What all trajectories have in common: times in s, tolerances, and where to stop."""
+
+    t_span: tuple[float, float]
+    inputs: Array
+    rtol: float
+    atol: Array
+    margin: float
+    t_eval: Array
+    max_step: float
+    max_steps: int
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Trajectories side by side: ``y`` (times, n, N), ``t_stop`` (N,), ``y_stop`` (n, N).
+
+    ``status`` (N,): numbers of `STATUS`; ``which``: of the singularity, or of the state that is not
+    finite, else -1. ``y`` is NaN at times that a trajectory did not reach.
+    """
+
+    y: Array
+    t_stop: Array
+    y_stop: Array
+    status: Integers
+    which: Integers
+    steps: Integers
+    rejected: Integers
+
+
+Runner = Callable[[Shared, Array, Array], Runs]
+"""(shared, states (n, N), parameters (m,) or (m, N)); the lock of Python is released meanwhile."""
+
+
+class _Job(ctypes.Structure):
+    """Mirror of job.c."""
+
+    _fields_ = [
+        *((f, ctypes.c_double) for f in ("t", "t_end", "h_max", "rtol", "margin")),
+        *((f, ctypes.c_void_p) for f in ("atol", "u", "grid", "x", "p", "y", "t_stop", "x_stop")),
+        *((f, ctypes.c_void_p) for f in ("room", "status", "which", "steps", "rejected")),
+        *((f, ctypes.c_ssize_t) for f in ("x_row", "x_column", "p_row", "p_column")),
+        *((f, ctypes.c_ssize_t) for f in ("y_row", "y_time", "stop_row")),
+        *((f, ctypes.c_size_t) for f in ("count", "grid_count")),
+        ("max_steps", ctypes.c_longlong),
+    ]
+
+
+def runner(function: Any) -> Runner:
+    """Return what calls a C function of a job."""
+    function.argtypes = [ctypes.c_void_p]
+    function.restype = None
+
+    def run(shared: Shared, x: Array, p: Array) -> Runs:
+        n, count = x.shape
+        times = len(shared.t_eval)
+        x, p = np.ascontiguousarray(x), np.ascontiguousarray(p)
+        runs = _empty(times, n, count)
+        room = np.empty(times * (n + 1) + 1)
+        job = _job(shared, x, p, runs, room)
+        function(ctypes.addressof(job))
+        return runs
+
+    return run
+
+
+def _job(shared: Shared, x: Array, p: Array, runs: Runs, room: Array) -> _Job:
+    """Return the job as C reads it; the arrays must live as long as it runs."""
+    n, count = x.shape
+    (start, end), times = shared.t_span, len(shared.t_eval)
+    job = _Job(t=start, t_end=end, h_max=shared.max_step, rtol=shared.rtol, margin=shared.margin)
+    job.max_steps, job.count, job.grid_count = shared.max_steps, count, times
+    arrays: dict[str, NDArray[Any]] = {
+        "atol": shared.atol, "u": shared.inputs, "grid": shared.t_eval, "x": x, "p": p,
+        "y": runs.y, "t_stop": runs.t_stop, "x_stop": runs.y_stop, "room": room,
+        "status": runs.status, "which": runs.which, "steps": runs.steps,
+        "rejected": runs.rejected,
+    }  # fmt: skip
+    for name, array in arrays.items():
+        setattr(job, name, (array if array.size else room).ctypes.data)
+    job.x_row, job.x_column = count, 1
+    job.p_row, job.p_column = (count, 1) if p.ndim == 2 else (1, 0)
+    job.y_row, job.y_time, job.stop_row = count, n * count, count
+    return job
+
+
+MOST_IN_LANES = 16_000
+"""Operations of straight-line code in lanes, which take a compiler about 5 s; without lanes a
+trajectory takes about six times as long."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """What integrates many trajectories, what it is called, and why it is not something faster.
+
+    ``text``: the generated source that does it.
+    """
+
+    run: Runner
+    method: str
+    text: str
+    notice: str = ""
+
+
+def build(compiled: Compiled, method: str, rtol: float) -> Built:
+    """Prepare the integration of many trajectories by ``method``: auto, taylor or DOP853.
+
+    ``auto``: Taylor series where every operation has a rule, else DOP853. Raises `InputError` for
+    another method, and for ``taylor`` where an operation has no rule.
+    """
+    row = METHODS.get(method)
+    if row is None:
+        raise unknown_name("method", method, METHODS, "ensemble")
+    if compiled.target != "c":
+        reason = f"target {compiled.target}: one trajectory after the other"
+        used = f"DOP853 of SciPy over {compiled.target} functions"
+        return Built(_by_scipy(compiled), used, compiled.source, reason)
+    return row(compiled, rtol)
+
+
+def _auto(compiled: Compiled, rtol: float) -> Built:
+    try:
+        return _taylor(compiled, rtol)
+    except native.CompilerError:
+        raise
+    except InputError as error:
+        return replace(_dop853(compiled, rtol), notice=error.what)
+
+
+def _taylor(compiled: Compiled, rtol: float) -> Built:
+    program, layout, order = compiled.program, compiled.layout, taylor.order_of(rtol)
+    prepared = prepare(program, RATES, layout)
+    reason = _against_lanes(program, prepared, order)
+    if not reason:
+        try:
+            text = taylor_lanes.single_text(prepared, program, layout, order)
+            function, lanes = taylor_lanes.build(text, layout)
+        except native.CompilerError as error:
+            reason = f"{error.what} ({error.got.splitlines()[0]})"
+        else:
+            name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
+            return Built(runner(function), name, text)
+    text = taylor.single_text(program, layout, order)
+    run = _many(text, layout, "taylor", taylor.FLAGS)
+    name = f"Taylor series of order {order} in generated C"
+    return Built(run, name, text, f"no lanes: {reason}")
+
+
+def _against_lanes(program: Program, prepared: Prepared, order: int) -> str:
+    """Return why there is no code in lanes, or an empty text."""
+    count = operations(prepared, order)
+    if count > MOST_IN_LANES:
+        return f"{count:,} operations of straight-line code at order {order}"
+    if any(isinstance(i.value, Table) for i in program.instructions):
+        return "tables have no form in lanes"
+    return ""
+
+
+def _dop853(compiled: Compiled, rtol: float) -> Built:  # noqa: ARG001 - the signature of a row
+    program, layout = compiled.program, compiled.layout
+    text = runge_kutta.single_text(DOP853, program, layout)
+    flags = native.flags_for(0, len(program.instructions))
+    return Built(_many(text, layout, DOP853.name, flags), "DOP853 in generated C", text)
+
+
+METHODS: dict[str, Callable[[Compiled, float], Built]] = {
+    "auto": _auto,
+    "taylor": _taylor,
+    "DOP853": _dop853,
+}
+"""The methods of ensembles by name."""
+
+
+def _many(text: str, layout: Layout, suffix: str, flags: tuple[str, ...]) -> Runner:
+    """Compile a scalar integrator with a loop over the trajectories of a job."""
+    prefix = f"{identifier(layout.name)}_{suffix}"
+    values = {
+        "JOB": runge_kutta.fill("job.c", {}),
+        "PREFIX": prefix,
+        "UPPER": prefix.upper(),
+        "PARAMETERS": str(len(layout.parameters)),
+    }
+    whole = text + runge_kutta.fill("many.c", values)
+    library = native.load(native.compile_library(whole, flags), whole, flags)
+    return runner(getattr(library, f"{prefix}_many"))
+
+
+def _by_scipy(compiled: Compiled) -> Runner:
+    """Return what integrates without a compiler, one trajectory after the other."""
+    singularities = len(compiled.layout.results[SINGULARITIES])
+
+    def run(shared: Shared, x: Array, p: Array) -> Runs:
+        runs = _empty(len(shared.t_eval), *x.shape)
+        for j in range(x.shape[1]):
+            found = scipy_.integrate(
+                compiled, _problem(shared, x, p, j, singularities), "DOP853", None
+            )
+            runs.y[: len(found.t), :, j] = found.y.T
+            runs.t_stop[j], runs.y_stop[:, j] = found.stop.t, found.state_at_stop
+            runs.status[j], runs.which[j] = NUMBERS[found.stop.kind], found.stop.which
+            runs.steps[j], runs.rejected[j] = found.steps, found.rejected
+        return runs
+
+    return run
+
+
+def _problem(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
+    return Problem(
+        x0=np.ascontiguousarray(x[:, j]),
+        t_span=shared.t_span,
+        parameters=np.ascontiguousarray(p[:, j]) if p.ndim == 2 else p,
+        inputs=shared.inputs,
+        rtol=shared.rtol,
+        atol=shared.atol,
+        margin=shared.margin,
+        singularities=singularities,
+        t_eval=shared.t_eval,
+        max_step=shared.max_step,
+        max_steps=shared.max_steps,
+    )
+
+
+def _empty(times: int, n: int, count: int) -> Runs:
+    numbers = (np.empty(count, dtype=np.int32) for _ in range(4))
+    return Runs(
+        np.full((times, n, count), math.nan), np.empty(count), np.empty((n, count)), *numbers
+    )
