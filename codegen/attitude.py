@@ -88,7 +88,7 @@ class Attitude:
 def attitude_of(program: Program, count: int) -> Attitude | None:
     """Return the attitude among ``count`` states, or None unless there is one quaternion."""
     rates = prune(program, [RATES])
-    found = [q for q in candidates(rates, count) if frame_rate(rates, q, count) is not None]
+    found = candidates(rates, count)
     if len(found) != 1:
         return None
     quaternion = found[0]

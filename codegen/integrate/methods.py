@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Generic, TypeVar
 
 from codegen.compiled import Compiled
-from codegen.integrate import runge_kutta, scipy_, taylor
+from codegen.integrate import group, rkmk, runge_kutta, scipy_, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
@@ -58,6 +58,11 @@ def _taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMet
     return taylor.build(key.value.program, key.value.layout, order)
 
 
+@lru_cache(maxsize=64)
+def _rkmk_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return rkmk.build(key.value.program, key.value.layout)
+
+
 def _native(method: runge_kutta.NativeMethod) -> Integrator:
     return lambda problem: runge_kutta.integrate(method, problem)
 
@@ -82,6 +87,21 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
     return _native(native), f"Taylor series of order {order} in generated C"
 
 
+def _refuse_signals(name: str, task: Task) -> None:
+    if task.signals is not None:
+        raise InputError(
+            f"method {name} runs in C and cannot call inputs that are Python functions",
+            hint="write them into the system as functions of time, or choose DOP853",
+        )
+
+
+def _rkmk(task: Task) -> tuple[Integrator, str]:
+    _refuse_signals("rkmk", task)
+    native, evaluate = _rkmk_once(SameObject(task.compiled))
+    used = "Runge-Kutta-Munthe-Kaas of order 8 in generated C"
+    return lambda problem: group.integrate(native, evaluate, problem), used
+
+
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
         used = f"{name} of SciPy over {task.compiled.target} functions"
@@ -94,6 +114,7 @@ ROWS = (
     Method("auto", "DOP853", _dop853),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
+    Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
       for m in scipy_.METHODS),
 )  # fmt: skip
