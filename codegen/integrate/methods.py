@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Generic, TypeVar
 
 from codegen.compiled import Compiled
-from codegen.integrate import group, rkmk, runge_kutta, scipy_, taylor
+from codegen.integrate import group, rkmk, runge_kutta, scipy_, splitting, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
@@ -63,6 +63,11 @@ def _rkmk_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, gro
     return rkmk.build(key.value.program, key.value.layout)
 
 
+@lru_cache(maxsize=64)
+def _splitting_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return splitting.build(key.value.program, key.value.layout)
+
+
 def _native(method: runge_kutta.NativeMethod) -> Integrator:
     return lambda problem: runge_kutta.integrate(method, problem)
 
@@ -102,6 +107,13 @@ def _rkmk(task: Task) -> tuple[Integrator, str]:
     return lambda problem: group.integrate(native, evaluate, problem), used
 
 
+def _splitting(task: Task) -> tuple[Integrator, str]:
+    _refuse_signals("splitting", task)
+    native, evaluate = _splitting_once(SameObject(task.compiled))
+    used = f"splitting of order {splitting.METHOD.order} in generated C"
+    return lambda problem: group.integrate(native, evaluate, problem), used
+
+
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
         used = f"{name} of SciPy over {task.compiled.target} functions"
@@ -115,6 +127,7 @@ ROWS = (
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
     Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
+    Method("splitting", "symplectic: exact free-body turns and kicks of torque, fixed step", _splitting),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
       for m in scipy_.METHODS),
 )  # fmt: skip
