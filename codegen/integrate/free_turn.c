@@ -1,105 +1,122 @@
-#define TERMS 40      /* coefficients of the series at most */
-#define LONGEST 0.5   /* radians of a part of a free turn, before and at most */
+#define TERMS 40      /* coefficients of a series at most */
+#define LONGEST 0.5   /* radians that a body turns in one series, at most */
 #define MOST_PARTS 1e8
 
-/* One part of the torque-free motion of a body with principal axes: series in the part of the time that
- * has passed, until two terms in a row are lost in rounding. w: body rates times the time, replaced by
- * those at the end; e: the turn less one. With n the unit vector along the momentum, n0 at the start, the
- * body turns by chi about n0 and then by the least turn that takes n0 to n; d chi/dt = (w n + w n0)/(1 + n n0),
- * where w n is constant. Returns 0 if the series does not end. */
+/* exp(a/2) less one: a turn by |a| about a. */
+static inline void turn_about(double a0, double a1, double a2, double *e) {
+    double versed, sinc, rest;
+    turns(0.25 * (a0 * a0 + a1 * a1 + a2 * a2), &versed, &sinc, &rest);
+    e[0] = versed, e[1] = 0.5 * sinc * a0, e[2] = 0.5 * sinc * a1, e[3] = 0.5 * sinc * a2;
+}
+
+/* e becomes the turn e followed by other, both less one. */
+static inline void follow(double *e, const double *other) {
+    double both[4];
+    multiplied(e, other, both);
+    for (int i = 0; i < 4; ++i) e[i] += other[i] + both[i];
+}
+
+/* One part of the torque-free motion about principal axes, as series in the part of the time that has
+ * passed, until two terms in a row are lost in rounding. w: body rates times the time, replaced by those
+ * at the end; e: the turn less one. n: the unit vector along the momentum, n0 at the start. The body turns
+ * by chi about n0 and then by the least turn that takes n0 to n: d chi/dt = (w n + w n0)/(1 + n n0), where
+ * w n is constant. The four sums of products of each order stand in lanes: w2 w3, w3 w1, w1 w2, and that
+ * of the quotient. Returns 0 if a series does not end. */
 static int free_part(const double *moments, const double *ratios, double *w, double *e) {
-    double W[3][TERMS + 1], c[TERMS + 1], B[TERMS + 1], n0[3], scale[3], chi = 0.0;
+    double left[TERMS + 1][4], right[TERMS + 1][4], n0[3], scale[3], along[3], c[TERMS + 1];
     const double m[3] = {moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]};
     const double most = fmax(fabs(m[0]), fmax(fabs(m[1]), fabs(m[2])));
     const double a0 = m[0] / most, a1 = m[1] / most, a2 = m[2] / most;
-    const double length = sqrt(a0 * a0 + a1 * a1 + a2 * a2);
-    const double size = fabs(w[0]) + fabs(w[1]) + fabs(w[2]);
-    double constant = 0.0;
+    const double over_length = 1.0 / sqrt(a0 * a0 + a1 * a1 + a2 * a2);
+    const double over_size = 1.0 / (fabs(w[0]) + fabs(w[1]) + fabs(w[2])), over_momentum = over_length / most;
     int last = 0, quiet = 0;
-    n0[0] = a0 / length, n0[1] = a1 / length, n0[2] = a2 / length;
+    n0[0] = a0 * over_length, n0[1] = a1 * over_length, n0[2] = a2 * over_length;
     for (int i = 0; i < 3; ++i) {
-        W[i][0] = w[i];
-        scale[i] = moments[i] / most / length;
-        constant += w[i] * n0[i];
+        scale[i] = moments[i] * over_momentum;
+        along[i] = scale[i] * n0[i];
+        left[0][i] = w[(i + 1) % 3];
+        right[0][i] = w[(i + 2) % 3];
     }
-    B[0] = 2.0;
-    c[0] = constant;
-    for (int k = 0; k < TERMS && quiet < 2; ++k) {
-        double s0 = 0.0, s1 = 0.0, s2 = 0.0;
-        for (int j = 0; j <= k; ++j) {
-            s0 += W[1][j] * W[2][k - j];
-            s1 += W[2][j] * W[0][k - j];
-            s2 += W[0][j] * W[1][k - j];
-        }
-        last = k + 1;
-        const double part = 1.0 / last;
-        W[0][last] = ratios[0] * s0 * part;
-        W[1][last] = ratios[1] * s1 * part;
-        W[2][last] = ratios[2] * s2 * part;
-        double top = 0.0, change = 0.0;
-        B[last] = 0.0;
-        for (int i = 0; i < 3; ++i) {
-            top += W[i][last] * n0[i];
-            B[last] += scale[i] * W[i][last] * n0[i];
-            change = fmax(change, fmax(fabs(W[i][last]) / size, fabs(scale[i] * W[i][last])));
-        }
-        for (int j = 1; j <= last; ++j) top -= B[j] * c[last - j];
-        c[last] = 0.5 * top;
-        change = fmax(change, fabs(c[last]) / (last + 1));
-        quiet = change <= 0x1p-58 ? quiet + 1 : 0;
+    c[0] = w[0] * n0[0] + w[1] * n0[1] + w[2] * n0[2];
+    left[0][3] = 0.0;
+    while (last < TERMS && quiet < 2) {
+        double sum[4] = {0.0, 0.0, 0.0, 0.0};
+        right[last][3] = 0.0; /* of the order that is to be found: its factor is zero */
+        for (int j = 0; j <= last; ++j)
+            for (int i = 0; i < 4; ++i) sum[i] += left[j][i] * right[last - j][i];
+        const double part = 1.0 / (last + 1);
+        const double w0 = ratios[0] * sum[0] * part, w1 = ratios[1] * sum[1] * part, w2 = ratios[2] * sum[2] * part;
+        const double below = along[0] * w0 + along[1] * w1 + along[2] * w2;
+        const double next = 0.5 * (w0 * n0[0] + w1 * n0[1] + w2 * n0[2] - below * c[0] - sum[3]);
+        right[last][3] = next;
+        last += 1;
+        c[last] = next;
+        left[last][0] = w1, left[last][1] = w2, left[last][2] = w0, left[last][3] = below;
+        right[last][0] = w2, right[last][1] = w0, right[last][2] = w1;
+        const double most_rate = fmax(fabs(w0), fmax(fabs(w1), fabs(w2))) * over_size;
+        const double most_n = fmax(fabs(scale[0] * w0), fmax(fabs(scale[1] * w1), fabs(scale[2] * w2)));
+        quiet = fmax(fmax(most_rate, most_n), fabs(next) * part) <= 0x1p-58 ? quiet + 1 : 0;
     }
     if (quiet < 2) return 0;
-    double d[3], s[3];
-    for (int i = 0; i < 3; ++i) {
-        double sum = 0.0;
-        for (int k = last; k > 0; --k) sum += W[i][k];
-        d[i] = scale[i] * sum;
-        w[i] += sum;
+    double sum0 = 0.0, sum1 = 0.0, sum2 = 0.0, chi = 0.0;
+    for (int k = last; k > 0; --k) {
+        sum0 += left[k][2], sum1 += left[k][0], sum2 += left[k][1];
+        chi += c[k] / (k + 1);
     }
-    for (int k = last; k >= 0; --k) chi += c[k] / (k + 1);
-    const double over = 1.0 / sqrt(4.0 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-    s[0] = over * (d[1] * n0[2] - d[2] * n0[1]);
-    s[1] = over * (d[2] * n0[0] - d[0] * n0[2]);
-    s[2] = over * (d[0] * n0[1] - d[1] * n0[0]);
-    const double square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
-    double versed, sinc, rest, both[4];
-    turns(0.25 * chi * chi, &versed, &sinc, &rest);
-    const double first[4] = {versed, 0.5 * chi * sinc * n0[0], 0.5 * chi * sinc * n0[1], 0.5 * chi * sinc * n0[2]};
-    const double second[4] = {-square / (1.0 + sqrt(1.0 - square)), s[0], s[1], s[2]};
-    multiplied(first, second, both);
-    for (int i = 0; i < 4; ++i) e[i] = first[i] + second[i] + both[i];
+    chi += c[0];
+    w[0] += sum0, w[1] += sum1, w[2] += sum2;
+    const double d0 = scale[0] * sum0, d1 = scale[1] * sum1, d2 = scale[2] * sum2;
+    const double over = 1.0 / sqrt(4.0 - (d0 * d0 + d1 * d1 + d2 * d2));
+    const double s0 = over * (d1 * n0[2] - d2 * n0[1]), s1 = over * (d2 * n0[0] - d0 * n0[2]);
+    const double s2 = over * (d0 * n0[1] - d1 * n0[0]), square = s0 * s0 + s1 * s1 + s2 * s2;
+    const double least[4] = {-square / (1.0 + sqrt(1.0 - square)), s0, s1, s2};
+    turn_about(chi * n0[0], chi * n0[1], chi * n0[2], e);
+    follow(e, least);
     return 1;
 }
 
-/* The torque-free motion over the time h from the body rates omega, principal axes: the turn less one. The
- * series are those of parts in which the body turns by at most LONGEST. */
-static void free_turn(const double *moments, const double *ratios, double h, const double *omega, double *e) {
+/* The motion in parts, each short enough for its series. */
+static void triaxial_turn(const double *moments, const double *ratios, double h, const double *omega, double *e) {
     const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
-    double parts = ceil(most * fabs(h) / LONGEST);
+    double parts = fmax(1.0, ceil(most * fabs(h) / LONGEST)), length = 1.0 / parts;
+    double w[3] = {omega[0] * (h * length), omega[1] * (h * length), omega[2] * (h * length)};
     for (int i = 0; i < 4; ++i) e[i] = 0.0;
-    if (most * fabs(h) < 1e-100) {
-        for (int i = 0; i < 3; ++i) e[i + 1] = 0.5 * h * omega[i];
-        return;
-    }
-    if (!(parts <= MOST_PARTS)) {
-        e[0] = NAN;
-        return;
-    }
-    double length = 1.0 / parts, w[3];
-    for (int i = 0; i < 3; ++i) w[i] = omega[i] * (h * length);
-    for (double k = 0.0; k < parts; k += 1.0) {
-        double again[3] = {w[0], w[1], w[2]}, turn[4], both[4];
-        if (!free_part(moments, ratios, again, turn)) {
-            /* shorter parts, for as long as it takes */
-            for (int i = 0; i < 3; ++i) w[i] *= 0.5;
-            parts += parts - k;
-            k -= 1.0;
-            if (parts <= MOST_PARTS) continue;
+    while (parts > 0.0) {
+        double after[3] = {w[0], w[1], w[2]}, turn[4];
+        if (!(parts <= MOST_PARTS)) {
             e[0] = NAN;
             return;
         }
-        multiplied(e, turn, both);
-        for (int i = 0; i < 4; ++i) e[i] += turn[i] + both[i];
-        for (int i = 0; i < 3; ++i) w[i] = again[i];
+        if (!free_part(moments, ratios, after, turn)) {
+            parts *= 2.0;
+            for (int i = 0; i < 3; ++i) w[i] *= 0.5;
+            continue;
+        }
+        parts -= 1.0;
+        follow(e, turn);
+        for (int i = 0; i < 3; ++i) w[i] = after[i];
     }
+}
+
+/* The torque-free motion over the time h from the body rates omega about principal axes: the turn less one.
+ * ratios[i] = (J[i+1] - J[i+2])/J[i]. With two equal moments J, the body turns by h |M|/J about the momentum
+ * M, and then by the rest about its axis. */
+static void free_turn(const double *moments, const double *ratios, double h, const double *omega, double *e) {
+    const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
+    if (most * fabs(h) < 1e-100) {
+        turn_about(h * omega[0], h * omega[1], h * omega[2], e);
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (ratios[i] != 0.0) continue;
+        const int j = (i + 1) % 3;
+        double a[3] = {h * omega[0], h * omega[1], h * omega[2]}, b[3] = {0.0, 0.0, 0.0}, other[4];
+        b[i] = a[i] * ratios[j];
+        a[i] *= moments[i] / moments[j];
+        turn_about(a[0], a[1], a[2], e);
+        turn_about(b[0], b[1], b[2], other);
+        follow(e, other);
+        return;
+    }
+    triaxial_turn(moments, ratios, h, omega, e);
 }

@@ -94,6 +94,10 @@ def between(library: ctypes.CDLL, prefix: str) -> Between:
     return function  # type: ignore[no-any-return]
 
 
+def unbound(*_: Array) -> None:
+    """Stand where `integrate` puts the dense output of a problem, which needs its parameters."""
+
+
 def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Trajectory:
     """Integrate a problem; its dense output is evaluated with its own parameters and inputs."""
 

@@ -9,8 +9,8 @@ components in the reference frame (`codegen.momentum`), which without torque doe
 Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
 
 Errors are measured in the angle of the turn, relative to 1 rad, in momentum, relative to its length, and
-in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out as a first integral, it is kept to the
-tolerance, and so is H.
+in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out
+as a first integral, it is kept to the tolerance, and so is H.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def build(
     state, output = _structures(prefix, shape, room, sizes)
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
-    method = NativeMethod(shape.terms, group.RowSolution, begin, run, state, output, library)
+    method = NativeMethod(shape.terms, group.unbound, begin, run, state, output, library)
     return method, group.between(library, prefix)
 
 

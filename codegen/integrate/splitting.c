@@ -167,10 +167,12 @@ static double first_error(const @PREFIX@ *s, double h, const double *u) {
     return fmax(2.0 * sqrt(turn), size > 0.0 ? sqrt(momentum / size) : 0.0);
 }
 
-/* The step: h times the fastest rate is at most 1, and the local error at the start meets rtol. */
+/* The step: a part of it times the fastest rate is at most 1, and the local error at the start meets rtol. */
 static double first_step(const @PREFIX@ *s, const double *u) {
     const double span = fabs(s->t_end - s->t), direction = s->t_end >= s->t ? 1.0 : -1.0, rate = fastest(s);
-    const double most = rate * span > 1.0 ? 1.0 / rate : span;
+    double longest = 0.0;
+    for (int k = 0; k < STAGES; ++k) longest = fmax(longest, fabs(drifts[k]));
+    const double most = rate * longest * span > 1.0 ? 1.0 / (rate * longest) : span;
     double h = most;
     for (int trial = 0; trial < 6; ++trial) {
         const double error = first_error(s, h * direction, u);

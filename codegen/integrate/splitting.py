@@ -7,14 +7,16 @@ momentum, so that compositions for Runge-Kutta-Nystroem problems serve (Blanes a
 Math. 142 (2002) 313). The step stays the same: that is why energy does not drift. It is ``first_step``
 where that is given, and at most ``max_step``; else it is such that the local error at the start, one
 step against two halves, in the angle and relative to the momentum, is the relative tolerance, and the
-fastest rate of body, frame and torque times the step is at most 1.
+fastest rate of body, frame and torque times the longest part of the step is at most 1. Errors are not
+looked at again: a torque that grows later, or changes fast with time, needs a step that is given.
 
-The torque-free turn is a Taylor series in parts of at most half a radian, of so many terms that the rest
-is lost in rounding (`free_turn.c`). Constants of the elliptic functions (van Zon and Schofield, J. Comput.
-Phys. 225 (2007) 145; Celledoni, Fasso, Saefstroem and Zanna, SIAM J. Sci. Comput. 30 (2008) 2084) change
-with every kick, and in double precision they lose digits next to the separatrix and to symmetry, where
-the series knows no difference. Momentum is kept with components in the reference frame, so that
-without torque it does not change at all. A state between two steps is a step of a part of the length.
+The torque-free turn of a body with two equal moments is elementary; else it is a Taylor series in parts
+of at most half a radian, of so many terms that the rest is lost in rounding (`free_turn.c`). Constants of
+the elliptic functions (van Zon and Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni, Fasso,
+Saefstroem and Zanna, SIAM J. Sci. Comput. 30 (2008) 2084) change with every kick, and in double precision
+they lose digits next to the separatrix and to symmetry, where the series knows no difference. Momentum
+is kept with components in the reference frame, so that without torque it does not change at all. A
+state between two steps is a step of a part of the length.
 """
 
 from __future__ import annotations
@@ -128,7 +130,7 @@ def build(
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     terms = _terms(len(layout.states))
-    made = NativeMethod(terms, group.RowSolution, begin, run, state, output, library)
+    made = NativeMethod(terms, group.unbound, begin, run, state, output, library)
     return made, group.between(library, prefix)
 
 
