@@ -87,18 +87,23 @@ def local(program: Program, variables: Variables) -> Program:
 
 
 def kicks(program: Program, variables: Variables) -> Program:
-    """Return `KICK`, C^T tau over slots (q, pi), which reads q alone, `STATES`, and `CONSTANTS`.
+    """Return `KICK`, tau and C^T tau over the slots of q, 0 to 3, and `CONSTANTS`.
 
-    Only for a body whose torque does not depend on its rates. `CONSTANTS`: six entries of J, then n.
+    Only for a body whose torque does not depend on its rates, nor on other states. `CONSTANTS`: six
+    entries of J, n, and the body rates that are constant, 0 for others.
     """
     body = variables.attitude.body
     assert body is not None
     b = Builder(program.rules)
-    slots, states, _ = _changed(b, variables)
-    turned = _torque(b, body, states, slots)
+    slots = [b.leaf("state", k) for k in range(4)]
+    given = zip(variables.attitude.quaternion, slots, strict=True)
+    new = copied(b, body.torque, {("state", s): k for s, k in given})
+    torque = [new[k] for k in body.torque.results[TORQUE]]
+    turned = transposed_times(b, rotation(b, slots), torque)
     values = copied(b, body.values, {})
-    constants = [values[k] for g in (INERTIA, FRAME) for k in body.values.results[g]]
-    return optimise(b.program({KICK: turned, STATES: states, CONSTANTS: constants}))
+    groups = (INERTIA, FRAME, CONSTANT_RATES)
+    constants = [values[k] for g in groups for k in body.values.results[g]]
+    return optimise(b.program({KICK: [*torque, *turned], CONSTANTS: constants}))
 
 
 def start(program: Program, variables: Variables) -> Program:

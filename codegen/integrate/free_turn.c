@@ -17,12 +17,12 @@ static inline void follow(double *e, const double *other) {
 }
 
 /* One part of the torque-free motion about principal axes, as series in the part of the time that has
- * passed, until two terms in a row are lost in rounding. w: body rates times the time, replaced by those
- * at the end; e: the turn less one. n: the unit vector along the momentum, n0 at the start. The body turns
+ * passed, until two terms in a row are lost in rounding. w: body rates times the time, gained: what they gain
+ * on the way; e: the turn less one. n: the unit vector along the momentum, n0 at the start. The body turns
  * by chi about n0 and then by the least turn that takes n0 to n: d chi/dt = (w n + w n0)/(1 + n n0), where
  * w n is constant. The four sums of products of each order stand in lanes: w2 w3, w3 w1, w1 w2, and that
  * of the quotient. Returns 0 if a series does not end. */
-static int free_part(const double *moments, const double *ratios, double *w, double *e) {
+static int free_part(const double *moments, const double *ratios, const double *w, double *gained, double *e) {
     double left[TERMS + 1][4], right[TERMS + 1][4], n0[3], scale[3], along[3], c[TERMS + 1];
     const double m[3] = {moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]};
     const double most = fmax(fabs(m[0]), fmax(fabs(m[1]), fabs(m[2])));
@@ -64,7 +64,7 @@ static int free_part(const double *moments, const double *ratios, double *w, dou
         chi += c[k] / (k + 1);
     }
     chi += c[0];
-    w[0] += sum0, w[1] += sum1, w[2] += sum2;
+    gained[0] = sum0, gained[1] = sum1, gained[2] = sum2;
     const double d0 = scale[0] * sum0, d1 = scale[1] * sum1, d2 = scale[2] * sum2;
     const double over = 1.0 / sqrt(4.0 - (d0 * d0 + d1 * d1 + d2 * d2));
     const double s0 = over * (d1 * n0[2] - d2 * n0[1]), s1 = over * (d2 * n0[0] - d0 * n0[2]);
@@ -76,47 +76,52 @@ static int free_part(const double *moments, const double *ratios, double *w, dou
 }
 
 /* The motion in parts, each short enough for its series. */
-static void triaxial_turn(const double *moments, const double *ratios, double h, const double *omega, double *e) {
+static void triaxial_turn(const double *moments, const double *ratios, double h, const double *omega, double *gained, double *e) {
     const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
-    double parts = fmax(1.0, ceil(most * fabs(h) / LONGEST)), length = 1.0 / parts;
-    double w[3] = {omega[0] * (h * length), omega[1] * (h * length), omega[2] * (h * length)};
+    double parts = fmax(1.0, ceil(most * fabs(h) / LONGEST)), length = h / parts;
+    double w[3] = {omega[0] * length, omega[1] * length, omega[2] * length};
     for (int i = 0; i < 4; ++i) e[i] = 0.0;
+    for (int i = 0; i < 3; ++i) gained[i] = 0.0;
     while (parts > 0.0) {
-        double after[3] = {w[0], w[1], w[2]}, turn[4];
+        double more[3], turn[4];
         if (!(parts <= MOST_PARTS)) {
             e[0] = NAN;
             return;
         }
-        if (!free_part(moments, ratios, after, turn)) {
-            parts *= 2.0;
+        if (!free_part(moments, ratios, w, more, turn)) {
+            parts *= 2.0, length *= 0.5;
             for (int i = 0; i < 3; ++i) w[i] *= 0.5;
             continue;
         }
         parts -= 1.0;
         follow(e, turn);
-        for (int i = 0; i < 3; ++i) w[i] = after[i];
+        for (int i = 0; i < 3; ++i) gained[i] += more[i] / length, w[i] += more[i];
     }
 }
 
-/* The torque-free motion over the time h from the body rates omega about principal axes: the turn less one.
- * ratios[i] = (J[i+1] - J[i+2])/J[i]. With two equal moments J, the body turns by h |M|/J about the momentum
- * M, and then by the rest about its axis. */
-static void free_turn(const double *moments, const double *ratios, double h, const double *omega, double *e) {
+/* The torque-free motion over the time h from the body rates omega about principal axes: what the rates
+ * gain, and the turn less one. ratios[i] = (J[i+1] - J[i+2])/J[i]. With two equal moments J, the body turns by
+ * h |M|/J about the momentum M, and then by the rest about its axis. */
+static void free_turn(const double *moments, const double *ratios, double h, const double *omega, double *gained, double *e) {
     const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
+    for (int i = 0; i < 3; ++i) gained[i] = 0.0;
     if (most * fabs(h) < 1e-100) {
         turn_about(h * omega[0], h * omega[1], h * omega[2], e);
         return;
     }
     for (int i = 0; i < 3; ++i) {
         if (ratios[i] != 0.0) continue;
-        const int j = (i + 1) % 3;
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
         double a[3] = {h * omega[0], h * omega[1], h * omega[2]}, b[3] = {0.0, 0.0, 0.0}, other[4];
         b[i] = a[i] * ratios[j];
         a[i] *= moments[i] / moments[j];
         turn_about(a[0], a[1], a[2], e);
         turn_about(b[0], b[1], b[2], other);
         follow(e, other);
+        const double half = other[i + 1], versed = -2.0 * half * half, sine = 2.0 * half * (1.0 + other[0]);
+        gained[j] = versed * omega[j] + sine * omega[k];
+        gained[k] = versed * omega[k] - sine * omega[j];
         return;
     }
-    triaxial_turn(moments, ratios, h, omega, e);
+    triaxial_turn(moments, ratios, h, omega, gained, e);
 }

@@ -99,9 +99,10 @@ static double first_step(@PREFIX@ *s, const double *u, double direction) {
     return isfinite(h) ? h : h0;
 }
 
+static const int quaternion[4] = {@QUATERNION@};
+static const int tolerance_of[D] = {@TOLERANCE_OF@};
+
 static void prepare(@PREFIX@ *s, const double *p, const double *u) {
-    static const int quaternion[4] = {@QUATERNION@};
-    static const int tolerance_of[D] = {@TOLERANCE_OF@};
     double unit = 0.0, constants[@OF_START@], sizes[D];
     @NAME@_prepare(p, &s->constants);
     @PREFIX@_slopes_constants(p, 1, s->of_slopes);
@@ -119,6 +120,22 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
     for (int i = 0; i < D; ++i) s->tolerance[i] = s->atol[tolerance_of[i]] * sizes[i];
 }
 
+/* Whether rounding of the momentum alone, in the body rate about an axis of small moment, is more than the
+ * tolerance allows (and more than 1e-13 of the rates). */
+static int too_thin(const @PREFIX@ *s, const double *u) {
+    double length = 0.0, rate = 0.0, noise = 0.0, y[4 + M], x[N];
+    for (int i = 0; i < MOMENTUM; ++i) {
+        length += s->y[4 + i] * s->y[4 + i];
+        rate = fmax(rate, fabs(s->x[tolerance_of[3 + i]]));
+    }
+    for (int k = 0; k < MOMENTUM; ++k) {
+        for (int i = 0; i < 4 + M; ++i) y[i] = i < 4 ? s->y[i] : (i == 4 + k ? sqrt(length) : 0.0);
+        @PREFIX@_states(s->t, y, 1, s->of_states, NULL, u, 1, x, 1);
+        for (int i = 0; i < MOMENTUM; ++i) noise = fmax(noise, DBL_EPSILON * fabs(x[tolerance_of[3 + i]]));
+    }
+    return noise > rate * fmax(s->rtol, 1e-13) && noise > s->atol[tolerance_of[D - M]];
+}
+
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     s->t_low = 0.0;
@@ -128,6 +145,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     s->which = first_bad(s->x);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     prepare(s, p, u);
+    if (too_thin(s, u)) return s->status = @UPPER@_STEP_TOO_SMALL;
     slopes(s, s->t, s->y, u, s->f);
     for (int i = 0; i < D; ++i)
         if (!isfinite(s->f[i])) {
@@ -223,12 +241,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         double high = 0.0, low = 0.0, scale[D];
         scales(s, s->y, y_new, scale);
         for (int i = 0; i < D; ++i) {
-            const double e_high = (@ERROR_HIGH@) / scale[i];
-            const double e_low = (@ERROR_LOW@) / scale[i];
+            const double e_high = h * (@ERROR_HIGH@) / scale[i];
+            const double e_low = h * (@ERROR_LOW@) / scale[i];
             high += e_high * e_high;
             low += e_low * e_low;
         }
-        const double error = high > 0.0 ? fabs(h) * high / sqrt((high + 0.01 * low) * D) : high;
+        const double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * D) : high;
         @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
         if (!(error < 1.0)) {
             s->which = isfinite(error) ? -1 : first_bad(x_new);

@@ -16,7 +16,7 @@ extern "C" {
 
 enum {
     @UPPER@_NOT_FINITE = -2,     /* NaN or infinity in state or rate number "which" */
-    @UPPER@_STEP_TOO_SMALL = -1, /* the tolerance cannot be met */
+    @UPPER@_STEP_TOO_SMALL = -1, /* the tolerance cannot be met: see too_thin */
     @UPPER@_DONE = 0,            /* t_end is reached */
     @UPPER@_SINGULAR = 1,        /* singularity number "which" is within the margin, at time t */
     @UPPER@_FULL = 2,

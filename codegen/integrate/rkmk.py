@@ -10,7 +10,8 @@ Dense output is the interpolant of a and of the others, of order 7, so that it i
 
 Errors are measured in the angle of the turn, relative to 1 rad, in momentum, relative to its length, and
 in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out
-as a first integral, it is kept to the tolerance, and so is H.
+as a first integral, it is kept to the tolerance, and so is H. A body rate follows from the momentum with
+the rounding error of H/J: where that is above the tolerance, as for a needle, the run ends at its start.
 """
 
 from __future__ import annotations

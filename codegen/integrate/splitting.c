@@ -21,17 +21,32 @@ size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 static const double kicks[STAGES + 1] = {@KICKS@};
 static const double drifts[STAGES] = {@DRIFTS@};
 
+/* The states that are the quaternion, and the body rates, -1 for those that are constant. */
+static const int quaternion[4] = {@QUATERNION@};
+static const int rates[3] = {@RATES@};
+
 /* What a step changes. */
 typedef struct {
-    double y[7], low[7], torque[3];
+    double y[10], low[10], torque[6];
 } Point;
 
 static void torque_at(const @PREFIX@ *s, double t, const double *u, Point *at) {
     @PREFIX@_kick(t, at->y, 1, s->of_kick, NULL, u, 1, at->torque, 1);
 }
 
-/* The body rates about principal axes, J^-1 C pi; with w = q_v x pi, C pi = pi + 2 (q_v x w - q0 w). */
-static void principal_rates(const @PREFIX@ *s, const double *y, double *omega) {
+static inline void add(Point *at, int i, double change) { at->y[i] = two_sum(at->y[i], change + at->low[i], &at->low[i]); }
+
+/* Components along the principal axes, and back. */
+static inline void to_principal(const @PREFIX@ *s, const double *v, double *y) {
+    for (int i = 0; i < 3; ++i) y[i] = s->axes[3 * i] * v[0] + s->axes[3 * i + 1] * v[1] + s->axes[3 * i + 2] * v[2];
+}
+
+static inline void to_body(const @PREFIX@ *s, const double *v, double *y) {
+    for (int i = 0; i < 3; ++i) y[i] = s->axes[i] * v[0] + s->axes[3 + i] * v[1] + s->axes[6 + i] * v[2];
+}
+
+/* C pi = pi + 2 (q_v x w - q0 w) along the principal axes, with w = q_v x pi. */
+static void principal_momentum(const @PREFIX@ *s, const double *y, double *momentum) {
     const double *v = y + 1, *pi = y + 4;
     const double w0 = v[1] * pi[2] - v[2] * pi[1], w1 = v[2] * pi[0] - v[0] * pi[2], w2 = v[0] * pi[1] - v[1] * pi[0];
     const double h[3] = {
@@ -39,8 +54,16 @@ static void principal_rates(const @PREFIX@ *s, const double *y, double *omega) {
         pi[1] + 2.0 * (v[2] * w0 - v[0] * w2 - y[0] * w1),
         pi[2] + 2.0 * (v[0] * w1 - v[1] * w0 - y[0] * w2),
     };
-    for (int i = 0; i < 3; ++i)
-        omega[i] = (s->axes[3 * i] * h[0] + s->axes[3 * i + 1] * h[1] + s->axes[3 * i + 2] * h[2]) / s->moments[i];
+    to_principal(s, h, momentum);
+}
+
+/* Both know the momentum, but for rounding. What C pi and J omega differ by, over the greatest moment, does
+ * not harm omega and keeps it with pi, which without torque stays as it is. */
+static void agree(const @PREFIX@ *s, Point *at) {
+    double momentum[3];
+    const double greatest = fmax(s->moments[0], fmax(s->moments[1], s->moments[2]));
+    principal_momentum(s, at->y, momentum);
+    for (int i = 0; i < 3; ++i) add(at, 7 + i, (momentum[i] - s->moments[i] * at->y[7 + i]) / greatest - at->low[7 + i] * (s->moments[i] / greatest));
 }
 
 /* The reference frame turns by n h: q becomes m* q, and pi becomes m* pi m, with m = exp(n h/2). */
@@ -59,39 +82,50 @@ static void turn_frame(const @PREFIX@ *s, double h, Point *at) {
         2.0 * (m[2] * w0 - m[0] * w2 + m0 * w1),
         2.0 * (m[0] * w1 - m[1] * w0 + m0 * w2),
     };
-    for (int i = 0; i < 3; ++i) at->y[4 + i] = two_sum(at->y[4 + i], turned[i] + at->low[4 + i], &at->low[4 + i]);
+    for (int i = 0; i < 3; ++i) add(at, 4 + i, turned[i]);
 }
 
 /* The torque-free motion for the time h, exact to rounding. */
 static void drift(const @PREFIX@ *s, double h, Point *at) {
-    double omega[3], turn[4], e[4], change[4];
-    principal_rates(s, at->y, omega);
-    free_turn(s->moments, s->ratios, h, omega, turn);
+    double gained[3], turn[4], e[4], change[4];
+    free_turn(s->moments, s->ratios, h, at->y + 7, gained, turn);
     e[0] = turn[0];
-    for (int i = 0; i < 3; ++i)
-        e[i + 1] = s->axes[i] * turn[1] + s->axes[3 + i] * turn[2] + s->axes[6 + i] * turn[3];
+    to_body(s, turn + 1, e + 1);
     multiplied(at->y, e, change);
     add_to_unit(at->y, at->low, change);
+    for (int i = 0; i < 3; ++i) add(at, 7 + i, gained[i]);
     if (s->frame[0] != 0.0 || s->frame[1] != 0.0 || s->frame[2] != 0.0) turn_frame(s, h, at);
+    agree(s, at);
 }
 
-static void kick(double h, Point *at) {
-    for (int i = 0; i < 3; ++i) at->y[4 + i] = two_sum(at->y[4 + i], h * at->torque[i] + at->low[4 + i], &at->low[4 + i]);
+static void kick(const @PREFIX@ *s, double h, Point *at) {
+    double torque[3];
+    to_principal(s, at->torque, torque);
+    for (int i = 0; i < 3; ++i) {
+        add(at, 4 + i, h * at->torque[3 + i]);
+        add(at, 7 + i, h * torque[i] / s->moments[i]);
+    }
 }
 
 /* One step of the length h from the time t. */
 static void advance(const @PREFIX@ *s, double t, double h, const double *u, Point *at) {
     double passed = 0.0;
     for (int k = 0; k < STAGES; ++k) {
-        kick(kicks[k] * h, at);
+        kick(s, kicks[k] * h, at);
         drift(s, drifts[k] * h, at);
         passed += drifts[k];
         torque_at(s, t + (k == STAGES - 1 ? 1.0 : passed) * h, u, at);
     }
-    kick(kicks[STAGES] * h, at);
+    kick(s, kicks[STAGES] * h, at);
 }
 
-static void states(const @PREFIX@ *s, const double *y, double *x) { @PREFIX@_states(0.0, y, 1, s->of_states, NULL, NULL, 1, x, 1); }
+static void states(const @PREFIX@ *s, const double *y, double *x) {
+    double omega[3];
+    to_body(s, y + 7, omega);
+    for (int i = 0; i < 4; ++i) x[quaternion[i]] = y[i];
+    for (int i = 0; i < 3; ++i)
+        if (rates[i] >= 0) x[rates[i]] = omega[i];
+}
 
 /* Principal moments and axes of a symmetric matrix, by Jacobi's rotations (Golub and Van Loan, sect. 8.5);
  * a matrix that is diagonal stays as it is. */
@@ -123,10 +157,9 @@ static void principal(double A[3][3], double *moments, double *axes) {
 
 /* What depends on the parameters alone. */
 static void prepare(@PREFIX@ *s, const double *p, const double *u) {
-    double of_constants[@OF_CONSTANTS@], c[9], y[7] = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    double of_constants[@OF_CONSTANTS@], c[12], y[4] = {1.0, 0.0, 0.0, 0.0};
     @NAME@_prepare(p, &s->constants);
     @PREFIX@_kick_constants(p, 1, s->of_kick);
-    @PREFIX@_states_constants(p, 1, s->of_states);
     @PREFIX@_known_constants(p, 1, of_constants);
     @PREFIX@_known(0.0, y, 1, of_constants, NULL, u, 1, c, 1);
     double J[3][3] = {{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}};
@@ -134,32 +167,35 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
     for (int i = 0; i < 3; ++i) {
         s->ratios[i] = (s->moments[(i + 1) % 3] - s->moments[(i + 2) % 3]) / s->moments[i];
         s->frame[i] = c[6 + i];
+        s->constant[i] = c[9 + i];
     }
 }
 
 /* How fast things change at present, rad/s: rates of body and frame, and what torque makes of the body at rest. */
 static double fastest(const @PREFIX@ *s) {
-    double omega[3], rate = 0.0, torque = 0.0;
-    principal_rates(s, s->y, omega);
-    const double least = fmin(s->moments[0], fmin(s->moments[1], s->moments[2]));
+    double rate = 0.0, torque = 0.0;
     for (int i = 0; i < 3; ++i) {
-        rate = fmax(rate, fmax(fabs(omega[i]), fabs(s->frame[i])));
-        torque = fmax(torque, fabs(s->torque[i]));
+        rate = fmax(rate, fmax(fabs(s->y[7 + i]), fabs(s->frame[i])));
+        torque = fmax(torque, fabs(s->torque[i] / s->moments[i]));
     }
-    return fmax(rate, sqrt(torque / least));
+    return fmax(rate, sqrt(torque));
+}
+
+static Point current(const @PREFIX@ *s) {
+    Point at;
+    for (int i = 0; i < 10; ++i) at.y[i] = s->y[i], at.low[i] = s->y_low[i];
+    for (int i = 0; i < 6; ++i) at.torque[i] = s->torque[i];
+    return at;
 }
 
 /* The local error of a step of the length h at the start: one step against two halves, in turn and momentum. */
 static double first_error(const @PREFIX@ *s, double h, const double *u) {
-    Point one = {{0.0}, {0.0}, {0.0}};
-    for (int i = 0; i < 7; ++i) one.y[i] = s->y[i], one.low[i] = s->y_low[i];
-    for (int i = 0; i < 3; ++i) one.torque[i] = s->torque[i];
-    Point two = one;
+    Point one = current(s), two = one;
     advance(s, s->t, h, u, &one);
     advance(s, s->t, 0.5 * h, u, &two);
     advance(s, s->t + 0.5 * h, 0.5 * h, u, &two);
     double turn = 0.0, momentum = 0.0, size = 0.0;
-    for (int i = 0; i < 7; ++i) {
+    for (int i = 0; i < 7; ++i) { /* omega goes with pi */
         const double change = one.y[i] - two.y[i];
         if (i < 4) turn += change * change;
         else momentum += change * change, size += two.y[i] * two.y[i];
@@ -184,7 +220,6 @@ static double first_step(const @PREFIX@ *s, const double *u) {
 }
 
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
-    static const int quaternion[4] = {@QUATERNION@};
     double unit = 0.0, constants[@OF_BEGIN@];
     s->t_low = 0.0;
     s->steps = s->rejected = 0;
@@ -193,14 +228,17 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     prepare(s, p, u);
     for (int i = 0; i < 4; ++i) unit += s->x[quaternion[i]] * s->x[quaternion[i]];
-    for (int i = 0; i < 7; ++i) s->y[i] = s->y_low[i] = 0.0;
+    for (int i = 0; i < 10; ++i) s->y[i] = s->y_low[i] = 0.0;
     for (int i = 0; i < 4; ++i) s->y[i] = s->x[quaternion[i]] *= 1.0 / sqrt(unit);
     add_to_unit(s->y, s->y_low, s->y_low);
     @PREFIX@_begin_constants(p, 1, constants);
     @PREFIX@_begin(s->t, s->x, 1, constants, NULL, u, 1, s->y + 4, 1);
+    double omega[3];
+    for (int i = 0; i < 3; ++i) omega[i] = rates[i] >= 0 ? s->x[rates[i]] : s->constant[i];
+    to_principal(s, omega, s->y + 7);
     @PREFIX@_kick(s->t, s->y, 1, s->of_kick, NULL, u, 1, s->torque, 1);
     for (int i = 0; i < 3; ++i)
-        if (!isfinite(s->torque[i]) || !isfinite(s->y[4 + i]) || !(s->moments[i] > 0.0)) {
+        if (!isfinite(s->torque[i]) || !isfinite(s->torque[3 + i]) || !isfinite(s->y[4 + i]) || !(s->moments[i] > 0.0)) {
             s->which = 0;
             return s->status = @UPPER@_NOT_FINITE;
         }
@@ -222,18 +260,18 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
 
 /* The last step's start in its row: y, y_low, torque, time, length. */
 static void keep(@PREFIX@ *s, double h) {
-    for (int i = 0; i < 7; ++i) s->row[i] = s->y[i], s->row[7 + i] = s->y_low[i];
-    for (int i = 0; i < 3; ++i) s->row[14 + i] = s->torque[i];
-    s->row[17] = s->t;
-    s->row[18] = h;
+    for (int i = 0; i < 10; ++i) s->row[i] = s->y[i], s->row[10 + i] = s->y_low[i];
+    for (int i = 0; i < 6; ++i) s->row[20 + i] = s->torque[i];
+    s->row[26] = s->t;
+    s->row[27] = h;
 }
 
 /* The states at a part of a step: a step of that length from its start. */
 static void between(const @PREFIX@ *s, const double *row, double theta, const double *u, double *x) {
     Point at;
-    for (int i = 0; i < 7; ++i) at.y[i] = row[i], at.low[i] = row[7 + i];
-    for (int i = 0; i < 3; ++i) at.torque[i] = row[14 + i];
-    advance(s, row[17], theta * row[18], u, &at);
+    for (int i = 0; i < 10; ++i) at.y[i] = row[i], at.low[i] = row[10 + i];
+    for (int i = 0; i < 6; ++i) at.torque[i] = row[20 + i];
+    advance(s, row[26], theta * row[27], u, &at);
     states(s, at.y, x);
 }
 
@@ -262,9 +300,7 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
         const double h = last ? rest : s->h * direction;
         const double t_new = last ? s->t_end : two_sum(s->t, h + s->t_low, &t_low);
         if (last) t_low = 0.0;
-        Point at;
-        for (int i = 0; i < 7; ++i) at.y[i] = s->y[i], at.low[i] = s->y_low[i];
-        for (int i = 0; i < 3; ++i) at.torque[i] = s->torque[i];
+        Point at = current(s);
         keep(s, h);
         advance(s, s->t, h, u, &at);
         states(s, at.y, x_new);
@@ -296,8 +332,8 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
 #endif
             t_low = 0.0;
         }
-        for (int i = 0; i < 7; ++i) s->y[i] = at.y[i], s->y_low[i] = at.low[i];
-        for (int i = 0; i < 3; ++i) s->torque[i] = at.torque[i];
+        for (int i = 0; i < 10; ++i) s->y[i] = at.y[i], s->y_low[i] = at.low[i];
+        for (int i = 0; i < 6; ++i) s->torque[i] = at.torque[i];
         for (int i = 0; i < N; ++i) s->x[i] = x_new[i];
         s->t = t_stop;
         s->t_low = t_low;

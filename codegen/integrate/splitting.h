@@ -24,21 +24,22 @@ enum {
     @UPPER@_TOO_SMALL = 4        /* with a grid: fewer free places than grid points; nothing is done */
 };
 
-/* Variables: a unit quaternion q and the momentum pi of the body, components in the reference frame. */
+/* Variables: a unit quaternion q; the momentum pi of the body, components in the reference frame; its
+ * rates omega about principal axes. Momentum has the greater part in omega where the moment is large. */
 typedef struct {
     double t, t_end, h, h_max, rtol, margin;
     double t_low, t_old, h_old;
     double atol[@STATES@], x[@STATES@];
-    double y[7], y_low[7];                /* q, then pi, each as a sum of two */
-    double torque[3];                     /* at the end of the last step, in the reference frame */
-    double moments[3], ratios[3], axes[9]; /* principal moments; (I2 - I3)/I1 ...; principal axes, row by row */
-    double frame[3];                      /* rate of the reference frame */
+    double y[10], y_low[10];              /* q, pi, omega, each as a sum of two */
+    double torque[6];                     /* at the end of the last step, in the body and in the reference frame */
+    double moments[3], ratios[3], axes[9]; /* principal moments; (J2 - J3)/J1 ...; principal axes, row by row */
+    double frame[3], constant[3];         /* rate of the reference frame; body rates that are constant */
     double row[@ROW@];                    /* the last step: y, y_low, torque, time and length */
     double singular[@SINGULAR_ROOM@], closest[@SINGULAR_ROOM@];
     long long steps, rejected, evaluations;
     int status, which;
     @NAME@_constants constants; /* what depends on the parameters alone, from here on */
-    double of_kick[@OF_KICK@], of_states[@OF_STATES@];
+    double of_kick[@OF_KICK@];
 } @PREFIX@;
 
 /* Where results go: the states at each step, or at the times of grid. Arrays of the caller:

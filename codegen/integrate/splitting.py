@@ -15,8 +15,9 @@ of at most half a radian, of so many terms that the rest is lost in rounding (`f
 the elliptic functions (van Zon and Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni, Fasso,
 Saefstroem and Zanna, SIAM J. Sci. Comput. 30 (2008) 2084) change with every kick, and in double precision
 they lose digits next to the separatrix and to symmetry, where the series knows no difference. Momentum
-is kept with components in the reference frame, so that without torque it does not change at all. A
-state between two steps is a step of a part of the length.
+is kept twice: as body rates, which are right about axes of small moments too, and with components in the
+reference frame, which without torque do not change at all; the first follow the second as far as
+rounding goes. A state between two steps is a step of a part of the length.
 """
 
 from __future__ import annotations
@@ -33,14 +34,14 @@ from codegen.integrate import group, runge_kutta
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.layout import Layout
 from codegen.lower import SINGULARITIES
-from codegen.momentum import CONSTANTS, KICK, START, STATES, Variables, kicks, start
+from codegen.momentum import CONSTANTS, KICK, START, Variables, kicks, start
 from codegen.names import identifier
 from codegen.program import Program
 from codegen.stages import by_parameters
 from eom.errors import InputError
 
 NAME = "splitting"
-ROW = 19
+ROW = 28
 """Numbers of a row of dense output: see `keep` in splitting.c."""
 
 
@@ -125,7 +126,7 @@ def build(
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
-    sizes = (of_rates, constants["kick"], constants["states"])
+    sizes = (of_rates, constants["kick"])
     state, output = _structures(prefix, len(layout.states), room, sizes)
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
@@ -169,9 +170,10 @@ def _filled(
     program: Program, layout: Layout, method: Composition
 ) -> tuple[Mapping[str, str], dict[str, int]]:
     variables = _body(program, layout)
+    rates = variables.attitude.body.rates if variables.attitude.body else ()
     values = group.values(layout, NAME)
     kicked, begin = kicks(program, variables), start(program, variables)
-    parts = [(kicked, KICK, "kick"), (kicked, STATES, "states"), (kicked, CONSTANTS, "known")]
+    parts = [(kicked, KICK, "kick"), (kicked, CONSTANTS, "known")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
     text = resources.files("codegen.integrate").joinpath("free_turn.c").read_text("ascii")
     values |= {
@@ -183,9 +185,9 @@ def _filled(
         "FREE_TURN": text,
         "KERNELS": made.text,
         "QUATERNION": ", ".join(map(str, variables.attitude.quaternion)),
+        "RATES": ", ".join(map(str, rates)),
         "ROW": str(_terms(variables.count) * variables.count),
         "OF_KICK": str(made.constants["kick"]),
-        "OF_STATES": str(made.constants["states"]),
         "OF_CONSTANTS": str(made.constants["known"]),
         "OF_BEGIN": str(made.constants["begin"]),
         "STACK": "about 3000",
@@ -199,20 +201,20 @@ def _filled(
 
 @cache
 def _structures(
-    prefix: str, states: int, room: int, constants: tuple[int, int, int]
+    prefix: str, states: int, room: int, constants: tuple[int, int]
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of splitting.h."""
     double: Any = ctypes.c_double
     names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
     lengths = (
-        ("atol", states), ("x", states), ("y", 7), ("y_low", 7), ("torque", 3), ("moments", 3),
-        ("ratios", 3), ("axes", 9), ("frame", 3), ("row", _terms(states) * states),
+        ("atol", states), ("x", states), ("y", 10), ("y_low", 10), ("torque", 6), ("moments", 3),
+        ("ratios", 3), ("axes", 9), ("frame", 3), ("constant", 3), ("row", _terms(states) * states),
         ("singular", room), ("closest", room),
     )  # fmt: skip
     state: list[tuple[str, Any]] = [(f, double) for f in names]
     state += [(f, double * length) for f, length in lengths]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which")]
-    kept = zip(("constants", "of_kick", "of_states"), constants, strict=True)
+    kept = zip(("constants", "of_kick"), constants, strict=True)
     state += [(f, double * length) for f, length in kept]
     return runge_kutta.structures(prefix, state)
