@@ -16,6 +16,15 @@ static inline void follow(double *e, const double *other) {
     for (int i = 0; i < 4; ++i) e[i] += other[i] + both[i];
 }
 
+/* 1/(k + 1) */
+static const double parts[TERMS + 1] = {
+    1.0 / 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8, 1.0 / 9, 1.0 / 10,
+    1.0 / 11, 1.0 / 12, 1.0 / 13, 1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
+    1.0 / 21, 1.0 / 22, 1.0 / 23, 1.0 / 24, 1.0 / 25, 1.0 / 26, 1.0 / 27, 1.0 / 28, 1.0 / 29, 1.0 / 30,
+    1.0 / 31, 1.0 / 32, 1.0 / 33, 1.0 / 34, 1.0 / 35, 1.0 / 36, 1.0 / 37, 1.0 / 38, 1.0 / 39, 1.0 / 40,
+    1.0 / 41,
+};
+
 /* One part of the torque-free motion about principal axes, as series in the part of the time that has
  * passed, until two terms in a row are lost in rounding. w: body rates times the time, gained: what they gain
  * on the way; e: the turn less one. n: the unit vector along the momentum, n0 at the start. The body turns
@@ -25,7 +34,7 @@ static inline void follow(double *e, const double *other) {
 static int free_part(const double *moments, const double *ratios, const double *w, double *gained, double *e) {
     double left[TERMS + 1][4], right[TERMS + 1][4], n0[3], scale[3], along[3], c[TERMS + 1];
     const double m[3] = {moments[0] * w[0], moments[1] * w[1], moments[2] * w[2]};
-    const double most = fmax(fabs(m[0]), fmax(fabs(m[1]), fabs(m[2])));
+    const double most = larger(fabs(m[0]), larger(fabs(m[1]), fabs(m[2])));
     const double a0 = m[0] / most, a1 = m[1] / most, a2 = m[2] / most;
     const double over_length = 1.0 / sqrt(a0 * a0 + a1 * a1 + a2 * a2);
     const double over_size = 1.0 / (fabs(w[0]) + fabs(w[1]) + fabs(w[2])), over_momentum = over_length / most;
@@ -44,7 +53,7 @@ static int free_part(const double *moments, const double *ratios, const double *
         right[last][3] = 0.0; /* of the order that is to be found: its factor is zero */
         for (int j = 0; j <= last; ++j)
             for (int i = 0; i < 4; ++i) sum[i] += left[j][i] * right[last - j][i];
-        const double part = 1.0 / (last + 1);
+        const double part = parts[last];
         const double w0 = ratios[0] * sum[0] * part, w1 = ratios[1] * sum[1] * part, w2 = ratios[2] * sum[2] * part;
         const double below = along[0] * w0 + along[1] * w1 + along[2] * w2;
         const double next = 0.5 * (w0 * n0[0] + w1 * n0[1] + w2 * n0[2] - below * c[0] - sum[3]);
@@ -53,15 +62,15 @@ static int free_part(const double *moments, const double *ratios, const double *
         c[last] = next;
         left[last][0] = w1, left[last][1] = w2, left[last][2] = w0, left[last][3] = below;
         right[last][0] = w2, right[last][1] = w0, right[last][2] = w1;
-        const double most_rate = fmax(fabs(w0), fmax(fabs(w1), fabs(w2))) * over_size;
-        const double most_n = fmax(fabs(scale[0] * w0), fmax(fabs(scale[1] * w1), fabs(scale[2] * w2)));
-        quiet = fmax(fmax(most_rate, most_n), fabs(next) * part) <= 0x1p-58 ? quiet + 1 : 0;
+        const double most_rate = larger(fabs(w0), larger(fabs(w1), fabs(w2))) * over_size;
+        const double most_n = larger(fabs(scale[0] * w0), larger(fabs(scale[1] * w1), fabs(scale[2] * w2)));
+        quiet = larger(larger(most_rate, most_n), fabs(next) * part) <= 0x1p-58 ? quiet + 1 : 0;
     }
     if (quiet < 2) return 0;
     double sum0 = 0.0, sum1 = 0.0, sum2 = 0.0, chi = 0.0;
     for (int k = last; k > 0; --k) {
         sum0 += left[k][2], sum1 += left[k][0], sum2 += left[k][1];
-        chi += c[k] / (k + 1);
+        chi += c[k] * parts[k];
     }
     chi += c[0];
     gained[0] = sum0, gained[1] = sum1, gained[2] = sum2;
@@ -77,23 +86,23 @@ static int free_part(const double *moments, const double *ratios, const double *
 
 /* The motion in parts, each short enough for its series. */
 static void triaxial_turn(const double *moments, const double *ratios, double h, const double *omega, double *gained, double *e) {
-    const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
-    double parts = fmax(1.0, ceil(most * fabs(h) / LONGEST)), length = h / parts;
+    const double most = larger(fabs(omega[0]), larger(fabs(omega[1]), fabs(omega[2])));
+    double count = larger(1.0, ceil(most * fabs(h) / LONGEST)), length = h / count;
     double w[3] = {omega[0] * length, omega[1] * length, omega[2] * length};
     for (int i = 0; i < 4; ++i) e[i] = 0.0;
     for (int i = 0; i < 3; ++i) gained[i] = 0.0;
-    while (parts > 0.0) {
+    while (count > 0.0) {
         double more[3], turn[4];
-        if (!(parts <= MOST_PARTS)) {
+        if (!(count <= MOST_PARTS)) {
             e[0] = NAN;
             return;
         }
         if (!free_part(moments, ratios, w, more, turn)) {
-            parts *= 2.0, length *= 0.5;
+            count *= 2.0, length *= 0.5;
             for (int i = 0; i < 3; ++i) w[i] *= 0.5;
             continue;
         }
-        parts -= 1.0;
+        count -= 1.0;
         follow(e, turn);
         for (int i = 0; i < 3; ++i) gained[i] += more[i] / length, w[i] += more[i];
     }
@@ -103,7 +112,7 @@ static void triaxial_turn(const double *moments, const double *ratios, double h,
  * gain, and the turn less one. ratios[i] = (J[i+1] - J[i+2])/J[i]. With two equal moments J, the body turns by
  * h |M|/J about the momentum M, and then by the rest about its axis. */
 static void free_turn(const double *moments, const double *ratios, double h, const double *omega, double *gained, double *e) {
-    const double most = fmax(fabs(omega[0]), fmax(fabs(omega[1]), fabs(omega[2])));
+    const double most = larger(fabs(omega[0]), larger(fabs(omega[1]), fabs(omega[2])));
     for (int i = 0; i < 3; ++i) gained[i] = 0.0;
     if (most * fabs(h) < 1e-100) {
         turn_about(h * omega[0], h * omega[1], h * omega[2], e);

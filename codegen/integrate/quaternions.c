@@ -1,3 +1,6 @@
+/* The larger number, without a call of a library. */
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
 /* cos a - 1, (sin a)/a and ((sin a)/a - cos a)/a^2 of a = sqrt(y), without cancellation near zero. */
 static inline void turns(double y, double *versed, double *sinc, double *rest) {
     if (y > 1.0) {

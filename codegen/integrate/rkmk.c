@@ -63,10 +63,10 @@ static void stage(const @PREFIX@ *s, double t, const double *a, const double *u,
 static inline void scales(const @PREFIX@ *s, const double *one, const double *other, double *scale) {
     double size = 0.0, size_other = 0.0;
     for (int i = 0; i < MOMENTUM; ++i) size += one[4 + i] * one[4 + i], size_other += other[4 + i] * other[4 + i];
-    size = sqrt(fmax(size, size_other));
+    size = sqrt(larger(size, size_other));
     for (int i = 0; i < 3; ++i) scale[i] = CAUTION * (s->tolerance[i] + s->rtol);
     for (int i = 3; i < D; ++i)
-        scale[i] = CAUTION * (s->tolerance[i] + s->rtol * (i < 3 + MOMENTUM ? size : fmax(fabs(one[i + 1]), fabs(other[i + 1]))));
+        scale[i] = CAUTION * (s->tolerance[i] + s->rtol * (i < 3 + MOMENTUM ? size : larger(fabs(one[i + 1]), fabs(other[i + 1]))));
 }
 
 static double scaled_norm(const @PREFIX@ *s, const double *v) {

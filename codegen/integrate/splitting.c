@@ -61,7 +61,7 @@ static void principal_momentum(const @PREFIX@ *s, const double *y, double *momen
  * not harm omega and keeps it with pi, which without torque stays as it is. */
 static void agree(const @PREFIX@ *s, Point *at) {
     double momentum[3];
-    const double greatest = fmax(s->moments[0], fmax(s->moments[1], s->moments[2]));
+    const double greatest = larger(s->moments[0], larger(s->moments[1], s->moments[2]));
     principal_momentum(s, at->y, momentum);
     for (int i = 0; i < 3; ++i) add(at, 7 + i, (momentum[i] - s->moments[i] * at->y[7 + i]) / greatest - at->low[7 + i] * (s->moments[i] / greatest));
 }
@@ -175,10 +175,10 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
 static double fastest(const @PREFIX@ *s) {
     double rate = 0.0, torque = 0.0;
     for (int i = 0; i < 3; ++i) {
-        rate = fmax(rate, fmax(fabs(s->y[7 + i]), fabs(s->frame[i])));
-        torque = fmax(torque, fabs(s->torque[i] / s->moments[i]));
+        rate = larger(rate, larger(fabs(s->y[7 + i]), fabs(s->frame[i])));
+        torque = larger(torque, fabs(s->torque[i] / s->moments[i]));
     }
-    return fmax(rate, sqrt(torque));
+    return larger(rate, sqrt(torque));
 }
 
 static Point current(const @PREFIX@ *s) {
@@ -200,21 +200,21 @@ static double first_error(const @PREFIX@ *s, double h, const double *u) {
         if (i < 4) turn += change * change;
         else momentum += change * change, size += two.y[i] * two.y[i];
     }
-    return fmax(2.0 * sqrt(turn), size > 0.0 ? sqrt(momentum / size) : 0.0);
+    return larger(2.0 * sqrt(turn), size > 0.0 ? sqrt(momentum / size) : 0.0);
 }
 
 /* The step: a part of it times the fastest rate is at most 1, and the local error at the start meets rtol. */
 static double first_step(const @PREFIX@ *s, const double *u) {
     const double span = fabs(s->t_end - s->t), direction = s->t_end >= s->t ? 1.0 : -1.0, rate = fastest(s);
     double longest = 0.0;
-    for (int k = 0; k < STAGES; ++k) longest = fmax(longest, fabs(drifts[k]));
+    for (int k = 0; k < STAGES; ++k) longest = larger(longest, fabs(drifts[k]));
     const double most = rate * longest * span > 1.0 ? 1.0 / (rate * longest) : span;
     double h = most;
     for (int trial = 0; trial < 6; ++trial) {
         const double error = first_error(s, h * direction, u);
         const double factor = error > 0.0 ? pow(s->rtol / error, 1.0 / (ORDER + 1)) : 2.0;
         if (!(error >= 0.0)) h *= 0.1;
-        else h = fmin(most, h * fmin(2.0, fmax(0.1, 0.95 * factor)));
+        else h = fmin(most, h * fmin(2.0, larger(0.1, 0.95 * factor)));
     }
     return h;
 }
@@ -254,7 +254,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
 #endif
     const double span = fabs(s->t_end - s->t);
     const double h = fmin(s->h_max, s->h > 0.0 ? s->h : first_step(s, u));
-    s->h = span / fmax(1.0, ceil(span / h * (1.0 - 1e-12)));
+    s->h = span / larger(1.0, ceil(span / h * (1.0 - 1e-12)));
     return s->status = @UPPER@_PAUSED;
 }
 
