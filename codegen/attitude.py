@@ -86,13 +86,16 @@ class Attitude:
 
 @lru_cache(maxsize=32)
 def attitude_of(program: Program, count: int) -> Attitude | None:
-    """Return the attitude among ``count`` states, or None unless there is one quaternion."""
+    """Return the attitude among ``count`` states, or None unless there is one quaternion.
+
+    Of the orders in which the four states are a quaternion, one with a body is taken, or the first.
+    """
     rates = prune(program, [RATES])
     found = candidates(rates, count)
     if len(found) != 1:
         return None
-    quaternion = found[0]
-    body = _body(rates, quaternion, count)
+    bodies = ((q, body) for q in found[0] if (body := _body(rates, q, count)) is not None)
+    quaternion, body = next(bodies, (found[0][0], None))
     taken = {*quaternion, *(body.rates if body else ())}
     return Attitude(quaternion, body, tuple(k for k in range(count) if k not in taken))
 

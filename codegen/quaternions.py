@@ -26,8 +26,11 @@ UNITS: tuple[Four, ...] = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1
 FRAME = "frame"
 
 
-def candidates(program: Program, count: int) -> list[Four]:
-    """Return orders of four states with q . dq/dt = 0 and the right kinematics, one for each four."""
+def candidates(program: Program, count: int) -> list[list[Four]]:
+    """Return the orders in which four states are a quaternion, for each such four.
+
+    Several orders of the same four are: up to signs of omega the axes can be named in other ways.
+    """
 
     def sums(point: RandomPoint) -> list[tuple[int, int]]:
         values = results(program, point, {})
@@ -37,12 +40,8 @@ def candidates(program: Program, count: int) -> list[Four]:
     work = [x * f % PRIME for x, f in pairs]
     moving = [k for k in range(count) if work[k]]
     fours = (c for c in combinations(moving, 4) if sum(work[k] for k in c) % PRIME == 0)
-    found = []
-    for four in fours:
-        order = next((o for o in permutations(four) if _kinematic(program, _four(o))), None)
-        if order is not None:
-            found.append(_four(order))
-    return found
+    orders = [[o for o in map(_four, permutations(f)) if _kinematic(program, o)] for f in fours]
+    return [found for found in orders if found]
 
 
 def _four(values: Sequence[int]) -> Four:
@@ -57,7 +56,7 @@ def _kinematic(program: Program, q: Four) -> bool:
         omega, n = omega_and_frame(lambda unit: turn_rate(program, point, q, unit, {}))
         if not any(omega):
             return False
-        units = [*UNITS, *(unit_quaternion(point, k) for k in range(2))]
+        units = [*(unit_quaternion(point, k) for k in range(2)), *UNITS]
         return all(
             turn_rate(program, point, q, unit, {})
             == [(a - b) % PRIME for a, b in zip(omega, turned(unit, n), strict=True)]
