@@ -38,8 +38,19 @@ from codegen.quaternions import (
     turn_rate,
     unit_quaternion,
 )
-from codegen.residues import PRIME, RandomPoint, Residue, Unlucky, inverse, null_vector, rational
+from codegen.residues import (
+    PRIME,
+    RandomPoint,
+    Residue,
+    Unlucky,
+    inverse,
+    null_vector,
+    rational,
+    residue,
+)
 
+NUMBER_BITS = 200
+"""Of a random residue, numerator and denominator are that short with a chance of 2**-120."""
 INERTIA, CONSTANT_RATES, TORQUE = "inertia", "constant rates", "torque"
 
 
@@ -102,10 +113,11 @@ def attitude_of(program: Program, count: int) -> Attitude | None:
 
 @dataclass(frozen=True)
 class _Rates:
-    """Body rates: the state, the parameter (a constant one), or the value (neither) of each."""
+    """Body rates: the state, the parameter (of a constant one) or the number of each; -1, -1, None."""
 
     states: tuple[int, int, int]
     parameters: tuple[int, int, int]
+    numbers: tuple[Fraction | None, ...]
 
     def given(self, omega: Numbers) -> dict[Slot, int]:
         """Return the leaves that give the body rates these values, as far as they can be given."""
@@ -113,6 +125,10 @@ class _Rates:
         return slots | {
             ("parameter", s): w for s, w in zip(self.parameters, omega, strict=True) if s >= 0
         }
+
+    def possible(self, omega: Numbers) -> list[int]:
+        """Return residues of body rates with those that are numbers put right."""
+        return [w if n is None else residue(n) for w, n in zip(omega, self.numbers, strict=True)]
 
 
 def _body(program: Program, q: Four, count: int) -> Body | None:
@@ -130,7 +146,7 @@ def _body(program: Program, q: Four, count: int) -> Body | None:
 
 
 def _rates_of(program: Program, q: Four, count: int) -> _Rates | None:
-    """Return where omega stands; None unless its components are states or parameters."""
+    """Return where omega stands; None unless its components are states, parameters or numbers."""
 
     def search(point: RandomPoint) -> _Rates | None:
         omega, _ = omega_and_frame(lambda unit: turn_rate(program, point, q, unit, {}))
@@ -138,13 +154,23 @@ def _rates_of(program: Program, q: Four, count: int) -> _Rates | None:
         states = {point.leaf("state", k): k for k in free}
         slots = [i.slot for i in program.instructions if i.op == "parameter"]
         parameters = {point.leaf("parameter", k): k for k in slots}
-        if not all(w in states or w in parameters for w in omega):
+        numbers = [None if w in states or w in parameters else _number(w) for w in omega]
+        known = zip(omega, numbers, strict=True)
+        if not all(n is not None or w in states or w in parameters for w, n in known):
             return None
         a, b, c = (states.get(w, -1) for w in omega)
-        d, e, f = (-1 if w in states else parameters[w] for w in omega)
-        return _Rates((a, b, c), (d, e, f)) if max(a, b, c) >= 0 else None
+        d, e, f = (-1 if w in states else parameters.get(w, -1) for w in omega)
+        return _Rates((a, b, c), (d, e, f), tuple(numbers)) if max(a, b, c) >= 0 else None
 
     return somewhere(search)
+
+
+def _number(value: int) -> Fraction | None:
+    """Return the number that a residue stands for; those of expressions have long numerators."""
+    number = rational(value)
+    if number is None or max(abs(number.numerator), number.denominator) > 2**NUMBER_BITS:
+        return None
+    return number
 
 
 def _cross(a: Numbers, b: Numbers) -> list[int]:
@@ -159,6 +185,11 @@ def _times(J: Numbers, v: Numbers) -> list[int]:
     a, b, c, d, e, f = J
     x, y, z = v
     return [a * x + b * y + c * z, b * x + d * y + e * z, c * x + e * y + f * z]
+
+
+def _gyroscopic(rates: _Rates, J: Numbers, omega: Numbers) -> list[int]:
+    w = rates.possible(omega)
+    return _cross(w, _times(J, w))
 
 
 def _accelerations(
@@ -192,7 +223,7 @@ def _moments(
         columns = []
         for k in range(6):
             J = [int(k == e) for e in range(6)]
-            turning = difference(lambda w, J=J: _cross(w, _times(J, w)), omega)
+            turning = difference(lambda w, J=J: _gyroscopic(rates, J, w), omega)
             columns.append([a + b for a, b in zip(_times(J, slope), turning, strict=True)])
         rows += [list(row) for row in zip(*columns, strict=True)]
     return null_vector(rows)
@@ -273,7 +304,10 @@ def _values(program: Program, rates: _Rates, entries: Sequence[Entry], frame: Pr
         b.add("mul", b.const(factor), new[k]) if k >= 0 else b.const(factor)
         for k, factor in entries
     ]
-    constant = [b.leaf("parameter", k) if k >= 0 else b.const(0) for k in rates.parameters]
+    constant = [
+        b.leaf("parameter", k) if k >= 0 else b.const(number or 0)
+        for k, number in zip(rates.parameters, rates.numbers, strict=True)
+    ]
     turning = copied_at(b, frame, {})
     n = [turning[k] for k in frame.results[FRAME]]
     return prune(b.program({INERTIA: inertia, CONSTANT_RATES: constant, FRAME: n}))
@@ -289,7 +323,7 @@ def _dependence(
         J = results(values, point, {}, INERTIA)
         slopes = results(program, point, {**rates.given(omega), **unit})
         slope = [slopes[s] if s >= 0 else 0 for s in rates.states]
-        turning = _cross(omega, _times(J, omega))
+        turning = _gyroscopic(rates, J, omega)
         return [(a + c) % PRIME for a, c in zip(_times(J, slope), turning, strict=True)]
 
     def test(point: RandomPoint) -> tuple[list[int], list[int]]:
@@ -315,11 +349,16 @@ def _torque(
     moving = _slopes(b, program, rates, {})
     still = _slopes(b, program, rates, rates.given((0, 0, 0)))
     omega = body_rates(b, rates.states, [made[k] for k in values.results[CONSTANT_RATES]])
-    momentum = times(b, J, omega)
-    turning = cross(b, omega, momentum)
-    free, whole = times(b, J, still), times(b, J, moving)
+    resting = [b.const(number or 0) for number in rates.numbers]
+    whole, free = (
+        [
+            b.add("add", x, y)
+            for x, y in zip(times(b, J, a), cross(b, w, times(b, J, w)), strict=True)
+        ]
+        for a, w in ((moving, omega), (still, resting))
+    )
     torque = [
-        b.const(0) if nothing else b.add("add", whole[k], turning[k]) if mixed else free[k]
+        b.const(0) if nothing else whole[k] if mixed else free[k]
         for k, (mixed, nothing) in enumerate(zip(of_rates, zero, strict=True))
     ]
     return prune(b.program({TORQUE: torque}))
