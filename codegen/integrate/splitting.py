@@ -148,7 +148,7 @@ def _body(program: Program, layout: Layout) -> Variables:
             f"method {NAME} finds no rigid body that turns with the quaternion",
             where=layout.name,
             expected="rates J d omega/dt = -omega x J omega + torque, J of parameters alone",
-            hint=hint,
+            hint=f"give moments of inertia as parameters or exact numbers, or {hint}",
         )
     if any(body.of_rates):
         axes = ", ".join(f"b{k}" for k, mixed in enumerate(body.of_rates, 1) if mixed)
