@@ -97,6 +97,9 @@ def kicks(program: Program, variables: Variables) -> Program:
     b = Builder(program.rules)
     slots = [b.leaf("state", k) for k in range(4)]
     given = zip(variables.attitude.quaternion, slots, strict=True)
+    assert {i.slot for i in body.torque.instructions if i.op == "state"} <= {
+        *variables.attitude.quaternion
+    }
     new = copied(b, body.torque, {("state", s): k for s, k in given})
     torque = [new[k] for k in body.torque.results[TORQUE]]
     turned = transposed_times(b, rotation(b, slots), torque)

@@ -131,6 +131,8 @@ ROWS = (
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
       for m in scipy_.METHODS),
 )  # fmt: skip
+OF_ATTITUDE = (rkmk.NAME, splitting.NAME)
+"""Methods for systems with an attitude quaternion alone."""
 METHODS = tuple(row.name for row in ROWS)
 """Names that ``method`` takes; `ROWS` says what they are."""
 
