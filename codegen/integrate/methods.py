@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
-from codegen.integrate import choice, runge_kutta, scipy_, taylor
+from codegen.integrate import choice, group, rkmk, runge_kutta, scipy_, splitting, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
@@ -44,6 +44,16 @@ def _taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMet
     return taylor.build(key.value.program, key.value.layout, order)
 
 
+@lru_cache(maxsize=64)
+def _rkmk_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return rkmk.build(key.value.program, key.value.layout)
+
+
+@lru_cache(maxsize=64)
+def _splitting_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod, group.Between]:
+    return splitting.build(key.value.program, key.value.layout)
+
+
 def _native(method: runge_kutta.NativeMethod) -> Integrator:
     return lambda problem: runge_kutta.integrate(method, problem)
 
@@ -68,6 +78,28 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
     return _native(native), f"Taylor series of order {order} in generated C"
 
 
+def _refuse_signals(name: str, task: Task) -> None:
+    if task.signals is not None:
+        raise InputError(
+            f"method {name} runs in C and cannot call inputs that are Python functions",
+            hint="write them into the system as functions of time, or choose DOP853",
+        )
+
+
+def _rkmk(task: Task) -> tuple[Integrator, str]:
+    _refuse_signals("rkmk", task)
+    native, evaluate = _rkmk_once(SameObject(task.compiled))
+    used = "Runge-Kutta-Munthe-Kaas of order 8 in generated C"
+    return lambda problem: group.integrate(native, evaluate, problem), used
+
+
+def _splitting(task: Task) -> tuple[Integrator, str]:
+    _refuse_signals("splitting", task)
+    native, evaluate = _splitting_once(SameObject(task.compiled))
+    used = f"splitting of order {splitting.METHOD.order} in generated C"
+    return lambda problem: group.integrate(native, evaluate, problem), used
+
+
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
         used = f"{name} of SciPy over {task.compiled.target} functions"
@@ -84,9 +116,13 @@ ROWS: tuple[Method, ...] = (
     Method("auto", "closed form, Taylor series, DOP853 or a stiff method: see `choice`", _auto),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
+    Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
+    Method("splitting", "symplectic: exact free-body turns and kicks of torque, fixed step", _splitting),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
       for m in scipy_.METHODS),
 )  # fmt: skip
+OF_ATTITUDE = (rkmk.NAME, splitting.NAME)
+"""Methods for systems with an attitude quaternion alone."""
 METHODS = tuple(row.name for row in ROWS)
 """Names that ``method`` takes; `ROWS` says what they are."""
 

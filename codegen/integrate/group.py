@@ -1,0 +1,142 @@
+"""What the methods on the group of rotations share: variables, functions in C, dense output."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from codegen.attitude import attitude_of
+from codegen.integrate import runge_kutta
+from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.trajectory import Array, Problem, Trajectory
+from codegen.layout import Layout, names_of
+from codegen.lower import SINGULARITIES
+from codegen.momentum import Variables
+from codegen.names import comment, identifier
+from codegen.program import Program
+from codegen.targets import c
+from eom.errors import InputError
+
+Pointer = int | None
+Between = Callable[[Pointer, Pointer, int, int, int, int], None]
+"""The function of the generated file that evaluates rows: parameters, inputs, count, theta, rows, x."""
+
+
+def variables_of(method: str, program: Program, layout: Layout) -> Variables:
+    """Return the variables of a system. Raises `InputError` unless one attitude is a quaternion."""
+    attitude = attitude_of(program, len(layout.states))
+    if attitude is None:
+        raise InputError(
+            f"method {method} finds no unit quaternion, or more than one, among the states",
+            where=layout.name,
+            got=", ".join(names_of(layout.states)),
+            expected="four states q, scalar first, with dq/dt = q (0, omega)/2",
+            hint='ask for attitude = "quaternion", or choose another method',
+        )
+    return Variables(attitude, len(layout.states))
+
+
+@dataclass(frozen=True)
+class Functions:
+    """Functions of a generated file, and how many constants each of them keeps, by name."""
+
+    text: str
+    constants: dict[str, int]
+
+
+def functions(prefix: str, parts: Sequence[tuple[Program, str, str]]) -> Functions:
+    """Return static functions ``prefix``_name of groups of programs: (program, group, name)."""
+    lines: list[str] = []
+    constants = {}
+    for program, group, name in parts:
+        own, count = c.kernels(program, group, f"{prefix}_{name}")
+        lines += own
+        constants[name] = max(1, count)
+    return Functions("\n".join(lines), constants)
+
+
+def values(layout: Layout, suffix: str) -> dict[str, str]:
+    """Return what the templates of every method need to know of a system."""
+    name, singular = identifier(layout.name), len(layout.results[SINGULARITIES])
+    prefix = f"{name}_{suffix}"
+    text = resources.files("codegen.integrate").joinpath("quaternions.c").read_text("ascii")
+    return {
+        "TITLE": comment(layout.title),
+        "NAME": name,
+        "PREFIX": prefix,
+        "UPPER": prefix.upper(),
+        "HEADER": f"{prefix}.h",
+        "STATES": str(len(layout.states)),
+        "SINGULARITIES": str(singular),
+        "SINGULAR_ROOM": str(max(1, singular)),
+        "COORDINATES": ", ".join(map(str, layout.coordinates)),
+        "QUATERNIONS": text,
+    }
+
+
+def single_text(program: Program, layout: Layout, suffix: str, header: str, source: str) -> str:
+    """Return functions and integrator as one text that compiles by itself."""
+    name = identifier(layout.name)
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
+    return c.single_text(program, layout) + rest.replace(f'#include "{name}_{suffix}.h"\n', "")
+
+
+def between(library: ctypes.CDLL, prefix: str) -> Between:
+    """Return the function that evaluates rows of dense output."""
+    function: Any = getattr(library, f"{prefix}_between")
+    pointer, size = ctypes.c_void_p, ctypes.c_size_t
+    function.argtypes, function.restype = [pointer, pointer, size, pointer, pointer, pointer], None
+    return function  # type: ignore[no-any-return]
+
+
+def unbound(*_: Array) -> None:
+    """Stand where `integrate` puts the dense output of a problem, which needs its parameters."""
+
+
+def integrate(method: NativeMethod, evaluate: Between, problem: Problem) -> Trajectory:
+    """Integrate a problem; its dense output is evaluated with its own parameters and inputs."""
+
+    def solution(t: Array, h: Array, x: Array, rows: Array) -> RowSolution:
+        return RowSolution(t, h, x, rows, evaluate, problem)
+
+    return runge_kutta.integrate(replace(method, solution=solution), problem)
+
+
+def _address(array: Array) -> Pointer:
+    return array.ctypes.data if array.size else None
+
+
+class RowSolution:
+    """Dense output of a whole run on the group: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+
+    def __init__(
+        self, t: Array, h: Array, x: Array, rows: Array, evaluate: Between, problem: Problem
+    ) -> None:
+        self.ts = t
+        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
+        self._h, self._x, self._rows = h, x, rows
+        self._evaluate, self._problem = evaluate, problem
+
+    def __call__(self, t: float | Sequence[float] | Array) -> Array:
+        """Evaluate; times outside the run are extrapolated from the nearest step."""
+        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        count = len(self._rows)
+        if not count:
+            values = np.repeat(self._x[:1], len(times), axis=0)
+            return values[0] if np.ndim(t) == 0 else values.T
+        forward = self.ts[-1] >= self.ts[0]
+        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
+        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, count - 1)
+        theta = np.ascontiguousarray((times - self.ts[k]) / self._h[k])
+        rows = np.ascontiguousarray(self._rows[k])
+        value = np.empty((len(times), self._x.shape[1]))
+        self._evaluate(
+            _address(self._problem.parameters), _address(self._problem.inputs), len(times),
+            theta.ctypes.data, rows.ctypes.data, value.ctypes.data,
+        )  # fmt: skip
+        return value[0] if np.ndim(t) == 0 else value.T

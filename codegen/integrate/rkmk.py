@@ -1,0 +1,186 @@
+"""Runge-Kutta methods of Munthe-Kaas for systems with an attitude quaternion, in generated C.
+
+A step from q0 looks for q = q0 exp(a/2) and solves for the rotation vector a, whose rate is the inverse
+of the differential of exp, exact in closed form for rotations, applied to the angular velocity; the
+other variables go along (Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; Iserles, Munthe-Kaas, Norsett and
+Zanna, Acta Numerica 9 (2000) 215). Any Runge-Kutta method keeps its order: here DOP853, order 8. The
+quaternion is a product of unit quaternions, held in two parts; a rigid body is moved by its momentum with
+components in the reference frame (`codegen.momentum`), which without torque does not change at all.
+Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
+
+Errors are measured in the angle of the turn, relative to 1 rad, in momentum, relative to its length, and
+in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out
+as a first integral, it is kept to the tolerance, and so is H. A body rate follows from the momentum with
+the rounding error of H/J: where that is above the tolerance, as for a needle, the run ends at its start.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from codegen import native
+from codegen.integrate import group, runge_kutta
+from codegen.integrate.dop853 import DOP853
+from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.tableau import Row, Tableau
+from codegen.layout import Layout
+from codegen.lower import SINGULARITIES
+from codegen.momentum import SIZES, SLOPES, START, STATES, Variables, local, start
+from codegen.names import identifier
+from codegen.program import Program
+from codegen.stages import by_parameters
+
+NAME = "rkmk"
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """Sizes of the arrays of an integrator."""
+
+    variables: Variables
+    tableau: Tableau
+    states: int
+
+    @property
+    def local(self) -> int:
+        return 3 + self.variables.number
+
+    @property
+    def point(self) -> int:
+        return 4 + self.variables.number
+
+    @property
+    def terms(self) -> int:
+        """Number of states' vectors that one step of dense output fills."""
+        return -(-(self.point + self.tableau.dense_terms * self.local) // self.states)
+
+
+def files(program: Program, layout: Layout, tableau: Tableau = DOP853) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name.
+
+    Raises `InputError` for systems without an attitude quaternion, or with several.
+    """
+    filled, _, _ = _filled(program, layout, tableau)
+    return filled
+
+
+def build(
+    program: Program, layout: Layout, tableau: Tableau = DOP853
+) -> tuple[NativeMethod, group.Between]:
+    """Compile the integrator of a system for this machine; `group.integrate` runs it.
+
+    Raises `CompilerError` if that fails, and `InputError` as `files`.
+    """
+    filled, shape, constants = _filled(program, layout, tableau)
+    header, source = filled.values()
+    text = group.single_text(program, layout, NAME, header, source)
+    prefix = f"{identifier(layout.name)}_{NAME}"
+    room = max(1, len(layout.results[SINGULARITIES]))
+    of_rates = max(1, len(by_parameters(program, layout.sizes).values))
+    sizes = (of_rates, constants["slopes"], constants["states"])
+    state, output = _structures(prefix, shape, room, sizes)
+    flags = native.flags_for(0, len(program.instructions))
+    begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
+    method = NativeMethod(shape.terms, group.unbound, begin, run, state, output, library)
+    return method, group.between(library, prefix)
+
+
+def _filled(
+    program: Program, layout: Layout, tableau: Tableau
+) -> tuple[Mapping[str, str], _Shape, dict[str, int]]:
+    variables = group.variables_of(NAME, program, layout)
+    shape = _Shape(variables, tableau, len(layout.states))
+    values = group.values(layout, NAME)
+    changed, begin = local(program, variables), start(program, variables)
+    parts = [(changed, SLOPES, "slopes"), (changed, STATES, "states"), (changed, SIZES, "sizes")]
+    made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
+    values |= _of_variables(shape, made) | _of_tableau(tableau)
+    filled = {
+        f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"rkmk.{kind}", values)
+        for kind in ("h", "c")
+    }
+    return filled, shape, made.constants
+
+
+def _of_variables(shape: _Shape, made: group.Functions) -> dict[str, str]:
+    variables = shape.variables
+    quaternion = variables.attitude.quaternion
+    body = "begins with the momentum, components in the reference frame"
+    return {
+        "VARIABLES": body if variables.momentum else "are the other states",
+        "VARIABLE_COUNT": str(variables.number),
+        "LOCAL": str(shape.local),
+        "POINT": str(shape.point),
+        "ROW": str(shape.terms * shape.states),
+        "MOMENTUM": str(variables.momentum),
+        "QUATERNION": ", ".join(map(str, quaternion)),
+        "TOLERANCE_OF": ", ".join(map(str, (*quaternion[1:], *variables.tolerances))),
+        "KERNELS": made.text,
+        "OF_SLOPES": str(made.constants["slopes"]),
+        "OF_STATES": str(made.constants["states"]),
+        "OF_START": str(max(made.constants["begin"], made.constants["sizes"])),
+        "STACK": f"about {8 * shape.local * (len(shape.tableau.stages) + 16)}",
+    }
+
+
+def _of_tableau(tableau: Tableau) -> dict[str, str]:
+    last, order = tableau.main_stages, tableau.order
+    main = [_stage(tableau, s) for s in range(1, last)]
+    extra = [_stage(tableau, s) for s in range(last + 1, len(tableau.stages))]
+    dense = [
+        f"        dense[{3 + d} * D] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
+    ]
+    return {
+        "METHOD": f"a Runge-Kutta method of Munthe-Kaas by {tableau.name.upper()}, of order {order},",
+        "ORDER": str(order),
+        "LAST": str(last),
+        "ALL_STAGES": str(len(tableau.stages)),
+        "DENSE_TERMS": str(tableau.dense_terms),
+        "EVALUATIONS": str(last),
+        "DENSE_EVALUATIONS": str(len(extra)),
+        "STAGES": "\n".join(main),
+        "DENSE_STAGES": "\n".join(extra),
+        "DENSE_COEFFICIENTS": "\n".join(dense),
+        "UPDATE": _sum(tableau.stages[last]),
+        "ERROR_HIGH": _sum(tableau.error_high),
+        "ERROR_LOW": _sum(tableau.error_low),
+        "ROOT": "sqrt(sqrt(sqrt(error)))" if order == 8 else f"pow(error, 1.0 / {order}.0)",
+    }
+
+
+def _sum(row: Row) -> str:
+    terms = [f"{weight!r} * k[{j}][i]" for j, weight in enumerate(row) if weight]
+    return " + ".join(terms).replace("+ -", "- ")
+
+
+def _stage(tableau: Tableau, s: int) -> str:
+    indent = "        " if s < tableau.main_stages else "    "
+    return (
+        f"{indent}for (int i = 0; i < D; ++i) a[i] = h * ({_sum(tableau.stages[s])});\n"
+        f"{indent}stage(s, s->t + {tableau.nodes[s]!r} * h, a, u, k[{s}]);"
+    )
+
+
+@cache
+def _structures(
+    prefix: str, shape: _Shape, room: int, constants: tuple[int, int, int]
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Mirror the two structures of rkmk.h."""
+    double: Any = ctypes.c_double
+    names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+    lengths = (
+        ("atol", shape.states), ("x", shape.states), ("y", shape.point), ("y_low", shape.point),
+        ("f", shape.local), ("tolerance", shape.local), ("row", shape.terms * shape.states),
+        ("singular", room), ("closest", room),
+    )  # fmt: skip
+    state: list[tuple[str, Any]] = [(f, double) for f in names]
+    state += [(f, double * length) for f, length in lengths]
+    state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
+    state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
+    kept = zip(("constants", "of_slopes", "of_states"), constants, strict=True)
+    state += [(f, double * length) for f, length in kept]
+    return runge_kutta.structures(prefix, state)

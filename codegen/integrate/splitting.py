@@ -1,0 +1,220 @@
+"""Symplectic splitting for a rigid body whose torque depends on attitude, time and parameters, in C.
+
+The motion is split into torque alone, which changes the momentum at constant attitude, and the torque-free
+motion, which changes the attitude at constant momentum; both flows are exact, and a symmetric
+composition of them has the order of its coefficients. The torque-free energy is quadratic in the
+momentum, so that compositions for Runge-Kutta-Nystroem problems serve (Blanes and Moan, J. Comput. Appl.
+Math. 142 (2002) 313). The step stays the same: that is why energy does not drift. It is ``first_step``
+where that is given, and at most ``max_step``; else it is such that the local error at the start, one
+step against two halves, in the angle and relative to the momentum, is the relative tolerance, and the
+fastest rate of body, frame and torque times the longest part of the step is at most 1. Errors are not
+looked at again: a torque that grows later, or changes fast with time, needs a step that is given.
+
+The torque-free turn of a body with two equal moments is elementary; else it is a Taylor series in parts
+of at most half a radian, of so many terms that the rest is lost in rounding (`free_turn.c`). Constants of
+the elliptic functions (van Zon and Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni, Fasso,
+Saefstroem and Zanna, SIAM J. Sci. Comput. 30 (2008) 2084) change with every kick, and in double precision
+they lose digits next to the separatrix and to symmetry, where the series knows no difference. Momentum
+is kept twice: as body rates, which are right about axes of small moments too, and with components in the
+reference frame, which without torque do not change at all; the first follow the second as far as
+rounding goes. A state between two steps is a step of a part of the length.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from codegen import native
+from codegen.integrate import group, runge_kutta
+from codegen.integrate.runge_kutta import NativeMethod
+from codegen.layout import Layout
+from codegen.lower import SINGULARITIES
+from codegen.momentum import CONSTANTS, KICK, START, Variables, kicks, start
+from codegen.names import identifier
+from codegen.program import Program
+from codegen.stages import by_parameters
+from eom.errors import InputError
+
+NAME = "splitting"
+ROW = 28
+"""Numbers of a row of dense output: see `keep` in splitting.c."""
+
+
+@dataclass(frozen=True)
+class Composition:
+    """A symmetric composition: kick, drift, kick, ..., kick; the first half of each kind and the middle."""
+
+    name: str
+    order: int
+    kicks: tuple[float, ...]
+    drifts: tuple[float, ...]
+
+
+def symmetric(
+    name: str, order: int, kicks: tuple[float, ...], drifts: tuple[float, ...]
+) -> Composition:
+    """Return a composition that begins with these parts; what is missing to 1 is in the middle.
+
+    One kick more than drifts puts a kick into the middle, as many of both a drift.
+    """
+    if len(kicks) == len(drifts) + 1:
+        whole_drifts = (*drifts, 0.5 - sum(drifts))
+        return Composition(
+            name,
+            order,
+            (*kicks, 1 - 2 * sum(kicks), *kicks[::-1]),
+            (*whole_drifts, *whole_drifts[::-1]),
+        )
+    half = (*kicks, 0.5 - sum(kicks))
+    return Composition(
+        name, order, (*half, *half[::-1]), (*drifts, 1 - 2 * sum(drifts), *drifts[::-1])
+    )
+
+
+RKN4 = symmetric(
+    "Blanes and Moan's RKN method of order 4",
+    4,
+    (0.0829844064174052, 0.396309801498368, -0.0390563049223486),
+    (0.245298957184271, 0.604872665711080),
+)
+RKN6 = symmetric(
+    "Blanes and Moan's RKN method of order 6",
+    6,
+    (
+        0.0414649985182624,
+        0.198128671918067,
+        -0.0400061921041533,
+        0.0752539843015807,
+        -0.0115113874206879,
+    ),
+    (
+        0.123229775946271,
+        0.290553797799558,
+        -0.127049212625417,
+        -0.246331761062075,
+        0.357208872795928,
+    ),
+)
+METHOD = RKN6
+
+
+def files(program: Program, layout: Layout, method: Composition = METHOD) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name.
+
+    Raises `InputError` for what is not one rigid body with a quaternion, and for a torque that depends
+    on the body rates.
+    """
+    filled, _ = _filled(program, layout, method)
+    return filled
+
+
+def build(
+    program: Program, layout: Layout, method: Composition = METHOD
+) -> tuple[NativeMethod, group.Between]:
+    """Compile the integrator of a system for this machine; `group.integrate` runs it.
+
+    Raises `CompilerError` if that fails, and `InputError` as `files`.
+    """
+    filled, constants = _filled(program, layout, method)
+    header, source = filled.values()
+    text = group.single_text(program, layout, NAME, header, source)
+    prefix = f"{identifier(layout.name)}_{NAME}"
+    room = max(1, len(layout.results[SINGULARITIES]))
+    of_rates = max(1, len(by_parameters(program, layout.sizes).values))
+    sizes = (of_rates, constants["kick"])
+    state, output = _structures(prefix, len(layout.states), room, sizes)
+    flags = native.flags_for(0, len(program.instructions))
+    begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
+    terms = _terms(len(layout.states))
+    made = NativeMethod(terms, group.unbound, begin, run, state, output, library)
+    return made, group.between(library, prefix)
+
+
+def _terms(states: int) -> int:
+    return -(-ROW // states)
+
+
+def _body(program: Program, layout: Layout) -> Variables:
+    variables = group.variables_of(NAME, program, layout)
+    body, others = variables.attitude.body, variables.attitude.others
+    hint = "choose method rkmk, which also keeps the quaternion of unit length"
+    if body is None:
+        raise InputError(
+            f"method {NAME} finds no rigid body that turns with the quaternion",
+            where=layout.name,
+            expected="rates J d omega/dt = -omega x J omega + torque, J of parameters alone",
+            hint=f"give moments of inertia as parameters or exact numbers, or {hint}",
+        )
+    if any(body.of_rates):
+        axes = ", ".join(f"b{k}" for k, mixed in enumerate(body.of_rates, 1) if mixed)
+        raise InputError(
+            f"method {NAME} needs a torque that does not depend on the body rates",
+            where=layout.name,
+            got=f"the torque about {axes} does",
+            hint=hint,
+        )
+    if others:
+        names = ", ".join(layout.states[k].name for k in others)
+        raise InputError(
+            f"method {NAME} moves one rigid body alone", where=layout.name, got=names, hint=hint
+        )
+    return variables
+
+
+def _filled(
+    program: Program, layout: Layout, method: Composition
+) -> tuple[Mapping[str, str], dict[str, int]]:
+    variables = _body(program, layout)
+    rates = variables.attitude.body.rates if variables.attitude.body else ()
+    values = group.values(layout, NAME)
+    kicked, begin = kicks(program, variables), start(program, variables)
+    parts = [(kicked, KICK, "kick"), (kicked, CONSTANTS, "known")]
+    made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
+    text = resources.files("codegen.integrate").joinpath("free_turn.c").read_text("ascii")
+    values |= {
+        "METHOD": f"splitting into torque and exact free turns, order {method.order},",
+        "ORDER": str(method.order),
+        "STAGES": str(len(method.drifts)),
+        "KICKS": ", ".join(map(repr, method.kicks)),
+        "DRIFTS": ", ".join(map(repr, method.drifts)),
+        "FREE_TURN": text,
+        "KERNELS": made.text,
+        "QUATERNION": ", ".join(map(str, variables.attitude.quaternion)),
+        "RATES": ", ".join(map(str, rates)),
+        "ROW": str(_terms(variables.count) * variables.count),
+        "OF_KICK": str(made.constants["kick"]),
+        "OF_CONSTANTS": str(made.constants["known"]),
+        "OF_BEGIN": str(made.constants["begin"]),
+        "STACK": "about 3000",
+    }
+    filled = {
+        f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"splitting.{kind}", values)
+        for kind in ("h", "c")
+    }
+    return filled, made.constants
+
+
+@cache
+def _structures(
+    prefix: str, states: int, room: int, constants: tuple[int, int]
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Mirror the two structures of splitting.h."""
+    double: Any = ctypes.c_double
+    names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+    lengths = (
+        ("atol", states), ("x", states), ("y", 10), ("y_low", 10), ("torque", 6), ("moments", 3),
+        ("ratios", 3), ("axes", 9), ("frame", 3), ("constant", 3), ("row", _terms(states) * states),
+        ("singular", room), ("closest", room),
+    )  # fmt: skip
+    state: list[tuple[str, Any]] = [(f, double) for f in names]
+    state += [(f, double * length) for f, length in lengths]
+    state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
+    state += [(f, ctypes.c_int) for f in ("status", "which")]
+    kept = zip(("constants", "of_kick"), constants, strict=True)
+    state += [(f, double * length) for f, length in kept]
+    return runge_kutta.structures(prefix, state)

@@ -1,0 +1,337 @@
+"""Quaternions and rigid bodies found in programs, and the change to momentum in the reference frame."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import eom
+from codegen.attitude import INERTIA, attitude_of
+from codegen.compiled import compile as compile_system
+from codegen.interpret import Point, interpret, random_point
+from codegen.momentum import (
+    CONSTANTS,
+    KICK,
+    SIZES,
+    SLOPES,
+    START,
+    STATES,
+    Variables,
+    kicks,
+    local,
+    start,
+)
+from codegen.program import Builder
+from codegen.quaternions import FRAME
+from codegen.residues import PRIME, RandomPoint, Unlucky, null_vector, rational, residue
+from eom import torques
+from eom.kinematics import attitude, quaternion_product
+from eom.rigidbody import (
+    full_inertia,
+    gravity_gradient_satellite,
+    heavy_top,
+    rigid_body,
+)
+from eom.system import TIME, System
+
+
+def compiled(system, **options):
+    return compile_system(system, "numpy", **options)
+
+
+def attitude_in(system, **options):
+    c = compiled(system, **options)
+    return attitude_of(c.program, len(c.layout.states)), c
+
+
+def inertia_of(body, p):
+    return interpret(body.values, Point(p=p))[INERTIA]
+
+
+def full_body(torque=lambda C, J: torques.weight(C, (True, True, True))):
+    return rigid_body(full_inertia(), torque, attitude("quaternion"), name="full")
+
+
+# --- residues ------------------------------------------------------------------------------------
+
+
+@given(st.integers(-(2**200), 2**200), st.integers(1, 2**200))
+def test_rationals_are_read_off_their_residues(numerator, denominator):
+    number = Fraction(numerator, denominator)
+    assert rational(residue(number)) == number
+
+
+def test_a_random_residue_is_no_small_rational():
+    found = rational(RandomPoint(1).draw())
+    assert found is None or max(abs(found.numerator), found.denominator) > 2**100
+
+
+def test_null_vectors_annihilate_their_rows_and_are_alone():
+    rows = [[1, 2, 3], [4, 5, 6]]
+    vector = null_vector(rows)
+    assert all(sum(a * b for a, b in zip(row, vector, strict=True)) % PRIME == 0 for row in rows)
+    assert any(vector)
+    assert null_vector([[1, 2, 3]]) is None
+    assert null_vector([[1, 0], [0, 1]]) is None
+
+
+def test_unknown_functions_depend_on_their_arguments_alone():
+    b = Builder()
+    x, y = b.leaf("state", 0), b.leaf("state", 1)
+    sines = [b.add("sin", x), b.add("sin", y), b.add("sin", b.add("add", x, b.const(0)))]
+    orders = [b.add("max", x, y), b.add("max", y, x), b.add("atan2", x, y), b.add("atan2", y, x)]
+    program = b.program({"f": [*sines, *orders]})
+    values = RandomPoint(3).values(program, {})
+    one, other, same, high, again, turn, back = (values[k] for k in program.results["f"])
+    assert one == same != other
+    assert high == again
+    assert turn != back
+
+
+def test_nan_in_one_branch_leaves_the_other():
+    b = Builder()
+    zero = b.unfolded("div", b.const(0), b.const(0))
+    x = b.leaf("state", 0)
+    chosen = b.unfolded("select", b.leaf("state", 1), x, zero)
+    values = RandomPoint(0).values(b.program({"f": [chosen]}), {})
+    assert values[chosen] == values[x]
+    without = b.program({"f": [b.unfolded("div", x, b.const(0))]})
+    with pytest.raises(Unlucky):
+        RandomPoint(0).values(without, {})
+
+
+# --- what is found -------------------------------------------------------------------------------
+
+
+def test_the_heavy_top_is_found_with_a_rate_that_became_a_parameter():
+    found, c = attitude_in(eom.Scene.ready("heavy-top").derive())
+    assert c.layout.results["rates"] == ("omega_1", "omega_2", "q0", "q1", "q2", "q3")
+    assert found.quaternion == (2, 3, 4, 5)
+    body = found.body
+    assert body.rates == (0, 1, -1)
+    assert body.of_rates == (False, False, False)
+    assert body.zero == (False, False, True)
+    p = {"I1": 2.0, "I3": 0.7, "m": 3.0, "g": 9.0, "r3": 0.4, "omega_3": 11.0}
+    values = interpret(body.values, Point(p=list(p.values())))
+    assert values[INERTIA] == [2.0, 0.0, 0.0, 2.0, 0.0, 0.7]
+    assert values["constant rates"] == [0.0, 0.0, 11.0]
+
+
+def test_the_orbit_frame_is_found():
+    found, c = attitude_in(gravity_gradient_satellite())
+    p = [1.0, 1.5, 2.0, 0.25]
+    assert [q.name for q in c.layout.parameters] == ["I1", "I2", "I3", "n"]
+    assert interpret(found.body.values, Point(p=p))[FRAME] == [0.0, 0.0, 0.25]
+    assert inertia_of(found.body, p) == [1.0, 0.0, 0.0, 1.5, 0.0, 2.0]
+
+
+def test_a_full_inertia_matrix_is_found_up_to_nothing():
+    found, _ = attitude_in(full_body(lambda C, J: torques.applied((0, 0, 0))))
+    assert found.body.zero == (True, True, True)
+    assert not found.body.is_principal
+    assert inertia_of(found.body, [3.0, 0.1, 0.2, 4.0, -0.3, 5.0]) == [
+        3.0,
+        0.1,
+        0.2,
+        4.0,
+        -0.3,
+        5.0,
+    ]
+
+
+@pytest.mark.parametrize(
+    "fixed", [{"I1": 2.5}, {"I1": 2.5, "I3": 0.7}, {"I1": 2.5, "I2": 2.0, "I3": 0.7}]
+)
+def test_moments_that_are_compiled_in_are_found_up_to_a_factor(fixed):
+    found, c = attitude_in(heavy_top(), parameters=fixed)
+    every = {"I1": 2.5, "I2": 2.0, "I3": 0.7, "m": 1.0, "g": 1.0, "r3": 1.0}
+    J = inertia_of(found.body, [every[q.name] for q in c.layout.parameters])
+    np.testing.assert_allclose(
+        np.array(J) / J[0], np.array([2.5, 0, 0, 2.0, 0, 0.7]) / 2.5, rtol=1e-15
+    )
+
+
+w = sp.symbols("alpha beta gamma", real=True)
+q = sp.symbols("e f1 g1 h1", real=True)
+A, B, C, k, f = sp.symbols("A B C k f", positive=True)
+wheel = sp.Symbol("wheel", real=True)
+
+
+def equations(torque=(0, 0, 0), extra=None, rate=w, moments=(A, B, C)):
+    J = sp.diag(*moments)
+    gyroscopic = sp.Matrix(w).cross(J * sp.Matrix(w))
+    turn = quaternion_product(q, (0, *rate))
+    rates = {w[i]: (torque[i] - gyroscopic[i]) / moments[i] for i in range(3)}
+    return {**rates, **{q[i]: turn[i] / 2 for i in range(4)}, **(extra or {})}
+
+
+def system(rates, order=None):
+    names = list(rates) if order is None else [list(rates)[i] for i in order]
+    return System.from_rates("body", {n: rates[n] for n in names})
+
+
+@settings(max_examples=12)
+@given(st.permutations(range(8)))
+def test_no_name_and_no_order_matters(order):
+    """Cyclic relabellings of the axes are the same attitude; the scalar part is not to be missed."""
+    extra = {wheel: -wheel + w[0]}
+    found, c = attitude_in(system(equations((k * q[1], 0, 0), extra), order))
+    names = [c.layout.states[s].name for s in found.quaternion]
+    axes = names[1:]
+    assert names[0] == "e"
+    assert axes in (["f1", "g1", "h1"], ["g1", "h1", "f1"], ["h1", "f1", "g1"])
+    rates = dict(zip(("f1", "g1", "h1"), ("alpha", "beta", "gamma"), strict=True))
+    assert [c.layout.states[s].name for s in found.body.rates] == [rates[a] for a in axes]
+    assert [c.layout.states[s].name for s in found.others] == ["wheel"]
+
+
+def test_damping_and_a_wheel_leave_the_body_and_are_told():
+    torque = (-k * w[0], f * q[1], wheel)
+    found, _ = attitude_in(system(equations(torque, {wheel: -wheel})))
+    assert found.body.of_rates == (True, False, False)
+    assert found.body.zero == (False, False, False)
+    assert found.others == (7,)
+
+
+def test_drag_quadratic_in_the_rates_leaves_a_quaternion_without_a_body():
+    found, _ = attitude_in(system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))))
+    assert found.quaternion == (3, 4, 5, 6)
+    assert found.body is None
+    assert found.others == (0, 1, 2)
+
+
+def test_moments_that_change_with_time_are_no_body():
+    assert attitude_in(system(equations(moments=(A * (2 + sp.sin(TIME)), B, C))))[0].body is None
+
+
+def test_moments_may_be_expressions_of_parameters():
+    moments = (A * k**2 / 4, A * k**2 / 4, A * k**2 / 2 + f)
+    found, c = attitude_in(system(equations(moments=moments)))
+    p = dict.fromkeys([s.name for s in c.layout.parameters], 0.0) | {"A": 2.0, "k": 3.0, "f": 0.5}
+    J = np.array(inertia_of(found.body, list(p.values())))
+    np.testing.assert_allclose(J / J[0], np.array([4.5, 0, 0, 4.5, 0, 9.5]) / 4.5, rtol=1e-15)
+
+
+def test_the_opposite_convention_is_a_unit_quaternion_but_of_no_body():
+    """dq/dt = -(0, omega) q/2, of the inverse turn: another order of the same four, with -omega."""
+    turn = quaternion_product((0, *w), q)
+    rates = {**equations(), **{q[i]: -turn[i] / 2 for i in range(4)}}
+    found, _ = attitude_in(system(rates))
+    assert sorted(found.quaternion) == [3, 4, 5, 6]
+    assert found.body is None
+
+
+def test_other_attitudes_and_two_quaternions_are_not_found():
+    for name in (None, "3-1-2", "dcm"):
+        assert attitude_in(eom.free_rigid_body(name))[0] is None
+    more = sp.symbols("z0:4", real=True)
+    turn = quaternion_product(more, (0, *w))
+    both = equations(extra={more[i]: turn[i] / 2 for i in range(4)})
+    assert attitude_in(system(both))[0] is None
+
+
+def test_a_rate_that_became_a_number_is_found():
+    scene = eom.Scene.ready("heavy-top")
+    found, c = attitude_in(scene.derive(), parameters=scene.parameter_values())
+    assert not c.layout.parameters
+    values = interpret(found.body.values, Point())
+    np.testing.assert_allclose(np.array(values[INERTIA]) / values[INERTIA][0], [1, 0, 0, 1, 0, 0.3])
+    assert values["constant rates"] == [0.0, 0.0, 20.0]
+    assert found.body.of_rates == (False, False, False)
+
+
+def test_a_rate_that_is_led_is_no_number():
+    """A sphere, for which every inertia would do, turned about b3 by a clock."""
+    turn = quaternion_product(q, (0, w[0], w[1], sp.cos(TIME)))
+    rates = {w[0]: 0, w[1]: 0, **{q[i]: turn[i] / 2 for i in range(4)}}
+    found, _ = attitude_in(system(rates))
+    assert found.body is None
+
+
+def test_prescribed_rates_are_a_quaternion_alone():
+    turn = quaternion_product(q, (0, sp.cos(TIME), k, sp.sin(2 * TIME)))
+    found, _ = attitude_in(system({q[i]: turn[i] / 2 for i in range(4)}))
+    assert found.quaternion == (0, 1, 2, 3)
+    assert found.body is None
+
+
+# --- the change of variables ---------------------------------------------------------------------
+
+SYSTEMS = {
+    "heavy top": heavy_top(),
+    "heavy top of the scene": eom.Scene.ready("heavy-top").derive(),
+    "numbers compiled in": eom.Scene.ready("heavy-top").derive(),
+    "satellite": gravity_gradient_satellite(),
+    "full inertia": full_body(),
+    "free": eom.free_rigid_body("quaternion"),
+    "damped, with a wheel": system(equations((-k * w[0], f * q[1], wheel), {wheel: -wheel + w[0]})),
+    "opposite convention": system(
+        {**equations((f * q[1], 0, 0)),
+         **{q[i]: -r / 2 for i, r in enumerate(quaternion_product((0, *w), q))}}
+    ),
+    "without a body": system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_new_variables_move_as_the_system_says(name, seed):
+    """The states come back, and the rates of q and v are those of the system, by differences."""
+    fixed = (
+        eom.Scene.ready("heavy-top").parameter_values() if name == "numbers compiled in" else None
+    )
+    c = compiled(SYSTEMS[name], parameters=fixed)
+    n = len(c.layout.states)
+    variables = Variables(attitude_of(c.program, n), n)
+    changed, begin = local(c.program, variables), start(c.program, variables)
+    point = random_point(c.program, seed)
+    x, quaternion = np.array(point.x), list(variables.attitude.quaternion)
+    p = np.array(point.p)
+    if name == "full inertia":
+        p[:6] = 3, 0.1, 0.2, 4, -0.3, 5
+    x[quaternion] /= np.linalg.norm(x[quaternion])
+
+    def moved(t, state):
+        return np.array(interpret(begin, Point(t, state, p))[START])
+
+    t, f = point.t, c.rhs(point.t, x, p)
+    v = moved(t, x)
+    values = interpret(changed, Point(t, [*x[quaternion], *v], p))
+    np.testing.assert_allclose(values[STATES], x, rtol=0, atol=1e-14)
+    h = 1e-6
+    slope = (moved(t + h, x + h * f) - moved(t - h, x - h * f)) / (2 * h)
+    np.testing.assert_allclose(values[SLOPES][3:], slope, rtol=0, atol=2e-8)
+    (a, *b), turn = x[quaternion], np.array(values[SLOPES][:3])
+    rate = np.array([-np.dot(b, turn), *(a * turn + np.cross(b, turn))]) / 2
+    np.testing.assert_allclose(rate, f[quaternion], rtol=0, atol=1e-14)
+    assert len(values[SIZES]) == variables.number == len(variables.tolerances)
+
+
+def test_without_torque_the_momentum_does_not_move_at_all():
+    c = compiled(SYSTEMS["free"])
+    variables = Variables(attitude_of(c.program, 7), 7)
+    changed = local(c.program, variables)
+    rates = [changed.instructions[r] for r in changed.results[SLOPES][3:]]
+    assert [(i.op, i.value) for i in rates] == [("const", 0)] * 3
+
+
+def test_kicks_are_the_torque_in_both_frames():
+    c = compiled(heavy_top())
+    variables = Variables(attitude_of(c.program, 7), 7)
+    program = kicks(c.program, variables)
+    p = [1.0, 1.5, 2.0, 3.0, 9.81, 0.2]
+    assert [s.name for s in c.layout.parameters] == ["I1", "I2", "I3", "m", "g", "r3"]
+    turn = np.array([0.5, 0.1, -0.7, 0.5]) / np.linalg.norm([0.5, 0.1, -0.7, 0.5])
+    values = interpret(program, Point(x=turn, p=p))
+    matrix = np.array(
+        attitude("quaternion").matrix.subs(
+            dict(zip(attitude("quaternion").symbols, turn, strict=True))
+        ),
+        float,
+    )
+    weight = np.cross([0, 0, 0.2], matrix @ [0, 0, -3 * 9.81])
+    np.testing.assert_allclose(values[KICK], [*weight, *(matrix.T @ weight)], atol=1e-14)
+    assert values[CONSTANTS] == [1.0, 0.0, 0.0, 1.5, 0.0, 2.0, 0, 0, 0, 0, 0, 0]
