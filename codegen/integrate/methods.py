@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Generic, TypeVar
@@ -10,7 +10,13 @@ from typing import Generic, TypeVar
 from codegen.compiled import Compiled
 from codegen.integrate import runge_kutta, scipy_, taylor
 from codegen.integrate.dop853 import DOP853
+from codegen.integrate.dp5 import DP5
+from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Problem, Trajectory
+from codegen.integrate.tsit5 import TSIT5
+from codegen.layout import Layout
+from codegen.program import Program
+from codegen.targets.registry import c_files
 from eom.errors import InputError, unknown_name
 
 T = TypeVar("T")
@@ -49,8 +55,8 @@ class Method:
 
 
 @lru_cache(maxsize=64)
-def _dop853_once(key: SameObject[Compiled]) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(DOP853, key.value.program, key.value.layout)
+def _runge_kutta_once(key: SameObject[Compiled], tableau: Tableau) -> runge_kutta.NativeMethod:
+    return runge_kutta.build(tableau, key.value.program, key.value.layout)
 
 
 @lru_cache(maxsize=64)
@@ -62,13 +68,23 @@ def _native(method: runge_kutta.NativeMethod) -> Integrator:
     return lambda problem: runge_kutta.integrate(method, problem)
 
 
-def _dop853(task: Task) -> tuple[Integrator, str]:
+def _runge_kutta(
+    tableau: Tableau, name: str, elsewhere: str
+) -> Callable[[Task], tuple[Integrator, str]]:
     """In generated C where that is the target and nothing calls Python; by SciPy otherwise."""
-    if task.compiled.target == "c" and task.signals is None:
-        return _native(_dop853_once(SameObject(task.compiled))), "DOP853 in generated C"
-    integrator, used = _scipy("DOP853")(task)
-    reason = " (inputs are Python functions)" if task.signals is not None else ""
-    return integrator, used + reason
+
+    def prepare(task: Task) -> tuple[Integrator, str]:
+        if task.compiled.target == "c" and task.signals is None:
+            native = _runge_kutta_once(SameObject(task.compiled), tableau)
+            return _native(native), f"{name} in generated C"
+        integrator, used = _scipy(elsewhere)(task)
+        reason = " (inputs are Python functions)" if task.signals is not None else ""
+        return integrator, used + reason
+
+    return prepare
+
+
+_dop853 = _runge_kutta(DOP853, "DOP853", "DOP853")
 
 
 def _taylor(task: Task) -> tuple[Integrator, str]:
@@ -84,7 +100,8 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
 
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
-        used = f"{name} of SciPy over {task.compiled.target} functions"
+        loop = "in the loop of" if name in scipy_.TABLEAUX else "of"
+        used = f"{name} {loop} SciPy over {task.compiled.target} functions"
         return lambda p: scipy_.integrate(task.compiled, p, name, task.signals), used
 
     return prepare
@@ -93,6 +110,10 @@ def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
 ROWS = (
     Method("auto", "DOP853", _dop853),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
+    Method("DP5", "explicit Runge-Kutta of order 5, of Dormand and Prince, loop in C likewise",
+           _runge_kutta(DP5, "DP5", "RK45")),
+    Method("Tsit5", "explicit Runge-Kutta of order 5, of Tsitouras, loop in C likewise",
+           _runge_kutta(TSIT5, "Tsit5", "Tsit5")),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
       for m in scipy_.METHODS),
@@ -107,3 +128,35 @@ def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
     if row is None:
         raise unknown_name("method", method, METHODS)
     return row.prepare(task)
+
+
+def _taylor_files(program: Program, layout: Layout, rtol: float) -> Mapping[str, str]:
+    return taylor.files(program, layout, taylor.order_of(rtol))
+
+
+def _tableau_files(tableau: Tableau) -> Callable[[Program, Layout, float], Mapping[str, str]]:
+    return lambda program, layout, rtol: runge_kutta.files(tableau, layout)
+
+
+INTEGRATORS: Mapping[str, Callable[[Program, Layout, float], Mapping[str, str]]] = {
+    **{t.name: _tableau_files(t) for t in (DOP853, DP5, TSIT5)},
+    "taylor": _taylor_files,
+}
+"""Integrators whose whole loop is generated C, by the name that their files carry."""
+
+
+def files(program: Program, layout: Layout, method: str, rtol: float = 1e-9) -> Mapping[str, str]:
+    """Return header and source in C of an integrator, one of `INTEGRATORS`, by file name.
+
+    They include the header of the functions that target ``c`` generates. ``rtol``: decides the order
+    of method taylor; what is generated takes other tolerances, too, but not as fast. Raises
+    `InputError` for other words, and where a value has no Taylor series.
+    """
+    if method not in INTEGRATORS:
+        raise unknown_name("integrator", method, INTEGRATORS)
+    return INTEGRATORS[method](program, layout, rtol)
+
+
+def package(program: Program, layout: Layout, method: str, rtol: float = 1e-9) -> Mapping[str, str]:
+    """Return all files of target ``c``, with this integrator instead of DOP853, as `files` does."""
+    return c_files(program, layout, files(program, layout, method, rtol))

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from codegen.compiled import Compiled
 from codegen.derivative import dependence
+from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
+from codegen.integrate.tsit5 import TSIT5
 from codegen.lower import RATES
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
+TABLEAUX = {"Tsit5": TSIT5}
+"""Explicit methods that SciPy lacks and that its loop can run."""
 PARTS = 8
 REPORT_EVERY = 100
 
@@ -30,7 +35,7 @@ Inputs = Callable[[float], Array]
 def integrate(
     compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None
 ) -> Trajectory:
-    """Integrate with one of `METHODS`. ``inputs``: values of the inputs over time, if not held."""
+    """Integrate with one of `METHODS` or `TABLEAUX`. ``inputs``: values of the inputs over time, if not held."""
     return _Run(compiled, problem, method, inputs).run()
 
 
@@ -46,6 +51,37 @@ def _sparsity(compiled: Compiled) -> Any:
 
     rows, columns = zip(*places, strict=True) if places else ((), ())
     return csr_array((np.ones(len(places)), (rows, columns)), shape=(n, n))
+
+
+def _solver_class(method: str) -> Any:
+    from scipy import integrate as si
+
+    return _with_tableau(TABLEAUX[method]) if method in TABLEAUX else getattr(si, method)
+
+
+@cache
+def _with_tableau(tableau: Tableau) -> Any:
+    """Return SciPy's RK45 with the coefficients of another method of order 5(4), six stages."""
+    from scipy import integrate as si
+
+    count = tableau.main_stages
+    rows = [(*row, *[0.0] * (count - len(row))) for row in tableau.stages]
+    weights, first, last = np.array([*rows[count], 0.0]), *np.eye(count + 1)[[0, -1]]
+    quartic = np.array(tableau.dense[0])
+    powers = (
+        first,
+        3 * weights - 2 * first - last + quartic,
+        -2 * weights + first + last - 2 * quartic,
+        quartic,
+    )
+    table = {
+        "A": np.array(rows[:count])[:, : count - 1],
+        "B": weights[:-1],
+        "C": np.array(tableau.nodes[:count], dtype=np.float64),
+        "E": np.array(tableau.error_high),
+        "P": np.column_stack(powers),
+    }
+    return type(tableau.name, (si.RK45,), table)
 
 
 class _Run:
@@ -109,8 +145,6 @@ class _Run:
         return self._finish(Stop("end", end), self.points[-1])
 
     def _solver(self) -> Any:
-        from scipy import integrate as si
-
         problem = self.problem
         options: dict[str, Any] = {
             "rtol": problem.rtol,
@@ -122,7 +156,7 @@ class _Run:
         if problem.first_step:
             span = abs(problem.t_span[1] - problem.t_span[0])
             options["first_step"] = min(problem.first_step, span)
-        return getattr(si, self.method)(
+        return _solver_class(self.method)(
             self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
         )
 
