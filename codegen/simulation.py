@@ -16,6 +16,7 @@ from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.integrate import scipy_
 from codegen.integrate.methods import SameObject, Task, integrator_of
+from codegen.integrate.projection import chosen
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
@@ -23,6 +24,8 @@ from eom.errors import InputError, unknown_name
 from eom.system import System
 
 DEFAULT_MARGIN = 1e-6
+LEAST_RTOL = 2.0**-52
+"""Relative tolerance below which double precision holds nothing."""
 RELATIVE_FLOOR = 1e-8
 """A constant that starts below its change under so small a change of the states counts as zero."""
 
@@ -121,6 +124,7 @@ def simulate(
     max_step: float = math.inf,
     max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
+    project: bool | str | Sequence[str] = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
@@ -129,6 +133,10 @@ def simulate(
     time for each input; functions are called from Python. ``method``: one of `METHODS`. Steps meet
     the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
     every step without it. ``margin``: the run stops where a singularity's expression gets below it.
+    ``project``: invariants, by name or True for all, onto which the state is brought back after each
+    step, by the least change (`codegen.integrate.projection`); all stored points lie on them. The
+    dense output goes through the points of the steps, and off the invariants between them by its own
+    error. Methods that carry values of earlier steps along cannot project.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
@@ -143,7 +151,7 @@ def simulate(
         t_span=span,
         parameters=_parameters(compiled, parameters, x0, held),
         inputs=held,
-        rtol=_positive(rtol, "rtol"),
+        rtol=_relative(rtol),
         atol=_tolerances(atol, rtol, len(x0)),
         margin=_positive(margin, "margin"),
         singularities=len(layout.results[SINGULARITIES]),
@@ -152,6 +160,7 @@ def simulate(
         first_step=None if first_step is None else _positive(first_step, "first_step"),
         max_step=_positive(max_step, "max_step"),
         max_steps=_count(max_steps),
+        project=chosen(layout, project),
         progress=progress,
     )
     return _run(compiled, problem, method, signals)
@@ -177,6 +186,18 @@ def _positive(value: float, name: str) -> float:
     number = float(value)
     if not number > 0:
         raise InputError(f"{name} is not positive", got=value)
+    return number
+
+
+def _relative(rtol: float) -> float:
+    """Return the relative tolerance; one that double precision cannot meet is refused."""
+    number = float(rtol)
+    if not LEAST_RTOL <= number < math.inf:
+        raise InputError(
+            "rtol does not fit",
+            got=rtol,
+            expected="a finite number, at least 2^-52 = 2.2e-16, the spacing of doubles at 1",
+        )
     return number
 
 

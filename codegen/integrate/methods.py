@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Generic, TypeVar
 
 from codegen.compiled import Compiled
-from codegen.integrate import runge_kutta, scipy_, taylor
+from codegen.integrate import projection, runge_kutta, scipy_, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.dp5 import DP5
+from codegen.integrate.projector import Projector, with_values
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Problem, Trajectory
 from codegen.integrate.tsit5 import TSIT5
@@ -47,25 +48,50 @@ class Task:
 
 @dataclass(frozen=True)
 class Method:
-    """A name, what it is, and what prepares the integrator and says what it is called in full."""
+    """A name, what it is, and what prepares the integrator and says what it is called in full.
+
+    ``projects``: whether states can be brought back onto invariants after each step.
+    """
 
     name: str
     meaning: str
     prepare: Callable[[Task], tuple[Integrator, str]]
+    projects: bool = False
 
 
 @lru_cache(maxsize=64)
-def _runge_kutta_once(key: SameObject[Compiled], tableau: Tableau) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(tableau, key.value.program, key.value.layout)
+def _extended_once(key: SameObject[Compiled], names: tuple[str, ...]) -> tuple[Program, Layout]:
+    """Return program and layout of the generated loop, with the projection onto ``names`` if any."""
+    compiled = key.value
+    if not names:
+        return compiled.program, compiled.layout
+    return projection.extended(compiled.program, compiled.layout, names, compiled.stable)
 
 
 @lru_cache(maxsize=64)
-def _taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMethod:
-    return taylor.build(key.value.program, key.value.layout, order)
+def _runge_kutta_once(
+    key: SameObject[Compiled], names: tuple[str, ...], tableau: Tableau
+) -> runge_kutta.NativeMethod:
+    return runge_kutta.build(tableau, *_extended_once(key, names))
 
 
-def _native(method: runge_kutta.NativeMethod) -> Integrator:
-    return lambda problem: runge_kutta.integrate(method, problem)
+@lru_cache(maxsize=64)
+def _taylor_once(
+    key: SameObject[Compiled], names: tuple[str, ...], order: int
+) -> runge_kutta.NativeMethod:
+    return taylor.build(*_extended_once(key, names), order)
+
+
+def _native(compiled: Compiled, method: runge_kutta.NativeMethod) -> Integrator:
+    def integrate(problem: Problem) -> Trajectory:
+        if not problem.project:
+            return runge_kutta.integrate(method, problem)
+        found = runge_kutta.integrate(method, with_values(compiled, problem))
+        if not (problem.dense_output and problem.t_eval is not None):
+            return found
+        return replace(found, y=Projector(compiled, problem).points(found.t, found.y))
+
+    return integrate
 
 
 def _runge_kutta(
@@ -74,9 +100,10 @@ def _runge_kutta(
     """In generated C where that is the target and nothing calls Python; by SciPy otherwise."""
 
     def prepare(task: Task) -> tuple[Integrator, str]:
-        if task.compiled.target == "c" and task.signals is None:
-            native = _runge_kutta_once(SameObject(task.compiled), tableau)
-            return _native(native), f"{name} in generated C"
+        compiled = task.compiled
+        if compiled.target == "c" and task.signals is None:
+            native = _runge_kutta_once(SameObject(compiled), task.problem.project, tableau)
+            return _native(compiled, native), f"{name} in generated C"
         integrator, used = _scipy(elsewhere)(task)
         reason = " (inputs are Python functions)" if task.signals is not None else ""
         return integrator, used + reason
@@ -94,8 +121,8 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
             hint="write them into the system as functions of time, or choose DOP853",
         )
     order = taylor.order_of(task.problem.rtol)
-    native = _taylor_once(SameObject(task.compiled), order)
-    return _native(native), f"Taylor series of order {order} in generated C"
+    native = _taylor_once(SameObject(task.compiled), task.problem.project, order)
+    return _native(task.compiled, native), f"Taylor series of order {order} in generated C"
 
 
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
@@ -108,14 +135,17 @@ def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
 
 
 ROWS = (
-    Method("auto", "DOP853", _dop853),
-    Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
+    Method("auto", "DOP853", _dop853, projects=True),
+    Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853,
+           projects=True),
     Method("DP5", "explicit Runge-Kutta of order 5, of Dormand and Prince, loop in C likewise",
-           _runge_kutta(DP5, "DP5", "RK45")),
+           _runge_kutta(DP5, "DP5", "RK45"), projects=True),
     Method("Tsit5", "explicit Runge-Kutta of order 5, of Tsitouras, loop in C likewise",
-           _runge_kutta(TSIT5, "Tsit5", "Tsit5")),
-    Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
-    *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
+           _runge_kutta(TSIT5, "Tsit5", "Tsit5"), projects=True),
+    Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor,
+           projects=True),
+    *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m),
+             projects=m not in scipy_.MULTISTEP)
       for m in scipy_.METHODS),
 )  # fmt: skip
 METHODS = tuple(row.name for row in ROWS)
@@ -127,6 +157,12 @@ def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
     row = next((row for row in ROWS if row.name == method), None)
     if row is None:
         raise unknown_name("method", method, METHODS)
+    if task.problem.project and not row.projects:
+        able = [row.name for row in ROWS if row.projects]
+        raise InputError(
+            f"method {method} cannot project its states onto invariants",
+            expected=f"one of {', '.join(able)}",
+        )
     return row.prepare(task)
 
 

@@ -140,7 +140,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         factor = fmin(s->after_rejection ? 1.0 : 10.0, fmax(0.2, factor));
         s->after_rejection = 0;
         s->which = -1;
-
+@PROJECT@
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
@@ -161,12 +161,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         while (wants_grid_point(o, t_stop, direction)) {
             const double theta = (o->grid[o->next] - s->t_old) / h;
             interpolate(s, theta, y);
-            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
+@PROJECT_POINT@            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
             o->next += 1;
         }
         if (stop <= 1.0) {
             interpolate(s, stop, x_new);
-#if S
+@PROJECT_STOP@#if S
             @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
             for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
 #endif

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from codegen import native
+from codegen.integrate import projection
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.layout import Layout
@@ -91,10 +92,16 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         else f"pow(error, 1.0 / {tableau.order}.0)",
         **_further_stages(tableau, name),
         **_error(tableau),
+        **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
     }
 
 
-_IN_WORDS = {0: "no further evaluation", 1: "one more evaluation", 2: "two more evaluations", 3: "three more evaluations"}
+_IN_WORDS = {
+    0: "no further evaluation",
+    1: "one more evaluation",
+    2: "two more evaluations",
+    3: "three more evaluations",
+}
 
 
 def _further_stages(tableau: Tableau, name: str) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from codegen.compiled import Compiled
 from codegen.derivative import dependence
+from codegen.integrate.projector import Projector
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.integrate.tsit5 import TSIT5
@@ -22,6 +24,8 @@ PARTS = 8
 REPORT_EVERY = 100
 
 IMPLICIT = ("Radau", "BDF")
+MULTISTEP = ("BDF", "LSODA")
+"""Methods that carry values of earlier steps along, which a projection would contradict."""
 SPARSE_FROM = 100
 SPARSE_SHARE = 0.2
 """Implicit methods are told which rates can depend on which states, for systems of so many states or
@@ -35,7 +39,10 @@ Inputs = Callable[[float], Array]
 def integrate(
     compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None
 ) -> Trajectory:
-    """Integrate with one of `METHODS` or `TABLEAUX`. ``inputs``: values of the inputs over time, if not held."""
+    """Integrate with one of `METHODS` or `TABLEAUX`.
+
+    ``inputs``: values of the inputs over time, if not held.
+    """
     return _Run(compiled, problem, method, inputs).run()
 
 
@@ -84,6 +91,21 @@ def _with_tableau(tableau: Tableau) -> Any:
     return type(tableau.name, (si.RK45,), table)
 
 
+@dataclass(frozen=True)
+class _Bent:
+    """An interpolant and a cubic that takes its end elsewhere, the slopes of both ends kept."""
+
+    dense: Any
+    start: float
+    end: float
+    change: Array
+
+    def __call__(self, t: Any) -> Array:
+        part = (np.asarray(t) - self.start) / (self.end - self.start)
+        weight = part * part * (3 - 2 * part)
+        return np.asarray(self.dense(t) + np.multiply.outer(self.change, weight))
+
+
 class _Run:
     """One run: SciPy's solver steps, this looks at what it did."""
 
@@ -96,6 +118,7 @@ class _Run:
         self.rhs = compiled.rhs
         self.sparsity = _sparsity(compiled) if method in IMPLICIT else None
         self.inputs = inputs
+        self.projector = Projector(compiled, problem, inputs) if problem.project else None
         self.method = method
         self.evaluations = 0
         self.broken = -1
@@ -180,8 +203,10 @@ class _Run:
         if self.steps % REPORT_EVERY == 0:
             self.problem.report(solver.t)
         dense = solver.dense_output()
+        if self.projector is not None:
+            dense = self._projected(solver, dense)
         where = self._find_singular(solver, dense)
-        t, x = (solver.t, solver.y.copy()) if where is None else (where[0], dense(where[0]))
+        t, x = (solver.t, solver.y.copy()) if where is None else self._at(where[0], dense)
         if where is not None:
             self.closest = np.minimum(self.closest, np.abs(self._singularities(t, x)))
         self._store_grid(t, dense)
@@ -263,8 +288,24 @@ class _Run:
             np.sign(self.problem.t_span[1] - self.problem.t_span[0]),
         )
         while grid is not None and self.next < len(grid) and direction * (grid[self.next] - t) <= 0:
-            self.grid_values.append(self.problem.x0 if dense is None else dense(grid[self.next]))
+            at = float(grid[self.next])
+            self.grid_values.append(self.problem.x0 if dense is None else self._at(at, dense)[1])
             self.next += 1
+
+    def _at(self, t: float, dense: Any) -> tuple[float, Array]:
+        """Return time and state of a point to be stored."""
+        x = dense(t)
+        return t, x if self.projector is None else self.projector(t, x)
+
+    def _projected(self, solver: Any, dense: Any) -> Any:
+        """Bring the solver's state onto the invariants; return the interpolant of its last step."""
+        assert self.projector is not None
+        x = self.projector(float(solver.t), solver.y)
+        if x is solver.y:
+            return dense
+        bent = _Bent(dense, float(solver.t_old), float(solver.t), x - solver.y)
+        solver.y, solver.f = x, self._slope(float(solver.t), x)
+        return bent
 
     def _finish(self, stop: Stop, x: Array) -> Trajectory:
         grid = self.problem.t_eval

@@ -21,9 +21,7 @@ def _c_files(program: Program, layout: Layout) -> Mapping[str, str]:
     return c_files(program, layout, runge_kutta.files(DOP853, layout))
 
 
-def c_files(
-    program: Program, layout: Layout, integrator: Mapping[str, str]
-) -> Mapping[str, str]:
+def c_files(program: Program, layout: Layout, integrator: Mapping[str, str]) -> Mapping[str, str]:
     """Return the files of the target c with those of an integrator among them, built and packaged."""
     written = {
         **c.files(program, layout),
