@@ -574,6 +574,8 @@ def test_another_moment_for_a_symmetric_system_is_a_contradiction(built):
         ({"rtol": 0.0}, "rtol"),
         ({"rtol": -1e-6}, "rtol"),
         ({"rtol": math.nan}, "rtol"),
+        ({"rtol": 2.0**-53}, "rtol does not fit"),
+        ({"rtol": math.inf}, "rtol does not fit"),
         ({"atol": -1.0}, "atol"),
         ({"atol": [1.0, 1.0, 1.0]}, "atol"),
         ({"atol": math.nan}, "atol"),
