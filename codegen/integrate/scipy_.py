@@ -16,6 +16,8 @@ from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.integrate.tsit5 import TSIT5
 from codegen.lower import RATES
+from codegen.passes import prune
+from codegen.sparse import SparseJacobian
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 TABLEAUX = {"Tsit5": TSIT5}
@@ -23,15 +25,21 @@ TABLEAUX = {"Tsit5": TSIT5}
 PARTS = 8
 REPORT_EVERY = 100
 
-IMPLICIT = ("Radau", "BDF")
+IMPLICIT = ("Radau", "BDF", "LSODA")
+JACOBIAN_UP_TO = 100
+"""Implicit methods take the generated Jacobian where the rates are so many instructions or fewer: it is
+then made in 0.02 to 0.2 s, once. Robertson's problem to 1e11 by Radau at 1e-8: 16,300 evaluations by
+differences, 11,500 with it, in half the time; LSODA 3,600 and 3,100, in the same time. Programs of 90
+to 500 instructions of linked pendulums take 0.6 to 6 s to differentiate, and runs 0.01 to 0.1 s."""
+WITH_SPARSITY = ("Radau", "BDF")
 MULTISTEP = ("BDF", "LSODA")
 """Methods that carry values of earlier steps along, which a projection would contradict."""
 SPARSE_FROM = 100
 SPARSE_SHARE = 0.2
-"""Implicit methods are told which rates can depend on which states, for systems of so many states or
+"""Others are told which rates can depend on which states, for systems of so many states or
 more where that is at most this share of all pairs: differences are then taken of many columns at once,
 and factorisations are sparse. One thread, chains of stiff springs: 200 states 1.3 to 1.8 times as fast, 400
-states 2.4 to 3.8 times. The compiled Jacobian gains no more, and takes longer to make than a run."""
+states 2.4 to 3.8 times. The generated Jacobian gains no more, and takes longer to make than a run."""
 
 Inputs = Callable[[float], Array]
 
@@ -44,6 +52,13 @@ def integrate(
     ``inputs``: values of the inputs over time, if not held.
     """
     return _Run(compiled, problem, method, inputs).run()
+
+
+def _jacobian(compiled: Compiled) -> SparseJacobian | None:
+    """Return the generated Jacobian of the rates where it is soon made, else None."""
+    if len(prune(compiled.program, [RATES]).instructions) > JACOBIAN_UP_TO:
+        return None
+    return compiled.jacobian("states")
 
 
 def _sparsity(compiled: Compiled) -> Any:
@@ -116,13 +131,17 @@ class _Run:
         self.singular_function = compiled.functions.get("singularities")
         self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
-        self.sparsity = _sparsity(compiled) if method in IMPLICIT else None
+        self.jacobian = _jacobian(compiled) if method in IMPLICIT else None
+        told = self.jacobian is None and method in WITH_SPARSITY
+        self.sparsity = _sparsity(compiled) if told else None
         self.inputs = inputs
         self.projector = Projector(compiled, problem, inputs) if problem.project else None
         self.method = method
         self.evaluations = 0
         self.broken = -1
         """Number of a rate that was not finite in the step that is tried, or -1."""
+        self.steep = -1
+        """Number of a rate whose derivatives were not finite when last computed, or -1."""
         self.steps = 0
         self.times = [problem.t_span[0]]
         self.points = [problem.x0]
@@ -142,6 +161,15 @@ class _Run:
         if not finite.all():
             self.broken = int(np.argmin(finite))
         return slope
+
+    def _derivatives(self, t: float, x: Array) -> Array:
+        """Return the Jacobian of the rates, dense; it counts as one evaluation."""
+        assert self.jacobian is not None
+        self.evaluations += 1
+        matrix = self.jacobian.dense(float(t), x, self.problem.parameters, self._u(t))
+        finite = np.isfinite(matrix).all(axis=1)
+        self.steep = -1 if finite.all() else int(np.argmin(finite))
+        return matrix
 
     def _singularities(self, t: float, x: Array) -> Array:
         if self.singular_function is None:
@@ -174,6 +202,8 @@ class _Run:
             "atol": problem.atol,
             "max_step": problem.max_step,
         }
+        if self.jacobian is not None:
+            options["jac"] = self._derivatives
         if self.sparsity is not None:
             options["jac_sparsity"] = self.sparsity
         if problem.first_step:
@@ -191,7 +221,7 @@ class _Run:
         try:
             solver.step()
         except ValueError:  # implicit methods refuse a matrix that is not finite
-            if self.broken < 0:
+            if max(self.broken, self.steep) < 0:
                 raise
             return self._failure(solver)
         except RuntimeError:  # a sparse matrix without an inverse
@@ -217,8 +247,9 @@ class _Run:
         return None if where is None else Stop("singular", t, where[1])
 
     def _failure(self, solver: Any) -> Stop:
-        if self.broken >= 0:
-            return Stop("not finite", self.times[-1], self.broken)
+        if max(self.broken, self.steep) >= 0:
+            which = self.broken if self.broken >= 0 else self.steep
+            return Stop("not finite", self.times[-1], which)
         slope = self._slope(float(solver.t), solver.y)
         finite = np.isfinite(slope) & np.isfinite(solver.y)
         if finite.all() and self._non_finite_ahead(solver):
