@@ -55,12 +55,8 @@ class SparseJacobian:
         """Return the whole matrix, in shape ``shape`` or (*shape, N)."""
         entries = self(t, x, p, u)
         whole = np.zeros((*self.shape, *entries.shape[1:]))
-        whole[self._places] = entries
+        whole[list(self.rows), list(self.columns)] = entries
         return whole
-
-    @cached_property
-    def _places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        return np.array(self.rows, dtype=np.intp), np.array(self.columns, dtype=np.intp)
 
     def sparse(
         self, t: float, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None

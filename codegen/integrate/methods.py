@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Generic, TypeVar
 
 from codegen.compiled import Compiled
-from codegen.integrate import projection, runge_kutta, scipy_, taylor
+from codegen.integrate import projection, runge_kutta, scipy_, sundials, taylor
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.dp5 import DP5
 from codegen.integrate.projector import Projector, with_values
@@ -134,6 +134,15 @@ def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     return prepare
 
 
+def _sundials(kind: str) -> Callable[[Task], tuple[Integrator, str]]:
+    def prepare(task: Task) -> tuple[Integrator, str]:
+        sundials.require(f"sundials:{kind}")
+        used = f"CVODE of SUNDIALS ({kind}) over {task.compiled.target} functions"
+        return lambda p: scipy_.integrate(task.compiled, p, f"CVODE {kind}", task.signals), used
+
+    return prepare
+
+
 ROWS = (
     Method("auto", "DOP853", _dop853, projects=True),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853,
@@ -147,6 +156,8 @@ ROWS = (
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m),
              projects=m not in scipy_.MULTISTEP)
       for m in scipy_.METHODS),
+    *(Method(f"sundials:{k}", f"CVODE of SUNDIALS, {k}; needs the extra sundials", _sundials(k))
+      for k in sundials.KINDS),
 )  # fmt: skip
 METHODS = tuple(row.name for row in ROWS)
 """Names that ``method`` takes; `ROWS` says what they are."""

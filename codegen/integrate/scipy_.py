@@ -11,6 +11,7 @@ import numpy as np
 
 from codegen.compiled import Compiled
 from codegen.derivative import dependence
+from codegen.integrate import sundials
 from codegen.integrate.projector import Projector
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
@@ -25,15 +26,17 @@ TABLEAUX = {"Tsit5": TSIT5}
 PARTS = 8
 REPORT_EVERY = 100
 
-IMPLICIT = ("Radau", "BDF", "LSODA")
+SUNDIALS = {f"CVODE {kind}": kind for kind in sundials.KINDS}
+"""Methods of SUNDIALS that this loop drives likewise."""
+IMPLICIT = ("Radau", "BDF", "LSODA", *SUNDIALS)
 JACOBIAN_UP_TO = 100
 """Implicit methods take the generated Jacobian where the rates are so many instructions or fewer: it is
 then made in 0.02 to 0.2 s, once. Robertson's problem to 1e11 by Radau at 1e-8: 16,300 evaluations by
 differences, 11,500 with it, in half the time; LSODA 3,600 and 3,100, in the same time. Programs of 90
 to 500 instructions of linked pendulums take 0.6 to 6 s to differentiate, and runs 0.01 to 0.1 s."""
-WITH_SPARSITY = ("Radau", "BDF")
+WITH_SPARSITY = ("Radau", "BDF", *SUNDIALS)
 MULTISTEP = ("BDF", "LSODA")
-"""Methods that carry values of earlier steps along, which a projection would contradict."""
+"""Methods of SciPy that carry values of earlier steps along, which a projection would contradict."""
 SPARSE_FROM = 100
 SPARSE_SHARE = 0.2
 """Others are told which rates can depend on which states, for systems of so many states or
@@ -47,7 +50,7 @@ Inputs = Callable[[float], Array]
 def integrate(
     compiled: Compiled, problem: Problem, method: str, inputs: Inputs | None = None
 ) -> Trajectory:
-    """Integrate with one of `METHODS` or `TABLEAUX`.
+    """Integrate with one of `METHODS`, `TABLEAUX` or `SUNDIALS`.
 
     ``inputs``: values of the inputs over time, if not held.
     """
@@ -134,6 +137,8 @@ class _Run:
         self.jacobian = _jacobian(compiled) if method in IMPLICIT else None
         told = self.jacobian is None and method in WITH_SPARSITY
         self.sparsity = _sparsity(compiled) if told else None
+        if self.sparsity is not None and method in SUNDIALS:
+            self.jacobian = compiled.jacobian("states")
         self.inputs = inputs
         self.projector = Projector(compiled, problem, inputs) if problem.project else None
         self.method = method
@@ -162,13 +167,19 @@ class _Run:
             self.broken = int(np.argmin(finite))
         return slope
 
-    def _derivatives(self, t: float, x: Array) -> Array:
-        """Return the Jacobian of the rates, dense; it counts as one evaluation."""
+    def _entries(self, t: float, x: Array) -> Array:
+        """Return the entries of the Jacobian of the rates; they count as one evaluation."""
         assert self.jacobian is not None
         self.evaluations += 1
-        matrix = self.jacobian.dense(float(t), x, self.problem.parameters, self._u(t))
-        finite = np.isfinite(matrix).all(axis=1)
-        self.steep = -1 if finite.all() else int(np.argmin(finite))
+        entries = self.jacobian(float(t), x, self.problem.parameters, self._u(t))
+        finite = np.isfinite(entries)
+        self.steep = -1 if finite.all() else self.jacobian.rows[int(np.argmin(finite))]
+        return entries
+
+    def _derivatives(self, t: float, x: Array) -> Array:
+        assert self.jacobian is not None
+        matrix = np.zeros(self.jacobian.shape)
+        matrix[self.jacobian.rows, self.jacobian.columns] = self._entries(t, x)
         return matrix
 
     def _singularities(self, t: float, x: Array) -> Array:
@@ -202,16 +213,29 @@ class _Run:
             "atol": problem.atol,
             "max_step": problem.max_step,
         }
+        if problem.first_step:
+            span = abs(problem.t_span[1] - problem.t_span[0])
+            options["first_step"] = min(problem.first_step, span)
+        if self.method in SUNDIALS:
+            return self._sundials(options)
         if self.jacobian is not None:
             options["jac"] = self._derivatives
         if self.sparsity is not None:
             options["jac_sparsity"] = self.sparsity
-        if problem.first_step:
-            span = abs(problem.t_span[1] - problem.t_span[0])
-            options["first_step"] = min(problem.first_step, span)
         return _solver_class(self.method)(
             self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
         )
+
+    def _sundials(self, options: dict[str, Any]) -> sundials.Solver:
+        problem, known = self.problem, self.jacobian
+        derivatives = known and sundials.Derivatives(
+            self._entries, known.rows, known.columns, sparse=self.sparsity is not None
+        )
+        kind = SUNDIALS[self.method]
+        return sundials.Solver(
+            kind, self._slope, problem.t_span, problem.x0, derivatives, problem.dense_output,
+            **options,
+        )  # fmt: skip
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""

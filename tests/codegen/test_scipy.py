@@ -22,7 +22,7 @@ def rod():
     return compile(System.from_rates("rod", rates), "numpy")
 
 
-@pytest.mark.parametrize("method", scipy_.WITH_SPARSITY)
+@pytest.mark.parametrize("method", ["Radau", "BDF"])
 def test_sparse_differences_give_the_same_motion_with_fewer_evaluations(rod, method, monkeypatch):
     start = np.linspace(1, 0.2, CELLS)
     runs = []
@@ -100,7 +100,7 @@ def test_robertsons_problem_ends_at_the_published_values(target):
     """Of the Test Set for IVP Solvers (Mazzia and Magherini, 2008), problem ROBER, at t = 1e11."""
     system, start, span, p, _ = STIFF["robertson"]
     expected = (0.2083340149701255e-7, 0.8333360770334713e-13, 0.9999999791665050)
-    for method in scipy_.IMPLICIT:
+    for method in ("Radau", "BDF", "LSODA"):
         run = simulate(compile(system, target), start, span, p, f"scipy:{method}", 1e-7, atol=1e-16)
         np.testing.assert_allclose(run.y_stop, expected, rtol=3e-4)
         assert run.drift["whole"].relative < 1e-12
@@ -109,7 +109,7 @@ def test_robertsons_problem_ends_at_the_published_values(target):
 def test_a_derivative_that_is_not_finite_ends_the_run_with_its_reason(target):
     """The rate of y1 is finite at y1 = 0, its derivative by y1 is not."""
     steep = System.from_rates("steep", {y1: -(y1 ** sp.Rational(1, 3)), y2: -y2})
-    for method in scipy_.IMPLICIT:
+    for method in ("Radau", "BDF", "LSODA"):
         run = simulate(compile(steep, target), (1.0, 1.0), (0, 3), None, f"scipy:{method}", 1e-6)
         assert run.status == -1
         assert run.t_stop == pytest.approx(1.5, abs=0.01)
