@@ -16,6 +16,7 @@ from codegen.integrate.projector import Projector
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.integrate.tsit5 import TSIT5
+from codegen.linear import known_jacobian
 from codegen.lower import RATES
 from codegen.passes import prune
 from codegen.sparse import SparseJacobian
@@ -33,7 +34,8 @@ JACOBIAN_UP_TO = 100
 """Implicit methods take the generated Jacobian where the rates are so many instructions or fewer: it is
 then made in 0.02 to 0.2 s, once. Robertson's problem to 1e11 by Radau at 1e-8: 16,300 evaluations by
 differences, 11,500 with it, in half the time; LSODA 3,600 and 3,100, in the same time. Programs of 90
-to 500 instructions of linked pendulums take 0.6 to 6 s to differentiate, and runs 0.01 to 0.1 s."""
+to 500 instructions of linked pendulums take 0.6 to 6 s to differentiate, and runs 0.01 to 0.1 s. Who
+runs those many times calls ``compiled.jacobian("states")`` first: what is made is used."""
 WITH_SPARSITY = ("Radau", "BDF", *SUNDIALS)
 MULTISTEP = ("BDF", "LSODA")
 """Methods of SciPy that carry values of earlier steps along, which a projection would contradict."""
@@ -58,9 +60,9 @@ def integrate(
 
 
 def _jacobian(compiled: Compiled) -> SparseJacobian | None:
-    """Return the generated Jacobian of the rates where it is soon made, else None."""
+    """Return the generated Jacobian of the rates where it is soon made, or has been; else None."""
     if len(prune(compiled.program, [RATES]).instructions) > JACOBIAN_UP_TO:
-        return None
+        return known_jacobian(compiled)
     return compiled.jacobian("states")
 
 
@@ -135,10 +137,7 @@ class _Run:
         self.coordinates = compiled.layout.coordinates
         self.rhs = compiled.rhs
         self.jacobian = _jacobian(compiled) if method in IMPLICIT else None
-        told = self.jacobian is None and method in WITH_SPARSITY
-        self.sparsity = _sparsity(compiled) if told else None
-        if self.sparsity is not None and method in SUNDIALS:
-            self.jacobian = compiled.jacobian("states")
+        self.sparsity = _sparsity(compiled) if method in WITH_SPARSITY else None
         self.inputs = inputs
         self.projector = Projector(compiled, problem, inputs) if problem.project else None
         self.method = method
@@ -176,10 +175,15 @@ class _Run:
         self.steep = -1 if finite.all() else self.jacobian.rows[int(np.argmin(finite))]
         return entries
 
-    def _derivatives(self, t: float, x: Array) -> Array:
+    def _derivatives(self, t: float, x: Array) -> Any:
         assert self.jacobian is not None
-        matrix = np.zeros(self.jacobian.shape)
-        matrix[self.jacobian.rows, self.jacobian.columns] = self._entries(t, x)
+        entries, known = self._entries(t, x), self.jacobian
+        if self.sparsity is not None:
+            from scipy.sparse import csc_array
+
+            return csc_array((entries, (known.rows, known.columns)), shape=known.shape)
+        matrix = np.zeros(known.shape)
+        matrix[known.rows, known.columns] = entries
         return matrix
 
     def _singularities(self, t: float, x: Array) -> Array:
@@ -220,22 +224,24 @@ class _Run:
             return self._sundials(options)
         if self.jacobian is not None:
             options["jac"] = self._derivatives
-        if self.sparsity is not None:
+        elif self.sparsity is not None:
             options["jac_sparsity"] = self.sparsity
         return _solver_class(self.method)(
             self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
         )
 
     def _sundials(self, options: dict[str, Any]) -> sundials.Solver:
-        problem, known = self.problem, self.jacobian
-        derivatives = known and sundials.Derivatives(
-            self._entries, known.rows, known.columns, sparse=self.sparsity is not None
-        )
+        problem, known, n = self.problem, self.jacobian, len(self.problem.x0)
+        sparse = self.sparsity is not None and n >= sundials.SPARSE_FROM
+        if known is not None:
+            told = sundials.Derivatives(self._entries, known.rows, known.columns, sparse)
+            options |= told.options(n)
+        elif sparse:
+            options |= sundials.sparse_options(sundials.by_columns(*self.sparsity.nonzero(), n), n)
         kind = SUNDIALS[self.method]
         return sundials.Solver(
-            kind, self._slope, problem.t_span, problem.x0, derivatives, problem.dense_output,
-            **options,
-        )  # fmt: skip
+            kind, self._slope, problem.t_span, problem.x0, problem.dense_output, **options
+        )
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""

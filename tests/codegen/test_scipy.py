@@ -115,6 +115,18 @@ def test_a_derivative_that_is_not_finite_ends_the_run_with_its_reason(target):
         assert run.t_stop == pytest.approx(1.5, abs=0.01)
 
 
-def test_large_programs_are_not_differentiated(rod):
-    assert scipy_._jacobian(rod) is None
+def test_large_programs_are_differentiated_on_demand_alone(rod, monkeypatch):
+    """Once the Jacobian is made it is used, as a sparse matrix where few rates hear of few states."""
     assert scipy_._jacobian(compile(ROBERTSON, "numpy")).shape == (3, 3)
+    assert scipy_._jacobian(rod) is None
+    start, values = np.linspace(1, 0.2, CELLS), {"k": 500.0}
+    plain = simulate(rod, start, (0, 0.1), values, "scipy:Radau", 1e-8)
+    fresh = compile(rod.system, "numpy")
+    assert scipy_._jacobian(fresh) is None
+    made = fresh.jacobian("states")
+    assert scipy_._jacobian(fresh) is made
+    for least in (CELLS + 1, CELLS):
+        monkeypatch.setattr(scipy_, "SPARSE_FROM", least)
+        run = simulate(fresh, start, (0, 0.1), values, "scipy:Radau", 1e-8)
+        np.testing.assert_allclose(run.y_stop, plain.y_stop, rtol=1e-7)
+        assert run.nfev < plain.nfev
