@@ -142,10 +142,8 @@ def simulate(
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
     compiled = system if isinstance(system, Compiled) else _compile_once(SameObject(system))
-    layout = compiled.layout
     held, signals = _inputs(compiled, inputs or {})
-    x0 = _start(compiled, initial)
-    span = _span(t_span)
+    x0, span = _start(compiled, initial), _span(t_span)
     problem = Problem(
         x0=x0,
         t_span=span,
@@ -154,13 +152,13 @@ def simulate(
         rtol=_relative(rtol),
         atol=_tolerances(atol, rtol, len(x0)),
         margin=_positive(margin, "margin"),
-        singularities=len(layout.results[SINGULARITIES]),
+        singularities=len(compiled.layout.results[SINGULARITIES]),
         t_eval=None if t_eval is None else _grid(t_eval, span),
         dense_output=dense_output,
         first_step=None if first_step is None else _positive(first_step, "first_step"),
         max_step=_positive(max_step, "max_step"),
         max_steps=_count(max_steps),
-        project=chosen(layout, project),
+        project=chosen(compiled.layout, project),
         progress=progress,
     )
     return _run(compiled, problem, method, signals)

@@ -232,12 +232,15 @@ class _Run:
 
     def _sundials(self, options: dict[str, Any]) -> sundials.Solver:
         problem, known, n = self.problem, self.jacobian, len(self.problem.x0)
-        sparse = self.sparsity is not None and n >= sundials.SPARSE_FROM
+        pattern = self.sparsity if n >= sundials.SPARSE_FROM else None
         if known is not None:
-            told = sundials.Derivatives(self._entries, known.rows, known.columns, sparse)
+            told = sundials.Derivatives(
+                self._entries, known.rows, known.columns, sparse=pattern is not None
+            )
             options |= told.options(n)
-        elif sparse:
-            options |= sundials.sparse_options(sundials.by_columns(*self.sparsity.nonzero(), n), n)
+        elif pattern is not None:
+            rows, columns = pattern.nonzero()
+            options |= sundials.sparse_options(sundials.by_columns(rows, columns, n), n)
         kind = SUNDIALS[self.method]
         return sundials.Solver(
             kind, self._slope, problem.t_span, problem.x0, problem.dense_output, **options
