@@ -1,5 +1,5 @@
 /* Invariant and state of each derivative, and which states have one unit and are measured together. */
-static const int row_of[@ENTRIES@] = {@ROWS@}, column_of[@ENTRIES@] = {@COLUMNS@}, unit_of[N] = {@UNITS@};
+static const int row_of[@ROOM@] = {@ROWS@}, column_of[@ROOM@] = {@COLUMNS@}, unit_of[N] = {@UNITS@};
 
 /* The derivatives by the states over their scales, and how far rounding alone can move each invariant. */
 static void gradients(const double *value, const double *x, const double *scale, double a[][N], double *noise) {
@@ -24,12 +24,13 @@ static double product(const double *a, const double *b) {
 /* The least change, in scaled states, that takes the invariants to their targets: orthogonalised one by
  * one, the one with most left of its gradient first. A gradient counts while rounding moves the state
  * along what is left of it by less than a part of the tolerance. Whether there is any change. */
-static int least_change(double a[][N], double *left, double *noise, double allowed, double *change) {
-    double whole[@COUNT@];
+static int least_change(double a[][N], double *left, const double *noise, double allowed, double *change) {
+    double whole[@COUNT@], spread[@COUNT@]; /* spread: noise, with that of the invariants before */
     int free[@COUNT@], moved = 0;
     for (int i = 0; i < N; ++i) change[i] = 0.0;
     for (int k = 0; k < @COUNT@; ++k) {
         whole[k] = sqrt(product(a[k], a[k]));
+        spread[k] = noise[k];
         free[k] = 1;
     }
     for (;;) {
@@ -37,7 +38,7 @@ static int least_change(double a[][N], double *left, double *noise, double allow
         int best = -1;
         for (int k = 0; k < @COUNT@; ++k) {
             const double rest = product(a[k], a[k]), length = sqrt(rest);
-            if (!free[k] || !(length * allowed > noise[k]) || !(length > most * whole[k])) continue;
+            if (!free[k] || !(length * allowed > spread[k]) || !(length > most * whole[k])) continue;
             most = length / whole[k];
             square = rest;
             best = k;
@@ -51,7 +52,7 @@ static int least_change(double a[][N], double *left, double *noise, double allow
             if (!free[k]) continue;
             const double part = product(a[k], a[best]) / square;
             left[k] -= step * part * square;
-            noise[k] += fabs(part) * noise[best];
+            spread[k] += fabs(part) * spread[best];
             for (int i = 0; i < N; ++i) a[k][i] -= part * a[best][i];
         }
     }

@@ -84,16 +84,17 @@ def least_change(a: Array, left: Array, noise: Array, allowed: float) -> Array |
     """Return the least vector z with ``a`` z = ``left`` in the rows that count; None for none.
 
     ``a``: one gradient a row. ``noise``: what rounding does to each invariant. A row counts while
-    noise / (what is left of it) < ``allowed``, and moves where ``left`` is more than ``noise``.
+    noise, with its part of that of the rows before, over what is left of the row is less than
+    ``allowed``; it moves where ``left`` is more than ``noise``.
     """
-    a, left, noise = a.copy(), left.copy(), noise.copy()
+    a, left, spread = a.copy(), left.copy(), noise.copy()
     with np.errstate(all="ignore"):
         whole = np.linalg.norm(a, axis=1)
         change, moved = np.zeros(a.shape[1]), False
         free = np.ones(len(a), dtype=bool)
         while True:
             rest = np.linalg.norm(a, axis=1)
-            counts = free & (rest * allowed > noise)
+            counts = free & (rest * allowed > spread)
             if not counts.any():
                 break
             best = int(np.argmax(np.where(counts, rest / whole, -1.0)))
@@ -103,7 +104,7 @@ def least_change(a: Array, left: Array, noise: Array, allowed: float) -> Array |
             change += step * a[best]
             part = np.where(free, a @ a[best] / square, 0.0)
             left -= step * part * square
-            noise += np.abs(part) * noise[best]
+            spread += np.abs(part) * spread[best]
             a -= part[:, None] * a[best]
     small = bool(np.linalg.norm(change) < FARTHEST)
     return change if moved and small else None
