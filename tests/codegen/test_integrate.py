@@ -1,6 +1,7 @@
 """Runge-Kutta methods: coefficients against the theory, the loop in C against SciPy's and the exact."""
 
 from fractions import Fraction
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -295,14 +296,21 @@ def test_evaluations_are_counted_as_they_happen():
         assert run.nfev == 2 + 6 * (run.steps + run.rejected)
 
 
+@cache
+def swing(times):
+    """The pendulum's angle from (2, 0), in 30 digits."""
+    with mpmath.workdps(30):
+        f = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])
+        return [f(t)[0] for t in times]
+
+
 @needs_compiler
 @pytest.mark.parametrize(("method", "order"), [("DOP853", 8), ("DP5", 5), ("Tsit5", 5)])
 @pytest.mark.parametrize("project", [False, True])
 def test_halving_fixed_steps_divides_the_error_by_two_to_the_order(method, order, project):
     """At t = 4 of the pendulum; projection onto its energy takes nothing from the order."""
     compiled = compile_system(PENDULUM, "c")
-    with mpmath.workdps(30):
-        exact = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])(4)
+    exact = swing((4.0,))
     errors, count = [], 8 if order == 8 else 64
     for n in (count, 2 * count, 4 * count):
         options = {"rtol": 1e3, "first_step": 4 / n, "max_step": 4 / n, "project": project}
@@ -320,10 +328,8 @@ def test_halving_fixed_steps_divides_the_error_by_two_to_the_order(method, order
 def test_interpolants_keep_their_order(method, order, project):
     """The error between steps: order + 1 as long as it is that of one step, as with DOP853."""
     compiled = compile_system(PENDULUM, "c")
-    with mpmath.workdps(30):
-        f = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])
-        times = np.linspace(0.05, 3.95, 23)
-        exact = np.array([float(f(t)[0]) for t in times])
+    times = np.linspace(0.05, 3.95, 23)
+    exact = np.array([float(angle) for angle in swing(tuple(times))])
     errors, count = [], 8 if order == 7 else 32
     for n in (count, 2 * count):
         h = 4 / n

@@ -56,8 +56,10 @@ def assert_kept(run, compiled):
 # --- what it keeps --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("target", ["auto", "numpy"])
-@pytest.mark.parametrize("options", ["steps", "grid", "both"])
+@pytest.mark.parametrize(
+    ("target", "options"),
+    [("auto", "steps"), ("auto", "grid"), ("auto", "both"), ("numpy", "both")],
+)
 def test_all_stored_points_lie_on_all_invariants(body, method, target, options):
     compiled, grid = body[target], np.linspace(0, 6, 41)
     given_options = {"steps": {"dense_output": True}, "grid": {"t_eval": grid}}
@@ -68,8 +70,9 @@ def test_all_stored_points_lie_on_all_invariants(body, method, target, options):
     assert_kept(run, compiled)
     assert max(plain.drift[n].relative for n in ("T", "q_norm")) > 1000 * EPSILON
     np.testing.assert_allclose(run.y_stop, plain.y_stop, atol=300 * rtol)
-    if options == "steps":
-        np.testing.assert_allclose(run.sol(run.t), run.y, atol=1e-12)
+    if options == "steps" or target == "numpy":
+        if options == "steps":
+            np.testing.assert_allclose(run.sol(run.t), run.y, atol=1e-12)
         between = (run.t[1:] + run.t[:-1]) / 2
         np.testing.assert_allclose(run.sol(between), plain.sol(between), atol=300 * rtol)
 
@@ -142,12 +145,12 @@ def test_stops_lie_on_the_invariants_and_where_they_did(target):
 # --- singular directions --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rtol", [2.0**-52, 1e-12, 1e-6])
-@pytest.mark.parametrize("target", ["auto", "numpy"])
+@pytest.mark.parametrize(
+    ("target", "rtol"),
+    [("numpy", 1e-6)] + [("auto", r) for r in (2.0**-52, 1e-12, 1e-6) if native.compiler()],
+)
 def test_spins_about_an_axis_and_next_to_it(body, target, rtol):
     """The gradients of T, H and the components of H are parallel there, or some are zero."""
-    if target == "numpy" and rtol < 1e-12:
-        rtol = 1e-10
     for axis in range(3):
         for beside in (0.0, 1e-12, 1e-9, 1e-6, 1e-3):
             x0 = np.array([beside, beside / 2, beside, 1, 0, 0, 0])
