@@ -27,6 +27,9 @@ static double product(const double *a, const double *b) {
 static int least_change(double a[][N], double *left, const double *noise, double allowed, double *change) {
     double whole[@COUNT@], spread[@COUNT@]; /* spread: noise, with that of the invariants before */
     int free[@COUNT@], moved = 0;
+    for (int k = 0; k < @COUNT@; ++k) moved |= fabs(left[k]) > noise[k];
+    if (!moved) return 0;
+    moved = 0;
     for (int i = 0; i < N; ++i) change[i] = 0.0;
     for (int k = 0; k < @COUNT@; ++k) {
         whole[k] = sqrt(product(a[k], a[k]));

@@ -87,6 +87,8 @@ def least_change(a: Array, left: Array, noise: Array, allowed: float) -> Array |
     noise, with its part of that of the rows before, over what is left of the row is less than
     ``allowed``; it moves where ``left`` is more than ``noise``.
     """
+    if not np.any(np.abs(left) > noise):
+        return None
     a, left, spread = a.copy(), left.copy(), noise.copy()
     with np.errstate(all="ignore"):
         whole = np.linalg.norm(a, axis=1)
