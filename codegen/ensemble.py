@@ -19,6 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen import store as stores
+from codegen.arguments import grid as grid_of
+from codegen.arguments import positive
+from codegen.arguments import span as span_of
+from codegen.arguments import tolerances as tolerances_of
 from codegen.batches import processors
 from codegen.chunks import Plan, built, run
 from codegen.compiled import Compiled
@@ -34,10 +38,6 @@ from codegen.sampler import Sampler
 from codegen.samples import Many, Population, population
 from codegen.simulation import DEFAULT_MARGIN
 from codegen.simulation import _compile_once as compile_once
-from codegen.simulation import _grid as grid_of
-from codegen.simulation import _positive as positive
-from codegen.simulation import _span as span_of
-from codegen.simulation import _tolerances as tolerances_of
 from codegen.tallies import BLOCK, Statistics, Summary
 from eom.errors import InputError, unknown_name
 from eom.system import System

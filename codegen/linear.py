@@ -65,6 +65,12 @@ def compiled_jacobian(
     return _kept(compiled, (of,), (by,), target or compiled.target)
 
 
+def known_jacobian(compiled: Compiled) -> SparseJacobian | None:
+    """Return the Jacobian of the rates by the states if ``compiled`` keeps it already, else None."""
+    found = compiled.derived.get((compiled.target, RATES, "states"))
+    return found if isinstance(found, SparseJacobian) else None
+
+
 def _kept(
     compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
 ) -> SparseJacobian:

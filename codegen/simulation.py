@@ -12,16 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from codegen import requested
+from codegen import arguments, requested
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.identity import SameObject
 from codegen.integrate import scipy_
 from codegen.integrate.methods import Task, integrator_of
+from codegen.integrate.projection import chosen
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
-from eom.errors import InputError, unknown_name
+from eom.errors import unknown_name
 from eom.system import System
 
 DEFAULT_MARGIN = 1e-6
@@ -128,6 +129,7 @@ def simulate(
     max_step: float = math.inf,
     max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
+    project: bool | str | Sequence[str] = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
@@ -137,12 +139,16 @@ def simulate(
     ``outputs``: names of outputs and states; only states that these need are integrated. Steps meet
     the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
     every step without it. ``margin``: the run stops where a singularity's expression gets below it.
+    ``project``: invariants, by name or True for all, onto which the state is brought back after each
+    step, by the least change (`codegen.integrate.projection`); all stored points lie on them. The
+    dense output goes through the points of the steps, and off the invariants between them by its own
+    error. Methods that carry values of earlier steps along cannot project.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
     part = requested.part(_compiled(system), outputs)
-    compiled, span = part.compiled, _span(t_span)
+    compiled, span = part.compiled, arguments.span(t_span)
     held, signals = _inputs(compiled, inputs or {})
     x0 = _start(compiled, part.start(initial))
     problem = Problem(
@@ -150,15 +156,16 @@ def simulate(
         t_span=span,
         parameters=_parameters(compiled, parameters, x0, held),
         inputs=held,
-        rtol=_positive(rtol, "rtol"),
-        atol=_tolerances(atol, rtol, len(x0)),
-        margin=_positive(margin, "margin"),
+        rtol=arguments.relative(rtol),
+        atol=arguments.tolerances(atol, rtol, len(x0)),
+        margin=arguments.positive(margin, "margin"),
         singularities=len(compiled.layout.results[SINGULARITIES]),
-        t_eval=None if t_eval is None else _grid(t_eval, span),
+        t_eval=None if t_eval is None else arguments.grid(t_eval, span),
         dense_output=dense_output,
-        first_step=None if first_step is None else _positive(first_step, "first_step"),
-        max_step=_positive(max_step, "max_step"),
-        max_steps=_count(max_steps),
+        first_step=arguments.optional(first_step, "first_step"),
+        max_step=arguments.positive(max_step, "max_step"),
+        max_steps=arguments.count(max_steps),
+        project=chosen(compiled.layout, project),
         progress=progress,
     )
     return _run(part, problem, method, signals)
@@ -190,50 +197,6 @@ def _compiled(system: System | Compiled) -> Compiled:
 @lru_cache(maxsize=64)
 def _compile_once(key: SameObject[System]) -> Compiled:
     return compile_system(key.value)
-
-
-def _positive(value: float, name: str) -> float:
-    number = float(value)
-    if not number > 0:
-        raise InputError(f"{name} is not positive", got=value)
-    return number
-
-
-def _count(value: int) -> int:
-    if not isinstance(value, int) or value < 1:
-        raise InputError("max_steps is not a positive whole number", got=value)
-    return value
-
-
-def _span(t_span: tuple[float, float]) -> tuple[float, float]:
-    start, end = (float(t) for t in t_span)
-    if not (math.isfinite(start) and math.isfinite(end)) or start == end:
-        raise InputError(
-            "t_span is not a time interval", got=t_span, expected="two different finite times"
-        )
-    return start, end
-
-
-def _tolerances(atol: ArrayLike | None, rtol: float, n: int) -> Array:
-    values = np.asarray(1e-3 * rtol if atol is None else atol, dtype=np.float64)
-    if values.shape not in {(), (n,)} or not np.all(values > 0):
-        raise InputError(
-            "atol does not fit", got=atol, expected=f"a positive number, or {n} of them"
-        )
-    return np.broadcast_to(values, (n,)).copy()
-
-
-def _grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
-    grid = np.ascontiguousarray(t_eval, dtype=np.float64)
-    direction = 1 if span[1] > span[0] else -1
-    ordered = grid.ndim == 1 and bool(np.all(direction * np.diff(grid) > 0))
-    if not ordered or (grid.size and not (min(span) <= grid.min() and grid.max() <= max(span))):
-        raise InputError(
-            "t_eval does not fit",
-            got=f"{grid.size} times of shape {grid.shape}",
-            expected="times inside t_span, each later than the one before (earlier, if backwards)",
-        )
-    return grid
 
 
 def _start(compiled: Compiled, initial: Values) -> Array:

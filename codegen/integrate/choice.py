@@ -67,7 +67,7 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
         return _told(lambda p: closed.integrate(task.compiled, found, p), name, found.meaning), name
     stiff = _stiff_from_the_start(task, methods)
     if stiff is not None:
-        run, name = methods[_implicit(stiff, task.compiled)](task)
+        run, name = methods[_implicit(stiff, task)](task)
         return _told(run, name, f"stiff: in a trial of {TRIAL} steps {stiff}"), name
     chosen = _explicit(task)
     try:
@@ -82,10 +82,14 @@ def _told(run: Integrator, name: str, why: str) -> Integrator:
     return lambda problem: replace(run(problem), method=name, why=why)
 
 
-def _implicit(stiff: stiffness.Stiff, compiled: Compiled) -> str:
-    """LSODA costs a twentieth of the others, but like all BDF fails where stiff modes oscillate."""
-    many = len(compiled.layout.states) >= MANY
-    return "scipy:Radau" if stiff.oscillates else "scipy:BDF" if many else "scipy:LSODA"
+def _implicit(stiff: stiffness.Stiff, task: Task) -> str:
+    """LSODA costs a twentieth of the others, but like all BDF fails where stiff modes oscillate.
+
+    Neither can project its states onto invariants.
+    """
+    if stiff.oscillates or task.problem.project:
+        return "scipy:Radau"
+    return "scipy:BDF" if len(task.compiled.layout.states) >= MANY else "scipy:LSODA"
 
 
 MANY = 100
@@ -174,7 +178,7 @@ def _watched(
         if not found or first.stop.kind != LEFT:
             return replace(first, method=name, why=chosen.why)
         rest = _rest(problem, first)
-        further, other = methods[_implicit(found[0], task.compiled)](replace(task, problem=rest))
+        further, other = methods[_implicit(found[0], task)](replace(task, problem=rest))
         both = joined(first, further(rest), problem)
         t = f"t = {first.stop.t:.6g} s"
         why = f"{chosen.why}; stiff from {t} on: {found[0]}"

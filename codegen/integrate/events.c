@@ -64,3 +64,4 @@ static int wants_grid_point(const @PREFIX@_output *o, double t, double direction
     return o->grid != NULL && o->next < o->grid_count && direction * (o->grid[o->next] - t) <= 0.0;
 }
 
+@PROJECTION@

@@ -3,14 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
-from codegen.integrate import choice, group, rkmk, runge_kutta, scipy_, splitting, taylor
+from codegen.integrate import (
+    choice,
+    group,
+    projection,
+    rkmk,
+    runge_kutta,
+    scipy_,
+    splitting,
+    sundials,
+    taylor,
+)
 from codegen.integrate.dop853 import DOP853
+from codegen.integrate.dp5 import DP5
+from codegen.integrate.projector import Projector, with_values
+from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Problem, Trajectory
+from codegen.integrate.tsit5 import TSIT5
+from codegen.layout import Layout
+from codegen.program import Program
 from eom.errors import InputError, unknown_name
 
 Integrator = Callable[[Problem], Trajectory]
@@ -27,21 +43,31 @@ class Task:
 
 @dataclass(frozen=True)
 class Method:
-    """A name, what it is, and what prepares the integrator and says what it is called in full."""
+    """A name, what it is, and what prepares the integrator and says what it is called in full.
+
+    ``projects``: whether states can be brought back onto invariants after each step.
+    """
 
     name: str
     meaning: str
     prepare: Callable[[Task], tuple[Integrator, str]]
+    projects: bool = False
 
 
 @lru_cache(maxsize=64)
-def _dop853_once(key: SameObject[Compiled]) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(DOP853, key.value.program, key.value.layout)
+def _extended_once(key: SameObject[Compiled], names: tuple[str, ...]) -> tuple[Program, Layout]:
+    """Return program and layout of the generated loop, with the projection onto ``names`` if any."""
+    compiled = key.value
+    if not names:
+        return compiled.program, compiled.layout
+    return projection.extended(compiled.program, compiled.layout, names, compiled.stable)
 
 
 @lru_cache(maxsize=64)
-def _taylor_once(key: SameObject[Compiled], order: int) -> runge_kutta.NativeMethod:
-    return taylor.build(key.value.program, key.value.layout, order)
+def _runge_kutta_once(
+    key: SameObject[Compiled], names: tuple[str, ...], tableau: Tableau
+) -> runge_kutta.NativeMethod:
+    return runge_kutta.build(tableau, *_extended_once(key, names))
 
 
 @lru_cache(maxsize=64)
@@ -54,17 +80,43 @@ def _splitting_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod
     return splitting.build(key.value.program, key.value.layout)
 
 
-def _native(method: runge_kutta.NativeMethod) -> Integrator:
-    return lambda problem: runge_kutta.integrate(method, problem)
+@lru_cache(maxsize=64)
+def _taylor_once(
+    key: SameObject[Compiled], names: tuple[str, ...], order: int
+) -> runge_kutta.NativeMethod:
+    return taylor.build(*_extended_once(key, names), order)
 
 
-def _dop853(task: Task) -> tuple[Integrator, str]:
+def _native(compiled: Compiled, method: runge_kutta.NativeMethod) -> Integrator:
+    def integrate(problem: Problem) -> Trajectory:
+        if not problem.project:
+            return runge_kutta.integrate(method, problem)
+        found = runge_kutta.integrate(method, with_values(compiled, problem))
+        if not (problem.dense_output and problem.t_eval is not None):
+            return found
+        return replace(found, y=Projector(compiled, problem).points(found.t, found.y))
+
+    return integrate
+
+
+def _runge_kutta(
+    tableau: Tableau, name: str, elsewhere: str
+) -> Callable[[Task], tuple[Integrator, str]]:
     """In generated C where that is the target and nothing calls Python; by SciPy otherwise."""
-    if task.compiled.target == "c" and task.signals is None:
-        return _native(_dop853_once(SameObject(task.compiled))), "DOP853 in generated C"
-    integrator, used = _scipy("DOP853")(task)
-    reason = " (inputs are Python functions)" if task.signals is not None else ""
-    return integrator, used + reason
+
+    def prepare(task: Task) -> tuple[Integrator, str]:
+        compiled = task.compiled
+        if compiled.target == "c" and task.signals is None:
+            native = _runge_kutta_once(SameObject(compiled), task.problem.project, tableau)
+            return _native(compiled, native), f"{name} in generated C"
+        integrator, used = _scipy(elsewhere)(task)
+        reason = " (inputs are Python functions)" if task.signals is not None else ""
+        return integrator, used + reason
+
+    return prepare
+
+
+_dop853 = _runge_kutta(DOP853, "DOP853", "DOP853")
 
 
 def _taylor(task: Task) -> tuple[Integrator, str]:
@@ -74,8 +126,8 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
             hint="write them into the system as functions of time, or choose DOP853",
         )
     order = taylor.order_of(task.problem.rtol)
-    native = _taylor_once(SameObject(task.compiled), order)
-    return _native(native), f"Taylor series of order {order} in generated C"
+    native = _taylor_once(SameObject(task.compiled), task.problem.project, order)
+    return _native(task.compiled, native), f"Taylor series of order {order} in generated C"
 
 
 def _refuse_signals(name: str, task: Task) -> None:
@@ -102,7 +154,8 @@ def _splitting(task: Task) -> tuple[Integrator, str]:
 
 def _scipy(name: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
-        used = f"{name} of SciPy over {task.compiled.target} functions"
+        loop = "in the loop of" if name in scipy_.TABLEAUX else "of"
+        used = f"{name} {loop} SciPy over {task.compiled.target} functions"
         return lambda p: scipy_.integrate(task.compiled, p, name, task.signals), used
 
     return prepare
@@ -112,14 +165,33 @@ def _auto(task: Task) -> tuple[Integrator, str]:
     return choice.prepared(task, {row.name: row.prepare for row in ROWS})
 
 
+def _sundials(kind: str) -> Callable[[Task], tuple[Integrator, str]]:
+    def prepare(task: Task) -> tuple[Integrator, str]:
+        sundials.require(f"sundials:{kind}")
+        used = f"CVODE of SUNDIALS ({kind}) over {task.compiled.target} functions"
+        return lambda p: scipy_.integrate(task.compiled, p, f"CVODE {kind}", task.signals), used
+
+    return prepare
+
+
 ROWS: tuple[Method, ...] = (
-    Method("auto", "closed form, Taylor series, DOP853 or a stiff method: see `choice`", _auto),
-    Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853),
-    Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor),
+    Method("auto", "closed form, Taylor series, DOP853 or a stiff method: see `choice`", _auto,
+           projects=True),
+    Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853,
+           projects=True),
+    Method("DP5", "explicit Runge-Kutta of order 5, of Dormand and Prince, loop in C likewise",
+           _runge_kutta(DP5, "DP5", "RK45"), projects=True),
+    Method("Tsit5", "explicit Runge-Kutta of order 5, of Tsitouras, loop in C likewise",
+           _runge_kutta(TSIT5, "Tsit5", "Tsit5"), projects=True),
+    Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor,
+           projects=True),
     Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
     Method("splitting", "symplectic: exact free-body turns and kicks of torque, fixed step", _splitting),
-    *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m))
+    *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m),
+             projects=m not in scipy_.MULTISTEP)
       for m in scipy_.METHODS),
+    *(Method(f"sundials:{k}", f"CVODE of SUNDIALS, {k}; needs the extra sundials", _sundials(k))
+      for k in sundials.KINDS),
 )  # fmt: skip
 OF_ATTITUDE = (rkmk.NAME, splitting.NAME)
 """Methods for systems with an attitude quaternion alone."""
@@ -132,4 +204,10 @@ def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
     row = next((row for row in ROWS if row.name == method), None)
     if row is None:
         raise unknown_name("method", method, METHODS)
+    if task.problem.project and not row.projects:
+        able = [row.name for row in ROWS if row.projects]
+        raise InputError(
+            f"method {method} cannot project its states onto invariants",
+            expected=f"one of {', '.join(able)}",
+        )
     return row.prepare(task)

@@ -62,11 +62,9 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     return s->status = @UPPER@_PAUSED;
 }
 
-/* Coefficients of the interpolant of the last step; three more evaluations. */
+/* Coefficients of the interpolant of the last step; @DENSE_COST@. */
 static void prepare_dense(@PREFIX@ *s, double k[][N], double h, const double *x_new, const double *u) {
-    double y[N];
 @DENSE_STAGES@
-    s->evaluations += @DENSE_EVALUATIONS@;
     for (int i = 0; i < N; ++i) {
         const double change = x_new[i] - s->x[i];
         s->dense[0][i] = change;
@@ -79,7 +77,7 @@ static void prepare_dense(@PREFIX@ *s, double k[][N], double h, const double *x_
 /* The interpolant at x_old + theta h, theta from 0 to 1. */
 static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     for (int i = 0; i < N; ++i) {
-        double sum = s->dense[@DENSE_TERMS@ - 1][i] * theta;
+        double sum = s->dense[@DENSE_TERMS@ - 1][i] * @DENSE_FACTOR@;
         for (int k = @DENSE_TERMS@ - 2; k >= 0; --k) sum = (sum + s->dense[k][i]) * (k % 2 ? 1.0 - theta : theta);
         x[i] = s->x_old[i] + sum;
     }
@@ -114,15 +112,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
             x_new[i] = two_sum(s->x[i], change + s->x_low[i], &x_low[i]);
         }
         @NAME@_rates(t_new, x_new, &s->constants, u, k[@LAST@]);
-        double high = 0.0, low = 0.0;
+        double @ERROR_SUMS@;
         for (int i = 0; i < N; ++i) {
             const double scale = 1.0 / (s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
-            const double e_high = scale * (@ERROR_HIGH@);
-            const double e_low = scale * (@ERROR_LOW@);
-            high += e_high * e_high;
-            low += e_low * e_low;
+@ERROR_TERMS@
         }
-        const double error = high > 0.0 ? fabs(h) * high / sqrt((high + 0.01 * low) * N) : high;
+        const double error = @ERROR@;
         if (!(error < 1.0)) {
             const int bad = first_bad(x_new);
             s->which = isfinite(error) ? -1 : (bad >= 0 ? bad : first_bad(k[@LAST@]));
@@ -145,7 +140,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         factor = fmin(s->after_rejection ? 1.0 : 10.0, fmax(0.2, factor));
         s->after_rejection = 0;
         s->which = -1;
-
+@PROJECT@
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
@@ -166,12 +161,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         while (wants_grid_point(o, t_stop, direction)) {
             const double theta = (o->grid[o->next] - s->t_old) / h;
             interpolate(s, theta, y);
-            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
+@PROJECT_POINT@            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
             o->next += 1;
         }
         if (stop <= 1.0) {
             interpolate(s, stop, x_new);
-#if S
+@PROJECT_STOP@#if S
             @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
             for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
 #endif

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from codegen import native
+from codegen.integrate import projection
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.layout import Layout
@@ -63,7 +64,6 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     prefix = f"{name}_{tableau.name}"
     main = [_stage(tableau, name, s) for s in range(1, last)]
-    extra = [_stage(tableau, name, s) for s in range(last + 1, len(tableau.stages))]
     dense = [
         f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
     ]
@@ -84,16 +84,51 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         "DENSE_TERMS": str(tableau.dense_terms),
         "STACK": f"about {8 * n * (len(tableau.stages) + 8)}",
         "EVALUATIONS": str(last),
-        "DENSE_EVALUATIONS": str(len(extra)),
         "STAGES": "\n".join(main),
-        "DENSE_STAGES": "\n".join(extra),
         "DENSE_COEFFICIENTS": "\n".join(dense),
+        "DENSE_FACTOR": "theta" if tableau.dense_terms % 2 else "(1.0 - theta)",
         "UPDATE": _sum(tableau.stages[last]),
-        "ERROR_HIGH": _sum(tableau.error_high),
-        "ERROR_LOW": _sum(tableau.error_low),
         "ROOT": "sqrt(sqrt(sqrt(error)))"
         if tableau.order == 8
         else f"pow(error, 1.0 / {tableau.order}.0)",
+        **_further_stages(tableau, name),
+        **_error(tableau),
+        **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
+    }
+
+
+_IN_WORDS = {
+    0: "no further evaluation",
+    1: "one more evaluation",
+    2: "two more evaluations",
+    3: "three more evaluations",
+}
+
+
+def _further_stages(tableau: Tableau, name: str) -> dict[str, str]:
+    """Return how the stages that dense output alone needs are computed, and what they cost."""
+    further = range(tableau.main_stages + 1, len(tableau.stages))
+    lines = ["    double y[N];", *(_stage(tableau, name, s) for s in further)]
+    lines += [f"    s->evaluations += {len(further)};"]
+    none = "    (void)u; /* the stages of the step are enough */"
+    return {
+        "DENSE_STAGES": "\n".join(lines) if further else none,
+        "DENSE_COST": _IN_WORDS.get(len(further), f"{len(further)} more evaluations"),
+    }
+
+
+def _error(tableau: Tableau) -> dict[str, str]:
+    """Return the sums of the error estimates, and the error: the norm of one, or of their mixture."""
+    estimates = {"high": tableau.error_high, "low": tableau.error_low}
+    used = {name: row for name, row in estimates.items() if row}
+    indent = "            "
+    terms = [f"{indent}const double e_{n} = scale * ({_sum(row)});" for n, row in used.items()]
+    terms += [f"{indent}{n} += e_{n} * e_{n};" for n in used]
+    mixed = "high > 0.0 ? fabs(h) * high / sqrt((high + 0.01 * low) * N) : high"
+    return {
+        "ERROR_SUMS": ", ".join(f"{n} = 0.0" for n in used),
+        "ERROR_TERMS": "\n".join(terms),
+        "ERROR": mixed if tableau.error_low else "fabs(h) * sqrt(high / N)",
     }
 
 
@@ -336,7 +371,7 @@ class DenseSolution:
         k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, len(self._h) - 1)
         theta = ((times - self.ts[k]) / self._h[k])[:, None]
         terms = self._coefficients[k]
-        value = terms[:, -1] * theta
+        value = terms[:, -1] * (theta if terms.shape[1] % 2 else 1 - theta)
         for j in range(terms.shape[1] - 2, -1, -1):
             value = (value + terms[:, j]) * (1 - theta if j % 2 else theta)
         value = value + self._x[k]

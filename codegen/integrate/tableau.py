@@ -12,9 +12,10 @@ class Tableau:
     """Coefficients in the order in which stages are computed.
 
     ``stages[s]`` weighs the slopes before stage s; row ``main_stages`` gives the new state, whose
-    slope is the next stage; the rows after it serve dense output alone. ``error_high`` and
-    ``error_low`` weigh the slopes for the two error estimates (Hairer, Norsett and Wanner, sect.
-    II.10); ``dense`` for the last coefficients of the interpolant.
+    slope is the next stage; the rows after it serve dense output alone. ``error_high`` weighs the
+    slopes for the error estimate, ``error_low`` for a second one that the first is divided by
+    (Hairer, Norsett and Wanner, sect. II.10), empty where there is one alone; ``dense`` for the last
+    coefficients of the interpolant. Steps are chosen as if the estimate were of order ``order``.
     """
 
     name: str
@@ -23,8 +24,8 @@ class Tableau:
     stages: tuple[Row, ...]
     main_stages: int
     error_high: Row
-    error_low: Row
     dense: tuple[Row, ...]
+    error_low: Row = ()
 
     @property
     def dense_terms(self) -> int:

@@ -168,7 +168,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         }
         s->which = first_bad(x_new); /* also where a coefficient is not finite: it is part of a sum */
         if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
-        for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
+@PROJECT@        for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
         double stop = 2.0;
@@ -183,12 +183,12 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         while (wants_grid_point(o, t_stop, direction)) {
             const double theta = (o->grid[o->next] - s->t_old) / h;
             interpolate(s, theta, y);
-            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
+@PROJECT_POINT@            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
             o->next += 1;
         }
         if (stop <= 1.0) {
             interpolate(s, stop, x_new);
-#if S
+@PROJECT_STOP@#if S
             @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
             for (int m = 0; m < S; ++m) s->closest[m] = smaller(s->closest[m], fabs(s->singular[m]));
 #endif

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.integrate import runge_kutta
+from codegen.integrate import projection, runge_kutta
 from codegen.integrate.jets import series
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.trajectory import Array
@@ -81,6 +81,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "CAUTION": repr(CAUTION),
         "SERIES_CONSTANTS": str(max(1, constants)),
         "SERIES": "\n".join(functions),
+        **projection.texts(layout, prefix, projection.TAYLOR),
     }
 
 

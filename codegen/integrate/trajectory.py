@@ -23,6 +23,7 @@ class Problem:
 
     ``inputs``: values at which the inputs are held. ``margin``: distance from a singularity at
     which to stop. ``t_eval``: times to store in the direction of integration, or None for every
+    step. ``project``: names of the invariants that the states are brought back onto after each
     step. ``progress(fraction)``: called now and then. ``watch(t, x, h)``: called after every
     ``watch_every`` tried steps with the state and the last step; the run ends where it is true.
     """
@@ -40,6 +41,7 @@ class Problem:
     first_step: float | None = None
     max_step: float = math.inf
     max_steps: int = MAX_STEPS
+    project: tuple[str, ...] = ()
     progress: Callable[[float], None] | None = None
     watch: Callable[[float, Array, float], bool] | None = None
     watch_every: int = 1

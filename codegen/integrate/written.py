@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from codegen.integrate import runge_kutta, taylor
 from codegen.integrate.dop853 import DOP853
+from codegen.integrate.dp5 import DP5
 from codegen.integrate.tableau import Tableau
+from codegen.integrate.tsit5 import TSIT5
 from codegen.layout import Layout
 from codegen.program import Program
 from eom.errors import InputError, unknown_name
@@ -45,6 +47,8 @@ def _taylor(program: Program, layout: Layout, rtol: float) -> Mapping[str, str]:
 
 ROWS = (
     _runge_kutta(DOP853, "explicit Runge-Kutta of order 8"),
+    _runge_kutta(DP5, "explicit Runge-Kutta of order 5, of Dormand and Prince"),
+    _runge_kutta(TSIT5, "explicit Runge-Kutta of order 5, of Tsitouras"),
     Written("taylor", "Taylor series, order from the relative tolerance", _taylor),
     Written("none", "the functions alone", lambda p, layout, rtol: {}),
 )

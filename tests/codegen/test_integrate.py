@@ -1,6 +1,7 @@
-"""DOP853: its coefficients against the theory, and the loop in C against SciPy's and the exact."""
+"""Runge-Kutta methods: coefficients against the theory, the loop in C against SciPy's and the exact."""
 
 from fractions import Fraction
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -12,11 +13,16 @@ from scipy.integrate._ivp import dop853_coefficients as published
 import eom
 from codegen import compile as compile_system
 from codegen import native, simulate
-from codegen.integrate import runge_kutta
+from codegen.compiled import generate
+from codegen.integrate import dp5, runge_kutta, scipy_, written
 from codegen.integrate.dop853 import DOP853
+from codegen.integrate.dp5 import DP5
 from codegen.integrate.trajectory import Problem
+from codegen.integrate.tsit5 import TSIT5
+from eom.errors import InputError
 from eom.system import TIME, System
 
+INTEGRATORS = [row.name for row in written.ROWS if row.name != "none"]
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 
 STAGES = DOP853.main_stages
@@ -122,11 +128,98 @@ def test_the_table_is_that_of_scipy():
     assert DOP853.dense_terms == 3 + len(published.D)
 
 
+# --- the tables of order 5(4) ---------------------------------------------------------------------
+
+PAIRS = {"DP5": (DP5, Fraction(0)), "Tsit5": (TSIT5, Fraction(2, 10**14))}
+"""Tables, and how far the order conditions may be off: not at all where numbers are rational."""
+
+
+def rows_of(tableau):
+    """Stages, error weights and interpolant as rational numbers: those of DP5, else the doubles'."""
+    if tableau is DP5:
+        stages, error, dense = dp5.STAGES, dp5.ERROR, dp5.DENSE
+        return [*map(dp5.exact, stages)], dp5.exact(error), dp5.exact(dense)
+    parts = ([*tableau.stages], [tableau.error_high], [*tableau.dense])
+    stages, error, dense = ([tuple(map(Fraction, row)) for row in part] for part in parts)
+    return stages, error[0], dense[0]
+
+
+def exact_weight(tree, rows):
+    """What `weight` gives, in rational arithmetic."""
+    values = [Fraction(1)] * len(rows)
+    for part in tree:
+        inner = exact_weight(part, rows)
+        sums = [sum((a * v for a, v in zip(row, inner, strict=False)), Fraction(0)) for row in rows]
+        values = [v * s for v, s in zip(values, sums, strict=True)]
+    return values
+
+
+def condition(weights, tree, rows):
+    return sum(w * v for w, v in zip(weights, exact_weight(tree, rows), strict=False))
+
+
+@pytest.fixture(params=PAIRS)
+def pair(request):
+    return PAIRS[request.param]
+
+
+def test_order_conditions_of_the_pairs_hold_in_rational_arithmetic(pair):
+    """Order 5 of the method, and 4 of its error estimate; not one more of either."""
+    tableau, allowed = pair
+    rows, error, _ = rows_of(tableau)
+    for order in range(1, 6):
+        for tree in trees(order):
+            off = condition(rows[tableau.main_stages], tree, rows) - Fraction(1, density(tree))
+            assert abs(off) <= allowed
+            assert order == 5 or abs(condition(error, tree, rows)) <= allowed
+    assert max(abs(condition(error, t, rows)) for t in trees(5)) > 1e-5
+    sixth = [condition(rows[6], t, rows) - Fraction(1, density(t)) for t in trees(6)]
+    assert max(map(abs, sixth)) > 1e-5
+
+
+def test_nodes_of_the_pairs_are_the_sums_of_their_rows(pair):
+    tableau, allowed = pair
+    rows, _, _ = rows_of(tableau)
+    nodes = dp5.exact(dp5.NODES) if tableau is DP5 else [Fraction(c) for c in tableau.nodes]
+    assert max(abs(sum(row) - c) for row, c in zip(rows, nodes, strict=True)) <= allowed
+
+
+def test_interpolants_of_the_pairs_are_of_order_4(pair):
+    """b(theta) . Phi(tree) = theta^n / density(tree): Hairer, Norsett and Wanner, (II.6.11)."""
+    tableau, allowed = pair
+    rows, _, dense = rows_of(tableau)
+    b = [*rows[6], Fraction(0)]
+    for part in (Fraction(1, 7), Fraction(1, 2), Fraction(5, 6)):
+        cubic, steep = part * part * (3 - 2 * part), part * (1 - part)
+        of_step = [cubic * w + steep * steep * d for w, d in zip(b, dense, strict=True)]
+        of_step[0] += steep * (1 - part)
+        of_step[6] -= steep * part
+        for order in range(1, 5):
+            for tree in trees(order):
+                off = condition(of_step, tree, rows) - part**order / density(tree)
+                assert abs(off) <= 4 * allowed, (part, tree)
+        last = (condition(of_step, t, rows) - part**5 / density(t) for t in trees(5))
+        assert max(map(abs, last)) > 1e-6
+
+
+def test_the_table_of_dp5_is_that_of_scipy():
+    rk45 = si.RK45
+    for row, theirs in zip(DP5.stages[:6], rk45.A, strict=True):
+        np.testing.assert_array_equal(row, theirs[: len(row)])
+    np.testing.assert_array_equal(DP5.stages[6], rk45.B)
+    np.testing.assert_array_equal(DP5.nodes[:6], rk45.C)
+    np.testing.assert_array_equal(np.abs(DP5.error_high), np.abs(rk45.E))
+    ours = scipy_._with_tableau(DP5)
+    np.testing.assert_allclose(ours.P, rk45.P, rtol=1e-14, atol=1e-14)
+
+
 # --- the loop -------------------------------------------------------------------------------------
 
 y1, y2, y3, k = sp.symbols("y1 y2 y3 k", real=True)
 RIGID = System.from_rates("rigid", {y1: y2 * y3, y2: -y1 * y3, y3: -sp.Rational(51, 100) * y1 * y2})
-PENDULUM = System.from_rates("pendulum", {y1: y2, y2: -sp.sin(y1)})
+PENDULUM = System.from_rates(
+    "pendulum", {y1: y2, y2: -sp.sin(y1)}, invariants={"E": y2**2 / 2 - sp.cos(y1)}
+)
 FORCED = System.from_rates("forced", {y1: y2, y2: -y1 + sp.cos(3 * TIME) - k * y2})
 VAN_DER_POL = System.from_rates("van_der_pol", {y1: y2, y2: 5 * (1 - y1**2) * y2 - y1})
 GROWTH = System.from_rates("growth", {y1: y1})
@@ -145,20 +238,29 @@ def problem(request):
     return PROBLEMS[request.param]
 
 
-def scipy_reference(system, x0, parameters, span, rtol=1e-9, **options):
+PEERS = {"DOP853": "DOP853", "DP5": "RK45", "Tsit5": scipy_._with_tableau(TSIT5)}
+"""Methods of the generated loop, and the same in SciPy's."""
+methods_in_c = pytest.mark.parametrize("method", PEERS)
+
+
+def scipy_reference(system, x0, parameters, span, rtol=1e-9, method="DOP853", **options):
     f = compile_system(system, "numpy").rhs
     p = np.array(parameters) if parameters else None
     return si.solve_ivp(
-        lambda t, x: f(t, x, p), span, x0, method="DOP853", rtol=rtol, atol=1e-3 * rtol, **options
-    )
+        lambda t, x: f(t, x, p), span, x0, method=PEERS[method], rtol=rtol, atol=1e-3 * rtol,
+        **options,
+    )  # fmt: skip
 
 
 @needs_compiler
-@pytest.mark.parametrize("rtol", [1e-4, 1e-7, 1e-10, 1e-12])
-def test_steps_and_states_are_those_of_scipy(problem, rtol):
+@pytest.mark.parametrize(
+    ("method", "rtol"),
+    [(m, r) for m in PEERS for r in (1e-4, 1e-7, 1e-10, 1e-12) if m == "DOP853" or r > 1e-8],
+)
+def test_steps_and_states_are_those_of_scipy(problem, rtol, method):
     system, x0, p, span = problem
-    ours = simulate(compile_system(system, "c"), x0, span, p, method="DOP853", rtol=rtol)
-    theirs = scipy_reference(system, x0, p, span, rtol)
+    ours = simulate(compile_system(system, "c"), x0, span, p, method, rtol)
+    theirs = scipy_reference(system, x0, p, span, rtol, method)
     assert abs(ours.steps - (len(theirs.t) - 1)) <= max(1, 0.01 * ours.steps)
     assert abs(ours.nfev - theirs.nfev) <= 24 + 0.02 * theirs.nfev
     np.testing.assert_allclose(ours.y[:, -1], theirs.y[:, -1], rtol=300 * rtol, atol=300 * rtol)
@@ -169,11 +271,13 @@ def test_steps_and_states_are_those_of_scipy(problem, rtol):
 
 
 @needs_compiler
-def test_the_first_steps_are_the_same_to_rounding():
-    ours = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 5), method="DOP853", rtol=1e-8)
-    theirs = scipy_reference(RIGID, (0.0, 1.0, 1.0), (), (0, 5), 1e-8)
-    np.testing.assert_allclose(ours.t[:4], theirs.t[:4], rtol=1e-11)
-    np.testing.assert_allclose(ours.y[:, :4], theirs.y[:, :4], rtol=1e-11, atol=1e-14)
+@methods_in_c
+def test_the_first_steps_are_the_same_to_rounding(method):
+    ours = simulate(compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 5), None, method, 1e-8)
+    theirs = scipy_reference(RIGID, (0.0, 1.0, 1.0), (), (0, 5), 1e-8, method)
+    few = 4 if method == "DOP853" else 3  # where the estimate of the second step is not rounding
+    np.testing.assert_allclose(ours.t[:few], theirs.t[:few], rtol=1e-11)
+    np.testing.assert_allclose(ours.y[:, :few], theirs.y[:, :few], rtol=1e-11, atol=1e-14)
 
 
 @needs_compiler
@@ -196,58 +300,67 @@ def test_evaluations_are_counted_as_they_happen():
         compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), method="DOP853", first_step=0.1
     )
     assert given.nfev == 1 + 12 * (given.steps + given.rejected)
+    for method in PAIRS:  # six an attempt, none for interpolants
+        run = simulate(
+            compile_system(RIGID, "c"), (0.0, 1.0, 1.0), (0, 20), None, method, dense_output=True
+        )
+        assert run.nfev == 2 + 6 * (run.steps + run.rejected)
+
+
+@cache
+def swing(times):
+    """The pendulum's angle from (2, 0), in 30 digits."""
+    with mpmath.workdps(30):
+        f = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])
+        return [f(t)[0] for t in times]
 
 
 @needs_compiler
-def test_the_observed_order_of_fixed_steps_is_8():
-    """Halving the step divides the error at t = 1 of the pendulum by 2^8."""
+@pytest.mark.parametrize(("method", "order"), [("DOP853", 8), ("DP5", 5), ("Tsit5", 5)])
+@pytest.mark.parametrize("project", [False, True])
+def test_halving_fixed_steps_divides_the_error_by_two_to_the_order(method, order, project):
+    """At t = 4 of the pendulum; projection onto its energy takes nothing from the order."""
     compiled = compile_system(PENDULUM, "c")
-    with mpmath.workdps(30):
-        exact = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])(4)
-    errors = []
-    for n in (8, 16, 32):
-        run = simulate(
-            compiled,
-            (2.0, 0.0),
-            (0, 4),
-            method="DOP853",
-            rtol=1e3,
-            first_step=4 / n,
-            max_step=4 / n,
-        )
+    exact = swing((4.0,))
+    errors, count = [], 8 if order == 8 else 64
+    for n in (count, 2 * count, 4 * count):
+        options = {"rtol": 1e3, "first_step": 4 / n, "max_step": 4 / n, "project": project}
+        run = simulate(compiled, (2.0, 0.0), (0, 4), method=method, **options)
         assert run.steps == n
         errors.append(float(abs(mpmath.mpf(run.y[0, -1]) - exact[0])))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all(orders > 7.4)
-    assert np.all(orders < 9.6)
+    assert np.all(orders > order - 0.6)
+    assert np.all(orders < order + 1.6)
 
 
 @needs_compiler
-def test_the_interpolant_is_of_order_7():
+@pytest.mark.parametrize(("method", "order"), [("DOP853", 7), ("DP5", 4), ("Tsit5", 4)])
+@pytest.mark.parametrize("project", [False, True])
+def test_interpolants_keep_their_order(method, order, project):
+    """The error between steps: order + 1 as long as it is that of one step, as with DOP853."""
     compiled = compile_system(PENDULUM, "c")
-    with mpmath.workdps(30):
-        f = mpmath.odefun(lambda t, y: [y[1], -mpmath.sin(y[0])], 0, [2, 0])
-        times = np.linspace(0.05, 3.95, 23)
-        exact = np.array([float(f(t)[0]) for t in times])
-    errors = []
-    for n in (8, 16):
+    times = np.linspace(0.05, 3.95, 23)
+    exact = np.array([float(angle) for angle in swing(tuple(times))])
+    errors, count = [], 8 if order == 7 else 32
+    for n in (count, 2 * count):
         h = 4 / n
-        options = {"rtol": 1e3, "first_step": h, "max_step": h}
-        run = simulate(compiled, (2.0, 0.0), (0, 4), method="DOP853", dense_output=True, **options)
+        options = {"rtol": 1e3, "first_step": h, "max_step": h, "project": project}
+        run = simulate(compiled, (2.0, 0.0), (0, 4), method=method, dense_output=True, **options)
         errors.append(np.max(np.abs(run.sol(times)[0] - exact)))
-    assert 6.4 < np.log2(errors[0] / errors[1]) < 9.6
+        np.testing.assert_allclose(run.sol(run.t), run.y, rtol=1e-13, atol=1e-13)
+    assert order - 0.6 < np.log2(errors[0] / errors[1]) < order + 2.6
 
 
 @needs_compiler
-def test_dense_output_is_that_of_scipy(problem):
+@methods_in_c
+def test_dense_output_is_that_of_scipy(problem, method):
     system, x0, p, span = problem
-    ours = simulate(
-        compile_system(system, "c"), x0, span, p, method="DOP853", rtol=1e-8, dense_output=True
-    )
-    theirs = scipy_reference(system, x0, p, span, 1e-8, dense_output=True)
+    rtol = 1e-8 if method == "DOP853" else 1e-6
+    ours = simulate(compile_system(system, "c"), x0, span, p, method, rtol, dense_output=True)
+    theirs = scipy_reference(system, x0, p, span, rtol, method, dense_output=True)
     times = np.linspace(*span, 211)
     scale = 1 + np.abs(theirs.sol(times)).max()
-    np.testing.assert_allclose(ours.sol(times), theirs.sol(times), rtol=0, atol=3e-6 * scale)
+    np.testing.assert_allclose(ours.sol(times), theirs.sol(times), rtol=0, atol=300 * rtol * scale)
     single = ours.sol(times[17])
     assert single.shape == (len(x0),)
     np.testing.assert_array_equal(single, ours.sol(times)[:, 17])
@@ -298,9 +411,10 @@ def test_a_paused_run_goes_on_as_if_it_had_not_paused(monkeypatch):
 @needs_compiler
 def test_the_structures_of_python_are_those_of_c():
     """Sizes agree for several numbers of states and singularities, or build would stop."""
-    for system in (GROWTH, RIGID, eom.free_rigid_body("3-1-2"), eom.free_rigid_body("dcm")):
+    systems = (GROWTH, RIGID, eom.free_rigid_body("3-1-2"), eom.free_rigid_body("dcm"))
+    for system, tableau in zip(systems, (DP5, TSIT5, DOP853, DP5), strict=True):
         compiled = compile_system(system, "c")
-        method = runge_kutta.build(DOP853, compiled.program, compiled.layout)
+        method = runge_kutta.build(tableau, compiled.program, compiled.layout)
         n = len(compiled.layout.states)
         problem = Problem(
             np.full(n, 0.5), (0.0, 1e-3), np.ones(len(system.parameters)), np.empty(0),
@@ -335,3 +449,71 @@ def test_a_grid_without_room_is_refused_before_anything_is_written():
     assert output.count == 0
     assert (t == -1).all()
     assert (x == -1).all()
+
+
+# --- files of integrators ---------------------------------------------------------------------------
+
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror", "-O2")
+PROGRAM = """
+#include "free_rigid_body_{name}.h"
+#include <math.h>
+#include <stdio.h>
+
+int main(void) {{
+    static free_rigid_body_{name} s;
+    free_rigid_body_{name}_output o = {{0}};
+    static double t[4000], x[4000][3];
+    const double p[] = {{1.0, 1.5, 2.0}}, x0[] = {{0.1, 2.0, 0.3}};
+    for (int i = 0; i < 3; ++i) s.x[i] = x0[i], s.atol[i] = 1e-12;
+    s.t_end = 5.0, s.rtol = 1e-9, s.h_max = HUGE_VAL, s.margin = 1e-6;
+    o.t = t, o.x = &x[0][0], o.capacity = 4000;
+    free_rigid_body_{name}_start(&s, p, NULL);
+    const int status = free_rigid_body_{name}_run(&s, NULL, &o, 100000);
+    printf("%d %.17g %.17g %.17g\\n", status, s.x[0], s.x[1], s.x[2]);
+    return 0;
+}}
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", INTEGRATORS)
+def test_a_c_user_gets_the_integrator_of_his_choice(name, tmp_path):
+    """The files compile without a warning, alone, and give what `simulate` gives."""
+    import subprocess
+
+    compiled = compile_system(eom.free_rigid_body(), "c")
+    package = generate(compiled.program, compiled.layout, "c", written.Choice(name, 1e-9))
+    for file, text in package.items():
+        (tmp_path / file).write_text(text)
+    assert f"free_rigid_body_{name}.o" in package["Makefile"]
+    others = {f"free_rigid_body_{m}.c" for m in INTEGRATORS if m != name}
+    assert not others & set(package)
+    (tmp_path / "main.c").write_text(PROGRAM.format(name=name))
+    sources = ["main.c", "free_rigid_body.c", f"free_rigid_body_{name}.c"]
+    command = [*native.compiler(), *STRICT, "-o", "main", *sources, "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    said = subprocess.run(["./main"], cwd=tmp_path, check=True, capture_output=True, text=True)
+    status, *x = said.stdout.split()
+    row = {"dop853": "DOP853", "dp5": "DP5", "tsit5": "Tsit5"}.get(name, name)
+    ours = simulate(compiled, (0.1, 2.0, 0.3), (0, 5), [1.0, 1.5, 2.0], row, 1e-9)
+    assert status == "0"
+    np.testing.assert_allclose([float(v) for v in x], ours.y_stop, rtol=1e-12)
+
+
+def test_a_misspelt_integrator_is_refused():
+    compiled = compile_system(eom.free_rigid_body(), "numpy")
+    with pytest.raises(InputError, match="unknown integrator 'tsit'"):
+        written.files(written.Choice("tsit"), compiled.program, compiled.layout)
+
+
+def test_tsit5_takes_inputs_that_are_functions():
+    """In SciPy's loop, with the same steps: x'' = -x + cos(3 t) by an input, and written in."""
+    x, v, u = sp.symbols("x v u", real=True)
+    driven = System.from_rates("driven", {x: v, v: -x + u}, inputs=[u])
+    written = System.from_rates("written", {x: v, v: -x + sp.cos(3 * TIME)})
+    options = {"method": "Tsit5", "rtol": 1e-8}
+    one = simulate(driven, (1.0, 0.0), (0, 9), inputs={"u": lambda t: np.cos(3 * t)}, **options)
+    other = simulate(written, (1.0, 0.0), (0, 9), **options)
+    assert abs(one.steps - other.steps) <= 2
+    np.testing.assert_allclose(one.y_stop, other.y_stop, atol=1e-7)
+    assert one.method.startswith("Tsit5 in the loop of SciPy")
