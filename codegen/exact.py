@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.elliptic import Modulus, Series, carlson, first_kind, series
-from codegen.phases import Pair, pair, reduced, scaled
+from codegen.phases import Pair, pair, parity, reduced, scaled
 from codegen.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
 
@@ -104,7 +104,7 @@ class Periodic:
         """See `Form`."""
         u, count = reduced(t, self.rate, self.start, self.functions.period)
         sn, cn, dn, real, imaginary = self.functions(u)
-        sign = 1 - 2 * np.abs(np.fmod(count, 2))
+        sign = parity(count)
         shapes = (sign * cn, sign * sn, dn)
         omega = np.stack([a * f for a, f in zip(self.amplitudes, shapes, strict=True)])
         n1, n2, n3 = (a * f for a, f in zip(self.cosines, shapes, strict=True))
@@ -207,6 +207,24 @@ KINDS = (
 """The first row that applies is taken; all tests are exact."""
 
 
+def kind_of(body: Polhode) -> Kind:
+    """Return the row of `KINDS` of a motion."""
+    return next(k for k in KINDS if k.applies(body))
+
+
+def form_of(body: Polhode) -> Form:
+    """Return the closed form of a motion. Raises `InputError` for rates that doubles cannot hold."""
+    form = kind_of(body).form(body)
+    if not form.fastest < 1e250:
+        raise InputError(
+            "angular velocity out of range",
+            where=WHERE,
+            got=[float(v) for v in body.omega],
+            expected="below 1e250 rad/s",
+        )
+    return form
+
+
 @dataclass(frozen=True)
 class FreeMotion:
     """A torque-free motion in closed form: call it with times; made by `free_motion`.
@@ -253,12 +271,7 @@ def free_motion(
     """
     body = polhode(_moments(moments), _numbers("angular velocity", omega0, 3))
     start = _unit(_numbers("attitude", attitude0, 4))
-    kind = next(k for k in KINDS if k.applies(body))
-    form = kind.form(body)
-    if not form.fastest < 1e250:
-        raise InputError(
-            "angular velocity out of range", where=WHERE, got=omega0, expected="below 1e250 rad/s"
-        )
+    kind, form = kind_of(body), form_of(body)
     _, q = form(np.zeros(1))
     q[1:] = -body.frame.to_body(q[1:])
     w, x, y, z = (float(v) for v in _product(start, q)[:, 0])

@@ -77,3 +77,8 @@ def reduced(t: Array, rate: Pair, offset: Pair, period: Pair) -> tuple[Array, Ar
     count = np.rint(total / period.high)
     taken, rest = product(count, period.high)
     return (total - taken) + ((low - rest) - count * period.low), count
+
+
+def parity(count: Array) -> Array:
+    """Return 1 where a whole number is even, -1 where it is odd."""
+    return 1 - 2 * np.abs(count - 2 * np.rint(count / 2))
