@@ -126,6 +126,28 @@ def _is_fixed(probe: Probe, omega: Omega, three: Sequence[int]) -> bool:
     return True
 
 
+def turning_directions(probe: Probe) -> Iterator[Attitude]:
+    """Yield the readings of all states as angular velocity and fixed directions, without quaternion.
+
+    The first direction found gives the angular velocity: its three states are in the rates of each other.
+    """
+    n = probe.count
+    everything = set(range(n))
+    if n % 3:
+        return
+    for three in permutations(range(n), 3):
+        if three[0] != min(three) or not _keeps_length(three, probe.samples[0]):
+            continue
+        for omega in permutations(sorted(everything - set(three)), 3):
+            if all(omega[i - 2] in probe.needs[three[i - 1]] for i in range(3)) and _is_fixed(
+                probe, omega, three
+            ):
+                rest = sorted(everything - set(three) - set(omega))
+                others = directions(probe, omega, rest)
+                if others is not None:
+                    yield Attitude(omega, (), (three, *others))
+
+
 def quadratic(probe: Probe, three: Sequence[int]) -> Quadratic | None:
     """Return the rates of three states where they are quadratic forms in these states; else None."""
     if any(not probe.needs[k] <= set(three) for k in three):

@@ -11,21 +11,21 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import permutations
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import bodies
+from codegen import bodies, tops
 from codegen.bilinear import triad
 from codegen.bodies import Attitude, Matrix
 from codegen.compiled import Compiled
 from codegen.exact import CHUNK, LENGTH, form_of
+from codegen.heavy_top import top_form
 from codegen.integrate.trajectory import Problem
 from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
-from codegen.probing import NotFinite, Probe
+from codegen.probing import Probe
 from eom.errors import InputError
 
 Array = NDArray[np.float64]
@@ -144,8 +144,8 @@ def _turning_pair(probe: Probe) -> Motion | None:
 
 
 @dataclass(frozen=True)
-class FreeBody:
-    """A torque-free body: states are angular velocity, quaternion and directions fixed in space."""
+class Turned:
+    """A body: states are angular velocity, quaternion and directions fixed in space."""
 
     form: Any
     frame: Frame
@@ -201,18 +201,9 @@ def _attitudes(probe: Probe) -> Iterator[Attitude]:
     everything = set(range(probe.count))
     for found in bodies.quaternions(probe):
         yield from _with_directions(probe, found, everything - found.states)
-    for omega in permutations(_closed_states(probe), 3):
-        three = Attitude(omega, ())
-        if probe.count > 3:
-            yield from _with_directions(probe, three, everything - three.states)
-
-
-def _closed_states(probe: Probe) -> list[int]:
-    """Return the states whose rates depend on at most three states, and on none that is left out."""
-    few = {k for k, needs in enumerate(probe.needs) if len(needs) <= 3}
-    while wider := {k for k in few if not probe.needs[k] <= few}:
-        few -= wider
-    return sorted(few) if len(few) <= 4 else []
+    for found in bodies.turning_directions(probe):
+        if len(found.states) == probe.count:
+            yield found
 
 
 def _with_directions(probe: Probe, found: Attitude, rest: set[int]) -> Iterator[Attitude]:
@@ -222,26 +213,40 @@ def _with_directions(probe: Probe, found: Attitude, rest: set[int]) -> Iterator[
 
 
 def _turned_free_body(probe: Probe, attitude: Attitude, J: Matrix) -> Motion | None:
+    axes, moments = principal_axes(J)
+    omega = axes.from_body([bodies.value(c, probe.start) for c in attitude.omega])
+    body = polhode(moments, omega)
+    return _turned(probe, attitude, form_of(body), body.frame, axes)
+
+
+def _turned(
+    probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axes
+) -> Motion | None:
     x = probe.start
     q = tuple(float(x[k]) for k in attitude.quaternion)
     if q and abs(math.hypot(*q) - 1) > LENGTH:
         return None
-    axes, moments = principal_axes(J)
-    omega = axes.from_body([bodies.value(c, x) for c in attitude.omega])
-    body = polhode(moments, omega)
-    form = form_of(body)
     _, first = form(np.zeros(1))
     b0, *b = (float(v[0]) for v in first)
-    back = (b0, *(-v for v in axes.to_body(body.frame.listed(b))))
-    return FreeBody(
+    return Turned(
         form=form,
-        frame=body.frame,
+        frame=frame,
         axes=axes,
-        back=back,
+        back=(b0, *(-v for v in axes.to_body(frame.listed(b)))),
         start=q,
         fixed=tuple(tuple(float(x[k]) for k in three) for three in attitude.directions),
         places=_places(attitude, probe.count),
     )
+
+
+def _heavy_top(probe: Probe) -> Motion | None:
+    for attitude in _attitudes(probe):
+        for axis in range(3):
+            top = tops.read(probe, attitude, axis)
+            if top is not None:
+                frame = Frame(((axis + 1) % 3, (axis + 2) % 3, axis), (1, 1, 1))
+                return _turned(probe, attitude, top_form(top), frame, Axes.own())
+    return None
 
 
 def _places(attitude: Attitude, count: int) -> tuple[tuple[int, int], ...]:
@@ -264,6 +269,7 @@ class Row:
 ROWS = (
     Row("free body", "angular velocity without torque, by Jacobi's elliptic functions", _rates),
     Row("free body", "attitude without torque, by elliptic and theta functions", _free_body),
+    Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", _heavy_top),
 )
 
 
@@ -278,7 +284,7 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
     for row in ROWS:
         try:
             motion = row.read(probe)
-        except (NotFinite, InputError):
+        except (ArithmeticError, InputError):
             continue
         if motion is not None:
             return Closed(row.name, row.meaning, Evaluated(motion))
