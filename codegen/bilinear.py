@@ -41,7 +41,7 @@ class Constant:
 
     def __call__(self, t: Array) -> Array:
         """Return the values at each time, (3, N)."""
-        return np.stack([v + 0 * t for v in self.values])
+        return np.stack([np.full_like(t, v) for v in self.values])
 
 
 @dataclass(frozen=True)
@@ -94,9 +94,7 @@ def _triad(c: Triple, y: Triple, order: tuple[int, ...]) -> Triad:
     x1, x2, x3 = (y[k] for k in order)
     E, F = odd * x1**2 + first * x2**2, last * x2**2 + odd * x3**2
     excess = first * x3**2 - last * x1**2
-    modulus = Modulus(
-        number(own, last * E / (first * F)), number(own, odd * excess / (first * F))
-    )
+    modulus = Modulus(number(own, last * E / (first * F)), number(own, odd * excess / (first * F)))
     s1, s3 = (1 if v >= 0 else -1 for v in (x1, x3))
     sense = -1 if c[order[0]] > 0 else 1
     a1, a2, a3 = (root(own, v) for v in (E / odd, E / first, F / odd))

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, permutations
+from typing import Any
 
 from codegen.exactlinear import nullspace
 from codegen.probing import SAME, Probe, Sample, same
@@ -24,7 +25,7 @@ Quadratic = tuple[dict[tuple[int, int], Fraction], ...]
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ZERO, ONE = Fraction(0), Fraction(1)
-MOST_STATES = 24
+MOST_STATES = 16
 """Larger systems are not read: there are too many choices."""
 
 
@@ -48,7 +49,7 @@ def value(component: Component, x: Sequence[Fraction]) -> Fraction:
     return x[component] if isinstance(component, int) else component
 
 
-def product(p: Sequence[Fraction], q: Sequence[Fraction]) -> list[Fraction]:
+def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     """Return the product p q of quaternions, scalar first."""
     (a, b, c, d), (w, x, y, z) = p, q
     return [
@@ -102,7 +103,9 @@ def _component(probe: Probe, values: Sequence[Fraction]) -> Component | None:
     return first if all(same(v, first, first) for v in values) else None
 
 
-def directions(probe: Probe, omega: Omega, rest: Sequence[int]) -> list[tuple[int, int, int]] | None:
+def directions(
+    probe: Probe, omega: Omega, rest: Sequence[int]
+) -> list[tuple[int, int, int]] | None:
     """Divide states into vectors that stand still in space: dv/dt = -omega x v; None if not all are."""
     left, found = list(rest), []
     while left:
@@ -214,9 +217,7 @@ def inertia(forms: Quadratic) -> Matrix | None:
     return J if positive_definite(J) else None
 
 
-def _equation(
-    forms: Quadratic, pair: tuple[int, int], i: int, entry: tuple[int, int]
-) -> Fraction:
+def _equation(forms: Quadratic, pair: tuple[int, int], i: int, entry: tuple[int, int]) -> Fraction:
     """Coefficient of an entry of J in component i of J Q(w) + w x (J w), at the product of a pair."""
 
     def J(a: int, b: int) -> int:

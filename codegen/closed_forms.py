@@ -23,6 +23,7 @@ from codegen.compiled import Compiled
 from codegen.exact import CHUNK, LENGTH, form_of
 from codegen.heavy_top import top_form
 from codegen.integrate.trajectory import Problem
+from codegen.layout import names_of
 from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
 from codegen.probing import Probe
@@ -57,6 +58,9 @@ class Closed:
     name: str
     meaning: str
     states: Callable[[Array], Array]
+    motion: Motion
+    names: tuple[str, ...]
+    """Of the states."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +80,7 @@ class Evaluated:
                 got=f"{longest:g} s at {self.motion.fastest:g} rad/s",
                 expected=f"at most {FARTHEST:g} rad",
             )
-        parts = [
-            np.stack(self.motion(t[k : k + CHUNK])) for k in range(0, max(1, t.size), CHUNK)
-        ]
+        parts = [np.stack(self.motion(t[k : k + CHUNK])) for k in range(0, max(1, t.size), CHUNK)]
         return np.concatenate(parts, axis=1)
 
 
@@ -219,9 +221,7 @@ def _turned_free_body(probe: Probe, attitude: Attitude, J: Matrix) -> Motion | N
     return _turned(probe, attitude, form_of(body), body.frame, axes)
 
 
-def _turned(
-    probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axes
-) -> Motion | None:
+def _turned(probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axes) -> Motion | None:
     x = probe.start
     q = tuple(float(x[k]) for k in attitude.quaternion)
     if q and abs(math.hypot(*q) - 1) > LENGTH:
@@ -252,9 +252,7 @@ def _heavy_top(probe: Probe) -> Motion | None:
 def _places(attitude: Attitude, count: int) -> tuple[tuple[int, int], ...]:
     vectors = [attitude.omega, attitude.quaternion, *attitude.directions]
     shown = [v for v in vectors if v]
-    return tuple(
-        next((i, v.index(k)) for i, v in enumerate(shown) if k in v) for k in range(count)
-    )
+    return tuple(next((i, v.index(k)) for i, v in enumerate(shown) if k in v) for k in range(count))
 
 
 @dataclass(frozen=True)
@@ -287,5 +285,6 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
         except (ArithmeticError, InputError):
             continue
         if motion is not None:
-            return Closed(row.name, row.meaning, Evaluated(motion))
+            names = names_of(compiled.layout.states)
+            return Closed(row.name, row.meaning, Evaluated(motion), motion, names)
     return None

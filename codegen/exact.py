@@ -77,7 +77,7 @@ class Steady:
         """See `Form`."""
         angle, _ = reduced(t, self.half_rate, Pair(0.0, 0.0), self.turn)
         sine = np.sin(angle)
-        omega = np.repeat(np.array(self.omega)[:, None], t.size, axis=1)
+        omega = np.stack([np.full_like(t, w) for w in self.omega])
         return omega, np.stack([np.cos(angle), *(n * sine for n in self.axis)])
 
 

@@ -17,7 +17,8 @@ def nullspace(rows: Sequence[Row], zero: Fraction) -> list[list[Fraction]]:
     matrix = [list(r) for r in rows]
     width = len(matrix[0])
     limit = zero * max((abs(v) for r in matrix for v in r), default=Fraction(0))
-    free, pivots = list(range(width)), []
+    free = list(range(width))
+    pivots: list[int] = []
     while free and (pivot := _largest(matrix, len(pivots), free, limit)):
         row, column = pivot
         top = len(pivots)

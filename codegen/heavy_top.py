@@ -45,11 +45,12 @@ ZERO, ONE = Fraction(0), Fraction(1)
 GUARD = 50
 """Digits that differences of roots keep."""
 MOST_DIGITS = 8000
+NOTHING = Pair(0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Top:
-    """Exact data. ``mu`` > 0; ``ratio``: C/A; ``omega``: in the body; ``up``: the vertical in it, a unit."""
+    """Exact data. ``mu`` > 0; ``ratio``: C/A; ``omega``: in the body; ``up``: the vertical."""
 
     mu: Fraction
     ratio: Fraction
@@ -142,13 +143,18 @@ def _cosines(own: Any, cubic: Sequence[Fraction]) -> list[Number]:
     """Return the three real roots of a cubic in order (Vieta)."""
     a, b, c, d = cubic
     shift = b / (3 * a)
-    p, q = (3 * a * c - b * b) / (9 * a * a), (2 * b**3 - 9 * a * b * c + 27 * a * a * d) / (54 * a**3)
+    p, q = (
+        (3 * a * c - b * b) / (9 * a * a),
+        (2 * b**3 - 9 * a * b * c + 27 * a * a * d) / (54 * a**3),
+    )
     if p >= 0:
         return [number(own, -shift)] * 3
     size = own.sqrt(number(own, -p))
     cosine = max(-own.one, min(own.one, number(own, -q) / size**3))
     angle = own.acos(cosine) / 3
-    return sorted(2 * size * own.cos(angle - 2 * own.pi * k / 3) - number(own, shift) for k in range(3))
+    return sorted(
+        2 * size * own.cos(angle - 2 * own.pi * k / 3) - number(own, shift) for k in range(3)
+    )
 
 
 def _snapped(own: Any, roots: list[Number], exact: Sequence[Fraction]) -> list[Number]:
@@ -176,7 +182,7 @@ class Turning:
     rate: Pair
     drop: Pair
     sense: int
-    start: Pair = Pair(0.0, 0.0)
+    start: Pair
 
 
 @dataclass(frozen=True)
@@ -196,12 +202,11 @@ class Nutating:
         """Return the three complex numbers."""
         u, count = reduced(t, self.rate, self.start, self.functions.period)
         sign = parity(count)
-        nothing = Pair(0.0, 0.0)
         found = []
         for (real, imaginary), turning in zip(self.functions(u), self.turnings, strict=True):
             angle, _ = reduced(t, turning.rate, turning.start, self.turn)
             if turning.drop.high:
-                drop, _ = reduced(count, turning.drop, nothing, self.turn)
+                drop, _ = reduced(count, turning.drop, NOTHING, self.turn)
                 angle = angle + drop
             c, s = sign * np.cos(angle), sign * np.sin(angle)
             side = turning.sense * imaginary
@@ -267,7 +272,7 @@ def uniform(top: Top) -> Uniform:
     rates = [p.rate(own) for p in phases]
     return Uniform(
         sizes=tuple(float(own.sqrt(p.scale * p.distance)) for p in phases),
-        turnings=tuple(Turning(scaled(r), Pair(0.0, 0.0), 1) for r in rates),
+        turnings=tuple(Turning(scaled(r), NOTHING, 1, NOTHING) for r in rates),
         fastest=max(float(abs(r)) for r in rates),
         turn=pair(2 * own.pi),
         quarter=1 if top.h >= top.b * top.up[2] else -1,
@@ -284,14 +289,16 @@ def nutating(top: Top) -> Nutating:
     sizes = [own.sqrt(phases[0].scale * (1 + r.z2))]
     sizes += [own.sqrt(q.scale * q.distance) for q in phases[1:]]
     etas = [_below(r, modulus), _above(r, own.one, modulus), _above(r, r.zE, modulus)]
-    shapes = [Root(k == 0, eta, size) for k, (eta, size) in enumerate(zip(etas, sizes, strict=True))]
+    shapes = [
+        Root(k == 0, eta, size) for k, (eta, size) in enumerate(zip(etas, sizes, strict=True))
+    ]
     prepared = quotients(modulus, shapes)
     senses = [1 if q.residue >= 0 else -1 for q in phases]
     rates = [
         q.rate(own) - s * p * slope
         for q, s, slope in zip(phases, senses, prepared.slopes, strict=True)
     ]
-    u0 = _start(top, r, modulus)
+    u0 = _start(top, r)
     starts = [pair(own.fmod(rate * u0 / p, 2 * own.pi)) for rate in rates]
     drops = [scaled(-s * turn) for s, turn in zip(senses, prepared.turns, strict=True)]
     return Nutating(
@@ -321,7 +328,7 @@ def _above(r: Roots, z: Number, modulus: Modulus) -> Number:
     return first_kind(own.sqrt(sine), own.sqrt(cosine), modulus.m)
 
 
-def _start(top: Top, r: Roots, modulus: Modulus) -> Number:
+def _start(top: Top, r: Roots) -> Number:
     """Return u at the start, from -K to K: it has the sign of dz/dt, and K or 0 where z rests."""
     own = r.z1.context
     sine, cosine = own.sqrt((r.z - r.z1) / (r.z2 - r.z1)), own.sqrt((r.z2 - r.z) / (r.z2 - r.z1))
@@ -345,7 +352,7 @@ class TopForm:
     def __call__(self, t: Array) -> tuple[list[Array], list[Array]]:
         """Return both at the times."""
         (q0, q3), (q1, q2), (w1, w2) = self.motion(t)
-        return [w1, w2, self.spin + 0 * t], [q0, q1, q2, q3]
+        return [w1, w2, np.full_like(t, self.spin)], [q0, q1, q2, q3]
 
 
 def top_form(top: Top) -> TopForm:

@@ -44,7 +44,7 @@ class Frame:
 
     def to_body(self, components: Array) -> Array:
         """Return components in the body of vectors given in P; shape (3, ...)."""
-        return np.stack(self.listed(components))
+        return np.stack(self.listed(list(components)))
 
     def listed(self, components: Sequence[Any]) -> list[Any]:
         """Return the same as a list of components, of any numbers."""

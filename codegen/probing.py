@@ -96,9 +96,7 @@ class Probe:
     @cached_property
     def needs(self) -> tuple[frozenset[int], ...]:
         """For each state the states that its rate is written with."""
-        return tuple(
-            frozenset(_states(self.program, k)) for k in self.program.results[RATES]
-        )
+        return tuple(frozenset(_states(self.program, k)) for k in self.program.results[RATES])
 
 
 def known(value: Fraction | None) -> Fraction:
@@ -112,7 +110,7 @@ def fraction(value: Any) -> Fraction:
     if not value.context.isfinite(value):
         raise NotFinite
     mantissa, exponent = value.man_exp
-    return Fraction(mantissa) * Fraction(2) ** exponent
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
 def same(a: Fraction, b: Fraction, size: Fraction) -> bool:

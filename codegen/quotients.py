@@ -153,13 +153,11 @@ class Hyperbolic:
         return found
 
 
-def _powers_of(
-    X: Array, E: Array, short: Array, count: int
-) -> tuple[list[Complex], list[Complex]]:
+def _powers_of(X: Array, E: Array, short: Array, count: int) -> tuple[list[Complex], list[Complex]]:
     """Return X^n (1 + E^(2n+1)), X^n (1 - E^(2n+1)), and the same with E^(2n), for n < ``count``."""
     one = np.ones_like(X)
     odd, even, power = [], [], one
-    even_power, even_short, square = one, 0 * one, E * E
+    even_power, even_short, square = one, np.zeros_like(X), E * E
     for n, (E_n, less) in zip(range(count), steps(E, short), strict=False):
         if n:
             power = power * X
@@ -220,8 +218,12 @@ def _odd_branch(
     rate = sum((2 * n + 1) * a * c for n, (a, c) in enumerate(zip(at_zero, cosine, strict=False)))
     slope = rate / below if delta else own.zero
     # at u = K, where X = 1 and E = q': size of the function there
-    real = sum(w * s * (1 + q ** (2 * n + 1)) for n, (w, s) in enumerate(zip(waves, sine, strict=True)))
-    side = sum(w * c * (1 - q ** (2 * n + 1)) for n, (w, c) in enumerate(zip(waves, cosine, strict=True)))
+    real = sum(
+        w * s * (1 + q ** (2 * n + 1)) for n, (w, s) in enumerate(zip(waves, sine, strict=True))
+    )
+    side = sum(
+        w * c * (1 - q ** (2 * n + 1)) for n, (w, c) in enumerate(zip(waves, cosine, strict=True))
+    )
     end = sum(p * (1 + q ** (2 * n + 1)) for n, p in enumerate(squares))
     factor = size * end / own.hypot(real, side)
     return Branch(
@@ -234,7 +236,7 @@ def _odd_branch(
 def _even_branch(
     own: Any, q: Number, size: Number, delta: Number, powers_: Powers
 ) -> tuple[Branch, Number]:
-    squares, fade, gaps = powers_
+    _, fade, gaps = powers_
     waves = [(-1) ** n * p for n, p in enumerate(gaps)]
     cosine = [w * own.cos(2 * n * delta) for n, w in enumerate(waves)]
     sine = [-w * own.sin(2 * n * delta) for n, w in enumerate(waves)]

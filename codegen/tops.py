@@ -24,7 +24,7 @@ MOST_DIRECTIONS = 3
 
 
 def read(probe: Probe, attitude: Attitude, axis: int) -> Top | None:
-    """Return the top whose axis of symmetry is component ``axis``; None if it is none, or without weight."""
+    """Return the top whose axis of symmetry is component ``axis``; None if there is none."""
     axes = ((axis + 1) % 3, (axis + 2) % 3, axis)
     places = [attitude.omega[k] for k in axes]
     i, j, k = places
@@ -111,5 +111,3 @@ def _unit(torque: Sequence[Fraction], size: Fraction | None) -> tuple[Fraction, 
     x, y = a / (size + abs(c)), b / (size + abs(c))
     below = 1 + x * x + y * y
     return size, (2 * x / below, 2 * y / below, sign * (2 - below) / below)
-
-
