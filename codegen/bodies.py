@@ -132,29 +132,34 @@ def _is_fixed(probe: Probe, omega: Omega, three: Sequence[int]) -> bool:
 def turning_directions(probe: Probe) -> Iterator[Attitude]:
     """Yield the readings of all states as angular velocity and fixed directions, without quaternion.
 
-    The first direction found gives the angular velocity: its three states are in the rates of each other.
+    One component of the angular velocity may be constant.
     """
-    n = probe.count
-    everything = set(range(n))
-    if n % 3:
-        return
-    for three in permutations(range(n), 3):
+    everything = set(range(probe.count))
+    for three in permutations(range(probe.count), 3):
         if three[0] != min(three) or not _keeps_length(three, probe.samples[0]):
             continue
-        for omega in permutations(sorted(everything - set(three)), 3):
-            if all(omega[i - 2] in probe.needs[three[i - 1]] for i in range(3)) and _is_fixed(
-                probe, omega, three
-            ):
-                rest = sorted(everything - set(three) - set(omega))
-                others = directions(probe, omega, rest)
-                if others is not None:
-                    yield Attitude(omega, (), (three, *others))
+        for omega in _turns_of(probe, three, everything - set(three)):
+            left = everything - set(three) - {w for w in omega if isinstance(w, int)}
+            others = directions(probe, omega, sorted(left)) if _is_fixed(probe, omega, three) else None
+            if others is not None:
+                yield Attitude(omega, (), (three, *others))
+
+
+def _turns_of(probe: Probe, three: Sequence[int], rest: set[int]) -> Iterator[Omega]:
+    """Yield what the angular velocity may be by the rates of a direction in the first sample."""
+    x, rates = probe.samples[0].x, probe.samples[0].rates
+    yield from permutations(sorted(rest), 3)
+    for a in range(3):
+        i, j = (a + 1) % 3, (a + 2) % 3
+        for p, q in permutations(sorted(rest), 2):
+            constant = (rates[three[i]] + x[three[a]] * x[q]) / x[three[j]]
+            omega: list[Component] = [ZERO, ZERO, ZERO]
+            omega[a], omega[i], omega[j] = constant, p, q
+            yield omega[0], omega[1], omega[2]
 
 
 def quadratic(probe: Probe, three: Sequence[int]) -> Quadratic | None:
     """Return the rates of three states where they are quadratic forms in these states; else None."""
-    if any(not probe.needs[k] <= set(three) for k in three):
-        return None
     base = list(map(float, probe.samples[0].x))
 
     def at(*ones: int) -> list[Fraction]:

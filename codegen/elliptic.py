@@ -28,6 +28,8 @@ Context = Any  # a mpmath context
 
 NEGLIGIBLE = 1e-19
 """Terms of a series that are smaller beside 1 are left out over arrays."""
+NEVER = -1e300
+"""Logarithm of a nome that is zero: finite, and its exponential is zero beside any argument."""
 
 
 def agm(a: Number, b: Number) -> Number:
@@ -344,7 +346,7 @@ def hyperbolic(modulus: Modulus, eta: Number) -> Prepared:
     functions = Hyperbolic(
         period=pair(2 * modulus.K) if modulus.m1 else Pair(np.inf, 0.0),
         scale=float(scale),
-        log_root=float(c.log(q) / 2) if q else -np.inf,
+        log_root=float(c.log(q) / 2) if q else NEVER,
         factors=(float(three / four), float(both / four), float(both / three)),
         squares=doubles(squares),
         gaps=doubles(gaps),

@@ -106,10 +106,10 @@ def roots_of(top: Top) -> Roots:
     """Return the roots with `GUARD` digits in every difference that is not zero.
 
     Roots that are known are exact: -1, 1 or zE where f is zero there, the start where z rests, and a
-    double root, which is rational. The others come from the cubic's three real roots by cosines,
-    with as many digits as they need.
+    double root, which is rational. The others come from the cubic's three real roots by cosines, which
+    keep half of the digits: there are as many as they need.
     """
-    exact, digits = _known_roots(top), 2 * GUARD
+    exact, digits = _known_roots(top), 4 * GUARD
     while digits <= MOST_DIGITS:
         own = context()
         own.dps = digits
@@ -169,7 +169,7 @@ def _snapped(own: Any, roots: list[Number], exact: Sequence[Fraction]) -> list[N
 
 
 def _are_apart(own: Any, r: Roots) -> bool:
-    least = own.mpf(10) ** (GUARD - own.dps) * max(map(abs, (r.z1, r.z2, r.z3, own.one)))
+    least = own.mpf(10) ** (GUARD - own.dps // 2) * max(map(abs, (r.z1, r.z2, r.z3, own.one)))
     ordered = (-1, r.z1), (r.z1, r.z), (r.z, r.z2), (r.z2, 1), (1, r.z3), (r.z2, r.zE), (r.zE, r.z3)
     gaps = [b - a for a, b in ordered]
     return r.z1 < r.z2 and all(gap == 0 or gap > least for gap in gaps)

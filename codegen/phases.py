@@ -79,6 +79,12 @@ def reduced(t: Array, rate: Pair, offset: Pair, period: Pair) -> tuple[Array, Ar
     return (total - taken) + ((low - rest) - count * period.low), count
 
 
+def grown(t: Array, rate: Pair, offset: Pair) -> Array:
+    """Return ``offset + rate t`` itself, in one double."""
+    total: Array = np.ldexp(t, rate.exponent) * rate.high + offset.high
+    return total
+
+
 def parity(count: Array) -> Array:
     """Return 1 where a whole number is even, -1 where it is odd."""
     sign: Array = 1 - 2 * np.abs(count - 2 * np.rint(count / 2))

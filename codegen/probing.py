@@ -33,6 +33,10 @@ _EXACT: dict[str, Callable[..., Fraction]] = {
     "mul": operator.mul,
     "div": operator.truediv,
     "neg": operator.neg,
+    "abs": abs,
+    "lt": lambda a, b: Fraction(a < b),
+    "le": lambda a, b: Fraction(a <= b),
+    "eq": lambda a, b: Fraction(a == b),
 }
 
 
@@ -110,7 +114,7 @@ def fraction(value: Any) -> Fraction:
     if not value.context.isfinite(value):
         raise NotFinite
     mantissa, exponent = value.man_exp
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent) * (1 if value > 0 else -1)
 
 
 def same(a: Fraction, b: Fraction, size: Fraction) -> bool:
@@ -133,11 +137,12 @@ def _rational(program: Program, point: Point) -> list[Fraction | None]:
 
 
 def _applied(op: str, operands: Sequence[Fraction | None]) -> Fraction | None:
+    if op == "select":
+        condition, a, b = operands
+        return condition if condition is None else (a if condition else b)
     rule = _EXACT.get(op)
-    if rule is None or any(v is None for v in operands):
+    if rule is None or any(v is None for v in operands) or (op == "div" and not operands[1]):
         return None
-    if op == "div" and not operands[1]:
-        raise NotFinite
     return rule(*operands)
 
 

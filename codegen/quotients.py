@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.elliptic import Modulus, clenshaw, doubles, powers, steps
+from codegen.elliptic import NEVER, Modulus, clenshaw, doubles, powers, steps
 from codegen.phases import Pair, pair
 
 Array = NDArray[np.float64]
@@ -195,7 +195,7 @@ def hyperbolic(modulus: Modulus, roots: Sequence[Root]) -> Prepared:
     functions = Hyperbolic(
         period=pair(2 * modulus.K) if modulus.m1 else Pair(np.inf, 0.0),
         scale=float(scale),
-        log_root=float(own.log(q) / 2) if q else -np.inf,
+        log_root=float(own.log(q) / 2) if q else NEVER,
         squares=doubles(squares),
         branches=tuple(branches),
     )

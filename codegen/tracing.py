@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from codegen.fold import RULE_SETS
+from codegen.fold import RULE_SETS, constant
 from codegen.program import Builder, Program
 
 ROUNDER = 3.0 * 2.0**51
@@ -87,6 +87,10 @@ def _number(b: Builder, value: Any) -> int:
 
 
 def _rint(x: Traced) -> Any:
+    """Round; sums of constants are exact and would not."""
+    value = constant(x.builder, x.number)
+    if value is not None:
+        return _full_like(x, float(round(value)))
     return (x + ROUNDER) - ROUNDER
 
 

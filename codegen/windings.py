@@ -1,0 +1,103 @@
+"""How alpha and beta of each closed form wind about zero: bounds of their moduli, continuous phases.
+
+See `codegen.angles`. alpha = q0 + i q3 and beta = q1 + i q2 are those of the quaternion of a form,
+in its own axes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from codegen.angles import Winding
+from codegen.exact import Periodic, Steady
+from codegen.heavy_top import Nutating, TopForm, Uniform
+from codegen.phases import Pair, grown, reduced
+
+Bounds = tuple[tuple[float, float], tuple[float, float]]
+NOTHING = Pair(0.0, 0.0)
+SLACK = 1e-9
+
+
+@dataclass(frozen=True)
+class Spinning:
+    """A turn about p3: alpha = exp(i w t/2), beta = 0."""
+
+    form: Steady
+
+    @property
+    def bounds(self) -> Bounds:
+        """See `Winding`."""
+        return (1.0, 1.0), (0.0, 0.0)
+
+    def phases(self, t: Any) -> tuple[Any, Any]:
+        """See `Winding`."""
+        sense = math.copysign(1.0, self.form.axis[2])
+        return sense * grown(t, self.form.half_rate, NOTHING), np.zeros_like(t)
+
+
+@dataclass(frozen=True)
+class FreeWinding:
+    """The free body: alpha is positive but for the turn chi/2, beta goes round with sn and cn."""
+
+    form: Periodic
+    least: float
+    """Least cosine between H and p3."""
+
+    @property
+    def bounds(self) -> Bounds:
+        """See `Winding`."""
+        low, high = self.least, self.form.cosines[2]
+        ends = (math.sqrt((1 + low) / 2), math.sqrt((1 + high) / 2))
+        return ends, (math.sqrt(max(0.0, 1 - high) / 2), math.sqrt((1 - low) / 2))
+
+    def phases(self, t: Any) -> tuple[Any, Any]:
+        """See `Winding`."""
+        form = self.form
+        u, count = reduced(t, form.rate, form.start, form.functions.period)
+        sn, cn, _, real, imaginary = form.functions(u)
+        drop = form.half_drop.high * 2.0**form.half_drop.exponent
+        alpha = grown(t, form.half_rate, NOTHING) + drop * count
+        alpha = alpha - form.sense * np.arctan2(imaginary, real)
+        c1, c2, _ = form.cosines
+        around = np.arctan2(abs(c2) * sn, c1 * cn) + math.pi * count
+        return alpha, alpha - math.pi / 2 + math.copysign(1.0, c2) * around
+
+
+@dataclass(frozen=True)
+class TopWinding:
+    """The heavy top, whose forms tell their phases by themselves."""
+
+    form: Nutating | Uniform
+    bounds: Bounds
+
+    def phases(self, t: Any) -> tuple[Any, Any]:
+        """See `Winding`."""
+        form, found = self.form, []
+        parts: list[Any] = [None, None]
+        count = np.zeros_like(t)
+        if isinstance(form, Nutating):
+            u, count = reduced(t, form.rate, form.start, form.functions.period)
+            parts = form.functions(u)[:2]
+        for turning, part in zip(form.turnings[:2], parts, strict=True):
+            phase = grown(t, turning.rate, turning.start)
+            if part is not None:
+                drop = turning.drop.high * 2.0**turning.drop.exponent
+                around = np.arctan2(part[1], part[0]) + math.pi * count
+                phase = phase + drop * count + turning.sense * around
+            found.append(phase)
+        return found[0], found[1]
+
+
+def winding(form: Any) -> Winding | None:
+    """Return how a form winds; None where its axes are not those that this needs."""
+    if isinstance(form, Steady):
+        x, y, _ = form.axis
+        return None if x or y else Spinning(form)
+    if isinstance(form, Periodic):
+        least = form.cosines[2] * math.sqrt(form.least_square)
+        return FreeWinding(form, least * (1 - SLACK))
+    return TopWinding(form.motion, form.bounds) if isinstance(form, TopForm) else None
