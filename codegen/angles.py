@@ -65,7 +65,7 @@ class Sequence3:
         i, j, _ = self.axes
         if (j - i) % 3 == 1:
             return _cyclic((2 - i) % 3)
-        turn = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # takes -2 to 1
+        turn = (math.sqrt(0.5), 0.0, 0.0, -math.sqrt(0.5))  # takes axis 2 to 1
         return product(turn, _cyclic((2 - i) % 3))
 
     @property
@@ -73,7 +73,9 @@ class Sequence3:
         """E^-1, followed by the quarter turn of an improper sequence."""
         a, b, c, d = self.before
         back = (a, -b, -c, -d)
-        return back if self.is_proper else product(back, (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))
+        return (
+            back if self.is_proper else product(back, (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))
+        )
 
 
 def _cyclic(steps: int) -> tuple[float, float, float, float]:

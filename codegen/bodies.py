@@ -7,6 +7,7 @@ became parameters.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,7 +15,8 @@ from itertools import combinations, permutations
 from typing import Any
 
 from codegen.exactlinear import nullspace
-from codegen.probing import SAME, Probe, Sample, same
+from codegen.polhode import context, number
+from codegen.probing import DIGITS, SAME, Probe, Sample, fraction, same
 
 Component = int | Fraction
 """Of the angular velocity: the number of a state, or a constant."""
@@ -36,12 +38,31 @@ class Attitude:
     omega: Omega
     quaternion: tuple[int, ...]
     directions: tuple[tuple[int, int, int], ...] = ()
+    angles: tuple[int, ...] = ()
+    axes: tuple[int, ...] = ()
+    """Numbers of the states that are angles, and the body axes that these turn about, 0 to 2."""
 
     @property
     def states(self) -> set[int]:
         """All states that it reads."""
         own = {w for w in self.omega if isinstance(w, int)}
-        return own.union(self.quaternion, *self.directions)
+        return own.union(self.quaternion, self.angles, *self.directions)
+
+
+def attitude_at(found: Attitude, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
+    """Return the quaternion at states: its own states, or of angles, then a unit to the last digit."""
+    if not found.angles:
+        return tuple(x[k] for k in found.quaternion)
+    q: Sequence[Fraction] = (ONE, ZERO, ZERO, ZERO)
+    for k, axis in zip(found.angles, found.axes, strict=True):
+        own = context()
+        own.dps = DIGITS
+        quarter = fraction(own.tan(number(own, x[k]) / 4)) if x[k] else ZERO
+        below = 1 + quarter**2
+        turn = [(1 - quarter**2) / below, ZERO, ZERO, ZERO]
+        turn[1 + axis] = 2 * quarter / below
+        q = product(q, turn)
+    return tuple(q)
 
 
 def value(component: Component, x: Sequence[Fraction]) -> Fraction:
@@ -85,9 +106,7 @@ def _turning(probe: Probe, order: Sequence[int]) -> Omega | None:
         size = sum((v * v for v in q), ZERO)
         back = [q[0], *(-v for v in q[1:])]
         rates.append([2 * v / size for v in product(back, r)[1:]])
-    found = [_component(probe, [r[i] for r in rates]) for i in range(3)]
-    a, b, c = found
-    return None if a is None or b is None or c is None else (a, b, c)
+    return _omega(probe, rates)
 
 
 def _component(probe: Probe, values: Sequence[Fraction]) -> Component | None:
@@ -101,6 +120,65 @@ def _component(probe: Probe, values: Sequence[Fraction]) -> Component | None:
     if small:
         return ZERO
     return first if all(same(v, first, first) for v in values) else None
+
+
+SEQUENCES = tuple(
+    (i, j, k) for i in range(3) for j in range(3) for k in range(3) if j not in (i, k)
+)
+MOST_WITH_ANGLES = 8
+
+
+def rotation_angles(probe: Probe) -> Iterator[Attitude]:
+    """Yield three rotation angles of any sequence among the states, with the angular velocity."""
+    if probe.count > MOST_WITH_ANGLES:
+        return
+    s = probe.samples[0]
+    x, rates = [float(v) for v in s.x], [float(v) for v in s.rates]
+    waves = [(math.sin(v), math.cos(v)) for v in x]
+    for order in permutations(range(probe.count), 3):
+        for axes in SEQUENCES:
+            near = _angular_velocity(order, axes, waves, rates)
+            if sum(any(math.isclose(w, v, rel_tol=1e-9) for v in x) for w in near) >= 2:
+                omega = _turned_by(probe, order, axes)
+                if omega is not None:
+                    yield Attitude(omega, (), (), order, axes)
+
+
+def _angular_velocity(
+    order: Sequence[int],
+    axes: Sequence[int],
+    waves: Sequence[tuple[Any, Any]],
+    rates: Sequence[Any],
+) -> list[Any]:
+    """Return the angular velocity in the body: each turn's, seen after those that follow."""
+    w: list[Any] = [0, 0, 0]
+    for k, axis in zip(order, axes, strict=True):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        s, c = waves[k]
+        w[i], w[j] = c * w[i] + s * w[j], c * w[j] - s * w[i]
+        w[axis] += rates[k]
+    return w
+
+
+def _turned_by(probe: Probe, order: Sequence[int], axes: Sequence[int]) -> Omega | None:
+    values = []
+    for s in probe.samples:
+        waves = [sine_and_cosine(v) for v in s.x]
+        values.append(_angular_velocity(order, axes, waves, s.rates))
+    return _omega(probe, values)
+
+
+def sine_and_cosine(x: Fraction) -> tuple[Fraction, Fraction]:
+    """Return both to `DIGITS` digits."""
+    own = context()
+    own.dps = DIGITS
+    angle = number(own, x)
+    return fraction(own.sin(angle)), fraction(own.cos(angle))
+
+
+def _omega(probe: Probe, values: Sequence[Sequence[Fraction]]) -> Omega | None:
+    a, b, c = (_component(probe, [v[i] for v in values]) for i in range(3))
+    return None if a is None or b is None or c is None else (a, b, c)
 
 
 def directions(
@@ -140,7 +218,9 @@ def turning_directions(probe: Probe) -> Iterator[Attitude]:
             continue
         for omega in _turns_of(probe, three, everything - set(three)):
             left = everything - set(three) - {w for w in omega if isinstance(w, int)}
-            others = directions(probe, omega, sorted(left)) if _is_fixed(probe, omega, three) else None
+            others = (
+                directions(probe, omega, sorted(left)) if _is_fixed(probe, omega, three) else None
+            )
             if others is not None:
                 yield Attitude(omega, (), (three, *others))
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import bodies, tops
+from codegen.angles import Angles, Sequence3, angles, product
 from codegen.bilinear import triad
 from codegen.bodies import Attitude, Matrix
 from codegen.compiled import Compiled
@@ -27,6 +28,8 @@ from codegen.layout import names_of
 from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
 from codegen.probing import Probe
+from codegen.spinner import spinner
+from codegen.windings import winding
 from eom.errors import InputError
 
 Array = NDArray[np.float64]
@@ -158,6 +161,7 @@ class Turned:
     """The first quaternion."""
     fixed: tuple[tuple[float, ...], ...]
     """Directions at the start, in the body."""
+    angles: Angles | None
     places: tuple[tuple[int, int], ...]
     """For each state the number of its vector (0: omega, 1: quaternion, others), and of its component."""
 
@@ -172,7 +176,8 @@ class Turned:
         turn = [q[0], *self.axes.to_body(self.frame.listed(q[1:]))]
         vectors: list[Sequence[Any]] = [self.axes.to_body(self.frame.listed(w))]
         if self.start:
-            vectors.append(bodies.product(bodies.product(self.start, self.back), turn))
+            q = bodies.product(bodies.product(self.start, self.back), turn)
+            vectors.append(q if self.angles is None else self.angles(t, q))
         if self.fixed:
             since = bodies.product(self.back, turn)
             vectors += [_seen(v, since) for v in self.fixed]
@@ -203,6 +208,8 @@ def _attitudes(probe: Probe) -> Iterator[Attitude]:
     everything = set(range(probe.count))
     for found in bodies.quaternions(probe):
         yield from _with_directions(probe, found, everything - found.states)
+    for found in bodies.rotation_angles(probe):
+        yield from _with_directions(probe, found, everything - found.states)
     for found in bodies.turning_directions(probe):
         if len(found.states) == probe.count:
             yield found
@@ -223,20 +230,44 @@ def _turned_free_body(probe: Probe, attitude: Attitude, J: Matrix) -> Motion | N
 
 def _turned(probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axes) -> Motion | None:
     x = probe.start
-    q = tuple(float(x[k]) for k in attitude.quaternion)
+    q = tuple(map(float, bodies.attitude_at(attitude, x)))
     if q and abs(math.hypot(*q) - 1) > LENGTH:
         return None
     _, first = form(np.zeros(1))
     b0, *b = (float(v[0]) for v in first)
+    back = (b0, *(-v for v in axes.to_body(frame.listed(b))))
+    shown = _angles(attitude, x, form, (q, back), axes.turn_of(frame)) if attitude.angles else None
+    if attitude.angles and shown is None:
+        return None
     return Turned(
         form=form,
         frame=frame,
         axes=axes,
-        back=(b0, *(-v for v in axes.to_body(frame.listed(b)))),
+        back=back,
         start=q,
         fixed=tuple(tuple(float(x[k]) for k in three) for three in attitude.directions),
+        angles=shown,
         places=_places(attitude, probe.count),
     )
+
+
+def _angles(
+    attitude: Attitude,
+    x: Sequence[Fraction],
+    form: Any,
+    first: tuple[Sequence[float], Sequence[float]],
+    turn: Sequence[float],
+) -> Angles | None:
+    """Return the angles over time; None where their whole turns are not clear."""
+    found = winding(form)
+    if found is None:
+        return None
+    a, b, c, d = turn
+    i, j, k = attitude.axes
+    psi, theta, phi = (float(x[n]) for n in attitude.angles)
+    left = product(product(*first), turn)
+    turns = left, (a, -b, -c, -d)
+    return angles(Sequence3((i, j, k)), found, turns, (psi, theta, phi), first[0])
 
 
 def _heavy_top(probe: Probe) -> Motion | None:
@@ -250,7 +281,7 @@ def _heavy_top(probe: Probe) -> Motion | None:
 
 
 def _places(attitude: Attitude, count: int) -> tuple[tuple[int, int], ...]:
-    vectors = [attitude.omega, attitude.quaternion, *attitude.directions]
+    vectors = [attitude.omega, attitude.quaternion or attitude.angles, *attitude.directions]
     shown = [v for v in vectors if v]
     return tuple(next((i, v.index(k)) for i, v in enumerate(shown) if k in v) for k in range(count))
 
@@ -268,6 +299,7 @@ ROWS = (
     Row("free body", "angular velocity without torque, by Jacobi's elliptic functions", _rates),
     Row("free body", "attitude without torque, by elliptic and theta functions", _free_body),
     Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", _heavy_top),
+    Row("symmetric spinner", "3-1-2 angles without torque, by elementary functions", spinner),
 )
 
 

@@ -99,6 +99,8 @@ class Periodic:
     sense: int
     fastest: float
     period: float
+    least: float
+    """The least of the third cosine."""
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
         """See `Form`."""
@@ -173,6 +175,7 @@ def _periodic(motion: Polhode) -> Form:
         sense=sense,
         fastest=float(max(p, abs(half_rate), a1, a2, a3)),
         period=float(4 * modulus.K / p),
+        least=float(c * own.sqrt(modulus.m1)),
     )
 
 

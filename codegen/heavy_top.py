@@ -195,6 +195,8 @@ class Nutating:
     turnings: tuple[Turning, ...]
     fastest: float
     turn: Pair
+    heights: tuple[float, float]
+    """z1 and z2."""
     quarter: int
     """By how many right angles w1 + i w2 is ahead of its quotient: 1 or -1."""
 
@@ -224,6 +226,7 @@ class Uniform:
     turnings: tuple[Turning, ...]
     fastest: float
     turn: Pair
+    heights: tuple[float, float]
     quarter: int
 
     def __call__(self, t: Array) -> list[Complex]:
@@ -275,6 +278,7 @@ def uniform(top: Top) -> Uniform:
         turnings=tuple(Turning(scaled(r), NOTHING, 1, NOTHING) for r in rates),
         fastest=max(float(abs(r)) for r in rates),
         turn=pair(2 * own.pi),
+        heights=(float(z), float(z)),
         quarter=1 if top.h >= top.b * top.up[2] else -1,
     )
 
@@ -308,6 +312,7 @@ def nutating(top: Top) -> Nutating:
         turnings=tuple(map(Turning, map(scaled, rates), drops, senses, starts)),
         fastest=float(max(p, *map(abs, rates))),
         turn=pair(2 * own.pi),
+        heights=(float(r.z1), float(r.z2)),
         quarter=1 if number(own, top.h) >= number(own, top.b) * r.z1 else -1,
     )
 

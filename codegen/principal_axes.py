@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from codegen.polhode import context, number
+from codegen.polhode import Frame, context, number
 from codegen.probing import fraction
 
 EQUAL = Fraction(1, 10**40)
@@ -33,6 +34,23 @@ class Axes:
         c1, c2, c3 = self.columns
         rows = zip(c1, c2, c3, strict=True)
         return [float(a) * v[0] + float(b) * v[1] + float(c) * v[2] for a, b, c in rows]
+
+    def turn_of(self, frame: Frame) -> tuple[float, float, float, float]:
+        """Return the quaternion S of S v S^-1 = the components in the body of v given in ``frame``."""
+        units = [[float(i == k) for i in range(3)] for k in range(3)]
+        columns = [self.to_body(frame.listed(u)) for u in units]
+        C = [[columns[k][i] for k in range(3)] for i in range(3)]
+        trace = C[0][0] + C[1][1] + C[2][2]
+        squares = [1 + trace, *(1 - trace + 2 * C[k][k] for k in range(3))]
+        odd = [C[2][1] - C[1][2], C[0][2] - C[2][0], C[1][0] - C[0][1]]
+        k = max(range(4), key=lambda n: squares[n])
+        rows = [squares[0], *odd]
+        if k:
+            even = [C[k - 1][i] + C[i][k - 1] for i in range(3)]
+            even[k - 1] = squares[k]
+            rows = [odd[k - 1], *even]
+        a, b, c, d = (v / (2 * math.sqrt(squares[k])) for v in rows)
+        return a, b, c, d
 
     def from_body(self, v: Sequence[Fraction]) -> list[Fraction]:
         """Return components along the principal axes, exactly."""

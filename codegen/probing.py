@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -97,11 +97,6 @@ class Probe:
             )
         return tuple(known(exact[k]) for k in results)
 
-    @cached_property
-    def needs(self) -> tuple[frozenset[int], ...]:
-        """For each state the states that its rate is written with."""
-        return tuple(frozenset(_states(self.program, k)) for k in self.program.results[RATES])
-
 
 def known(value: Fraction | None) -> Fraction:
     """Return a value that is there."""
@@ -144,14 +139,3 @@ def _applied(op: str, operands: Sequence[Fraction | None]) -> Fraction | None:
     if rule is None or any(v is None for v in operands) or (op == "div" and not operands[1]):
         return None
     return rule(*operands)
-
-
-def _states(program: Program, number: int) -> Iterator[int]:
-    stack, seen = [number], {number}
-    while stack:
-        instruction = program.instructions[stack.pop()]
-        if instruction.op == "state":
-            yield instruction.slot
-        new = set(instruction.args) - seen
-        seen |= new
-        stack += sorted(new)

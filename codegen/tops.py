@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from codegen.bodies import Attitude, value
+from codegen.bodies import Attitude, attitude_at, value
 from codegen.exactlinear import nullspace
 from codegen.heavy_top import Top
 from codegen.polhode import context, number
@@ -47,8 +47,8 @@ def read(probe: Probe, attitude: Attitude, axis: int) -> Top | None:
 
 def _columns(attitude: Attitude, x: Sequence[Fraction], axes: Sequence[int]) -> list[Vector]:
     """Return fixed directions in the body, in the order of ``axes``: of the quaternion, or states."""
-    if attitude.quaternion:
-        a, b, c, d = (x[k] for k in attitude.quaternion)
+    if attitude.quaternion or attitude.angles:
+        a, b, c, d = attitude_at(attitude, x)
         seen = [
             (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
             (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
@@ -90,9 +90,10 @@ def _size_of(
     weights: Sequence[Fraction], attitude: Attitude, x: Sequence[Fraction]
 ) -> Fraction | None:
     """Return mu where it is rational: one axis of the quaternion's frame is vertical."""
-    if not attitude.quaternion or sum(map(bool, weights)) != 1:
+    q = attitude_at(attitude, x)
+    if not q or sum(map(bool, weights)) != 1:
         return None
-    length = sum((x[k] ** 2 for k in attitude.quaternion), ZERO)
+    length = sum((v * v for v in q), ZERO)
     return length * sum(map(abs, weights), ZERO)
 
 

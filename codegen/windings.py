@@ -19,7 +19,6 @@ from codegen.phases import Pair, grown, reduced
 
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 NOTHING = Pair(0.0, 0.0)
-SLACK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,11 @@ class FreeWinding:
     """The free body: alpha is positive but for the turn chi/2, beta goes round with sn and cn."""
 
     form: Periodic
-    least: float
-    """Least cosine between H and p3."""
 
     @property
     def bounds(self) -> Bounds:
         """See `Winding`."""
-        low, high = self.least, self.form.cosines[2]
+        low, high = self.form.least, self.form.cosines[2]
         ends = (math.sqrt((1 + low) / 2), math.sqrt((1 + high) / 2))
         return ends, (math.sqrt(max(0.0, 1 - high) / 2), math.sqrt((1 - low) / 2))
 
@@ -72,7 +69,14 @@ class TopWinding:
     """The heavy top, whose forms tell their phases by themselves."""
 
     form: Nutating | Uniform
-    bounds: Bounds
+
+    @property
+    def bounds(self) -> Bounds:
+        """See `Winding`."""
+        low, high = self.form.heights
+        a, b = (math.sqrt(max(0.0, 1 + z) / 2) for z in (low, high))
+        c, d = (math.sqrt(max(0.0, 1 - z) / 2) for z in (high, low))
+        return (a, b), (c, d)
 
     def phases(self, t: Any) -> tuple[Any, Any]:
         """See `Winding`."""
@@ -98,6 +102,5 @@ def winding(form: Any) -> Winding | None:
         x, y, _ = form.axis
         return None if x or y else Spinning(form)
     if isinstance(form, Periodic):
-        least = form.cosines[2] * math.sqrt(form.least_square)
-        return FreeWinding(form, least * (1 - SLACK))
-    return TopWinding(form.motion, form.bounds) if isinstance(form, TopForm) else None
+        return FreeWinding(form)
+    return TopWinding(form.motion) if isinstance(form, TopForm) else None
