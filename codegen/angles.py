@@ -102,11 +102,11 @@ class Lift:
     sign: int
     shift: float
 
-    def __call__(self, phases: Sequence[Any], real: Any, imaginary: Any) -> Any:
-        """Return the argument nearest to the phase that it follows."""
+    def __call__(self, phases: Sequence[Any], real: Any, imaginary: Any) -> tuple[Any, Any]:
+        """Return the argument, and the turns that bring it nearest to the phase that it follows."""
         argument = np.arctan2(imaginary, real)
         near = self.sign * phases[self.which] + self.shift
-        return argument + TURN * np.rint((near - argument) / TURN)
+        return argument, np.rint((near - argument) / TURN)
 
 
 @dataclass(frozen=True)
@@ -118,22 +118,24 @@ class Angles:
     lifts: tuple[Lift, Lift]
     start: tuple[float, float, float]
     first: tuple[float, float]
-    """Arguments of alpha and beta at the start."""
+    """Arguments of alpha and beta at the start, and their turns."""
+    turns: tuple[float, float]
 
     def __call__(self, t: Any, q: Quaternion) -> list[Any]:
         """Return the angles of the quaternions ``q`` at the times."""
         q0, q1, q2, q3 = product(product(self.sequence.before, q), self.sequence.after)
         phases = self.winding.phases(t)
-        a = self.lifts[0](phases, q0, q3) - self.first[0]
-        b = self.lifts[1](phases, q1, q2) - self.first[1]
+        a, m = self.lifts[0](phases, q0, q3)
+        b, n = self.lifts[1](phases, q1, q2)
+        a, b, m, n = a - self.first[0], b - self.first[1], m - self.turns[0], n - self.turns[1]
         tilt = 2 * np.arctan2(np.hypot(q1, q2), np.hypot(q0, q3))
         quarter = 0.0 if self.sequence.is_proper else math.pi / 2
         half = math.floor((self.start[1] - quarter) / math.pi)
         theta = half * math.pi + tilt if half % 2 == 0 else (half + 1) * math.pi - tilt
         return [
-            self.start[0] + (a + b),
+            self.start[0] + (a + b) + TURN * (m + n),
             theta + quarter,
-            self.start[2] + self.sequence.sense * (a - b),
+            self.start[2] + self.sequence.sense * ((a - b) + TURN * (m - n)),
         ]
 
 
@@ -157,8 +159,9 @@ def angles(
         np.array([float(v)]) for v in product(product(sequence.before, first), sequence.after)
     )
     phases = winding.phases(np.zeros(1))
-    at_start = float(one(phases, q0, q3)[0]), float(two(phases, q1, q2)[0])
-    return Angles(sequence, winding, (one, two), start, at_start)
+    (a, m), (b, n) = one(phases, q0, q3), two(phases, q1, q2)
+    first_two, turns_two = (float(a[0]), float(b[0])), (float(m[0]), float(n[0]))
+    return Angles(sequence, winding, (one, two), start, first_two, turns_two)
 
 
 Terms = tuple[complex, complex, complex, complex]

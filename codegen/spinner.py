@@ -67,19 +67,32 @@ class Spinner:
 
     def __call__(self, t: Any) -> Sequence[Any]:
         """Return one row a state; see `codegen.closed_forms.Motion`."""
-        _, q = self.form(t)
-        psi, theta, turned = self.angles(t, product(product(self.left, list(q)), self.right))
-        c, s = np.cos(turned), np.sin(turned)
+        _, turned = self.form(t)
+        q = product(product(self.left, list(turned)), self.right)
+        psi, theta, sphere = self.angles(t, q)
+        c, s, cosine = self._in_sphere(q)
         x, z = self.transverse
         rows = {
             "theta": theta,
             "psi": psi,
-            "phi": turned + grown(t, self.ahead, Pair(self.phi, 0.0)),
+            "phi": sphere + grown(t, self.ahead, Pair(self.phi, 0.0)),
             "theta_dot": c * x + s * z,
-            "psi_dot": (c * z - s * x) / np.cos(theta),
+            "psi_dot": (c * z - s * x) / cosine,
             "spin": np.full_like(t, self.spin),
         }
         return [rows[name] for name in self.rows]
+
+    def _in_sphere(self, q: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """Return cosine and sine of the sphere's angle about the axle, and the cosine of theta.
+
+        Of alpha conj(beta), not of the angle itself, whose rounding grows with time.
+        """
+        sequence = self.angles.sequence
+        q0, q1, q2, q3 = product(product(sequence.before, q), sequence.after)
+        x, y = q0 * q1 + q3 * q2, q3 * q1 - q0 * q2
+        sign = math.copysign(1.0, math.cos(self.angles.start[1]))
+        size = -sign * np.hypot(x, y)
+        return x / size, y / size, -2 * size
 
 
 def readings(probe: Probe) -> Iterator[Reading]:

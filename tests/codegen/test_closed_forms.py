@@ -75,6 +75,7 @@ def test_detest_b5():
     assert closed.name == "free body"
 
 
+@settings(max_examples=40)
 @given(
     c=st.tuples(*[nonzero(1e-2, 1e2)] * 3),
     y=st.tuples(*[nonzero(1e-2, 1e2)] * 3),
@@ -361,8 +362,7 @@ TOPS = {
 @pytest.mark.parametrize("name", TOPS)
 def test_tops_against_taylor_series(name):
     mu, ratio, w, q = TOPS[name]
-    check_top(mu, ratio, w, unit(q), 2.3)
-    check_top(mu, ratio, w, unit(q), -0.7)
+    check_top(mu, ratio, w, unit(q), -0.9)
 
 
 def test_steady_precession_is_recognised_exactly():
@@ -376,7 +376,7 @@ def test_steady_precession_is_recognised_exactly():
     check_top(mu, ratio, (0.0, n, w3), q, 3.1)
 
 
-@settings(max_examples=15)
+@settings(max_examples=10)
 @given(
     mu=nonzero(1e-2, 1e2),
     ratio=st.floats(-3, 0.3).map(lambda e: 10.0**e),
@@ -399,9 +399,8 @@ def legendre_top(mu, ratio, w, q, t):
     up = [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d]
     B = ratio * w[2]
     h, e = w[0] * up[0] + w[1] * up[1] + B * up[2], (w[0] ** 2 + w[1] ** 2) / 2 + mu * up[2]
-    z1, z2, z3 = sorted(
-        (mpmath.re(r) for r in mpmath.polyroots([2 * mu, -2 * e - B * B, 2 * B * h - 2 * mu, 2 * e - h * h],
-                                                maxsteps=500, extraprec=600)))  # fmt: skip
+    cubic = [2 * mu, -2 * e - B * B, 2 * B * h - 2 * mu, 2 * e - h * h]
+    z1, z2, z3 = sorted(map(mpmath.re, mpmath.polyroots(cubic, maxsteps=500, extraprec=600)))
     p, m = mpmath.sqrt(mu * (z3 - z1) / 2), (z2 - z1) / (z3 - z1)
     K = mpmath.ellipk(m)
     rise = up[0] * w[1] - up[1] * w[0]
