@@ -71,6 +71,8 @@ class Evaluated:
     """A motion over arrays of times, in parts that stay in the cache."""
 
     motion: Motion
+    count: int
+    """Number of states."""
 
     def __call__(self, times: Array) -> Array:
         """Return states (n, N) at times (N,)."""
@@ -83,8 +85,12 @@ class Evaluated:
                 got=f"{longest:g} s at {self.motion.fastest:g} rad/s",
                 expected=f"at most {FARTHEST:g} rad",
             )
-        parts = [np.stack(self.motion(t[k : k + CHUNK])) for k in range(0, max(1, t.size), CHUNK)]
-        return np.concatenate(parts, axis=1)
+        states = np.empty((self.count, t.size))
+        for k in range(0, t.size, CHUNK):
+            part = slice(k, k + CHUNK)
+            for row, values in zip(states, self.motion(t[part]), strict=True):
+                row[part] = values
+        return states
 
 
 @dataclass(frozen=True)
@@ -318,5 +324,5 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
             continue
         if motion is not None:
             names = names_of(compiled.layout.states)
-            return Closed(row.name, row.meaning, Evaluated(motion), motion, names)
+            return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None

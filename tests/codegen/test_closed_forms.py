@@ -5,6 +5,7 @@ torque-free body of `codegen.exact`, which has tests of its own.
 """
 
 import math
+import pickle
 from fractions import Fraction
 
 import mpmath
@@ -26,7 +27,10 @@ from codegen.closed_forms import find
 from codegen.exact import CHUNK
 from codegen.heavy_top import Top, roots_of
 from codegen.integrate.trajectory import Problem
+from codegen.interpret import Point, interpret
 from codegen.layout import names_of, to_array
+from codegen.phases import Pair, parity, reduced
+from codegen.tracing import traced
 from eom.errors import InputError
 from tests.draws import nonzero
 
@@ -761,3 +765,33 @@ def test_parts_of_long_arrays(count):
 def test_times_out_of_range_are_refused(t):
     with pytest.raises(InputError, match="time too long"):
         motion("nutating").states(np.array([t]))
+
+
+# --- programs from functions of arrays -----------------------------------------------------------------
+
+
+def test_traced_functions_are_the_same_functions():
+    def function(t):
+        u, count = reduced(t, Pair(0.75, 1e-18, 3), Pair(0.1, 0.0), Pair(3.25, 1e-17))
+        return [u, count, parity(count), np.where(u < 0, np.ldexp(u, -1100), np.sqrt(np.abs(u)))]
+
+    program = traced(function, "y")
+    for t in (0.0, -0.4, 123.456, -9.87e9):
+        ours = interpret(program, Point(x=[t]))["y"]
+        np.testing.assert_array_equal(ours, [float(v[0]) for v in function(np.array([t]))])
+
+
+def test_functions_without_an_operation_are_refused():
+    with pytest.raises(TypeError):
+        traced(lambda t: [np.sinc(t)], "y")
+
+
+def test_constants_are_rounded_like_values():
+    program = traced(lambda t: [np.rint(np.full_like(t, 2.5)), np.rint(0 * t + 3.5)], "y")
+    assert interpret(program, Point(x=[1.0]))["y"] == [2.0, 4.0]
+
+
+def test_a_closed_form_can_be_sent_to_another_process():
+    closed = motion("wheel")
+    again = pickle.loads(pickle.dumps(closed))
+    np.testing.assert_array_equal(again.states(TIMES), closed.states(TIMES))
