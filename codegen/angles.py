@@ -94,6 +94,13 @@ def product(p: Quaternion, q: Quaternion) -> tuple[Any, Any, Any, Any]:
     )
 
 
+def upright(axis: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return a turn that takes the third axis to ``axis``: the least one, from below after half a turn."""
+    x, y, z = axis
+    size = math.sqrt(2 * (1 + abs(z)))
+    return (size / 2, -y / size, x / size, 0.0) if z >= 0 else (-y / size, size / 2, 0.0, x / size)
+
+
 @dataclass(frozen=True)
 class Lift:
     """The continuous argument of alpha or beta: it follows ``sign`` times a phase of the form."""

@@ -29,7 +29,7 @@ from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
 from codegen.probing import Probe
 from codegen.spinner import spinner
-from codegen.windings import winding
+from codegen.windings import own_axes, winding
 from eom.errors import InputError
 
 Array = NDArray[np.float64]
@@ -268,7 +268,7 @@ def _angles(
     found = winding(form)
     if found is None:
         return None
-    a, b, c, d = turn
+    a, b, c, d = turn = product(turn, own_axes(form))
     i, j, k = attitude.axes
     psi, theta, phi = (float(x[n]) for n in attitude.angles)
     left = product(product(*first), turn)

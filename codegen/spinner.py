@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.angles import Angles, Sequence3, angles, product
+from codegen.angles import Angles, Sequence3, angles, product, upright
 from codegen.bodies import sine_and_cosine
 from codegen.exact import Steady
 from codegen.phases import Pair, grown, pair, scaled
@@ -162,7 +162,7 @@ def _prepared(found: Reading, x: Sequence[Fraction]) -> Spinner | None:
         (math.cos(psi / 2), 0.0, 0.0, math.sin(psi / 2)),
         (math.cos(theta / 2), math.sin(theta / 2), 0.0, 0.0),
     )
-    turn = _upright(own, axis)
+    turn = upright([float(v) for v in axis])
     form = Steady((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), float(size), scaled(size / 2), pair(2 * own.pi))
     left, right = product(start, turn), (turn[0], *(-v for v in turn[1:]))
     shown = angles(THREE_ONE_TWO, Spinning(form), (left, right), (psi, theta, 0.0), start)
@@ -183,12 +183,3 @@ def _prepared(found: Reading, x: Sequence[Fraction]) -> Spinner | None:
         rows=tuple(names[n] for n in range(len(x))),
         phi=float(x[found.phi]) if found.phi is not None else 0.0,
     )
-
-
-def _upright(own: Any, axis: Sequence[Any]) -> tuple[float, float, float, float]:
-    """Return a turn that takes the third axis to ``axis``: the least one, from below after half a turn."""
-    x, y, z = axis
-    size = own.sqrt(2 * (1 + abs(z)))
-    turn = (size / 2, -y / size, x / size, 0) if z >= 0 else (-y / size, size / 2, 0, x / size)
-    a, b, c, d = map(float, turn)
-    return a, b, c, d

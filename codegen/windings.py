@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.angles import Winding
+from codegen.angles import Winding, upright
 from codegen.exact import Periodic, Steady
 from codegen.heavy_top import Nutating, TopForm, Uniform
 from codegen.phases import Pair, grown, reduced
@@ -23,7 +23,7 @@ NOTHING = Pair(0.0, 0.0)
 
 @dataclass(frozen=True)
 class Spinning:
-    """A turn about p3: alpha = exp(i w t/2), beta = 0."""
+    """A turn about the third axis: alpha = exp(i w t/2), beta = 0."""
 
     form: Steady
 
@@ -34,8 +34,7 @@ class Spinning:
 
     def phases(self, t: Any) -> tuple[Any, Any]:
         """See `Winding`."""
-        sense = math.copysign(1.0, self.form.axis[2])
-        return sense * grown(t, self.form.half_rate, NOTHING), np.zeros_like(t)
+        return grown(t, self.form.half_rate, NOTHING), np.zeros_like(t)
 
 
 @dataclass(frozen=True)
@@ -96,11 +95,17 @@ class TopWinding:
         return found[0], found[1]
 
 
+def own_axes(form: Any) -> tuple[float, float, float, float]:
+    """Return the turn that takes the axes in which a form winds to those of its quaternion."""
+    if isinstance(form, Steady) and any(form.axis):
+        return upright(form.axis)
+    return 1.0, 0.0, 0.0, 0.0
+
+
 def winding(form: Any) -> Winding | None:
-    """Return how a form winds; None where its axes are not those that this needs."""
+    """Return how a form winds, in its `own_axes`; None where it does not tell."""
     if isinstance(form, Steady):
-        x, y, _ = form.axis
-        return None if x or y else Spinning(form)
+        return Spinning(form)
     if isinstance(form, Periodic):
         return FreeWinding(form)
     return TopWinding(form.motion) if isinstance(form, TopForm) else None
