@@ -28,6 +28,8 @@ Context = Any  # a mpmath context
 
 NEGLIGIBLE = 1e-19
 """Terms of a series that are smaller beside 1 are left out over arrays."""
+NEVER = -1e300
+"""Logarithm of a nome that is zero: finite, and its exponential is zero beside any argument."""
 
 
 def agm(a: Number, b: Number) -> Number:
@@ -141,7 +143,7 @@ def series(modulus: Modulus, eta: Number) -> Prepared:
     return hyperbolic(modulus, eta)
 
 
-def _powers(q: Number, excess: int) -> list[Number]:
+def powers(q: Number, excess: int) -> list[Number]:
     """Return q^(n^2 + excess n) for n = 0, 1, ... down to the precision of the context."""
     powers = [q.context.one]
     while powers[-1] > q.context.eps**2:
@@ -159,7 +161,7 @@ def _null(powers: Sequence[Number]) -> tuple[Number, Number]:
     return 2 * sum(powers) - 1, 2 * sum(_alternating(powers)) - 1
 
 
-def _doubles(values: Sequence[Number]) -> tuple[float, ...]:
+def doubles(values: Sequence[Number]) -> tuple[float, ...]:
     """Return those that are not negligible, up to the last of them."""
     rounded = [float(v) for v in values]
     last = max((n for n, v in enumerate(rounded) if abs(v) > NEGLIGIBLE), default=0)
@@ -189,17 +191,17 @@ class Circular:
         s, c = np.sin(v), np.cos(v)
         twice = 2 - 4 * s * s  # 2 cos 2v
         one, zero = np.ones_like(v), np.zeros_like(v)
-        below = _clenshaw(self.below, twice, one, twice / 2)
+        below = clenshaw(self.below, twice, one, twice / 2)
         return (
-            _clenshaw(self.sn, twice, s, s * (twice + 1)) / below,
-            _clenshaw(self.cn, twice, c, c * (twice - 1)) / below,
-            _clenshaw(self.dn, twice, one, twice / 2) / below,
-            _clenshaw(self.real, twice, one, twice / 2),
-            _clenshaw(self.imaginary, twice, zero, 2 * s * c),
+            clenshaw(self.sn, twice, s, s * (twice + 1)) / below,
+            clenshaw(self.cn, twice, c, c * (twice - 1)) / below,
+            clenshaw(self.dn, twice, one, twice / 2) / below,
+            clenshaw(self.real, twice, one, twice / 2),
+            clenshaw(self.imaginary, twice, zero, 2 * s * c),
         )
 
 
-def _clenshaw(a: Sequence[float], twice: Array, f0: Array, f1: Array) -> Array:
+def clenshaw(a: Sequence[float], twice: Array, f0: Array, f1: Array) -> Array:
     """Return sum a_n f_n, where f_(n+1) = 2 cos(2v) f_n - f_(n-1), from the last term down."""
     if len(a) == 1:
         return a[0] * f0
@@ -217,7 +219,7 @@ def circular(modulus: Modulus, eta: Number) -> Prepared:
     """
     c = modulus.context
     q, scale = modulus.nome, c.pi / 2 / modulus.K
-    squares, odd = _powers(q, 0), _powers(q, 1)
+    squares, odd = powers(q, 0), powers(q, 1)
     three, four = _null(squares)
     count = range(1, len(squares))
     lift = [c.exp(2 * n * scale * eta) if q else c.one for n in count]
@@ -229,12 +231,12 @@ def circular(modulus: Modulus, eta: Number) -> Prepared:
     functions = Circular(
         period=pair(2 * modulus.K),
         scale=float(scale),
-        sn=_doubles([three / sum(odd) * p for p in _alternating(odd)]),
-        cn=_doubles([four / sum(odd) * p for p in odd]),
-        dn=_doubles([four / three * p for p in double]),
-        below=_doubles(_alternating(double)),
-        real=_doubles(real),
-        imaginary=_doubles(imaginary),
+        sn=doubles([three / sum(odd) * p for p in _alternating(odd)]),
+        cn=doubles([four / sum(odd) * p for p in odd]),
+        dn=doubles([four / three * p for p in double]),
+        below=doubles(_alternating(double)),
+        real=doubles(real),
+        imaginary=doubles(imaginary),
     )
     return Prepared(functions, slope, c.zero)
 
@@ -277,7 +279,7 @@ class Hyperbolic:
         )
 
 
-def _steps(f: Array, less: Array) -> Iterator[tuple[Array, Array]]:
+def steps(f: Array, less: Array) -> Iterator[tuple[Array, Array]]:
     """Yield f^(2n+1) and 1 - f^(2n+1) for n = 0, 1, ...; ``less`` is 1 - f."""
     square, rest = f * f, less * (1 + f)
     while True:
@@ -289,7 +291,7 @@ def _steps(f: Array, less: Array) -> Iterator[tuple[Array, Array]]:
 def _odd(squares: Sequence[float], X: Array, E: Array, short: Array) -> tuple[Array, Array]:
     """Return the sums of (-1)^n q^(n^2) X^n (1 - E^(2n+1)) and of q^(n^2) X^n (1 + E^(2n+1))."""
     above, below, power = short, 1 + E, np.ones_like(X)
-    for n, (a, (E_n, less)) in enumerate(zip(squares, _steps(E, short), strict=False)):
+    for n, (a, (E_n, less)) in enumerate(zip(squares, steps(E, short), strict=False)):
         if n:
             power = power * X
             above = above + (-1) ** n * a * power * less
@@ -313,7 +315,7 @@ def _phase(
 ) -> tuple[Array, Array]:
     """Return imaginary and real part of theta2 over exp(w/2), divided by its nome's leading power."""
     real, imaginary, power = cosines[0] * (1 + f), sines[0] * less, np.ones_like(f)
-    for n, (c, s, (f_n, less_n)) in enumerate(zip(cosines, sines, _steps(f, less), strict=False)):
+    for n, (c, s, (f_n, less_n)) in enumerate(zip(cosines, sines, steps(f, less), strict=False)):
         if n:
             power = power * root
             real = real + c * power * (1 + f_n)
@@ -329,7 +331,7 @@ def hyperbolic(modulus: Modulus, eta: Number) -> Prepared:
     c = modulus.context
     other = modulus.complement
     q, delta = other.nome, c.pi * eta / 4 / modulus.K1
-    squares, odd, roots = _powers(q, 0), _powers(q, 1), _powers(c.sqrt(q), 0)
+    squares, odd, roots = powers(q, 0), powers(q, 1), powers(c.sqrt(q), 0)
     three, four = _null(squares)
     # X^n q^(n^2 - n) at X = 1; theta2 likewise, where its own nome is the root of q
     gaps = [q ** (n * n - n) if n > 1 else c.one for n in range(len(squares))]
@@ -339,15 +341,15 @@ def hyperbolic(modulus: Modulus, eta: Number) -> Prepared:
     fade = [c.sqrt(q) ** n for n in range(len(roots))]
     scale = c.pi / 2 / modulus.K1
     rate = sum((2 * n + 1) * b * x for n, (b, x) in enumerate(zip(imaginary, fade, strict=True)))
-    length, both = len(_doubles(roots)), 2 * sum(odd)
+    length, both = len(doubles(roots)), 2 * sum(odd)
     slope = scale / 2 * rate / sum(a * x for a, x in zip(real, fade, strict=True))
     functions = Hyperbolic(
         period=pair(2 * modulus.K) if modulus.m1 else Pair(np.inf, 0.0),
         scale=float(scale),
-        log_root=float(c.log(q) / 2) if q else -np.inf,
+        log_root=float(c.log(q) / 2) if q else NEVER,
         factors=(float(three / four), float(both / four), float(both / three)),
-        squares=_doubles(squares),
-        gaps=_doubles(gaps),
+        squares=doubles(squares),
+        gaps=doubles(gaps),
         real=tuple(map(float, real[:length])),
         imaginary=tuple(map(float, imaginary[:length])),
     )

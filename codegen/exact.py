@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.elliptic import Modulus, Series, carlson, first_kind, series
-from codegen.phases import Pair, pair, reduced, scaled
+from codegen.phases import Pair, pair, parity, reduced, scaled
 from codegen.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
 
@@ -77,7 +77,7 @@ class Steady:
         """See `Form`."""
         angle, _ = reduced(t, self.half_rate, Pair(0.0, 0.0), self.turn)
         sine = np.sin(angle)
-        omega = np.repeat(np.array(self.omega)[:, None], t.size, axis=1)
+        omega = np.stack([np.full_like(t, w) for w in self.omega])
         return omega, np.stack([np.cos(angle), *(n * sine for n in self.axis)])
 
 
@@ -99,12 +99,14 @@ class Periodic:
     sense: int
     fastest: float
     period: float
+    least: float
+    """The least of the third cosine."""
 
     def __call__(self, t: Array) -> tuple[Array, Array]:
         """See `Form`."""
         u, count = reduced(t, self.rate, self.start, self.functions.period)
         sn, cn, dn, real, imaginary = self.functions(u)
-        sign = 1 - 2 * np.abs(np.fmod(count, 2))
+        sign = parity(count)
         shapes = (sign * cn, sign * sn, dn)
         omega = np.stack([a * f for a, f in zip(self.amplitudes, shapes, strict=True)])
         n1, n2, n3 = (a * f for a, f in zip(self.cosines, shapes, strict=True))
@@ -173,6 +175,7 @@ def _periodic(motion: Polhode) -> Form:
         sense=sense,
         fastest=float(max(p, abs(half_rate), a1, a2, a3)),
         period=float(4 * modulus.K / p),
+        least=float(c * own.sqrt(modulus.m1)),
     )
 
 
@@ -205,6 +208,24 @@ KINDS = (
     Kind("least", "elliptic functions, about the least moment", lambda b: b.sense < 0, _periodic),
 )  # fmt: skip
 """The first row that applies is taken; all tests are exact."""
+
+
+def kind_of(body: Polhode) -> Kind:
+    """Return the row of `KINDS` of a motion."""
+    return next(k for k in KINDS if k.applies(body))
+
+
+def form_of(body: Polhode) -> Form:
+    """Return the closed form of a motion. Raises `InputError` for rates that doubles cannot hold."""
+    form = kind_of(body).form(body)
+    if not form.fastest < 1e250:
+        raise InputError(
+            "angular velocity out of range",
+            where=WHERE,
+            got=[float(v) for v in body.omega],
+            expected="below 1e250 rad/s",
+        )
+    return form
 
 
 @dataclass(frozen=True)
@@ -253,12 +274,7 @@ def free_motion(
     """
     body = polhode(_moments(moments), _numbers("angular velocity", omega0, 3))
     start = _unit(_numbers("attitude", attitude0, 4))
-    kind = next(k for k in KINDS if k.applies(body))
-    form = kind.form(body)
-    if not form.fastest < 1e250:
-        raise InputError(
-            "angular velocity out of range", where=WHERE, got=omega0, expected="below 1e250 rad/s"
-        )
+    kind, form = kind_of(body), form_of(body)
     _, q = form(np.zeros(1))
     q[1:] = -body.frame.to_body(q[1:])
     w, x, y, z = (float(v) for v in _product(start, q)[:, 0])

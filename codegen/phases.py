@@ -68,12 +68,24 @@ def reduced(t: Array, rate: Pair, offset: Pair, period: Pair) -> tuple[Array, Ar
     """
     time = np.ldexp(t, rate.exponent) if rate.high else np.zeros_like(t)
     high, low = product(time, rate.high)
-    low += time * rate.low
+    low = low + time * rate.low
     total = high + offset.high
     added = total - high
-    low += ((high - (total - added)) + (offset.high - added)) + offset.low
+    low = low + ((high - (total - added)) + (offset.high - added)) + offset.low
     if np.isinf(period.high):
         return total + low, np.zeros_like(total)
     count = np.rint(total / period.high)
     taken, rest = product(count, period.high)
     return (total - taken) + ((low - rest) - count * period.low), count
+
+
+def grown(t: Array, rate: Pair, offset: Pair) -> Array:
+    """Return ``offset + rate t`` itself, in one double."""
+    total: Array = np.ldexp(t, rate.exponent) * rate.high + offset.high
+    return total
+
+
+def parity(count: Array) -> Array:
+    """Return 1 where a whole number is even, -1 where it is odd."""
+    sign: Array = 1 - 2 * np.abs(count - 2 * np.rint(count / 2))
+    return sign

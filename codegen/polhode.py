@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Number = Any  # a mpmath real
 Triple = tuple[Fraction, Fraction, Fraction]
+Rational = float | Fraction
 
 DIGITS = 50
 
@@ -43,10 +44,13 @@ class Frame:
 
     def to_body(self, components: Array) -> Array:
         """Return components in the body of vectors given in P; shape (3, ...)."""
-        result = np.empty_like(components)
-        for row, axis, sign in zip(components, self.axes, self.signs, strict=True):
-            result[axis] = row if sign > 0 else -row
-        return result
+        return np.stack(self.listed(list(components)))
+
+    def listed(self, components: Sequence[Any]) -> list[Any]:
+        """Return the same as a list of components, of any numbers."""
+        signed = zip(components, self.signs, strict=True)
+        rows = [row if sign > 0 else -row for row, sign in signed]
+        return [rows[self.axes.index(k)] for k in range(3)]
 
 
 @dataclass(frozen=True)
@@ -99,9 +103,12 @@ class Polhode:
         return not (d21 * x * y or d32 * y * z or d31 * x * z)
 
 
-def polhode(moments: Sequence[float], omega: Sequence[float]) -> Polhode:
-    """Return the motion of these principal moments and this angular velocity, in P."""
-    I, w = [Fraction(float(v)) for v in moments], [Fraction(float(v)) for v in omega]
+def polhode(moments: Sequence[Rational], omega: Sequence[Rational]) -> Polhode:
+    """Return the motion of these principal moments and this angular velocity, in P.
+
+    They are numbers that are fractions: doubles, or fractions themselves.
+    """
+    I, w = [Fraction(v) for v in moments], [Fraction(v) for v in omega]
     least, middle, greatest = sorted(range(3), key=lambda k: I[k])
     excess = I[greatest] * (I[greatest] - I[middle]) * w[greatest] ** 2
     excess -= I[least] * (I[middle] - I[least]) * w[least] ** 2

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from codegen.integrate.bilinear import Coefficient, forms, linear_in_time, wide
 from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, needed
 from codegen.integrate.packs import WIDTH, Group, Pack, Sum, part_groups, steps, whole_group
+from codegen.integrate.products import Coefficient, forms, linear_in_time, wide
 from codegen.lower import RATES
 from codegen.ops import Instruction
 from codegen.program import Builder, Program

@@ -1,7 +1,7 @@
 """Vectors of Taylor coefficients: which sums of products share one, and the operands of each.
 
 A group is up to four sums side by side. Its terms with j from 1 to k - 1 need earlier orders alone.
-A whole group holds whole values (`codegen.integrate.bilinear`), its terms with j = 0 and j = k are
+A whole group holds whole values (`codegen.integrate.products`), its terms with j = 0 and j = k are
 added in the vector too; in other groups they are left to the reader, who may want some of them.
 """
 
@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import zip_longest
 from typing import TypeVar
 
-from codegen.integrate.bilinear import Coefficient, Form, Lanes, Term, inner, levels, tree
+from codegen.integrate.products import Coefficient, Form, Lanes, Term, inner, levels, tree
 from codegen.taylor import Prepared, Series
 
 T = TypeVar("T")

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.integrate.bilinear import (
+from codegen.integrate.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
+from codegen.integrate.products import (
     Coefficient,
     Term,
     forms,
@@ -16,7 +17,6 @@ from codegen.integrate.bilinear import (
     tree,
     wide,
 )
-from codegen.integrate.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES
 from codegen.program import Builder
