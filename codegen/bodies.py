@@ -16,7 +16,7 @@ from typing import Any
 
 from codegen.exactlinear import nullspace
 from codegen.polhode import context, number
-from codegen.probing import DIGITS, SAME, Probe, Sample, fraction, same
+from codegen.probing import DIGITS, SAME, Probe, Sample, fraction, same, structural
 
 Component = int | Fraction
 """Of the angular velocity: the number of a state, or a constant."""
@@ -238,7 +238,8 @@ def _turns_of(probe: Probe, three: Sequence[int], rest: set[int]) -> Iterator[Om
             yield omega[0], omega[1], omega[2]
 
 
-def quadratic(probe: Probe, three: Sequence[int]) -> Quadratic | None:
+@structural
+def quadratic(probe: Probe, three: tuple[int, ...]) -> Quadratic | None:
     """Return the rates of three states where they are quadratic forms in these states; else None."""
     base = list(map(float, probe.samples[0].x))
 
@@ -323,6 +324,7 @@ def positive_definite(J: Matrix) -> bool:
     return a > 0 and two > 0 and a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c) > 0
 
 
+@structural
 def free_inertia(probe: Probe, omega: Omega) -> Matrix | None:
     """Return J, but for a factor, of a body without torque that turns with omega; None otherwise."""
     moving = [(i, k) for i, k in enumerate(omega) if isinstance(k, int)]
@@ -335,7 +337,7 @@ def free_inertia(probe: Probe, omega: Omega) -> Matrix | None:
 
 
 def _of_three(probe: Probe, states: Sequence[int]) -> Matrix | None:
-    forms = quadratic(probe, states)
+    forms = quadratic(probe, tuple(states))
     return None if forms is None else inertia(forms)
 
 

@@ -27,7 +27,7 @@ from codegen.integrate.trajectory import Problem
 from codegen.layout import names_of
 from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
-from codegen.probing import Probe
+from codegen.probing import Probe, structural
 from codegen.spinner import spinner
 from codegen.windings import own_axes, winding
 from eom.errors import InputError
@@ -209,8 +209,13 @@ def _free_body(probe: Probe) -> Motion | None:
     return None
 
 
-def _attitudes(probe: Probe) -> Iterator[Attitude]:
-    """Yield the ways to read all states as angular velocity, quaternion and directions."""
+@structural
+def _attitudes(probe: Probe) -> tuple[Attitude, ...]:
+    """Return the ways to read all states as angular velocity, quaternion and directions."""
+    return tuple(_readings(probe))
+
+
+def _readings(probe: Probe) -> Iterator[Attitude]:
     everything = set(range(probe.count))
     for found in bodies.quaternions(probe):
         yield from _with_directions(probe, found, everything - found.states)

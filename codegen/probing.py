@@ -12,10 +12,11 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
-from typing import Any
+from functools import cached_property, lru_cache, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 from codegen.compiled import Compiled
+from codegen.identity import SameObject
 from codegen.integrate.trajectory import Problem
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES
@@ -62,7 +63,13 @@ class Probe:
     @cached_property
     def program(self) -> Program:
         """The rates alone."""
-        return prune(self.compiled.program, [RATES])
+        return _rates_of(SameObject(self.compiled))
+
+    @cached_property
+    def memory(self) -> dict[Any, Any]:
+        """What is known of the system with these parameters and inputs, whatever its initial state."""
+        values = (self.problem.parameters, self.problem.inputs)
+        return _memory(SameObject(self.compiled), *(v.tobytes() for v in values))
 
     @property
     def count(self) -> int:
@@ -74,9 +81,13 @@ class Probe:
         """The initial state, exactly."""
         return tuple(Fraction(float(v)) for v in self.problem.x0)
 
-    @cached_property
+    @property
     def samples(self) -> tuple[Sample, ...]:
         """Rates at random points, each at a time of its own."""
+        return _samples(self)
+
+    def drawn(self) -> tuple[Sample, ...]:
+        """Draw the points and compute the rates there."""
         draw = random.Random(self.count)  # noqa: S311 - reproducible points
         return tuple(self._drawn(draw) for _ in range(POINTS))
 
@@ -96,6 +107,48 @@ class Probe:
                 for k, n in zip(results, numbers, strict=True)
             )
         return tuple(known(exact[k]) for k in results)
+
+
+@lru_cache(maxsize=64)
+def _rates_of(key: SameObject[Compiled]) -> Program:
+    return prune(key.value.program, [RATES])
+
+
+@lru_cache(maxsize=64)
+def _memory(key: SameObject[Compiled], parameters: bytes, inputs: bytes) -> dict[Any, Any]:  # noqa: ARG001
+    return {}
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def structural(
+    read: Callable[Concatenate[Probe, P], T],
+) -> Callable[Concatenate[Probe, P], T]:
+    """Compute what does not depend on the initial state once for a system with its parameters.
+
+    Law: ``read`` is a function of the samples alone, and of arguments that can be compared.
+    """
+
+    @wraps(read)
+    def known(probe: Probe, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        key = (read, args)
+        if key not in probe.memory:
+            probe.memory[key] = _outcome(lambda: read(probe, *args, **kwargs))
+        found, error = probe.memory[key]
+        if error is not None:
+            raise error
+        return cast("T", found)
+
+    return known
+
+
+def _outcome(read: Callable[[], T]) -> tuple[T | None, ArithmeticError | None]:
+    try:
+        return read(), None
+    except ArithmeticError as error:
+        return None, error
 
 
 def known(value: Fraction | None) -> Fraction:
@@ -139,3 +192,8 @@ def _applied(op: str, operands: Sequence[Fraction | None]) -> Fraction | None:
     if rule is None or any(v is None for v in operands) or (op == "div" and not operands[1]):
         return None
     return rule(*operands)
+
+
+@structural
+def _samples(probe: Probe) -> tuple[Sample, ...]:
+    return probe.drawn()

@@ -27,7 +27,7 @@ from codegen.bodies import sine_and_cosine
 from codegen.exact import Steady
 from codegen.phases import Pair, grown, pair, scaled
 from codegen.polhode import context, number
-from codegen.probing import Probe, Sample, same
+from codegen.probing import Probe, Sample, same, structural
 from codegen.windings import Spinning
 
 THREE_ONE_TWO = Sequence3((2, 0, 1))
@@ -141,9 +141,14 @@ def _holds(found: Reading, s: Sample) -> bool:
     return all(place is None or same(r[place], a + b, abs(a) + abs(b)) for place, a, b in expected)
 
 
+@structural
+def _reading(probe: Probe) -> Reading | None:
+    return next(readings(probe), None)
+
+
 def spinner(probe: Probe) -> Spinner | None:
     """Return the motion of a spinner without torque; None where the system is none."""
-    found = next(readings(probe), None)
+    found = _reading(probe)
     return None if found is None else _prepared(found, probe.start)
 
 

@@ -16,7 +16,7 @@ from codegen.bodies import Attitude, attitude_at, value
 from codegen.exactlinear import nullspace
 from codegen.heavy_top import Top
 from codegen.polhode import context, number
-from codegen.probing import SAME, Probe, fraction, same
+from codegen.probing import SAME, Probe, fraction, same, structural
 
 ZERO, ONE = Fraction(0), Fraction(1)
 Vector = tuple[Fraction, Fraction, Fraction]
@@ -64,8 +64,9 @@ def _combined(weights: Sequence[Fraction], components: Sequence[Fraction]) -> Fr
     return sum((w * c for w, c in zip(weights, components, strict=True)), ZERO)
 
 
+@structural
 def _solved(
-    probe: Probe, attitude: Attitude, axes: Sequence[int], states: tuple[int, int]
+    probe: Probe, attitude: Attitude, axes: tuple[int, ...], states: tuple[int, int]
 ) -> tuple[Fraction, list[Fraction]] | None:
     """Return C/A, and the multiples of the directions whose sum is mu times the vertical."""
     i, j = states
