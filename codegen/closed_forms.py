@@ -29,11 +29,14 @@ from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
 from codegen.probing import Probe, structural
 from codegen.spinner import spinner
+from codegen.taylor import BRANCHES, STEPS
 from codegen.windings import own_axes, winding
 from eom.errors import InputError
 
 Array = NDArray[np.float64]
 WHERE = "closed form"
+PIECES = BRANCHES | STEPS | {"table", "floor", "mod"}
+"""Operations by which rates may be one formula at the points that are looked at, and another elsewhere."""
 FARTHEST = 1e15
 """Phases beyond this, in radians, are refused."""
 
@@ -317,17 +320,19 @@ ROWS = (
 def find(compiled: Compiled, problem: Problem) -> Closed | None:
     """Return the closed form of a system with these values, or None where none is known.
 
-    ``problem``: initial state, start time, parameters and held inputs; nothing else of it matters.
+    ``problem``: initial state, times, parameters and held inputs; nothing else of it matters. None, too,
+    where phases lose their digits before the end.
     """
-    if len(problem.x0) > bodies.MOST_STATES:
-        return None
     probe = Probe(compiled, problem)
+    if len(problem.x0) > bodies.MOST_STATES or not probe.program.counts().keys().isdisjoint(PIECES):
+        return None
     for row in ROWS:
         try:
             motion = row.read(probe)
         except (ArithmeticError, InputError):
             continue
-        if motion is not None:
+        start, end = problem.t_span
+        if motion is not None and abs(end - start) * motion.fastest <= FARTHEST:
             names = names_of(compiled.layout.states)
             return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None

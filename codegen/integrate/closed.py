@@ -24,10 +24,25 @@ ZOOM, FINE = 16, 14
 
 
 @dataclass(frozen=True)
+class Moved:
+    """A closed form over the times of a problem; the initial state stands as it is given."""
+
+    closed: Closed
+    problem: Problem
+
+    def __call__(self, t: Array) -> Array:
+        """Return states (n, N) at times (N,)."""
+        since = t - self.problem.t_span[0]
+        states = self.closed.states(since)
+        states[:, since == 0] = self.problem.x0[:, None]
+        return states
+
+
+@dataclass(frozen=True)
 class ClosedSolution:
     """Dense output that is the closed form itself: ``sol(t)`` has shape (n,) or (n, len(t))."""
 
-    closed: Closed
+    moved: Moved
     ts: Array
 
     @property
@@ -42,7 +57,7 @@ class ClosedSolution:
 
     def __call__(self, t: Any) -> Array:
         """Evaluate at any time."""
-        values = self.closed.states(np.atleast_1d(np.asarray(t, dtype=np.float64)))
+        values = self.moved(np.atleast_1d(np.asarray(t, dtype=np.float64)))
         return values[:, 0] if np.ndim(t) == 0 else values
 
 
@@ -53,36 +68,34 @@ def integrate(compiled: Compiled, closed: Closed, problem: Problem) -> Trajector
     times so close that no coordinate turns by more than `PART`; beyond ``max_steps`` such times the
     run stops, as others do.
     """
-    start, end = problem.t_span
+    (start, end), moved = problem.t_span, Moved(closed, problem)
     stop, closest = Stop("end", end), np.empty(0)
     if problem.singularities:
-        stop, closest = _Search(compiled, closed, problem).run()
+        stop, closest = _Search(compiled, moved, problem).run()
     times = np.linspace(start, stop.t, POINTS) if problem.t_eval is None else problem.t_eval
     direction = math.copysign(1.0, end - start)
     times = times[direction * (times - stop.t) <= 0]
     return Trajectory(
         t=times.copy(),
-        y=np.ascontiguousarray(closed.states(times)),
+        y=np.ascontiguousarray(moved(times)),
         stop=stop,
-        state_at_stop=closed.states(np.array([stop.t]))[:, 0],
+        state_at_stop=moved(np.array([stop.t]))[:, 0],
         closest=tuple(closest.tolist()),
         evaluations=0,
         steps=0,
         rejected=0,
-        solution=ClosedSolution(closed, np.array([start, stop.t]))
-        if problem.dense_output
-        else None,
+        solution=ClosedSolution(moved, np.array([start, stop.t])) if problem.dense_output else None,
     )
 
 
 class _Search:
     """The first time at which a singularity is nearer than the margin."""
 
-    def __init__(self, compiled: Compiled, closed: Closed, problem: Problem) -> None:
-        self.compiled, self.closed, self.problem = compiled, closed, problem
+    def __init__(self, compiled: Compiled, moved: Moved, problem: Problem) -> None:
+        self.compiled, self.moved, self.problem = compiled, moved, problem
 
     def values(self, t: Array) -> Array:
-        x = self.closed.states(t)
+        x = self.moved(t)
         f = self.compiled.functions[SINGULARITIES]
         return f(t, x, self.problem.parameters, self.problem.inputs)
 
@@ -113,7 +126,7 @@ class _Search:
         """Return in how many intervals to search, by the fastest rate at some times."""
         start, end = self.problem.t_span
         t = np.linspace(start, end, POINTS)
-        x = self.closed.states(t)
+        x = self.moved(t)
         slopes = np.abs(self.compiled.rhs(t, x, self.problem.parameters, self.problem.inputs))
         rows = [k for k in self.compiled.layout.coordinates if k >= 0] or list(range(len(x)))
         fastest = float(np.nanmax(np.where(np.isfinite(slopes[rows]), slopes[rows], 0.0)))

@@ -800,3 +800,18 @@ def test_a_closed_form_can_be_sent_to_another_process():
     closed = motion("wheel")
     again = pickle.loads(pickle.dumps(closed))
     np.testing.assert_array_equal(again.states(TIMES), closed.states(TIMES))
+
+
+LOW, HIGH = (sp.Symbol(n, real=True) for n in ("low", "high"))
+
+
+@pytest.mark.parametrize(
+    "torque",
+    [sp.Max(LOW - 40, 0), sp.Piecewise((0, LOW < 9), (LOW - 9, True)), sp.floor(LOW / 100),
+     eom.Table("edge", [-50, 0, 50, 60], [0, 0, 0, 1], kind="linear")(LOW)],
+)  # fmt: skip
+def test_rates_that_are_another_formula_far_away_have_no_closed_form(torque):
+    """Near the points that are looked at these are a body without torque."""
+    other = sp.Symbol("other", real=True)
+    rates = {LOW: HIGH * other, HIGH: -LOW * other, other: -HIGH * LOW / 2 + torque}
+    assert found(eom.System.from_rates("pieces", rates), [0.1, 0.2, 0.3]) is None
