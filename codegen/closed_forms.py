@@ -324,7 +324,7 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
     where phases lose their digits before the end.
     """
     probe = Probe(compiled, problem)
-    if len(problem.x0) > bodies.MOST_STATES or not probe.program.counts().keys().isdisjoint(PIECES):
+    if len(problem.x0) > bodies.MOST_STATES or _has_pieces(probe):
         return None
     for row in ROWS:
         try:
@@ -336,3 +336,14 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
             names = names_of(compiled.layout.states)
             return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None
+
+
+@structural
+def _has_pieces(probe: Probe) -> bool:
+    """Tell whether a rate takes another formula as the states move."""
+    moving: list[bool] = []
+    for op, args, _ in probe.program.instructions:
+        moving.append(op in {"state", "time"} or any(moving[a] for a in args))
+        if op in PIECES and moving[-1]:
+            return True
+    return False
