@@ -147,28 +147,35 @@ def simulate(
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
-    part = requested.part(_compiled(system), outputs)
-    compiled, span = part.compiled, arguments.span(t_span)
-    held, signals = _inputs(compiled, inputs or {})
-    x0 = _start(compiled, part.start(initial))
+    part, span = requested.part(_compiled(system), outputs), arguments.span(t_span)
+    x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
     problem = Problem(
         x0=x0,
         t_span=span,
-        parameters=_parameters(compiled, parameters, x0, held),
+        parameters=values,
         inputs=held,
         rtol=arguments.relative(rtol),
         atol=arguments.tolerances(atol, rtol, len(x0)),
         margin=arguments.positive(margin, "margin"),
-        singularities=len(compiled.layout.results[SINGULARITIES]),
+        singularities=len(part.compiled.layout.results[SINGULARITIES]),
         t_eval=None if t_eval is None else arguments.grid(t_eval, span),
         dense_output=dense_output,
         first_step=arguments.optional(first_step, "first_step"),
         max_step=arguments.positive(max_step, "max_step"),
         max_steps=arguments.count(max_steps),
-        project=chosen(compiled.layout, project),
+        project=chosen(part.compiled.layout, project),
         progress=progress,
     )
     return _run(part, problem, method, signals)
+
+
+def _numbers(
+    part: requested.Part, initial: Values, parameters: Values, inputs: Mapping[str, Signal]
+) -> tuple[Array, Array, Array, scipy_.Inputs | None]:
+    """Return initial state, parameters, held inputs, and the function of all if one is a function."""
+    held, signals = _inputs(part.compiled, inputs)
+    x0 = _start(part.compiled, part.start(initial))
+    return x0, _parameters(part.compiled, parameters, x0, held), held, signals
 
 
 def _run(

@@ -76,6 +76,7 @@ def values(layout: Layout, suffix: str) -> dict[str, str]:
         "SINGULAR_ROOM": str(max(1, singular)),
         "COORDINATES": ", ".join(map(str, layout.coordinates)),
         "QUATERNIONS": text,
+        "PROJECTION": "",
     }
 
 

@@ -396,7 +396,7 @@ def test_a_c_program_that_uses_the_written_files_agrees_with_python(compiler, tm
         assert line.split()[0] == name
         assert float(line.split()[1]) == pytest.approx(rate, rel=1e-14)
     assert lines[6] == "1"
-    result = simulate(compiled, states, (0, 10), [1.0, 1.2, 1.5], rtol=1e-10, atol=1e-13)
+    result = simulate(compiled, states, (0, 10), [1.0, 1.2, 1.5], "DOP853", 1e-10, 1e-13)
     status, count, end = lines[7].split()
     assert (int(status), float(end)) == (result.status, pytest.approx(result.t_stop, rel=1e-9))
     assert abs(int(count) - result.steps) <= 1
