@@ -65,3 +65,61 @@ static int wants_grid_point(const @PREFIX@_output *o, double t, double direction
 }
 
 @PROJECTION@
+/* Whether the step to x_new may hide a singularity; the values at its end go into after. */
+static inline int may_stop(@PREFIX@ *s, double t_new, const double *x_new, const double *u, double *after) {
+#if S
+    @NAME@_singularities(t_new, x_new, &s->constants, u, after);
+    for (int m = 0; m < S; ++m) s->closest[m] = fabs(after[m]) < s->closest[m] ? fabs(after[m]) : s->closest[m];
+    return may_be_singular(s, after, largest_turn(s, x_new));
+#else
+    (void)s, (void)t_new, (void)x_new, (void)u, (void)after;
+    return 0;
+#endif
+}
+
+/* Where in the step the run has to stop, from 0 to 1, or 2 for nowhere; the values at its end are kept. */
+static inline double place_of_stop(@PREFIX@ *s, int possible, const double *after, const double *u) {
+    double place = 2.0;
+#if S
+    if (possible) place = find_singular(s, after, u);
+    for (int m = 0; m < S; ++m) s->singular[m] = after[m];
+#else
+    (void)s, (void)possible, (void)after, (void)u;
+#endif
+    return place;
+}
+
+/* Store what lies in the step to t_new; where the run stops in it, x_new becomes the state there. Return
+ * the time that is reached. */
+static inline double arrive(@PREFIX@ *s, @PREFIX@_output *o, double place, double t_new, double *x_new, const double *u) {
+    const double t_stop = place <= 1.0 ? s->t_old + place * s->h_old : t_new;
+    const double direction = s->h_old >= 0.0 ? 1.0 : -1.0;
+    double y[N];
+    while (wants_grid_point(o, t_stop, direction)) {
+        const double theta = (o->grid[o->next] - s->t_old) / s->h_old;
+        if (theta != 1.0) interpolate(s, theta, y);
+@PROJECT_POINT@        store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
+        o->next += 1;
+    }
+    if (place <= 1.0) {
+        interpolate(s, place, x_new);
+@PROJECT_STOP@#if S
+        @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
+        for (int m = 0; m < S; ++m) s->closest[m] = fabs(s->singular[m]) < s->closest[m] ? fabs(s->singular[m]) : s->closest[m];
+#endif
+    }
+    (void)u;
+    return t_stop;
+}
+
+/* Take the state for reached; row: what dense output keeps of the step. */
+static inline void end_step(@PREFIX@ *s, @PREFIX@_output *o, double t, double t_low, const double *x, const double *row, size_t length) {
+    for (int i = 0; i < N; ++i) s->x[i] = x[i];
+    s->t = t;
+    s->t_low = t_low;
+    s->steps += 1;
+    if (o->dense != NULL)
+        for (size_t i = 0; i < length; ++i) o->dense[o->count * length + i] = row[i];
+    if (o->grid == NULL) store(o, s->t, s->x);
+}
+

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from codegen.attitude import attitude_of
-from codegen.integrate import runge_kutta
+from codegen.integrate import projection, runge_kutta
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.trajectory import Array, Problem, Trajectory
 from codegen.layout import Layout, names_of
@@ -76,7 +76,7 @@ def values(layout: Layout, suffix: str) -> dict[str, str]:
         "SINGULAR_ROOM": str(max(1, singular)),
         "COORDINATES": ", ".join(map(str, layout.coordinates)),
         "QUATERNIONS": text,
-        "PROJECTION": "",
+        **projection.NONE,
     }
 
 

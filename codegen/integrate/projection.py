@@ -38,6 +38,8 @@ from eom.errors import InputError, unknown_name
 from eom.system import Quantity
 
 GROUP = "projection"
+NONE = dict.fromkeys(("PROJECTION", "PROJECT", "PROJECT_POINT", "PROJECT_STOP"), "")
+"""What stands in the templates of a method that does not project."""
 
 
 def chosen(layout: Layout, project: bool | str | Sequence[str]) -> tuple[str, ...]:
@@ -124,12 +126,12 @@ def texts(layout: Layout, prefix: str, after_step: str) -> dict[str, str]:
     ``after_step``: `RUNGE_KUTTA` with its names filled in, or `TAYLOR`.
     """
     if GROUP not in layout.results:
-        return dict.fromkeys(("PROJECTION", "PROJECT", "PROJECT_POINT", "PROJECT_STOP"), "")
+        return dict(NONE)
     return {
         "PROJECTION": _functions(layout, prefix),
         "PROJECT": f"{after_step}\n",
-        "PROJECT_POINT": "            project_point(s, o->grid[o->next], y, u);\n",
-        "PROJECT_STOP": "            project_point(s, t_stop, x_new, u);\n",
+        "PROJECT_POINT": "        project_point(s, o->grid[o->next], y, u);\n",
+        "PROJECT_STOP": "        project_point(s, t_stop, x_new, u);\n",
     }
 
 

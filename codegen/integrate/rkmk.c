@@ -206,7 +206,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
 
 @EVENTS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
-    double k[@ALL_STAGES@][D], a[D], y_new[4 + M], y_low[4 + M], f_new[D], x_new[N], between_x[N];
+    double k[@ALL_STAGES@][D], a[D], y_new[4 + M], y_low[4 + M], f_new[D], x_new[N];
     long long attempts = 0;
     if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
     if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
@@ -273,43 +273,15 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         s->t_old = s->t;
         s->h_old = h;
-        if (needs_dense) prepare_dense(s, k, h, a, u);
-        double stop = 2.0;
-#if S
-        double after[S];
-        @NAME@_singularities(t_new, x_new, &s->constants, u, after);
-        for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(after[m]));
-        if (may_be_singular(s, after, turn)) {
-            if (!needs_dense) prepare_dense(s, k, h, a, u);
-            stop = find_singular(s, after, u);
-        }
-        for (int m = 0; m < S; ++m) s->singular[m] = after[m];
-#endif
-        const double t_stop = stop <= 1.0 ? s->t_old + stop * h : t_new;
-        while (wants_grid_point(o, t_stop, direction)) {
-            const double theta = (o->grid[o->next] - s->t_old) / h;
-            interpolate(s, theta, between_x);
-            store(o, o->grid[o->next], theta == 1.0 ? x_new : between_x);
-            o->next += 1;
-        }
-        if (stop <= 1.0) {
-            interpolate(s, stop, x_new);
-#if S
-            @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
-            for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
-#endif
-            t_low = 0.0;
-        }
+        double after[S + 1];
+        const int possible = may_stop(s, t_new, x_new, u, after);
+        if (needs_dense || possible) prepare_dense(s, k, h, a, u);
+        const double stop = place_of_stop(s, possible, after, u);
+        const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < 4 + M; ++i) s->y[i] = y_new[i], s->y_low[i] = y_low[i];
         for (int i = 0; i < D; ++i) s->f[i] = f_new[i];
-        for (int i = 0; i < N; ++i) s->x[i] = x_new[i];
-        s->t = t_stop;
-        s->t_low = t_low;
         s->h = fabs(h) * factor;
-        s->steps += 1;
-        if (o->dense != NULL)
-            for (size_t i = 0; i < @ROW@; ++i) o->dense[o->count * @ROW@ + i] = s->row[i];
-        if (o->grid == NULL) store(o, s->t, s->x);
+        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
     }
     return s->status = @UPPER@_DONE;

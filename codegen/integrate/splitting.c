@@ -285,7 +285,7 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
 
 @EVENTS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
-    double x_new[N], between_x[N];
+    double x_new[N];
     long long attempts = 0;
     if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
     if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
@@ -309,38 +309,13 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
         if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
         s->t_old = s->t;
         s->h_old = h;
-        double stop = 2.0;
-#if S
-        double after[S];
-        @NAME@_singularities(t_new, x_new, &s->constants, u, after);
-        for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(after[m]));
-        if (may_be_singular(s, after, largest_turn(s, x_new))) stop = find_singular(s, after, u);
-        for (int m = 0; m < S; ++m) s->singular[m] = after[m];
-#endif
-        const double t_stop = stop <= 1.0 ? s->t_old + stop * h : t_new;
-        while (wants_grid_point(o, t_stop, direction)) {
-            const double theta = (o->grid[o->next] - s->t_old) / h;
-            if (theta != 1.0) between(s, s->row, theta, u, between_x);
-            store(o, o->grid[o->next], theta == 1.0 ? x_new : between_x);
-            o->next += 1;
-        }
-        if (stop <= 1.0) {
-            between(s, s->row, stop, u, x_new);
-#if S
-            @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
-            for (int m = 0; m < S; ++m) s->closest[m] = fmin(s->closest[m], fabs(s->singular[m]));
-#endif
-            t_low = 0.0;
-        }
+        double after[S + 1];
+        const int possible = may_stop(s, t_new, x_new, u, after);
+        const double stop = place_of_stop(s, possible, after, u);
+        const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < 10; ++i) s->y[i] = at.y[i], s->y_low[i] = at.low[i];
         for (int i = 0; i < 6; ++i) s->torque[i] = at.torque[i];
-        for (int i = 0; i < N; ++i) s->x[i] = x_new[i];
-        s->t = t_stop;
-        s->t_low = t_low;
-        s->steps += 1;
-        if (o->dense != NULL)
-            for (size_t i = 0; i < @ROW@; ++i) o->dense[o->count * @ROW@ + i] = s->row[i];
-        if (o->grid == NULL) store(o, s->t, s->x);
+        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
     }
     return s->status = @UPPER@_DONE;

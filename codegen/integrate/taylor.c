@@ -133,7 +133,7 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
 
 int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
-    double y[N], x_new[N], x_low[N];
+    double x_new[N], x_low[N];
     long long attempts = 0;
     if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
     if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
@@ -171,41 +171,12 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
 @PROJECT@        for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
-        double stop = 2.0;
-#if S
-        double after[S];
-        @NAME@_singularities(t_new, x_new, &s->constants, u, after);
-        for (int m = 0; m < S; ++m) s->closest[m] = smaller(s->closest[m], fabs(after[m]));
-        if (may_be_singular(s, after, largest_turn(s, x_new))) stop = find_singular(s, after, u);
-        for (int m = 0; m < S; ++m) s->singular[m] = after[m];
-#endif
-        const double t_stop = stop <= 1.0 ? s->t_old + stop * h : t_new;
-        while (wants_grid_point(o, t_stop, direction)) {
-            const double theta = (o->grid[o->next] - s->t_old) / h;
-            interpolate(s, theta, y);
-@PROJECT_POINT@            store(o, o->grid[o->next], theta == 1.0 ? x_new : y);
-            o->next += 1;
-        }
-        if (stop <= 1.0) {
-            interpolate(s, stop, x_new);
-@PROJECT_STOP@#if S
-            @NAME@_singularities(t_stop, x_new, &s->constants, u, s->singular);
-            for (int m = 0; m < S; ++m) s->closest[m] = smaller(s->closest[m], fabs(s->singular[m]));
-#endif
-            t_low = 0.0;
-            for (int i = 0; i < N; ++i) x_low[i] = 0.0;
-        }
-        for (int i = 0; i < N; ++i) {
-            s->x[i] = x_new[i];
-            s->x_low[i] = x_low[i];
-        }
-        s->t = t_stop;
-        s->t_low = t_low;
-        s->steps += 1;
-        if (o->dense != NULL)
-            for (int d = 0; d < P; ++d)
-                for (int i = 0; i < N; ++i) o->dense[(o->count * P + (size_t)d) * N + (size_t)i] = s->jet[d][i];
-        if (o->grid == NULL) store(o, s->t, s->x);
+        double after[S + 1];
+        const int possible = may_stop(s, t_new, x_new, u, after);
+        const double stop = place_of_stop(s, possible, after, u);
+        const double t_stop = arrive(s, o, stop, t_new, x_new, u);
+        for (int i = 0; i < N; ++i) s->x_low[i] = stop <= 1.0 ? 0.0 : x_low[i];
+        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, &s->jet[0][0], P * N);
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
     }
     return s->status = @UPPER@_DONE;
