@@ -14,7 +14,7 @@ import numpy as np
 from codegen.compiled import Compiled
 from codegen.integrate.trajectory import Array
 from codegen.stress.record import ABSOLUTE
-from codegen.stress.running import Refusal, Run, attempt
+from codegen.stress.running import MAX_STEPS, Refusal, Run, attempt
 from codegen.workprecision.case import Case
 
 CHANGE = 1e-6
@@ -37,14 +37,16 @@ class Amplification:
     back: float
 
 
-def amplification(case: Case, compiled: Compiled, end: float, limit: float) -> Amplification | str:
+def amplification(
+    case: Case, compiled: Compiled, end: float, limit: float, max_steps: int = MAX_STEPS
+) -> Amplification | str:
     """Return the amplification of a case until ``end``; or why it cannot be had."""
     method = "scipy:Radau" if case.stiff else "DOP853"
     nodes = np.linspace(0.0, end, NODES + 1)
     x0 = np.array([case.start[q.name] for q in compiled.system.states])
 
     def run(start: Array, times: Array) -> Array | str:
-        settings = Run(compiled, start, times, case.inputs, limit=limit)
+        settings = Run(compiled, start, times, case.inputs, limit=limit, max_steps=max_steps)
         found = attempt(settings, method, FINE)
         if isinstance(found, Refusal):
             return found.reason

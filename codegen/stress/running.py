@@ -53,6 +53,7 @@ class Run:
     margin: float = DEFAULT_MARGIN
     max_step: float = np.inf
     steps: bool = False
+    max_steps: int = MAX_STEPS
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def attempt(run: Run, method: str, rtol: float) -> Result | Refusal:
             return simulate(
                 run.compiled, start, span, run.parameters, method, rtol, run.atol,
                 None if run.steps else run.times, inputs=run.inputs, margin=run.margin,
-                max_step=run.max_step, max_steps=MAX_STEPS, progress=_watch(run.limit),
+                max_step=run.max_step, max_steps=run.max_steps, progress=_watch(run.limit),
             )  # fmt: skip
     except _TooLongError:
         return Refusal(f"takes more than {run.limit:g} s", late=True)
