@@ -44,9 +44,10 @@ def amplification(
     method = "scipy:Radau" if case.stiff else "DOP853"
     nodes = np.linspace(0.0, end, NODES + 1)
     x0 = np.array([case.start[q.name] for q in compiled.system.states])
+    free = {q.name: case.parameters[q.name] for q in compiled.layout.parameters}
 
     def run(start: Array, times: Array) -> Array | str:
-        settings = Run(compiled, start, times, case.inputs, limit=limit, max_steps=max_steps)
+        settings = Run(compiled, start, times, case.inputs, free, limit=limit, max_steps=max_steps)
         found = attempt(settings, method, FINE)
         if isinstance(found, Refusal):
             return found.reason
@@ -87,9 +88,7 @@ def _propagator(run: Runner, plain: Array, times: Array, sizes: Array) -> Array 
     return np.array(columns).transpose(2, 1, 0)
 
 
-def _without_inverses(
-    run: Runner, plain: Array, nodes: Array, sizes: Array
-) -> Amplification | str:
+def _without_inverses(run: Runner, plain: Array, nodes: Array, sizes: Array) -> Amplification | str:
     """Start at every node anew, where errors die out so far that M has no inverse; nothing comes back."""
     allowed = 1 + ABSOLUTE / sizes
     forward = float(allowed.max())

@@ -188,4 +188,3 @@ def _documented(
     reached = abs(float(compiled.functions[SINGULARITIES](result.t_stop, result.y_stop, [], [])[0]))
     value = abs(reached / DEFAULT_MARGIN - 1)
     return [Figure(f"{what}: stops at the margin", value, STOP_SLACK, result.message)]
-

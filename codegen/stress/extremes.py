@@ -30,6 +30,8 @@ STOPS = 7
 TURNS = 20.0
 WALK = 3.0
 """Errors of steps at full precision with compensated sums are a random walk: three standard deviations."""
+NOTABLE = 2.0
+"""Digits that a change of one step may cost, from which on that is printed."""
 LOST = 0.1
 """Relative error at which a result tells nothing; beyond it figures are not compared."""
 NOISE = 8 * EPSILON
@@ -110,7 +112,9 @@ class Reference:
         later = self.times[k:] - self.times[k]
         omega, attitude = self.omega[:, k], _unit(self.attitude[:, k])
         plain = free_motion(self.body.moments, omega, attitude)(later)
-        total = np.full(len(later), 4 * rtol * (1 + ABSOLUTE))  # a quaternion that errs turns twice as far
+        total = np.full(
+            len(later), 4 * rtol * (1 + ABSOLUTE)
+        )  # a quaternion that errs turns twice as far
         for axis in range(3):
             moved = omega.copy()
             moved[axis] += change[axis]
@@ -172,6 +176,8 @@ def _figure(known: Reference, method: str, result: Result, cost: float, rtol: fl
     note = f"{result.steps} steps; a change of {rtol:.1e} may cost {digits:.1f} digits"
     if bound > LOST:
         finite = bool(np.isfinite(result.y).all())
-        told = f"all may be lost; error {error:.1e}; {note}"
-        return Figure(f"{what}: finite", 0.0 if finite else math.inf, 0.0, told)
-    return Figure(what, error, bound, note)
+        text = f"all may be lost; error {error:.1e}; {note}"
+        return Figure(
+            f"{what}: finite", 0.0 if finite else math.inf, 0.0, text, told=method in HELD
+        )
+    return Figure(what, error, bound, note, told=method in HELD and digits > NOTABLE)

@@ -18,17 +18,21 @@ PASS, FAIL, ABSENT = "pass", "FAIL", "not measured"
 
 @dataclass(frozen=True)
 class Figure:
-    """One number against its bound; without a bound it is told for comparison. NaN never passes."""
+    """One number against its bound; without a bound it is told for comparison. NaN never passes.
+
+    ``told``: printed even where it passes.
+    """
 
     what: str
     value: float
     bound: float | None = None
     note: str = ""
+    told: bool = False
 
     @property
     def passed(self) -> bool:
         """Whether the number is at most its bound."""
-        return self.bound is None or self.value <= self.bound
+        return self.bound is None or bool(self.value <= self.bound)
 
 
 @dataclass(frozen=True)

@@ -139,7 +139,9 @@ def _run(
         verdict.ends.append("refused")
         return None
     verdict.ends.append(_ending(result))
-    finite = np.isfinite(result.y).all() and all(np.isfinite(v).all() for v in result.outputs.values())
+    finite = np.isfinite(result.y).all() and all(
+        np.isfinite(v).all() for v in result.outputs.values()
+    )
     if not finite and result.status == 0:
         verdict.silent.append(f"{method}: NaN without a message")
     if result.status != 0 and not result.message.startswith("stopped at t = "):

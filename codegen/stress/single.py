@@ -59,7 +59,9 @@ def _scene(case: Case, found: Collector) -> None:
         what = f"{case.name}: {group}"
         total = count * len(result.t)
         note = f"{len(shares)} of {total} values told by the bound"
-        found.figures.append(Figure(f"{what}: error over bound", max(shares, default=0.0), 1.0, note))
+        found.figures.append(
+            Figure(f"{what}: error over bound", max(shares, default=0.0), 1.0, note)
+        )
         told = 1.0 - len(shares) / max(1, total)
         found.figures.append(Figure(f"{what}: not told by the bound", told, 1 - LEAST_TOLD, note))
 

@@ -103,7 +103,11 @@ def _sweep(track: Track, known: Reference, method: str, plan: Plan, found: Colle
 
 def _worst(figures: Sequence[Figure]) -> list[Figure]:
     """Return the figure that is the largest, if there is one; NaN counts as larger than all."""
-    return [max(figures, key=lambda f: math.inf if math.isnan(f.value) else f.value)] if figures else []
+    return (
+        [max(figures, key=lambda f: math.inf if math.isnan(f.value) else f.value)]
+        if figures
+        else []
+    )
 
 
 def _summed(gain: float, steps: int, local: float) -> float:

@@ -114,7 +114,9 @@ def _matrix(moments: list[float]) -> list[list[float]]:
     """Turn principal moments by half a radian about b3, then b1."""
     c, s = math.cos(0.5), math.sin(0.5)
     R = [[c, s, 0.0], [-s * c, c * c, s], [s * s, -c * s, c]]
-    J = [[sum(R[i][m] * moments[m] * R[j][m] for m in range(3)) for j in range(3)] for i in range(3)]
+    J = [
+        [sum(R[i][m] * moments[m] * R[j][m] for m in range(3)) for j in range(3)] for i in range(3)
+    ]
     return [[J[max(i, j)][min(i, j)] for j in range(3)] for i in range(3)]
 
 
