@@ -112,7 +112,7 @@ def _bounds(M: Array, sizes: Array) -> Amplification:
 
 def _inverse(m: Array) -> Array:
     try:
-        inverse: Array = np.linalg.inv(m)
+        inverse: Array = np.asarray(np.linalg.inv(m), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.full_like(m, np.inf)
     return inverse

@@ -144,9 +144,7 @@ def _pass(
             found.figures += judge(compiled, way, f"{where}: {method}", result, rtol)
 
 
-def _through(
-    compiled: Compiled, way: Passage, what: str, result: Result, rtol: float
-) -> list[Figure]:
+def _through(_: Compiled, way: Passage, what: str, result: Result, rtol: float) -> list[Figure]:
     """The run comes to the end with the error that it may have, and tells how near it was.
 
     Where the rounding of an angle is more, beside the distance, than a coarser tolerance, it may also end

@@ -16,8 +16,8 @@ CHECKS = (
     Check(
         "long-run",
         "over many rotations of a tumbling T-handle, rounding errors add up to a random walk",
-        "exponent of growth at most 1/2 for H, its components in space, and T; 3/2 for rates and attitude; "
-        "plus the error bar, which is itself at most 0.4",
+        "exponent of growth at most 1/2 for H, its components in space, and T; 3/2 for rates and "
+        "attitude; plus the error bar, which is itself at most 0.4",
         "errors over three decades of steps from many starts at rtol 2^-52, constants in 50 digits, "
         "phases by the closed form; straight lines through logarithms, bars by resampled starts",
         "Brouwer, Astron. J. 46 (1937) 149; for methods with compensated sums, others are told beside it",
@@ -25,9 +25,10 @@ CHECKS = (
     ),
     Check(
         "extreme-bodies",
-        "inertia ratios of 1e+-12, moments equal to 1e-15, spins of 1e+-9, the separatrix, unstable axis, rest",
-        "what errors of rtol in each step and state become, by the closed form; three times the root of the "
-        "number of steps in place of the number where they are a random walk",
+        "inertia ratios of 1e+-12, moments equal to 1e-15, spins of 1e+-9, the separatrix, unstable axis, "
+        "rest",
+        "what errors of rtol in each step and state become, by the closed form; three times the root of "
+        "the number of steps in place of the number where they are a random walk",
         "rates and attitude against the closed form, at seven times of up to 20 turns",
         "the closed form from states that are changed by one step's error, at times on the way",
         extreme_bodies,
@@ -45,7 +46,7 @@ CHECKS = (
         "errors go down with the tolerance from 1e-3 to 2^-52, and no method promises too much",
         "no error above 3 times that at the coarser tolerance; none above steps x amplification x rtol",
         "ends of all methods on all reference problems against ends of 20 digits",
-        "local errors of rtol (|x| + 1e-3), carried on by the propagator of the problem; rounding of 8 units",
+        "local errors of rtol (|x| + 1e-3), carried on by the problem's propagator; rounding of 8 units",
         tolerances,
     ),
     Check(
@@ -67,7 +68,7 @@ CHECKS = (
     Check(
         "random-scenes",
         "random scenes end in time, hide no failure, keep their invariants, two methods agree",
-        "no hang, crash or NaN without a message; drift and difference at most steps x amplification x rtol",
+        "no hang, crash or NaN without a message; drift, difference at most steps x amplification x rtol",
         "every scene in a process that is watched: derived, compiled once a kind, all methods in C",
         "as for tolerances",
         random_scenes,

@@ -95,7 +95,8 @@ class Reference:
     def errors(self, omega: Array, attitude: Array) -> Array:
         """Return at each time the larger of the relative error of the rates and that of the attitude."""
         rates = np.linalg.norm(omega - self.omega, axis=0) / self.speed
-        return np.maximum(rates, turn_between(attitude, self.attitude))
+        larger: Array = np.maximum(rates, turn_between(attitude, self.attitude))
+        return larger
 
     def per_step(self, rtol: float) -> float:
         """Return the most that an error of one step, at any of the times, makes of any later state."""

@@ -9,7 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.integrate.trajectory import Array
+from codegen.simulation import Result
 from codegen.stress.growth import MOMENTS, OMEGA
 from codegen.stress.record import Figure, Findings, Material, Plan
 from codegen.stress.running import Refusal, Run, attempt
@@ -78,16 +81,22 @@ def use(job: Job) -> Use | str:
     compiled = compile_system(job.system, parameters=MOMENTS)
     start = np.array([*OMEGA, 1.0, 0.0, 0.0, 0.0])
     step = 1e-3
-    before = 0.0
-    for steps in (SHORT, job.steps):
-        times = np.linspace(0.0, step * steps, ASKED)
-        before = peak() if steps == job.steps else 0.0
-        run = Run(compiled, start, times, max_step=step)
-        result = attempt(run, job.method, 1e-6)
-        if isinstance(result, Refusal):
-            return result.reason
-    stored = result.t.size + result.y.size
-    return Use(peak() - before, result.steps, stored, result.message)
+    short = _run(compiled, start, step, SHORT, job.method)
+    if isinstance(short, Refusal):
+        return short.reason
+    before = peak()
+    found = _run(compiled, start, step, job.steps, job.method)
+    if isinstance(found, Refusal):
+        return found.reason
+    stored = found.t.size + found.y.size
+    return Use(peak() - before, found.steps, stored, found.message)
+
+
+def _run(
+    compiled: Compiled, start: Array, step: float, steps: int, method: str
+) -> Result | Refusal:
+    times = np.linspace(0.0, step * steps, ASKED)
+    return attempt(Run(compiled, start, times, max_step=step), method, 1e-6)
 
 
 def peak() -> float:

@@ -131,7 +131,15 @@ def _run(
     """Integrate; note how it ended, and whether a failure is hidden."""
     start = {n: case.start[n] for n in compiled.system.state_names}
     times = np.linspace(0.0, case.end, 9)
-    run = Run(compiled, start, times, case.inputs, case.parameters, limit=RUN_SECONDS, max_steps=MOST_STEPS)  # fmt: skip
+    run = Run(
+        compiled,
+        start,
+        times,
+        case.inputs,
+        case.parameters,
+        limit=RUN_SECONDS,
+        max_steps=MOST_STEPS,
+    )
     result = attempt(run, method, rtol)
     if isinstance(result, Refusal):
         if result.late:

@@ -90,12 +90,14 @@ def data(outcomes: Sequence[Outcome], plan: Plan, about: Mapping[str, Any]) -> s
 
 def _check(o: Outcome) -> dict[str, Any]:
     words = {k: v for k, v in vars(o.check).items() if isinstance(v, str)}
-    figures = [
-        {"what": f.what, "value": _number(f.value), "bound": _number(f.bound), "passed": f.passed, "note": f.note}
-        for f in o.findings.figures
-    ]  # fmt: skip
+    figures = [_figure(f) for f in o.findings.figures]
     rest = {"seconds": round(o.seconds, 3), "figures": figures, "absent": o.findings.absent}
     return {**words, "verdict": o.findings.verdict, **rest}
+
+
+def _figure(f: Figure) -> dict[str, Any]:
+    numbers = {"value": _number(f.value), "bound": _number(f.bound)}
+    return {"what": f.what, **numbers, "passed": f.passed, "note": f.note}
 
 
 def _number(value: float | None) -> float | str | None:

@@ -67,7 +67,7 @@ def _scene(case: Case, found: Collector) -> None:
 
 
 def _rounded(values: Array) -> list[float]:
-    return [float(v) for v in np.float32(values)]
+    return [float(v) for v in np.asarray(values).astype(np.float32)]
 
 
 def _shares(compiled: Compiled, group: str, point: Point, single: _Single) -> list[float]:
@@ -119,4 +119,4 @@ class _Single:
         function.argtypes = [ctypes.c_float, *[ctypes.c_void_p] * 4]
         function.restype = None
         function(point.t, *(a.ctypes.data for a in (x, self.constants, u, out)))
-        return out
+        return out.astype(np.float64)

@@ -2,7 +2,8 @@
 
 A method promises local errors of at most rtol (|x| + 1e-3) in each state and step. What so many steps may
 make at the end, all errors in the worst sense, is their number times the amplification of the
-problem (`codegen.stress.amplification`) times rtol. Rounding is a local error of a few units in the last place.
+problem (`codegen.stress.amplification`) times rtol. Rounding is a local error of a few units in the
+last place.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import multiprocessing
 from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, Self
 
 READY_SECONDS = 300.0
 """A new process that has not even begun by then counts as dead."""
@@ -28,7 +28,7 @@ class Worker:
         self.process: Any = None
         self.connection: Connection | None = None
 
-    def __enter__(self) -> Worker:
+    def __enter__(self) -> Self:
         """Return self; the process starts with the first piece of work."""
         return self
 
@@ -82,6 +82,6 @@ def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
             return
         try:
             answer: tuple[bool, Any] = (True, work(argument))
-        except Exception as error:  # noqa: BLE001 - whatever it is, it is told
+        except Exception as error:  # whatever it is, it is told
             answer = (False, f"{type(error).__name__}: {error}")
         connection.send(answer)

@@ -25,7 +25,8 @@ ANGLE = {"quaternion": "q1", "dcm": "C23"}
 class Term:
     """A term of a torque about axis k: its formula with {k} and {angle}, and its parameters.
 
-    Each is drawn times a scale: M (moment times rate squared), c (moment times rate), J (moment), w (rate), 1.
+    Each is drawn times a scale: M (moment times rate squared), c (moment times rate), J (moment),
+    w (rate), or 1.
     """
 
     formula: str
