@@ -1,10 +1,10 @@
 """Many rotations of a tumbling body: how errors grow with the steps (Brouwer's law).
 
 Rounding errors without a bias add up to a random walk: those of constants of the motion grow like
-steps^(1/2), those of phases like steps^(3/2) (Brouwer, Astron. J. 46 (1937) 149). A systematic
-error a step, of rounding or of the method, shows as an exponent of 1 and 2. Exponents are slopes of straight lines through the logarithms of
-the root mean square over several starts; their error bar is three standard deviations over
-resampled starts (Efron and Tibshirani, An Introduction to the Bootstrap, 1993).
+steps^(1/2), those of phases like steps^(3/2) (Brouwer, Astron. J. 46 (1937) 149). A systematic error a
+step, of rounding or of the method, shows as an exponent of 1 and 2. Exponents are slopes of straight
+lines through the logarithms of the root mean square over several starts; their error bar is three
+standard deviations over resampled starts (Efron and Tibshirani, An Introduction to the Bootstrap, 1993).
 """
 
 from __future__ import annotations
