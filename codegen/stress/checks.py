@@ -18,7 +18,8 @@ CHECKS = (
         "over many rotations of a tumbling T-handle, rounding errors add up to a random walk",
         "exponent of growth at most 1/2 for H, its components in space, and T; 3/2 for rates and "
         "attitude; plus the error bar, which is itself at most 0.4",
-        "errors over three decades of steps from many starts at rtol 2^-52, constants in 50 digits, "
+        "errors over three decades of steps (--quick: 1.5) from many starts at rtol 2^-52, "
+        "constants in 50 digits, "
         "phases by the closed form; straight lines through logarithms, bars by resampled starts",
         "Brouwer, Astron. J. 46 (1937) 149; for methods with compensated sums, others are told beside it",
         long_run,

@@ -32,6 +32,8 @@ SPREAD = 0.01
 FLIP = 0.25
 """Part of a period, from the start, at which the body turns over fastest. Errors are compared there, period
 by period: what an error of phase makes of the state depends on where in its period that is."""
+FIRST_PERIOD = 4
+"""Periods after which errors are compared: before, errors of phase are not yet sums over many flips."""
 DECADES = 3.0
 TIMES_A_DECADE = 10
 RESAMPLED = 400
@@ -102,12 +104,13 @@ def _errors(
 
 
 def _periods(plan: Plan) -> Array:
-    """Return numbers of whole periods over `DECADES`, evenly in the logarithm; each once."""
+    """Return numbers of whole periods over up to `DECADES`, evenly in the logarithm; each once."""
     motion = free_motion([*MOMENTS.values()], OMEGA)
     turn = 2 * math.pi / float(np.linalg.norm(OMEGA))
     last = plan.size.rotations * turn / motion.period
-    count = round(DECADES * TIMES_A_DECADE) + 1
-    return np.unique(np.round(last * np.logspace(-DECADES, 0, count)))
+    decades = min(DECADES, math.log10(last / FIRST_PERIOD))
+    count = round(decades * TIMES_A_DECADE) + 1
+    return np.unique(np.round(last * np.logspace(-decades, 0, count)))
 
 
 def _deviations(compiled: Compiled, result: Result, motion: FreeMotion) -> Array:
@@ -174,7 +177,7 @@ def fitted(steps: Array, errors: Array, seed: int) -> Fit | None:
     >>> round(fitted(n, 1e-15 * np.outer([1.0, 1.1, 0.9, 1.05], n), 0).exponent, 6)
     1.0
     """
-    first = _first_seen(_rms(errors))
+    first = _first_seen(steps, _rms(errors))
     if first is None:
         return None
     n, seen = steps[first:], errors[:, first:]
@@ -185,11 +188,11 @@ def fitted(steps: Array, errors: Array, seed: int) -> Fit | None:
     return Fit(_slope(n, _rms(seen)), BAR * float(np.std(slopes)), decades)
 
 
-def _first_seen(size: Array) -> int | None:
-    """Return from where on errors are larger than what is hidden; at least half of the points."""
+def _first_seen(steps: Array, size: Array) -> int | None:
+    """Return from where on errors are larger than what is hidden, if that is a decade at least."""
     hidden = np.flatnonzero(size < HIDDEN)
     first = int(hidden[-1]) + 1 if hidden.size else 0
-    return first if first <= len(size) // 2 else None
+    return first if 10 * steps[min(first, len(size) - 1)] <= steps[-1] else None
 
 
 def _slope(n: Array, size: Sequence[float] | Array) -> float:

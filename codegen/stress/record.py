@@ -85,7 +85,7 @@ SIZES: Mapping[str, Size] = {
     size.name: size
     for size in (
         Size("quick", 1e3, 24, (1e-3, 1e-6, 1e-9, EPSILON), 0.05, 0.2, 20, 3, 20_000),
-        Size("default", 1e4, 24, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, EPSILON), 0.25, 0.5, 100, 10, 30_000),
+        Size("default", 3e4, 24, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, EPSILON), 0.25, 0.5, 100, 10, 30_000),
         Size("full", 1e6, 12, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, EPSILON), 1.0, 2.0, 1000, 30, 100_000),
     )
 }  # fmt: skip
