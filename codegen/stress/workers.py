@@ -11,6 +11,9 @@ from typing import Any, Self
 READY_SECONDS = 300.0
 """A new process that has not even begun by then counts as dead."""
 
+LAST_SECONDS = 10.0
+"""For a process that has closed its end to be over."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -40,14 +43,13 @@ class Worker:
         """Return the answer, or what went wrong: no answer in time, an exception, the process died."""
         connection = self.connection or self._begin()
         try:
-            if connection.poll(0):
-                connection.recv()
             connection.send(argument)
             if not connection.poll(seconds):
                 self._end()
                 return Answer(None, f"no answer within {seconds:g} s")
             fine, value = connection.recv()
         except (EOFError, OSError):
+            self.process.join(LAST_SECONDS)
             code = self.process.exitcode
             self._end()
             return Answer(None, f"the process died (exit code {code})")
