@@ -121,7 +121,7 @@ def there_and_back(material: Material, plan: Plan) -> Findings:
     tracks = _tracks(material, plan, found)
     for k, track in enumerate(tracks):
         if not track.gain.back < UNKNOWN:
-            text = f"errors grow {track.gain.back:.0e} times on the way back: nothing is to be kept"
+            text = f"errors may grow more than {UNKNOWN:.0e} times on the way back: all may be lost"
             found.refused.setdefault(("any method", text), []).append(track.case.name)
             continue
         for method in plan.methods:

@@ -36,7 +36,9 @@ def _checks() -> Rows:
     "--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable."
 )
 @click.option("--quick", is_flag=True, help="Fewer and shorter runs: about two minutes.")
-@click.option("--full", is_flag=True, help="1e6 rotations, whole problems, 1000 scenes: hours.")
+@click.option(
+    "--full", is_flag=True, help="1e6 rotations, whole problems, 1000 scenes: half an hour."
+)
 @click.option(
     "--out",
     "folder",
