@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run, bench."""
+"""The command line: list, derive, generate, accuracy, simulate, run, bench, stress."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from eom.commands.deriving import derive
 from eom.commands.generating import accuracy, generate
 from eom.commands.listing import list_names
 from eom.commands.simulating import run, simulate
+from eom.commands.stressing import stress
 from eom.errors import InputError
 
 UNUSABLE = 2
@@ -43,7 +44,7 @@ def main() -> None:
     """
 
 
-for command in (list_names, derive, generate, accuracy, simulate, run, bench):
+for command in (list_names, derive, generate, accuracy, simulate, run, bench, stress):
     main.add_command(command)
 
 if __name__ == "__main__":

@@ -260,6 +260,9 @@ class _Run:
         if where is not None:
             self.closest = np.minimum(self.closest, np.abs(self._singularities(t, x)))
         self._store_grid(t, dense)
+        if self.problem.t_eval is not None and not self.problem.dense_output:
+            self.times.clear()  # the last step is all that goes on being needed
+            self.points.clear()
         self.times.append(t)
         self.points.append(x)
         if self.problem.dense_output:

@@ -1,0 +1,136 @@
+"""Numerical stability: `eom stress`."""
+
+from __future__ import annotations
+
+import datetime
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom.commands.shared import Rows, WithTable, progress_of, report_files
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from codegen.stress.record import Check, Material, Plan
+    from codegen.stress.showing import Outcome
+    from codegen.workprecision.case import Case
+
+FAILED = 1
+"""Exit status where a check fails or cannot be measured."""
+WIDTH = 160
+
+
+def _checks() -> Rows:
+    from codegen.stress.checks import CHECKS
+
+    return [(check.name, check.states) for check in CHECKS]
+
+
+@click.command(cls=WithTable, title="Checks", rows=_checks)
+@click.argument("names", metavar="[CHECK]...", nargs=-1)
+@click.option(
+    "--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable."
+)
+@click.option("--quick", is_flag=True, help="Fewer and shorter runs: about two minutes.")
+@click.option(
+    "--full", is_flag=True, help="1e6 rotations, whole problems, 1000 scenes: half an hour."
+)
+@click.option(
+    "--out",
+    "folder",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Folder for the table as stress.txt and all figures as stress.json.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of starts and scenes.")
+def stress(
+    names: tuple[str, ...], methods: tuple[str, ...], folder: Path | None, **options: Any
+) -> None:
+    """Measure numerical stability against bounds that follow from something; a table of pass and fail.
+
+    Without names every check is made. Exit status: 0 if all pass, 1 if one fails or cannot be
+    measured, 2 for unusable input.
+    """
+    from codegen.compiled import write_files
+    from codegen.stress import showing
+    from codegen.stress.checks import chosen
+
+    checks, plan = chosen(names), _plan(methods, **options)
+    if folder is not None:
+        write_files({}, folder)
+    material = _material()
+    outcomes = [_measured(check, material, plan) for check in checks]
+    text = _print(outcomes, plan)
+    if folder is not None:
+        files = {"stress.json": showing.data(outcomes, plan, _about()), "stress.txt": text}
+        report_files(write_files(files, folder))
+    if not showing.all_passed(outcomes):
+        sys.exit(FAILED)
+
+
+def _plan(methods: tuple[str, ...], quick: bool, full: bool, seed: int) -> Plan:
+    from codegen.stress.record import SIZES, Plan, methods_of
+
+    if quick and full:
+        raise InputError("--quick and --full exclude each other", hint="leave one out")
+    size = SIZES["quick" if quick else "full" if full else "default"]
+    return Plan(size, methods_of(methods), seed)
+
+
+def _material() -> Material:
+    """Derive what is measured on."""
+    from codegen.stress.record import Material
+    from eom import catalogue, problems
+    from eom.commands.random_scenes import draw_scene
+    from eom.rigidbody import free_rigid_body
+
+    scenes = catalogue.names()
+    return Material(
+        free_body=free_rigid_body("quaternion"),
+        in_angles={name: free_rigid_body(name) for name in ("3-2-1", "3-1-3")},
+        problems=tuple(_case(n) for n in problems.names() if n not in scenes),
+        scenes=tuple(_case(n) for n in scenes),
+        draw=draw_scene,
+    )
+
+
+def _case(name: str) -> Case:
+    from codegen.workprecision.case import Case
+    from eom import problems
+
+    p = problems.ready(name)
+    numbers = (p.start, p.parameters, p.inputs)
+    return Case(p.name, p.title, p.system, *numbers, p.end, p.stiff)
+
+
+def _measured(check: Check, material: Material, plan: Plan) -> Outcome:
+    from codegen.stress.showing import Outcome
+
+    began = time.perf_counter()
+    with progress_of(check.name) as progress:
+        findings = check.run(material, replace(plan, progress=progress))
+    return Outcome(check, findings, time.perf_counter() - began)
+
+
+def _about() -> dict[str, Any]:
+    from codegen import machine
+
+    date = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    return {"machine": machine.description(), "date": date}
+
+
+def _print(outcomes: list[Outcome], plan: Plan) -> str:
+    """Print the table and what is to be said of it; return the same as text."""
+    from rich.console import Console
+
+    from codegen.stress import showing
+
+    console = Console(record=True, width=max(WIDTH, Console().width))
+    console.print(showing.table(outcomes, plan))
+    for line in showing.lines(outcomes):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    return console.export_text()
