@@ -102,9 +102,6 @@ def test_every_check_passes(run, tmp_path, name):
 
 
 @needs_compiler
-@pytest.mark.xfail(
-    reason="Taylor series at 2^-52 end too early, and 1/k is rounded: |q| drifts", strict=True
-)
 def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     size = replace(record.SIZES["quick"], limit=0.01)
     monkeypatch.setattr(record, "SIZES", {"quick": size})

@@ -171,7 +171,7 @@ def _auto(compiled: Compiled, rtol: float) -> Built:
 
 
 def _taylor(compiled: Compiled, rtol: float) -> Built:
-    program, layout, order = compiled.program, compiled.layout, taylor.order_of(rtol)
+    program, layout, order = compiled.program, compiled.layout, taylor_lanes.order_of(rtol)
     prepared = prepare(program, RATES, layout)
     reason = _against_lanes(program, prepared, order)
     if not reason:
@@ -183,6 +183,7 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
         else:
             name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
             return Built(runner(function), name, text)
+    order = taylor.order_of(rtol)
     text = taylor.single_text(program, layout, order)
     run = _many(text, layout, "taylor", taylor.FLAGS)
     name = f"Taylor series of order {order} in generated C"

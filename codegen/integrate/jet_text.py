@@ -17,7 +17,7 @@ typedef double HEAD_pack __attribute__((vector_size(32)));
 #define HEAD_TIMES(a, b) ((a) * (b))
 #define HEAD_PLUS(a, b) ((a) + (b))
 #define HEAD_MORE(s, a, b) ((s) + (a) * (b))
-#define HEAD_SCALED(a, factor) ((a) * (factor))
+#define HEAD_SCALED(a, factor, rest) ((a) * (factor) + (a) * (rest))
 #define HEAD_PLACE(a, n) ((a)[n])
 #if defined(__clang__) || __GNUC__ >= 12
 #define HEAD_CHOSEN __builtin_shufflevector
@@ -32,7 +32,7 @@ static inline HEAD_pack HEAD_PACK(double a, double b, double c, double d) {
 HEAD_EACH(HEAD_TIMES(HEAD_pack a, HEAD_pack b), n, a.v[n] * b.v[n])
 HEAD_EACH(HEAD_PLUS(HEAD_pack a, HEAD_pack b), n, a.v[n] + b.v[n])
 HEAD_EACH(HEAD_MORE(HEAD_pack s, HEAD_pack a, HEAD_pack b), n, s.v[n] + a.v[n] * b.v[n])
-HEAD_EACH(HEAD_SCALED(HEAD_pack a, double factor), n, a.v[n] * factor)
+HEAD_EACH(HEAD_SCALED(HEAD_pack a, double factor, double rest), n, a.v[n] * factor + a.v[n] * rest)
 #define HEAD_PLACE(a, n) ((a).v[n])
 #endif
 #ifndef HEAD_CHOSEN

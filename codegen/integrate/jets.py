@@ -40,10 +40,13 @@ def series(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
     body = [line for step in order_of_work
             for line in (vectors.whole(step) if isinstance(step, Group) else single[step])]  # fmt: skip
     lines = needed([
+        *_inverses(order),
         *vectors.declarations(order),
         f"for (int k = 1; k < {order}; ++k) {{",
-        "    const double part = 1.0 / k, next = 1.0 / (k + 1);",
-        "    (void)part;",
+        "    const double part = inverse[k];",
+        "    const double part_rest = rest[k];",
+        "    const double next = inverse[k + 1];",
+        "    const double next_rest = rest[k + 1];",
         *(f"    {line}" for line in (*vectors.sums(), *body, *vectors.stored(), *rules.results())),
         "}",
     ])  # fmt: skip
@@ -59,6 +62,16 @@ def series(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
         "",
     ]
     return [*texts, *(line.replace("HEAD", head) for line in function)], constants
+
+
+def _inverses(order: int) -> list[str]:
+    """Return the lines of 1/k in two doubles: the error of one would add up, the same in every step."""
+    exact = [Fraction(1, max(1, k)) for k in range(order + 1)]
+    rests = [float(e - Fraction(float(e))) for e in exact]
+    return [
+        f"static const double inverse[] = {{{', '.join(repr(float(e)) for e in exact)}}};",
+        f"static const double rest[] = {{{', '.join(map(repr, rests))}}};",
+    ]
 
 
 class _Rules(Order):
@@ -127,13 +140,13 @@ class _Rules(Order):
     def results(self) -> list[str]:
         """Return the lines of the next coefficients of the states."""
         groups = sorted({self.places[rate][0] for rate in self.rates if rate in self.places})
-        lines = [f"s{g} = HEAD_SCALED(g{g}, next);" for g in groups]
+        lines = [f"s{g} = HEAD_SCALED(g{g}, next, next_rest);" for g in groups]
         for i, rate in enumerate(self.rates):
             place = self.places.get(rate)
             lines.append(
                 f"x{i} = HEAD_PLACE(s{place[0]}, {place[1]});"
                 if place
-                else f"x{i} = next * {self.now(rate)};"
+                else f"x{i} = {self.now(rate)} * next + {self.now(rate)} * next_rest;"
             )
         return lines + [
             f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))
@@ -188,7 +201,8 @@ class _Rules(Order):
         return total
 
     def moment(self, a: Series, b: Series, high: int = 0) -> Text:
-        total = self._between(Sum(a, b, weighted=True)) * Text("part")
+        sums = self._between(Sum(a, b, weighted=True))
+        total = sums * Text("part") + sums * Text("part_rest")
         return total if high else total + self.now(a) * self.first(b)
 
     def _between(self, wanted: Sum) -> Text:

@@ -107,7 +107,7 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     s->evaluations = 1;
     s->t_old = s->t;
     s->h_old = 0.0;
-    s->reach = log2(larger(s->rtol * @CAUTION@, DBL_EPSILON)) / P;
+    s->reach = log2(s->rtol < @FULL@ ? @UNSEEN@ : s->rtol * @CAUTION@) / P;
     for (int i = 0; i < N; ++i) {
         s->x_low[i] = s->size[i] = 0.0;
         s->floor[i] = s->atol[i] / s->rtol;

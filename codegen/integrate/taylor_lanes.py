@@ -24,6 +24,11 @@ CAUTION = taylor.CAUTION / 2
 """The largest of many errors is what counts: half of what one trajectory is allowed."""
 
 
+def order_of(rtol: float) -> int:
+    """Return the order that suits a tolerance where work grows with its square: lanes share the rest."""
+    return taylor.order_of(max(rtol, taylor.FULL)) - taylor.FURTHER_ORDERS
+
+
 def single_text(prepared: Prepared, program: Program, layout: Layout, order: int) -> str:
     """Return the integrator as one text that compiles by itself."""
     prefix = f"{identifier(layout.name)}_taylor_lanes"
