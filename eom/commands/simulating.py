@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.shared import (
+    EVERY,
     WithTable,
     compiled_of,
     methods,
     print_equations,
     progress_of,
+    project_option,
     report_files,
     scene_argument,
     scene_of,
@@ -45,6 +47,7 @@ STOPPED = 1
 @click.option(
     "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
 )
+@project_option
 @target_option
 @click.option(
     "--out",
@@ -56,15 +59,22 @@ STOPPED = 1
 @click.option(
     "--plot", type=click.Path(path_type=Path), default=None, help="Draw to FILE.png, .pdf or .svg."
 )
-def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **options: Any) -> None:
+def simulate(
+    scene: str,
+    target: str,
+    file: Path | None,
+    plot: Path | None,
+    project: tuple[str, ...],
+    **options: Any,
+) -> None:
     """Integrate SCENE; print steps, time, drift of the constants and distance from singularities."""
     from codegen import export
 
     export.check_kinds(file, plot)
     chosen = scene_of(scene, **options)
-    result = _simulate(chosen, compiled_of(chosen, target))
+    result = _simulate(chosen, compiled_of(chosen, target), project)
     _save(chosen, result, file, plot)
-    _closing(result)
+    _closing(chosen, result)
 
 
 @click.command()
@@ -72,8 +82,9 @@ def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **op
 @click.option(
     "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
 )
+@project_option
 @target_option
-def run(scene: str, folder: Path, target: str) -> None:
+def run(scene: str, folder: Path, target: str, project: tuple[str, ...]) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen import export
 
@@ -82,15 +93,15 @@ def run(scene: str, folder: Path, target: str) -> None:
     click.echo()
     compiled = compiled_of(chosen, target)
     report_files(compiled.write(folder))
-    result = _simulate(chosen, compiled)
+    result = _simulate(chosen, compiled, project)
     picture = folder / "trajectory.png" if export.can_draw() else None
     _save(chosen, result, folder / "trajectory.npz", picture)
     if picture is None:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
-    _closing(result)
+    _closing(chosen, result)
 
 
-def _simulate(scene: Scene, compiled: Compiled) -> Result:
+def _simulate(scene: Scene, compiled: Compiled, project: tuple[str, ...]) -> Result:
     import codegen
 
     plan = scene.integration
@@ -108,6 +119,7 @@ def _simulate(scene: Scene, compiled: Compiled) -> Result:
             times,
             inputs=scene.input_values(),
             max_steps=plan.max_steps,
+            project=EVERY in project or project,
             progress=progress,
         )
 
@@ -126,7 +138,14 @@ def _save(scene: Scene, result: Result, file: Path | None, plot: Path | None) ->
     report_files(written)
 
 
-def _closing(result: Result) -> None:
+def _not_needed(scene: Scene) -> list[str]:
+    """Return the states that the derived system has neither as states nor, constant, as parameters."""
+    system = scene.derive()
+    kept = {*system.state_names, *system.parameter_names}
+    return [n for n in scene.full_system.state_names if n not in kept]
+
+
+def _closing(scene: Scene, result: Result) -> None:
     """Print the closing table; a run that stopped early ends with status 1."""
     from rich.console import Console
     from rich.table import Table
@@ -134,6 +153,10 @@ def _closing(result: Result) -> None:
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_row("result", result.message)
     table.add_row("method", result.method)
+    if result.why:
+        table.add_row("chosen because", result.why)
+    if left_out := [*_not_needed(scene), *result.left_out]:
+        table.add_row("left out", f"{', '.join(left_out)}: no output needs them")
     table.add_row(
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )
