@@ -122,7 +122,7 @@ def _check_names(
         for name in given:
             if name not in names:
                 raise unknown_name(kind, name, names)
-    to_array({n: 0.0 for n in inputs}, names_of(made.first.layout.inputs), "input")
+    to_array(dict.fromkeys(inputs, 0.0), names_of(made.first.layout.inputs), "input")
 
 
 def _wanted(made: CompiledCharts, names: Sequence[str] | None) -> tuple[str, ...]:
