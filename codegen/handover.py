@@ -103,10 +103,8 @@ def simulate(
         progress,
     )
     wanted = _wanted(made, outputs)
-    began = time.perf_counter()
     run = _Run(made, values, plan, wanted)
-    result = run.whole(to_array(initial, states, "initial value"), arguments.count(max_steps))
-    return replace(result, seconds=time.perf_counter() - began)
+    return run.whole(to_array(initial, states, "initial value"), arguments.count(max_steps))
 
 
 def _check_names(
@@ -274,7 +272,10 @@ class _Run:
         if result.sol is None:
             return result, None
         plan = result.t, self.plan.dense_output
-        return result, followed(between, result.sol, angles, result.t_stop, plan)
+        began = time.perf_counter()
+        found = followed(between, result.sol, angles, result.t_stop, plan)
+        seconds = result.seconds + time.perf_counter() - began
+        return replace(result, seconds=seconds), found
 
     def _without_direction(self, place: Place, result: Result, end: float, left: int) -> Part:
         """Return a run in the second chart up to where the torque has no direction."""

@@ -56,7 +56,7 @@ class Parts:
         self.first: Result | None = None
         self.last: Part | None = None
         self.stored, self.nfev, self.steps, self.rejected = 0, 0, 0, 0
-        self.closest = math.inf
+        self.seconds, self.closest = 0.0, math.inf
         self.changes: list[float] = []
         self.methods: dict[str, None] = {}
         self.solutions: list[tuple[Any, float]] = []
@@ -79,6 +79,7 @@ class Parts:
         self.nfev += part.result.nfev
         self.steps += part.result.steps
         self.rejected += part.result.rejected
+        self.seconds += part.result.seconds
         self.closest = min(self.closest, part.closest)
         self.methods[part.result.method] = None
         if part.solution is not None:
@@ -105,6 +106,7 @@ class Parts:
             why=first.why,
             steps=self.steps,
             rejected=self.rejected,
+            seconds=self.seconds,
             notice=_notice(self.changes) or last.result.notice,
             names=names,
             changes=tuple(self.changes),
