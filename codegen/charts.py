@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,6 +112,20 @@ class Between:
         found[list(self.made.charts.angles)] = angles.values
         return found
 
+    def tolerances(self, atol: Array) -> Array:
+        """Return absolute tolerances of the second chart's states from those of the first.
+
+        A state of the same name has the same one; the quaternion the least of the angles, other
+        rates the least of the rates.
+        """
+        own = dict(zip(self.names, atol.tolist(), strict=True))
+        turns = [self.names[k] for k in self.made.charts.angles]
+        angle = min(own[n] for n in turns)
+        rate = min((v for n, v in own.items() if n not in turns), default=angle)
+        names = names_of(self.made.second.layout.states)
+        rest = dict(zip(names, [rate] * (len(names) - 4) + [angle] * 4, strict=True))
+        return np.array([own.get(n, v) for n, v in rest.items()])
+
     def sign(self, x: Array) -> float:
         """Return the branch of a state of the first chart: the sign of cos or sin of its second angle."""
         theta = float(x[self.made.charts.angles[1]])
@@ -126,30 +140,74 @@ class Between:
         return abs(s) <= self.made.charts.enter
 
 
+@dataclass(frozen=True)
 class Followed:
-    """States of the first chart from a run in the second, by angles that were followed."""
+    """A run in the second chart with the angles that were followed through it."""
 
-    def __init__(self, between: Between, solution: Any, start: Angles, end: float) -> None:
-        self.between, self.solution = between, solution
-        self.path = [start]
-        self.ts, self.end = solution.ts, end
-        self._follow()
-        self.times = np.array([a.t for a in self.path])
+    y: Array
+    """States of the first chart at the times that were asked for, shape (n, N)."""
+    last: Angles
+    closest: float
+    """The least |singular function| at the points that were followed."""
+    lost: float | None
+    """The last of these times before the first angle first had no meaning, if ever."""
+    path: tuple[Angles, ...]
+    """All points, if they were to be kept."""
 
-    @property
-    def closest(self) -> float:
-        """The least |singular function| at the points that were followed."""
-        return min(self.between.distance(self.solution(a.t)) for a in self.path)
 
-    def _follow(self) -> None:
-        """Go through the run in pieces in which no angle turns much."""
-        direction = math.copysign(1.0, self.end - self.path[0].t)
-        while direction * (self.end - (here := self.path[-1]).t) > 0:
-            x = self.solution(here.t)
-            step = max(self.between.piece(x), 4 * math.ulp(here.t))
-            t = here.t + direction * step
-            t = self.end if direction * (self.end - t) <= 0.01 * step else t
-            self.path.append(self.between.angles(t, self.solution(t), here))
+def followed(
+    between: Between,
+    solution: Any,
+    start: Angles,
+    end: float,
+    plan: tuple[Array, bool],
+) -> Followed:
+    """Go through a run in pieces in which no angle turns much; keep what ``plan`` asks for.
+
+    ``plan``: times in the run, in its direction, at which to return states, and whether to keep all
+    points. Without that nothing grows with the length of the run.
+    """
+    times, keep = plan
+    direction = math.copysign(1.0, end - start.t)
+    columns: list[Array] = []
+    path = [start]
+    closest, lost = between.distance(solution(start.t)), None
+    for angles in _pieces(between, solution, start, end):
+        before = path[-1]
+        if angles.inside and lost is None:
+            lost = before.t
+        while len(columns) < len(times) and direction * (times[len(columns)] - angles.t) < 0:
+            columns.append(_states(between, solution, float(times[len(columns)]), before))
+        closest = min(closest, between.distance(solution(angles.t)))
+        path = path if keep else []
+        path.append(angles)
+    columns += [_states(between, solution, float(t), path[-1]) for t in times[len(columns) :]]
+    y = np.array(columns).reshape(len(columns), len(between.names)).T
+    return Followed(y, path[-1], closest, lost, tuple(path) if keep else ())
+
+
+def _pieces(between: Between, solution: Any, here: Angles, end: float) -> Iterator[Angles]:
+    """Yield the angles at the ends of pieces in which none turns much, up to ``end``."""
+    direction = math.copysign(1.0, end - here.t)
+    while direction * (end - here.t) > 0:
+        step = max(between.piece(solution(here.t)), 4 * math.ulp(here.t))
+        t = here.t + direction * step
+        t = end if direction * (end - t) <= 0.01 * step else t
+        here = between.angles(t, solution(t), here)
+        yield here
+
+
+def _states(between: Between, solution: Any, t: float, before: Angles) -> Array:
+    x = solution(t)
+    return between.states(x, between.angles(t, x, before))
+
+
+class FollowedSolution:
+    """Dense output in angles of a run in the second chart; ``sol(t)`` as that of other runs."""
+
+    def __init__(self, between: Between, solution: Any, path: Sequence[Angles]) -> None:
+        self.between, self.solution, self.path = between, solution, path
+        self.ts, self.times = solution.ts, np.array([a.t for a in path])
 
     def __call__(self, t: Any) -> Array:
         """Return the states at times inside the run, shape (n,) or (n, len(t))."""
@@ -158,9 +216,7 @@ class Followed:
         nodes, wanted = (self.times, times) if forward else (-self.times, -times)
         places = np.clip(np.searchsorted(nodes, wanted, side="right") - 1, 0, len(nodes) - 1)
         columns = [
-            self.between.states(
-                x := self.solution(float(at)), self.between.angles(float(at), x, self.path[k])
-            )
+            _states(self.between, self.solution, float(at), self.path[k])
             for at, k in zip(times, places, strict=True)
         ]
         values = np.array(columns).T.reshape(len(self.between.names), len(times))

@@ -12,14 +12,17 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen import native
+from codegen import closed_forms, native
 from codegen.closed_forms import Closed
-from codegen.layout import Layout
+from codegen.compiled import Compiled
+from codegen.integrate.trajectory import Problem
+from codegen.layout import Layout, names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.names import comment, identifier
 from codegen.program import Program
 from codegen.targets import lanes
 from codegen.tracing import traced
+from eom.errors import InputError
 from eom.system import TIME, Quantity
 
 Array = NDArray[np.float64]
@@ -102,6 +105,33 @@ def _source(name: str, closed: Closed) -> str:
         "}",
         "",
     ])  # fmt: skip
+
+
+def of_values(
+    compiled: Compiled,
+    initial: Mapping[str, float],
+    parameters: Mapping[str, float],
+    inputs: Mapping[str, float],
+) -> Closed:
+    """Return the closed form of a system with numbers by name.
+
+    Raises `InputError` where none is known, and for names that do not fit.
+    """
+    layout = compiled.layout
+    x = to_array(initial, names_of(layout.states), "initial value")
+    p = to_array(parameters, names_of(layout.parameters), "parameter")
+    u = to_array(inputs, names_of(layout.inputs), "input")
+    found = closed_forms.find(
+        compiled, Problem(x, (0.0, 1.0), p, u, 1e-9, np.full(len(x), 1e-12), 1e-6, 0)
+    )
+    if found is None:
+        kinds = dict.fromkeys(row.name for row in closed_forms.ROWS)
+        raise InputError(
+            "no closed form is known for this system with these values",
+            where=layout.name,
+            expected=f"one of: {', '.join(kinds)}",
+        )
+    return found
 
 
 def loaded(closed: Closed, name: str = "closed_form") -> Callable[[ArrayLike], Array]:

@@ -25,19 +25,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from codegen.charts import Between, CompiledCharts, Followed, compile_charts
+from codegen import arguments
+from codegen.charts import (
+    Angles,
+    Between,
+    CompiledCharts,
+    Followed,
+    FollowedSolution,
+    compile_charts,
+    followed,
+)
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
 from codegen.integrate.trajectory import MAX_STEPS, Array
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS
-from codegen.simulation import DEFAULT_MARGIN, Result, drift_of
+from codegen.parts import Part, Parts, Place
+from codegen.simulation import DEFAULT_MARGIN, Result, Signal, Values
 from codegen.simulation import simulate as simulate_one
+from eom.errors import unknown_name
 from eom.system import Charts
 
-Span = tuple[float, float]
 NEARLY = 1e-12
 """Margin of the run in the second chart: its stop is a crossing."""
+PIECE = 2000
+"""Steps in the second chart whose dense output is kept at a time, to follow the angles by."""
 
 
 @lru_cache(maxsize=16)
@@ -47,44 +59,95 @@ def _compiled_once(key: SameObject[Charts]) -> CompiledCharts:
 
 def simulate(
     charts: Charts | CompiledCharts,
-    initial: Mapping[str, float] | Sequence[float] | Array,
+    initial: Values,
     t_span: tuple[float, float],
     parameters: Mapping[str, float] | None = None,
     method: str = "auto",
     rtol: float = 1e-9,
-    atol: float | None = None,
+    atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, Signal] | None = None,
+    outputs: Sequence[str] | None = None,
     dense_output: bool = False,
+    first_step: float | None = None,
+    max_step: float = math.inf,
     max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate over ``t_span`` as `codegen.simulate` does; states are those of the first chart.
 
-    ``margin``: where the singular function is smaller the first angle has no meaning, see the module.
-    ``notice`` of the result tells how often and when coordinates changed.
+    ``atol``: a number, or one a state of the first chart; near the singular angle the quaternion
+    takes the least of the angles. ``outputs``: names of outputs to evaluate; all angles and rates are
+    integrated in any case, as the transfers need them. ``first_step``: of the whole run, not after
+    each change. ``margin``: where the singular function is smaller the first angle has no meaning,
+    see the module. With ``t_eval`` and without ``dense_output`` nothing but the times of changes
+    grows with the steps. ``changes`` and ``notice`` of the result tell when coordinates changed.
+    Raises as `codegen.simulate` does.
     """
     made = charts if isinstance(charts, CompiledCharts) else _compiled_once(SameObject(charts))
-    options = {"method": method, "rtol": rtol, "atol": atol, "inputs": inputs}
-    run = _Run(made, dict(parameters or {}), options, margin, (t_span, progress))
-    grid = None if t_eval is None else np.asarray(t_eval, dtype=np.float64)
-    began = time.perf_counter()
-    result = run.whole(initial, grid, max_steps, dense_output)
-    return replace(result, seconds=time.perf_counter() - began)
+    span, values = arguments.span(t_span), dict(parameters or {})
+    signals = dict(inputs or {})
+    _check_names(made, values, signals)
+    states = names_of(made.first.layout.states)
+    plan = _Plan(
+        span,
+        None if t_eval is None else arguments.grid(t_eval, span),
+        arguments.tolerances(atol, arguments.relative(rtol), len(states)),
+        arguments.optional(first_step, "first_step"),
+        arguments.positive(margin, "margin"),
+        dense_output,
+        signals,
+        {"method": method, "rtol": rtol, "max_step": max_step},
+        progress,
+    )
+    wanted = _wanted(made, outputs)
+    run = _Run(made, values, plan, wanted)
+    return run.whole(to_array(initial, states, "initial value"), arguments.count(max_steps))
+
+
+def _check_names(
+    made: CompiledCharts, parameters: Mapping[str, float], inputs: Mapping[str, Signal]
+) -> None:
+    """Raise `InputError` for names that the charts do not have, and for inputs that are missing."""
+    systems = (made.first, made.second, made.forth, made.back)
+    known = dict.fromkeys(n for s in systems for n in names_of(s.layout.parameters))
+    for kind, given, names in (
+        ("parameter", parameters, list(known)),
+        ("input", inputs, names_of(made.first.layout.inputs)),
+    ):
+        for name in given:
+            if name not in names:
+                raise unknown_name(kind, name, names)
+    to_array(dict.fromkeys(inputs, 0.0), names_of(made.first.layout.inputs), "input")
+
+
+def _wanted(made: CompiledCharts, names: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the names of the outputs to evaluate. Raises `InputError` for unknown names."""
+    layout = made.first.layout
+    if names is None:
+        return tuple(layout.results[OUTPUTS])
+    known = (*names_of(layout.states), *layout.results[OUTPUTS])
+    for name in names:
+        if name not in known:
+            raise unknown_name("state or output", name, known)
+    return tuple(n for n in layout.results[OUTPUTS] if n in names)
 
 
 @dataclass(frozen=True)
-class _Part:
-    """One run in one chart: its result, and states, outputs and dense output in angles."""
+class _Plan:
+    """What a run shall do; ``options`` are those of `codegen.simulate` for every part."""
 
-    result: Result
-    y: Array
-    y_stop: Array
-    outputs: Mapping[str, Array]
-    solution: Any
-    closest: float
+    span: tuple[float, float]
+    grid: Array | None
+    atol: Array
+    first_step: float | None
+    margin: float
+    dense_output: bool
+    inputs: Mapping[str, Signal]
+    options: Mapping[str, Any]
+    progress: Callable[[float], None] | None
 
 
 class _Run:
@@ -94,200 +157,160 @@ class _Run:
         self,
         made: CompiledCharts,
         parameters: dict[str, float],
-        options: dict[str, Any],
-        margin: float,
-        plan: tuple[tuple[float, float], Callable[[float], None] | None],
+        plan: _Plan,
+        wanted: tuple[str, ...],
     ) -> None:
-        self.made, self.options, self.margin = made, options, margin
-        self.between = Between(made, parameters, margin)
-        self.span, self.progress = plan
-        self.names = self.between.names
+        self.made, self.plan = made, plan
+        self.between = Between(made, parameters, plan.margin)
+        on_grid = plan.grid is not None
+        self.parts = Parts(made.first.layout, wanted, self._named, on_grid=on_grid)
 
-    def whole(self, initial: Any, grid: Array | None, max_steps: int, dense_output: bool) -> Result:
+    def whole(self, x: Array, max_steps: int) -> Result:
         """Run chart after chart until something else than a singularity stops the motion."""
-        start, end = self.span
-        x = to_array(initial, self.names, "initial value")
-        parts: list[_Part] = []
-        t, left = start, max_steps
-        second = self.between.is_near(x)
+        parts, left = self.parts, max_steps
+        place = Place(self.plan.span[0], x)
+        if self.between.is_near(x):
+            place = self._in_other_chart(place)
         while True:
-            own = None if grid is None else grid[np.sign(end - start) * (grid - t) >= 0]
-            if own is not None and parts:
-                own = own[np.sign(end - start) * (own - t) > 0]
-            job = self._in_second if second else self._in_first
-            part = job(x, (t, end), own, left)
-            parts.append(part)
-            x, t = part.y_stop, part.result.t_stop
+            part = (self._in_first if place.angles is None else self._in_second)(place, left)
+            parts.add(part)
             left -= part.result.steps + part.result.rejected
-            goes_on = part.result.status == 1 and self._is_transfer(part, second) and t != end
-            if not goes_on or left <= 0:
-                return self._together(parts, grid is not None, dense_output)
-            second = not second
+            if part.after is None or part.after.t == self.plan.span[1] or left <= 0:
+                names = self.between.names
+                return parts.result(names, dense_output=self.plan.dense_output)
+            place = part.after
+            if part.changes:
+                parts.changes.append(place.t)
 
-    def _is_transfer(self, part: _Part, second: bool) -> bool:
-        """Tell a stop at the border of a chart from one that nothing can be done about."""
-        if not second:
-            return True
-        least = list(part.result.margin.values())
-        return part.result.t_stop != self.span[0] and least[0] <= 2 * NEARLY
+    def _in_other_chart(self, place: Place) -> Place:
+        return Place(place.t, *self.between.forth(place.t, place.x))
 
-    def _told(self, part: float) -> None:
-        if self.progress is not None:
-            self.progress(part)
-
-    def _run(
-        self,
-        compiled: Compiled,
-        values: Array,
-        x: Array,
-        span: Span,
-        grid: Array | None,
-        left: int,
-        margin: float,
+    def _simulate(
+        self, compiled: Compiled, values: Array, place: Place, end: float, **more: Any
     ) -> Result:
-        start, end = self.span
-        done, share = (span[0] - start) / (end - start), (span[1] - span[0]) / (end - start)
-        inputs = self.options["inputs"] or {}
+        start, last = self.plan.span
+        done, share = (place.t - start) / (last - start), (end - place.t) / (last - start)
         known = names_of(compiled.layout.inputs)
-        options = {**self.options, "inputs": {n: v for n, v in inputs.items() if n in known}}
+        grid, direction = self.plan.grid, math.copysign(1.0, last - start)
+        own = None if grid is None else grid[self.parts.stored :]
+        if own is not None and end != last:
+            own = own[direction * (end - own) >= 0]
         return simulate_one(
             compiled,
-            x,
-            span,
+            place.x,
+            (place.t, end),
             values,
-            t_eval=grid,
-            dense_output=True,
-            max_steps=left,
-            margin=margin,
+            t_eval=own,
+            inputs={n: v for n, v in self.plan.inputs.items() if n in known},
+            first_step=self.plan.first_step if place.t == start else None,
             progress=lambda part: self._told(done + share * part),
-            **options,
+            **self.plan.options,
+            **more,
         )
 
-    def _in_first(self, x: Array, span: Span, grid: Array | None, left: int) -> _Part:
-        margin = self.made.charts.enter
-        result = self._run(
-            self.made.first, self.between.values(self.made.first), x, span, grid, left, margin
-        )
+    def _told(self, part: float) -> None:
+        if self.plan.progress is not None:
+            self.plan.progress(part)
+
+    def _in_first(self, place: Place, left: int) -> Part:
+        plan, made = self.plan, self.made
+        result = self._simulate(
+            made.first, self.between.values(made.first), place, plan.span[1], atol=plan.atol,
+            max_steps=left, margin=made.charts.enter, dense_output=plan.dense_output,
+        )  # fmt: skip
         outputs = {**result.outputs, **{n: d.start + d.over_time for n, d in result.drift.items()}}
         closest = min(result.margin.values(), default=math.inf)
-        return _Part(result, result.y, result.y_stop, outputs, result.sol, closest)
+        part = Part(result, result.y, result.y_stop, outputs, result.sol, closest)
+        if result.status != 1:
+            return part
+        there = self._in_other_chart(Place(result.t_stop, result.y_stop))
+        return replace(part, after=there, changes=True)
 
-    def _in_second(self, x: Array, span: Span, grid: Array | None, left: int) -> _Part:
-        result, followed = self._followed(x, span, grid, left)
-        if followed is None:
-            nothing = np.repeat(x[:, None], len(result.t), axis=1)
-            return _Part(result, nothing, x, {}, None, self.made.charts.enter)
-        lost = next((k for k, a in enumerate(followed.path) if k and a.inside), 0)
-        if lost and len(self.made.charts.second.singularities) > 1:
-            result, followed = self._without_direction(
-                x, span, grid, left, followed.path[lost - 1].t
-            )
-        y = followed(result.t) if len(result.t) else np.empty((len(self.names), 0))
-        last = self.between.states(result.y_stop, followed.path[-1])
-        return _Part(result, y, last, result.outputs, followed, followed.closest)
+    def _in_second(self, place: Place, left: int) -> Part:
+        assert place.angles is not None
+        result, found = self._followed(place, place.angles, self.plan.span[1], left)
+        if found is None:
+            x = self.between.states(place.x, place.angles)
+            y = np.repeat(x[:, None], len(result.t), axis=1)
+            return Part(result, y, x, result.outputs, None, self.made.charts.enter)
+        if found.lost is not None and len(self.made.charts.second.singularities) > 1:
+            return self._without_direction(place, result, found.lost, left)
+        last = self.between.states(result.y_stop, found.last)
+        part = self._part(result, found, last)
+        if result.status == 1 and self._is_transfer(result):
+            return replace(part, after=Place(result.t_stop, last), changes=True)
+        if self._was_cut_short(result, place.t, left):
+            return replace(part, after=Place(result.t_stop, result.y_stop, found.last))
+        return part
+
+    def _part(self, result: Result, found: Followed, last: Array) -> Part:
+        keep = self.plan.dense_output
+        dense = FollowedSolution(self.between, result.sol, found.path) if keep else None
+        return Part(result, found.y, last, result.outputs, dense, found.closest)
+
+    def _is_transfer(self, result: Result) -> bool:
+        """Tell a stop at the border of a chart from one that nothing can be done about."""
+        least = list(result.margin.values())
+        return result.t_stop != self.plan.span[0] and least[0] <= 2 * NEARLY
+
+    def _was_cut_short(self, result: Result, start: float, left: int) -> bool:
+        """Tell a run that used up `PIECE` from one that failed; closed forms count no steps."""
+        used = result.steps + result.rejected
+        ended = result.status == -1 and result.t_stop != start
+        return ended and left > PIECE and (used >= PIECE or used == 0)
 
     def _followed(
-        self, x: Array, span: Span, grid: Array | None, left: int
+        self, place: Place, angles: Angles, end: float, left: int
     ) -> tuple[Result, Followed | None]:
-        """Run in the second chart from a state of the first, and follow the angles."""
+        """Run in the second chart, at most `PIECE` steps, and follow the angles."""
         between, second = self.between, self.made.second
-        start, angles = between.forth(span[0], x)
         values = between.values(second, branch=angles.branch)
-        result = self._run(second, values, start, span, grid, left, NEARLY)
+        result = self._simulate(
+            second, values, place, end, atol=between.tolerances(self.plan.atol),
+            max_steps=min(left, PIECE), margin=NEARLY, dense_output=True,
+        )  # fmt: skip
         if result.sol is None:
             return result, None
-        return result, Followed(between, result.sol, angles, result.t_stop)
+        plan = result.t, self.plan.dense_output
+        began = time.perf_counter()
+        found = followed(between, result.sol, angles, result.t_stop, plan)
+        seconds = result.seconds + time.perf_counter() - began
+        return replace(result, seconds=seconds), found
 
-    def _without_direction(
-        self, x: Array, span: Span, grid: Array | None, left: int, end: float
-    ) -> tuple[Result, Followed]:
+    def _without_direction(self, place: Place, result: Result, end: float, left: int) -> Part:
         """Return a run in the second chart up to where the torque has no direction."""
-        direction = np.sign(end - span[0])
-        kept = None if grid is None else grid[direction * (end - grid) >= 0]
-        result, followed = self._followed(x, (span[0], end), kept, left)
-        assert followed is not None
-        place = self.made.charts.second.singularities[-1]
-        message = f"stopped at t = {end:.9g} s: {place.expression} = 0 is singular: {place.meaning}"
-        return replace(result, status=1, message=message), followed
-
-    def _together(self, parts: list[_Part], on_grid: bool, dense_output: bool) -> Result:
-        """Return all parts as one result; a point that two parts share stands once."""
-        first, last = parts[0].result, parts[-1].result
-        cuts = [int(k > 0 and not on_grid) for k in range(len(parts))]
-        t = np.concatenate([p.result.t[c:] for p, c in zip(parts, cuts, strict=True)])
-        y = np.concatenate([p.y[:, c:] for p, c in zip(parts, cuts, strict=True)], axis=1)
-        values = {
-            name: np.concatenate(
-                [self._named(p, name)[c:] for p, c in zip(parts, cuts, strict=True)]
-            )
-            for group in (OUTPUTS, INVARIANTS)
-            for name in self.made.first.layout.results[group]
-        }
-        layout = self.made.first.layout
-        changes = [p.result.t_stop for p in parts[:-1]]
-        drift = {n: drift_of(values[n], self._floor(first, n)) for n in layout.results[INVARIANTS]}
-        expressions = layout.results["singularities"]
-        return replace(
-            last,
-            t=t,
-            y=np.ascontiguousarray(y),
-            sol=_Joined(parts) if dense_output else None,
-            nfev=sum(p.result.nfev for p in parts),
-            outputs={n: values[n] for n in layout.results[OUTPUTS]},
-            drift=drift,
-            margin=dict.fromkeys(expressions, min(p.closest for p in parts)),
-            y_stop=parts[-1].y_stop,
-            method=" and ".join(dict.fromkeys(p.result.method for p in parts)),
-            why=parts[0].result.why,
-            steps=sum(p.result.steps for p in parts),
-            rejected=sum(p.result.rejected for p in parts),
-            notice=_notice(changes) or last.notice,
-            names=self.names,
+        assert place.angles is not None
+        singular = self.made.charts.second.singularities[-1]
+        message = (
+            f"stopped at t = {end:.9g} s: {singular.expression} = 0 is singular: {singular.meaning}"
         )
+        if end == place.t:
+            x = self.between.states(place.x, place.angles)
+            kept = int(len(result.t) > 0 and result.t[0] == end)
+            few = {n: v[:kept] for n, v in result.outputs.items()}
+            stopped = replace(result, t=result.t[:kept], t_stop=end, status=1, message=message)
+            distance = self.between.distance(place.x)
+            return Part(stopped, np.repeat(x[:, None], kept, axis=1), x, few, None, distance)
+        result, found = self._followed(place, place.angles, end, left)
+        assert found is not None
+        last = self.between.states(result.y_stop, found.last)
+        return self._part(replace(result, status=1, message=message), found, last)
 
-    def _floor(self, first: Result, name: str) -> float:
-        return first.drift[name].floor if name in first.drift else 0.0
-
-    def _named(self, part: _Part, name: str) -> Array:
+    def _named(self, part: Part, name: str) -> Array:
         """Return an output or constant of the motion at the points of a part."""
         if name in part.outputs:
             return part.outputs[name]
-        layout = self.made.first.layout
+        layout, t = self.made.first.layout, part.result.t
         group = OUTPUTS if name in layout.results[OUTPUTS] else INVARIANTS
-        if not len(part.result.t):
+        if not len(t):
             return np.empty(0)
-        inputs = to_array(
-            {n: float((self.options["inputs"] or {}).get(n, 0.0)) for n in names_of(layout.inputs)},
-            names_of(layout.inputs),
-            "input",
-        )
+        rows = [_at(self.plan.inputs[n], t) for n in names_of(layout.inputs)]
+        u = np.array(rows).reshape(len(rows), len(t))
         function = self.made.first.functions[group]
-        found = function(part.result.t, part.y, self.between.values(self.made.first), inputs)
+        found = function(t, part.y, self.between.values(self.made.first), u)
         return np.asarray(found[layout.results[group].index(name)])
 
 
-def _notice(changes: Sequence[float]) -> str:
-    if not changes:
-        return ""
-    times = ", ".join(f"{t:.6g}" for t in changes[:6]) + (", ..." if len(changes) > 6 else "")
-    return f"coordinates were changed {len(changes)} times near singular angles, at t = {times} s"
-
-
-class _Joined:
-    """Dense output of all parts in angles; ``sol(t)`` has shape (n,) or (n, len(t))."""
-
-    def __init__(self, parts: Sequence[_Part]) -> None:
-        used = [p for p in parts if p.solution is not None]
-        self.parts = [p.solution for p in used]
-        self.ends = np.array([p.result.t_stop for p in used])
-        self.ts = np.concatenate([self.parts[0].ts[:1], *(p.ts[1:] for p in self.parts)])
-        self.t_min, self.t_max = min(self.ts[0], self.ts[-1]), max(self.ts[0], self.ts[-1])
-
-    def __call__(self, t: Any) -> Array:
-        """Evaluate each time by the part that it lies in."""
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        direction = 1.0 if self.ts[-1] >= self.ts[0] else -1.0
-        places = np.searchsorted(direction * self.ends[:-1], direction * times, side="left")
-        columns = [self.parts[k](float(at)) for at, k in zip(times, places, strict=True)]
-        values = np.array(columns).T
-        return values[:, 0] if np.ndim(t) == 0 else values
+def _at(signal: Signal, times: Array) -> Array:
+    """Return an input over time."""
+    return np.array([signal(t) if callable(signal) else signal for t in times.tolist()])

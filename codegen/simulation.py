@@ -87,6 +87,8 @@ class Result:
     names: tuple[str, ...] = field(default=())
     left_out: tuple[str, ...] = ()
     """States and constants of the motion that the requested outputs do not need."""
+    changes: tuple[float, ...] = field(default=(), repr=False)
+    """Times at which angles were handed over and taken back (`codegen.handover`)."""
 
     def __repr__(self) -> str:
         """Say how the run ended and what it holds."""

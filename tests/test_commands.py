@@ -93,3 +93,55 @@ def test_bad_integrators_are_one_clear_error(run, case, tmp_path):
     assert done.stderr.count("error: ") == 1
     assert expected in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+# --- the closing table ----------------------------------------------------------------------------
+
+
+def rows_of(done):
+    """The closing table by its first column."""
+    lines = [line for line in done.output.splitlines() if "  " in line]
+    return {key.strip(): value.strip() for key, _, value in (w.partition("  ") for w in lines)}
+
+
+def test_the_closing_table_says_why_and_what_was_left_out(run):
+    """Without angles the free body has a closed form; phi of the wheel is cyclic and not asked for."""
+    wheel, handle = rows_of(run("simulate", "bicycle-wheel")), rows_of(run("simulate", "t-handle"))
+    assert (
+        handle["chosen because"]
+        == "angular velocity without torque, by Jacobi's elliptic functions"
+    )
+    assert handle["method"] == "closed form: free body"
+    assert wheel["left out"] == "phi: no output needs them"
+    assert "left out" not in handle
+    named = rows_of(run("simulate", "t-handle", "--method", "scipy:DOP853"))
+    assert "chosen because" not in named
+
+
+def drift_in(done, name):
+    return float(rows_of(done)[f"drift of {name}"].split()[0])
+
+
+def test_projection_keeps_what_is_named(run, tmp_path):
+    words = ["simulate", "gravity-gradient-satellite", "--rtol", 1e-6, "--points", 20, "--method"]
+    off = run(*words, "DOP853")
+    kept = run(*words, "DOP853", "--project", "E", "--project", "q_norm")
+    every = run(*words, "DOP853", "--project", "all")
+    for name in ("E", "q_norm"):
+        assert drift_in(off, name) > 1e-10
+        assert drift_in(kept, name) < 1e-13
+        assert drift_in(every, name) < 1e-13
+    done = run("run", "t-handle", "--out", tmp_path, "--project", "T")
+    assert done.exit_code == 0
+    assert "chosen because" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [(["--project", "qnorm"], "did you mean q_norm?"),
+     (["--project", "E", "--method", "scipy:LSODA"], "cannot project")],
+)  # fmt: skip
+def test_bad_projections_are_one_clear_error(run, words, expected):
+    done = run("simulate", "heavy-top", *words)
+    assert (done.exit_code, done.stderr.count("error: ")) == (2, 1)
+    assert expected in done.stderr

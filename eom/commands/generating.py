@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from eom.commands.shared import (
     Rows,
     WithTable,
     compiled_of,
+    handover_option,
     progress_of,
     report_files,
     scene_argument,
@@ -57,32 +59,83 @@ def _integrators() -> Rows:
 @click.option(
     "--jacobian", multiple=True, metavar="states|parameters|inputs|time", help="Also derivatives."
 )
-def generate(
-    scene: str, target: str, folder: Path | None, fixed: bool, report: bool, **options: Any
-) -> None:
+@click.option(
+    "--closed-form",
+    is_flag=True,
+    help="Instead: the motion of the scene's values in closed form, in C, where one is known.",
+)
+@handover_option
+def generate(scene: str, folder: Path | None, handover: bool | None, **options: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
     vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
-    --out may be left out with --report.
+    --out may be left out with --report. With hand-over of angles: both charts, the transfers, and
+    the loop that runs them, in C.
     """
+    if folder is None and not options["report"]:
+        raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
+    chosen = scene_of(scene, rtol=options["rtol"], handover=handover)
+    if options.pop("closed_form"):
+        _write_alone(_closed_form_files, "--closed-form", chosen, folder, options)
+    elif chosen.integration.handover:
+        _write_alone(_handover_files, "hand-over", chosen, folder, options)
+    else:
+        _generate(chosen, folder, **options)
+
+
+def _generate(
+    scene: Scene, folder: Path | None, target: str, fixed: bool, report: bool, **options: Any
+) -> None:
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files
     from codegen.linear import with_jacobians
     from codegen.pipeline import specialised
     from codegen.report import show as show_report
 
-    if folder is None and not report:
-        raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
-    chosen = scene_of(scene, rtol=options["rtol"])
-    integrator = _choice(options["integrator"], chosen)
-    values = chosen.parameter_values() if fixed else {}
+    integrator = _choice(options["integrator"], scene)
+    values = scene.parameter_values() if fixed else {}
     if report:
-        show_report(chosen.derive(), values, target, integrator)
+        show_report(scene.derive(), values, target, integrator)
     if folder is not None:
-        made = specialised(chosen.derive(), values, stable=options["stable"])
+        made = specialised(scene.derive(), values, stable=options["stable"])
         made = with_jacobians(*made, options["jacobian"], options["stable"])
         report_files(write_files(generate_files(*made, target, integrator), folder))
+
+
+def _write_alone(
+    files: Callable[[Scene], Mapping[str, str]],
+    what: str,
+    scene: Scene,
+    folder: Path | None,
+    options: Mapping[str, Any],
+) -> None:
+    """Write files that no option of the others changes. Raises `InputError` for such an option."""
+    from codegen.compiled import write_files
+
+    for name, value in options.items():
+        if value and (name, value) != ("target", "c"):
+            raise InputError(f"--{name} does not go with {what}", hint=f"leave out --{name}")
+    assert folder is not None
+    report_files(write_files(files(scene), folder))
+
+
+def _closed_form_files(scene: Scene) -> Mapping[str, str]:
+    import codegen
+    from codegen import closed_c
+
+    values = scene.initial_values(), scene.parameter_values(), scene.input_values()
+    closed = closed_c.of_values(codegen.compile(scene.derive(), "python"), *values)
+    click.echo(f"{closed.name}: {closed.meaning}")
+    return closed_c.files(closed, f"{scene.name}_closed")
+
+
+def _handover_files(scene: Scene) -> Mapping[str, str]:
+    from codegen import handover_c
+    from codegen.charts import compile_charts
+    from eom.handover import charts
+
+    return handover_c.files(compile_charts(charts(scene), "python"))
 
 
 def _choice(name: str | None, scene: Scene) -> Choice | None:

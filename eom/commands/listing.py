@@ -24,3 +24,4 @@ def list_names() -> None:
     Console(soft_wrap=True).print(table)
     click.echo("Try: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
     click.echo("or:  eom derive euler-equations --notation underline --as html > euler.html")
+    click.echo("or:  eom generate t-handle --closed-form --out handle")

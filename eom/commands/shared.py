@@ -27,6 +27,19 @@ target_option = click.option(
     metavar="c|numpy|python|auto",
     help="What to compile for.",
 )
+EVERY = "all"
+"""The word for every constant of the motion."""
+project_option = click.option(
+    "--project",
+    multiple=True,
+    metavar="all|NAME",
+    help="Keep these constants of the motion after each step, as T, H or q_norm.",
+)
+handover_option = click.option(
+    "--handover/--no-handover",
+    default=None,
+    help="Near the singularity of Euler angles go on in a quaternion.  [default: the scene's]",
+)
 
 
 class WithTable(click.Command):

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.commands.jobs import Job, job_of
 from eom.commands.shared import (
     WithTable,
-    compiled_of,
+    handover_option,
     methods,
     print_equations,
     progress_of,
+    project_option,
     report_files,
     scene_argument,
     scene_of,
@@ -21,11 +23,12 @@ from eom.commands.shared import (
 )
 
 if TYPE_CHECKING:
-    from codegen import Compiled, Result
-    from eom.scene import Scene
+    from codegen import Result
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
+MOST_CHANGES = 6
+"""Times of changes of chart that are told."""
 
 
 @click.command(cls=WithTable, title="Methods", rows=methods)
@@ -45,6 +48,8 @@ STOPPED = 1
 @click.option(
     "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
 )
+@project_option
+@handover_option
 @target_option
 @click.option(
     "--out",
@@ -56,15 +61,23 @@ STOPPED = 1
 @click.option(
     "--plot", type=click.Path(path_type=Path), default=None, help="Draw to FILE.png, .pdf or .svg."
 )
-def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **options: Any) -> None:
+def simulate(
+    scene: str,
+    target: str,
+    file: Path | None,
+    plot: Path | None,
+    project: tuple[str, ...],
+    **options: Any,
+) -> None:
     """Integrate SCENE; print steps, time, drift of the constants and distance from singularities."""
     from codegen import export
 
     export.check_kinds(file, plot)
     chosen = scene_of(scene, **options)
-    result = _simulate(chosen, compiled_of(chosen, target))
-    _save(chosen, result, file, plot)
-    _closing(result)
+    job = job_of(chosen, target, project)
+    result = _simulate(job)
+    _save(job, result, file, plot)
+    _closing(job, result)
 
 
 @click.command()
@@ -72,61 +85,56 @@ def simulate(scene: str, target: str, file: Path | None, plot: Path | None, **op
 @click.option(
     "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
 )
+@project_option
+@handover_option
 @target_option
-def run(scene: str, folder: Path, target: str) -> None:
+def run(
+    scene: str, folder: Path, target: str, project: tuple[str, ...], handover: bool | None
+) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen import export
+    from codegen.compiled import write_files
 
-    chosen = scene_of(scene)
+    chosen = scene_of(scene, handover=handover)
+    job = job_of(chosen, target, project)
     print_equations(chosen, "text", explain=True)
     click.echo()
-    compiled = compiled_of(chosen, target)
-    report_files(compiled.write(folder))
-    result = _simulate(chosen, compiled)
+    report_files(write_files(job.files, folder))
+    result = _simulate(job)
     picture = folder / "trajectory.png" if export.can_draw() else None
-    _save(chosen, result, folder / "trajectory.npz", picture)
+    _save(job, result, folder / "trajectory.npz", picture)
     if picture is None:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
-    _closing(result)
+    _closing(job, result)
 
 
-def _simulate(scene: Scene, compiled: Compiled) -> Result:
-    import codegen
-
-    plan = scene.integration
-    times = [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
-    initial, parameters = scene.initial_values(), scene.parameter_values()
+def _simulate(job: Job) -> Result:
     with progress_of("integrating") as progress:
-        return codegen.simulate(
-            compiled,
-            initial,
-            (0.0, plan.t_end),
-            parameters,
-            plan.method,
-            plan.rtol,
-            plan.atol,
-            times,
-            inputs=scene.input_values(),
-            max_steps=plan.max_steps,
-            progress=progress,
-        )
+        return job.integrate(progress)
 
 
-def _save(scene: Scene, result: Result, file: Path | None, plot: Path | None) -> None:
+def _save(job: Job, result: Result, file: Path | None, plot: Path | None) -> None:
     from codegen import export
 
     written = []
     if file is not None:
         written.append(export.save(result, file))
     if plot is not None:
-        system = scene.derive()
-        quantities = [*system.states, *(d.quantity for d in system.outputs)]
+        quantities = [*job.system.states, *(d.quantity for d in job.system.outputs)]
         units = {q.name: q.unit for q in quantities}
-        written.append(export.save_plot(result, plot, scene.requested_names(), units, scene.title))
+        names, title = job.requested_names(), job.scene.title
+        written.append(export.save_plot(result, plot, names, units, title))
     report_files(written)
 
 
-def _closing(result: Result) -> None:
+def _changes(result: Result) -> str:
+    """Say how often and when angles were handed over to the quaternion and taken back."""
+    times = ", ".join(f"{t:.6g}" for t in result.changes[:MOST_CHANGES])
+    more = ", ..." if len(result.changes) > MOST_CHANGES else ""
+    return f"{len(result.changes):,}, at t = {times}{more} s" if times else "none"
+
+
+def _closing(job: Job, result: Result) -> None:
     """Print the closing table; a run that stopped early ends with status 1."""
     from rich.console import Console
     from rich.table import Table
@@ -134,6 +142,12 @@ def _closing(result: Result) -> None:
     table = Table(box=None, show_header=False, pad_edge=False)
     table.add_row("result", result.message)
     table.add_row("method", result.method)
+    if result.why:
+        table.add_row("chosen because", result.why)
+    if left_out := [*job.not_needed(), *result.left_out]:
+        table.add_row("left out", f"{', '.join(left_out)}: no output needs them")
+    if job.handed:
+        table.add_row("changes of chart", _changes(result))
     table.add_row(
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )

@@ -1,8 +1,10 @@
 """Hand-over near singular angles: the same motion as in quaternions, angles that are continuous."""
 
+import gc
 import itertools
 import math
 import subprocess
+import weakref
 
 import numpy as np
 import pytest
@@ -11,14 +13,16 @@ import sympy as sp
 import eom
 from codegen import compile as compile_system
 from codegen import handover, handover_c, native, simulate
-from codegen.charts import compile_charts
+from codegen.charts import Between, compile_charts
 from codegen.compiled import write_files
 from eom.errors import InputError
 from eom.handover import charts, numbers
 from eom.kinematics import SEQUENCES, quaternion, quaternion_of_sequence, rotation_sequence
 
 MATRIX_OF_Q = sp.lambdify(quaternion().symbols, quaternion().matrix)
-TARGET = "c" if native.compiler() else "numpy"
+TARGET = "python"
+"""Of most runs: they are short, and nothing is compiled for them."""
+IN_C = "c" if native.compiler() else "numpy"
 TORQUE = {"components": ["k*sin(t)", 0, "-k*omega_1"]}
 
 
@@ -56,7 +60,8 @@ def made():
     known = {}
 
     def get(scene, target=TARGET):
-        key = (scene.model, scene.attitude, scene.torque.model_dump_json(), scene.body.moments)
+        law = scene.torque.model_dump_json()
+        key = (scene.model, scene.attitude, law, scene.body.moments, target)
         if key not in known:
             known[key] = compile_charts(charts(scene), target)
         return known[key]
@@ -89,10 +94,10 @@ def test_there_and_back_is_the_same_to_rounding(sequence):
 # --- whole runs -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("sequence", ["3-2-1", "2-3-2"])
-def test_a_tumbling_body_is_that_of_the_quaternion(made, sequence):
+@pytest.mark.parametrize(("sequence", "target"), [("3-2-1", IN_C), ("2-3-2", TARGET)])
+def test_a_tumbling_body_is_that_of_the_quaternion(made, sequence, target):
     scene = tumbling(sequence, torque=TORQUE, parameters={"k": 0.7})
-    compiled = made(scene)
+    compiled = made(scene, target)
     result = run(compiled, scene, (0, 12), rtol=1e-11, dense_output=True)
     assert result.status == 0
     assert "coordinates were changed" in result.notice
@@ -100,7 +105,7 @@ def test_a_tumbling_body_is_that_of_the_quaternion(made, sequence):
     data = scene.model_dump(exclude_unset=True) | {"attitude": "quaternion", "outputs": ()}
     other = eom.Scene(**data)
     reference = simulate(
-        compile_system(other.derive(), TARGET), other.initial_values(), (0, 12),
+        compile_system(other.derive(), target), other.initial_values(), (0, 12),
         other.parameter_values(), rtol=1e-12, t_eval=result.t,
     )  # fmt: skip
     q = [MATRIX_OF_Q(*(reference[f"q{k}"][j] for k in range(4))) for j in range(len(result.t))]
@@ -236,22 +241,31 @@ def test_coordinates_without_singular_angles_are_refused():
 MAIN = """
 #include "scene_handover.h"
 #include <stdio.h>
-#include <string.h>
+#include <stdlib.h>
+#define N (int)(sizeof s.x / sizeof *s.x)
+static double number(void) {
+    double x;
+    if (scanf("%lf", &x) != 1) exit(9);
+    return x;
+}
 int main(void) {
     static scene_handover s;
-    static double t[4000], x[4000 * @N@];
-    const double p[] = {@P@}, start[] = {@X@}, grid[] = {@GRID@};
+    static double t[4000], x[4000 * 16], grid[4000], p[16], u[16];
     scene_handover_output o = {t, x, NULL, 4000, 0, 0, 0};
-    if (!@STEPS@) o.grid = grid, o.grid_count = sizeof grid / sizeof *grid;
-    s.t = 0.0, s.t_end = @END@, s.rtol = 1e-11, s.atol = 1e-14, s.margin = 1e-6;
-    memcpy(s.x, start, sizeof start);
-    int status = scene_handover_start(&s, p, NULL);
-    do status = scene_handover_run(&s, NULL, &o, 7);
+    s.t = 0.0, s.t_end = number(), s.rtol = 1e-11, s.atol = 1e-14, s.margin = 1e-6;
+    for (int i = 0; i < N; ++i) s.x[i] = number();
+    for (int i = 0, count = (int)number(); i < count; ++i) p[i] = number();
+    for (int i = 0, count = (int)number(); i < count; ++i) u[i] = number();
+    o.grid_count = (size_t)number();
+    for (size_t i = 0; i < o.grid_count; ++i) grid[i] = number();
+    if (o.grid_count) o.grid = grid;
+    int status = scene_handover_start(&s, p, u);
+    do status = scene_handover_run(&s, u, &o, 7);
     while (status == SCENE_HANDOVER_PAUSED);
     printf("%d %lld %.17g\\n", status, s.changes, s.closest);
     for (size_t k = 0; k < o.count; ++k) {
         printf("%.17g", t[k]);
-        for (int i = 0; i < @N@; ++i) printf(" %.17g", x[k * @N@ + (size_t)i]);
+        for (int i = 0; i < N; ++i) printf(" %.17g", x[k * (size_t)N + (size_t)i]);
         printf("\\n");
     }
     return 0;
@@ -259,22 +273,32 @@ int main(void) {
 """
 
 
-def in_c(compiled, folder, start, parameters, end, grid):
-    """Compile the generated files with every warning an error, and run them."""
-    values = {"N": len(start), "P": parameters, "X": start, "GRID": grid or [0.0], "END": [end]}
-    text = MAIN.replace("@STEPS@", str(int(grid is None)))
-    for key, given in values.items():
-        listed = str(given) if key == "N" else ", ".join(repr(float(v)) for v in given)
-        text = text.replace(f"@{key}@", listed)
-    written = write_files({**handover_c.files(compiled), "main.c": text}, folder)
+def built_in(compiled, folder):
+    """Compile the generated files with every warning an error."""
+    written = write_files({**handover_c.files(compiled), "main.c": MAIN}, folder)
     sources = [str(f) for f in written if f.suffix == ".c"]
-    flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+    flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]
     subprocess.run(
         [*native.compiler(), *flags, *sources, "-o", str(folder / "run"), "-lm"], check=True
     )
+    return folder / "run"
+
+
+@pytest.fixture(scope="module")
+def free(made, tmp_path_factory):
+    """The program of a free body in 3-1-2 angles."""
+    return built_in(made(tumbling("3-1-2")), tmp_path_factory.mktemp("free"))
+
+
+def in_c(program, start, parameters, inputs, end, grid):
+    """Run a program; every step is stored where the grid is empty."""
+    given = [end, *start]
+    for group in (parameters, inputs, grid):
+        given += [len(group), *group]
     printed = subprocess.run(
-        [str(folder / "run")], check=True, capture_output=True, text=True, timeout=60
-    )
+        [str(program)], check=True, capture_output=True, text=True, timeout=60,
+        input=" ".join(repr(v) for v in given),
+    )  # fmt: skip
     head, *rows = printed.stdout.splitlines()
     table = np.array([[float(v) for v in row.split()] for row in rows]).T
     status, changes, closest = head.split()
@@ -287,7 +311,7 @@ def in_c(compiled, folder, start, parameters, end, grid):
     [((0.2, 0.0, 1e-3), (1.0, 0.0, 0.0), 9.0), ((0.2, 0.0, 1e-3), (1.0, 0.0, 0.0), -9.0),
      ((0.3, 0.0, 0.0), (1.0, 0.0, 0.0), 6.0), ((0.3, math.pi / 2, 0.0), (1.0, 0.2, 0.1), 6.0)],
 )  # fmt: skip
-def test_c_follows_the_same_angles(made, tmp_path, start, omega, end):
+def test_c_follows_the_same_angles(made, free, start, omega, end):
     scene = tumbling("3-1-2", start=start, omega=omega)
     compiled = made(scene)
     grid = np.linspace(0, end, 24).tolist()
@@ -295,7 +319,7 @@ def test_c_follows_the_same_angles(made, tmp_path, start, omega, end):
     names = ("psi", "theta", "phi", "omega_1", "omega_2", "omega_3")
     given = dict(zip(names, (*start, *omega), strict=True))
     x = [given[n] for n in compiled.first.layout.results["rates"]]
-    status, changes, closest, t, y = in_c(compiled, tmp_path, x, [1.0, 2.0, 2.5], end, grid)
+    status, changes, closest, t, y = in_c(free, x, [1.0, 2.0, 2.5], [], end, grid)
     assert status == 0
     assert f"changed {changes} times" in expected.notice
     assert t.tolist() == grid
@@ -304,11 +328,11 @@ def test_c_follows_the_same_angles(made, tmp_path, start, omega, end):
 
 
 @pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
-def test_c_stores_every_step_in_order(made, tmp_path):
+def test_c_stores_every_step_in_order(made, free):
     scene = tumbling("3-1-2", start=(0.2, 0.0, 0.02), omega=(1.0, 0.0, 0.0))
     names = made(scene).first.layout.results["rates"]
     x = [{"psi": 0.2, "phi": 0.02, "omega_1": 1.0}.get(n, 0.0) for n in names]
-    status, changes, _, t, y = in_c(made(scene), tmp_path, x, [1.0, 2.0, 2.5], 9.0, None)
+    status, changes, _, t, y = in_c(free, x, [1.0, 2.0, 2.5], [], 9.0, [])
     assert (status, changes) == (0, 6)
     assert np.all(np.diff(t) > 0)
     assert t[-1] == 9.0
@@ -358,3 +382,203 @@ def test_the_spin_of_a_wheel_is_a_number_of_both_charts():
     initial, parameters = numbers(wheel, charts(wheel))
     assert initial == {n: v for n, v in WHEEL.items() if n != "C"}
     assert parameters == {"I1": 0.06, "I2": 0.12, "M1": 0.5, "C": 6.0}
+
+
+# --- what `codegen.simulate` takes ----------------------------------------------------------------
+
+LOOPS = {"start": (0.2, 0.0, 0.02), "omega": (1.0, 0.0, 0.0)}
+"""A body that passes near the singular angle again and again."""
+
+
+def counted(monkeypatch):
+    """Count what each part stores: (chart is the second, points, points of dense output)."""
+    found, before = [], handover.simulate_one
+
+    def counting(compiled, *words, **options):
+        result = before(compiled, *words, **options)
+        dense = 0 if result.sol is None else len(result.sol.ts)
+        found.append((compiled.layout.name.endswith("quaternion"), len(result.t), dense))
+        return result
+
+    monkeypatch.setattr(handover, "simulate_one", counting)
+    return found
+
+
+def test_no_more_is_stored_than_asked_for(made, monkeypatch):
+    """However many steps there are: `PIECE` of them at a time, near the singular angle alone."""
+    scene = tumbling("3-1-2", **LOOPS)
+    grid = np.linspace(0, 60, 7)
+    whole = run(made(scene), scene, (0, 60), t_eval=grid, rtol=1e-11)
+    monkeypatch.setattr(handover, "PIECE", 2)
+    found = counted(monkeypatch)
+    result = run(made(scene), scene, (0, 60), t_eval=grid, rtol=1e-11)
+    assert result.steps > 500
+    assert len(found) > len(result.changes) + 15
+    assert sum(points for _, points, _ in found) == len(grid)
+    assert max(dense for second, _, dense in found if second) == 3
+    assert not any(dense for second, _, dense in found if not second)
+    assert result.sol is None
+    assert len(result.changes) == len(whole.changes) > 30
+    np.testing.assert_allclose(result.changes, whole.changes, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(result.y, whole.y, rtol=0, atol=1e-6)
+    every = run(made(scene), scene, (0, 20), rtol=1e-11, dense_output=True)
+    assert np.all(np.diff(every.t) > 0)
+    np.testing.assert_allclose(every.sol(grid[:3]), whole.y[:, :3], rtol=0, atol=1e-6)
+
+
+def test_a_motion_that_stays_near_the_singular_angle_is_not_kept(made, monkeypatch):
+    """The dense output of a piece is gone when the next but one begins."""
+    scene = tumbling("3-2-1", start=(0.3, math.pi / 2 - 0.09, 0.0), omega=(2.0, 0.0, 0.0))
+    monkeypatch.setattr(handover, "PIECE", 20)
+    found = counted(monkeypatch)
+    kept, alive, before = [], [], handover.simulate_one
+
+    def watching(*words, **options):
+        if len(kept) % 8 == 7:
+            gc.collect()
+            alive.append(sum(there() is not None for there in kept))
+        result = before(*words, **options)
+        kept.append(weakref.ref(result.sol))
+        return result
+
+    monkeypatch.setattr(handover, "simulate_one", watching)
+    result = run(made(scene), scene, (0, 10), t_eval=[0.0, 1.0, 2.0], max_step=0.02)
+    assert (result.status, result.changes, result.t.tolist()) == (0, (), [0.0, 1.0, 2.0])
+    assert len(found) == len(kept) >= 25
+    assert max(dense for _, _, dense in found) == 21
+    assert len(alive) >= 3
+    assert max(alive) <= 2
+    assert result.y_stop[list(result.names).index("phi")] == pytest.approx(20, abs=1e-6)
+
+
+def test_steps_and_tolerances_are_taken_as_for_one_chart(made, monkeypatch):
+    scene = tumbling("3-1-2", **LOOPS)
+    names = made(scene).first.layout.results["rates"]
+    exact = run(made(scene), scene, (0, 5), rtol=1e-13).y[:, -1]
+    fine = [1e-12] * len(names)
+    coarse = [1e-2 if n == "psi" else 1e-12 for n in names]
+    ends = {}
+    for name, atol in (("fine", fine), ("number", 1e-12), ("coarse", coarse)):
+        result = run(made(scene), scene, (0, 5), rtol=1e-10, atol=atol, method="scipy:DOP853")
+        ends[name] = (result.steps, np.abs(result.y[:, -1] - exact).max())
+    assert ends["fine"] == ends["number"]
+    assert ends["coarse"][0] < ends["fine"][0]
+    assert ends["fine"][1] < 1e-7
+    short = run(made(scene), scene, (0, 5), max_step=0.01)
+    assert short.steps >= 500
+    seen, before = [], handover.simulate_one
+
+    def watching(*words, **options):
+        seen.append(options["first_step"])
+        return before(*words, **options)
+
+    monkeypatch.setattr(handover, "simulate_one", watching)
+    first = run(made(scene), scene, (0, 5), first_step=1e-3)
+    assert seen == [1e-3] + [None] * (len(seen) - 1)
+    assert len(seen) > 3
+    assert first.steps > 0
+
+
+def test_tolerances_go_over_to_the_other_chart(made):
+    compiled = made(tumbling("3-1-2"))
+    values = {
+        "psi": 1e-3,
+        "theta": 1e-5,
+        "phi": 1e-4,
+        "omega_1": 1.0,
+        "omega_2": 2.0,
+        "omega_3": 3.0,
+    }
+    names = compiled.first.layout.results["rates"]
+    between = Between(compiled, {"I1": 1.0, "I2": 2.0, "I3": 2.5}, 1e-6)
+    found = between.tolerances(np.array([values[n] for n in names]))
+    assert found.tolist() == [1.0, 2.0, 3.0, 1e-5, 1e-5, 1e-5, 1e-5]
+
+
+def test_outputs_that_are_not_named_are_left_out(made):
+    scene = tumbling("3-1-2", **LOOPS)
+    every = run(made(scene), scene, (0, 5))
+    some = run(made(scene), scene, (0, 5), outputs=["T", "psi"])
+    assert set(every.outputs) == {"T", "H_3"}
+    assert set(some.outputs) == {"T"}
+    assert some.names == every.names
+    np.testing.assert_array_equal(some.y, every.y)
+    np.testing.assert_array_equal(some["T"], every["T"])
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [({"atol": [1.0, 2.0]}, "atol does not fit"), ({"outputs": ["Tee"]}, "unknown state or output"),
+     ({"max_step": 0.0}, "max_step is not positive"), ({"first_step": -1.0}, "first_step"),
+     ({"t_eval": [3.0, 9.0]}, "t_eval does not fit"), ({"max_steps": 0}, "max_steps"),
+     ({"inputs": {"push": 1.0}}, "unknown input"), ({"rtol": 0.0}, "rtol"), ({"margin": 0.0}, "margin")],
+)  # fmt: skip
+def test_bad_arguments_are_refused(made, options, expected):
+    scene = tumbling("3-1-2")
+    with pytest.raises(InputError, match=expected):
+        run(made(scene), scene, (0, 5), **options)
+    with pytest.raises(InputError, match="time interval"):
+        run(made(scene), scene, (5, 5))
+
+
+# --- torques of all kinds -------------------------------------------------------------------------
+
+
+def in_quaternions(scene, result, end, **inputs):
+    """Attitude matrices at the points of a result, from the same scene in a quaternion."""
+    data = scene.model_dump(exclude_unset=True) | {"attitude": "quaternion", "outputs": ()}
+    other = eom.Scene(**data)
+    found = simulate(
+        compile_system(other.derive(), TARGET), other.initial_values(), (0, end),
+        other.parameter_values(), "DOP853", 1e-12, t_eval=result.t, **inputs,
+    )  # fmt: skip
+    return [MATRIX_OF_Q(*(found[f"q{k}"][j] for k in range(4))) for j in range(len(result.t))]
+
+
+PUSHED = {"torque": {"components": ["push", "0.2*turn", 0]}, "inputs": {"push": 0.0, "turn": 0.5}}
+TORQUES = {
+    "heavy top": {"torque": {"weight": {"mass": 1.0, "gravity": 4.0, "centre_of_mass": [0.1, 0, 0.3]}}},
+    "gravity gradient": {"torque": {"gravity_gradient": {"orbital_rate": 1.1}}},
+    "inputs": PUSHED,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TORQUES)
+@pytest.mark.parametrize("sequence", ["3-2-1", "3-1-3"])
+def test_torques_that_depend_on_attitude_or_inputs(made, name, sequence):
+    """Inputs as numbers and as Python functions; each beside the same scene in a quaternion."""
+    omega = (0.1, 1.3, 0.05) if sequence == "3-2-1" else (-1.3, 0.1, 0.05)
+    scene = tumbling(sequence, start=(0.4, 0.9, 0.05), omega=omega, **TORQUES[name])
+    found = charts(scene)
+    initial, parameters = numbers(scene, found)
+    inputs = {"inputs": {"push": lambda t: 0.7 * math.sin(2 * t), "turn": 0.5}}
+    options = inputs if name == "inputs" else {}
+    result = handover.simulate(
+        made(scene), initial, (0, 8), parameters, "DOP853", 1e-11,
+        t_eval=np.linspace(0, 8, 30), **options,
+    )  # fmt: skip
+    assert result.status == 0
+    assert len(result.changes) >= 2
+    expected = in_quaternions(scene, result, 8, **options)
+    np.testing.assert_allclose(matrices(sequence, result), expected, rtol=0, atol=1e-7)
+
+
+@pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
+def test_inputs_in_c_are_those_of_the_first_chart(made, tmp_path):
+    scene = tumbling("3-2-1", start=(0.4, 0.9, 0.05), omega=(0.1, 1.3, 0.05), **PUSHED)
+    compiled = made(scene)
+    initial, parameters = numbers(scene, charts(scene))
+    held = {"push": 0.3, "turn": -0.8}
+    grid = np.linspace(0, 8, 20).tolist()
+    expected = handover.simulate(
+        compiled, initial, (0, 8), parameters, "DOP853", 1e-11, 1e-14, grid, inputs=held
+    )
+    order = compiled.first.layout.inputs
+    program = built_in(compiled, tmp_path)
+    status, changes, _, _, y = in_c(
+        program, list(initial.values()), list(parameters.values()),
+        [held[q.name] for q in order], 8.0, grid,
+    )  # fmt: skip
+    assert (status, changes) == (0, len(expected.changes))
+    assert changes >= 2
+    np.testing.assert_allclose(y, expected.y, rtol=0, atol=1e-6)
