@@ -16,7 +16,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-@NUMBERS@
+@NUMBERS@@START@
 @QUATERNIONS@
 @KERNELS@
 static void slopes(const @PREFIX@ *s, double t, const double *y, const double *u, double *f) {
@@ -152,16 +152,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
             s->which = 0;
             return s->status = @UPPER@_NOT_FINITE;
         }
-#if S
-    @NAME@_singularities(s->t, s->x, &s->constants, u, s->singular);
-    for (int k = 0; k < S; ++k) {
-        s->closest[k] = fabs(s->singular[k]);
-        if (s->closest[k] <= s->margin) {
-            s->which = k;
-            return s->status = @UPPER@_SINGULAR;
-        }
-    }
-#endif
+    if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
     if (s->h <= 0.0) s->h = first_step(s, u, direction);
     return s->status = @UPPER@_PAUSED;
 }

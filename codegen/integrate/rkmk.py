@@ -115,6 +115,7 @@ def _of_variables(shape: _Shape, made: group.Functions) -> dict[str, str]:
         "VARIABLE_COUNT": str(variables.number),
         "LOCAL": str(shape.local),
         "POINT": str(shape.point),
+        "DENSE_SHAPE": "[@ROW@]",
         "ROW": str(shape.terms * shape.states),
         "MOMENTUM": str(variables.momentum),
         "QUATERNION": ", ".join(map(str, quaternion)),

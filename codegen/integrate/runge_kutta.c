@@ -9,7 +9,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-@NUMBERS@static double scaled_norm(const @PREFIX@ *s, const double *v) {
+@NUMBERS@@START@static double scaled_norm(const @PREFIX@ *s, const double *v) {
     double sum = 0.0;
     for (int i = 0; i < N; ++i) {
         const double r = v[i] / (s->atol[i] + s->rtol * fabs(s->x[i]));
@@ -48,16 +48,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     @NAME@_rates(s->t, s->x, &s->constants, u, s->f);
     s->which = first_bad(s->f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
-#if S
-    @NAME@_singularities(s->t, s->x, &s->constants, u, s->singular);
-    for (int k = 0; k < S; ++k) {
-        s->closest[k] = fabs(s->singular[k]);
-        if (s->closest[k] <= s->margin) {
-            s->which = k;
-            return s->status = @UPPER@_SINGULAR;
-        }
-    }
-#endif
+    if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
     if (s->h <= 0.0) s->h = first_step(s, u, direction);
     return s->status = @UPPER@_PAUSED;
 }

@@ -5,25 +5,7 @@
  * count to 0) nor PAUSED (max_steps were tried; call again to go on). Integration may go backwards.
  * There are no globals and no allocation; @STACK@ bytes of stack are used.
  */
-#ifndef @UPPER@_H
-#define @UPPER@_H
-
-#include "@NAME@.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-enum {
-    @UPPER@_NOT_FINITE = -2,     /* NaN or infinity in state or rate number "which" */
-    @UPPER@_STEP_TOO_SMALL = -1, /* the tolerance cannot be met */
-    @UPPER@_DONE = 0,            /* t_end is reached */
-    @UPPER@_SINGULAR = 1,        /* singularity number "which" is within the margin, at time t */
-    @UPPER@_FULL = 2,
-    @UPPER@_PAUSED = 3,
-    @UPPER@_TOO_SMALL = 4        /* with a grid: fewer free places than grid points; nothing is done */
-};
-
+@INTERFACE@
 typedef struct {
     double t, t_end, h, h_max, rtol, margin;
     double t_low, t_old, h_old;
@@ -35,20 +17,7 @@ typedef struct {
     @NAME@_constants constants; /* what depends on the parameters alone */
 } @PREFIX@;
 
-/* Where results go: the states at each step, or at the times of grid. Arrays of the caller:
- * t[capacity], x[capacity][n], and dense[capacity][@DENSE_TERMS@][n] or NULL (steps only). Zero it
- * before use. grid: times in the direction of integration, inside [t, t_end], or NULL for every
- * step; with a grid there must be room for all of it. */
-typedef struct {
-    double *t, *x, *dense;
-    const double *grid;
-    size_t capacity, count, grid_count, next;
-} @PREFIX@_output;
-
-size_t @PREFIX@_size(void);
-int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u);
-int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps);
-
+@OUTPUT@
 #ifdef __cplusplus
 }
 #endif

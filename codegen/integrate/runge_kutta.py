@@ -46,10 +46,15 @@ def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
     )
 
 
+SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c",
+          "INTERFACE": "interface.h", "OUTPUT": "output.h"}  # fmt: skip
+"""What the texts of several methods have in common, by file."""
+
+
 def fill(template: str, values: Mapping[str, str]) -> str:
     """Return a template of this folder with its keys replaced, those of the shared parts first."""
     text = _template(template)
-    shared = {key: _template(f"{key.lower()}.c") for key in ("NUMBERS", "EVENTS")}
+    shared = {key: _template(file) for key, file in SHARED.items()}
     for key, value in {**shared, **values}.items():
         text = text.replace(f"@{key}@", value)
     return text
@@ -82,6 +87,7 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         "LAST": str(last),
         "ALL_STAGES": str(len(tableau.stages)),
         "DENSE_TERMS": str(tableau.dense_terms),
+        "DENSE_SHAPE": f"[{tableau.dense_terms}][n]",
         "STACK": f"about {8 * n * (len(tableau.stages) + 8)}",
         "EVALUATIONS": str(last),
         "STAGES": "\n".join(main),

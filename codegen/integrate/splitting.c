@@ -14,7 +14,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-@NUMBERS@
+@NUMBERS@@START@
 @QUATERNIONS@
 @FREE_TURN@
 @KERNELS@
@@ -242,16 +242,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
             s->which = 0;
             return s->status = @UPPER@_NOT_FINITE;
         }
-#if S
-    @NAME@_singularities(s->t, s->x, &s->constants, u, s->singular);
-    for (int k = 0; k < S; ++k) {
-        s->closest[k] = fabs(s->singular[k]);
-        if (s->closest[k] <= s->margin) {
-            s->which = k;
-            return s->status = @UPPER@_SINGULAR;
-        }
-    }
-#endif
+    if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
     const double span = fabs(s->t_end - s->t);
     const double h = fmin(s->h_max, s->h > 0.0 ? s->h : first_step(s, u));
     s->h = span / larger(1.0, ceil(span / h * (1.0 - 1e-12)));

@@ -5,25 +5,7 @@
  * count to 0) nor PAUSED (max_steps were made; call again to go on). Integration may go backwards.
  * There are no globals and no allocation; @STACK@ bytes of stack are used.
  */
-#ifndef @UPPER@_H
-#define @UPPER@_H
-
-#include "@NAME@.h"
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-enum {
-    @UPPER@_NOT_FINITE = -2,     /* NaN or infinity in state or rate number "which" */
-    @UPPER@_STEP_TOO_SMALL = -1, /* a step is below the resolution of time */
-    @UPPER@_DONE = 0,            /* t_end is reached */
-    @UPPER@_SINGULAR = 1,        /* singularity number "which" is within the margin, at time t */
-    @UPPER@_FULL = 2,
-    @UPPER@_PAUSED = 3,
-    @UPPER@_TOO_SMALL = 4        /* with a grid: fewer free places than grid points; nothing is done */
-};
-
+@INTERFACE@
 /* Variables: a unit quaternion q; the momentum pi of the body, components in the reference frame; its
  * rates omega about principal axes. Momentum has the greater part in omega where the moment is large. */
 typedef struct {
@@ -42,20 +24,7 @@ typedef struct {
     double of_kick[@OF_KICK@];
 } @PREFIX@;
 
-/* Where results go: the states at each step, or at the times of grid. Arrays of the caller:
- * t[capacity], x[capacity][n], and dense[capacity][@ROW@] or NULL (steps only). Zero it before use.
- * grid: times in the direction of integration, inside [t, t_end], or NULL for every step; with a
- * grid there must be room for all of it. */
-typedef struct {
-    double *t, *x, *dense;
-    const double *grid;
-    size_t capacity, count, grid_count, next;
-} @PREFIX@_output;
-
-size_t @PREFIX@_size(void);
-int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u);
-int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps);
-
+@OUTPUT@
 /* The states x[count][n] at parts theta, from 0 to 1, of steps whose rows were stored as dense. */
 void @PREFIX@_between(const double *p, const double *u, size_t count, const double *theta, const double *rows, double *x);
 

@@ -186,6 +186,7 @@ def _filled(
         "KERNELS": made.text,
         "QUATERNION": ", ".join(map(str, variables.attitude.quaternion)),
         "RATES": ", ".join(map(str, rates)),
+        "DENSE_SHAPE": "[@ROW@]",
         "ROW": str(_terms(variables.count) * variables.count),
         "OF_KICK": str(made.constants["kick"]),
         "OF_CONSTANTS": str(made.constants["known"]),

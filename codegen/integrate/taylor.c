@@ -13,7 +13,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-@NUMBERS@/* Without calls of a library, which fmin and fmax are where NaN counts. */
+@NUMBERS@@START@/* Without calls of a library, which fmin and fmax are where NaN counts. */
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
@@ -118,16 +118,7 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     @NAME@_rates(s->t, s->x, &s->constants, u, f);
     s->which = first_bad(f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
-#if S
-    @NAME@_singularities(s->t, s->x, &s->constants, u, s->singular);
-    for (int k = 0; k < S; ++k) {
-        s->closest[k] = fabs(s->singular[k]);
-        if (s->closest[k] <= s->margin) {
-            s->which = k;
-            return s->status = @UPPER@_SINGULAR;
-        }
-    }
-#endif
+    if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
     return s->status = @UPPER@_PAUSED;
 }
 

@@ -78,6 +78,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "SINGULAR_ROOM": str(max(1, singular)),
         "COORDINATES": ", ".join(map(str, layout.coordinates)),
         "ORDER": str(order),
+        "DENSE_SHAPE": f"[{order}][n]",
         "STACK": f"about {8 * len(prepared.program.instructions) * (order + 1)}",
         "BRANCHES": str(int(prepared.has_branches)),
         "CAUTION": repr(CAUTION),
