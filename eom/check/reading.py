@@ -31,17 +31,17 @@ class Formula:
 def read(document: Document) -> tuple[Formula, ...]:
     """Read all formulas of a document in order; a display may continue the one before."""
     found: list[Formula] = []
-    previous: Statement | None = None
+    previous: tuple[Statement, ...] = ()
     for piece in document.formulas:
         display = piece.kind == "display"
-        formula = read_piece(piece, previous if display else None)
+        formula = read_piece(piece, previous if display else ())
         found.append(formula)
         if display and formula.statements:
-            previous = formula.statements[-1]
+            previous = formula.statements
     return tuple(found)
 
 
-def read_piece(piece: Piece, previous: Statement | None = None) -> Formula:
+def read_piece(piece: Piece, previous: tuple[Statement, ...] = ()) -> Formula:
     """Read one formula."""
     try:
         tokens = tokenize(piece.source, piece.body, piece.span.start, piece.macros)

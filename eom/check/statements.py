@@ -8,6 +8,7 @@ number in brackets at the end is a tag.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
 
 from eom.check.places import NOWHERE, Span
@@ -59,7 +60,8 @@ class Statement:
     ``members`` and ``signs`` of the chain; without signs it is an expression or, without members,
     words alone. ``continues``: the first member was left out and is the last one of the statement
     before. ``joined``: the arrow that leads here ("implies", ...). ``conditions``: the role ("if",
-    "for", "where", "because", ...) and the statement. ``words``: other text beside it.
+    "for", "where", "because", ...) and the statement. ``words``: other text beside it. ``row``: of an alignment.
+    ``others``: what else the sign in front may continue.
     """
 
     members: tuple[Node, ...]
@@ -71,6 +73,8 @@ class Statement:
     words: tuple[str, ...] = ()
     tag: str = ""
     boxed: bool = False
+    row: int = 0
+    others: tuple[Node, ...] = ()
 
     @property
     def links(self) -> tuple[Link, ...]:
@@ -115,9 +119,9 @@ _JOINING = frozenset({"and", "or", "also", "but", "otherwise"})
 
 
 def split(
-    tree: Node, previous: Statement | None = None, tags: Iterable[str] = ()
+    tree: Node, previous: Sequenced[Statement] = (), tags: Iterable[str] = ()
 ) -> tuple[Statement, ...]:
-    """Return the statements of a formula; ``previous`` is what a leading sign continues."""
+    """Return the statements of a formula; ``previous`` are those that a leading sign may continue."""
     splitter = _Splitter()
     splitter.read(tree)
     found = splitter.finished()
@@ -129,21 +133,43 @@ def split(
     return tuple(_continued(found, previous))
 
 
-def _continued(found: list[Statement], previous: Statement | None) -> list[Statement]:
-    """Put the last member before in place of one that was left out."""
+def _continued(found: list[Statement], previous: Sequenced[Statement]) -> list[Statement]:
+    """Put a member of a statement before in place of one that was left out."""
     result: list[Statement] = []
     for s in found:
-        missing = s.relational and isinstance(s.members[0], Missing)
-        open_end = previous is not None and previous.relational and _ends_open(previous)
-        if missing and previous is not None and previous.members:
-            last = previous.members[-2 if open_end else -1]
-            s = replace(s, members=(last, *s.members[1:]), continues=True)
-        elif open_end and previous is not None and s.members:
-            members = (previous.members[-2], *s.members)
-            s = replace(s, members=members, signs=(previous.signs[-1], *s.signs), continues=True)
-        result.append(s)
-        previous = s
+        before = _continuable(result or previous)
+        new = s
+        if before and s.relational and isinstance(s.members[0], Missing):
+            left, *others = (_last(b) for b in before)
+            members = (left, *s.members[1:])
+            new = replace(s, members=members, continues=True, others=tuple(others))
+        elif before and s.members and _ends_open(before[0]):
+            members, signs = (_last(before[0]), *s.members), (before[0].signs[-1], *s.signs)
+            new = replace(s, members=members, signs=signs, continues=True)
+        result.append(new)
     return [_closed(s) for s in result]
+
+
+def _continuable(before: Sequenced[Statement]) -> list[Statement]:
+    """Return what may be continued, most likely first.
+
+    It is the last row, behind its last arrow; what stands beside its first statement is a remark.
+    """
+    found: list[Statement] = []
+    for s in reversed(before):
+        if found and s.row != found[-1].row:
+            break
+        if s.relational:
+            found.append(s)
+            if s.joined:
+                break
+    found.reverse()
+    return found[-1:] if found and _ends_open(found[-1]) else found
+
+
+def _last(s: Statement) -> Node:
+    """Return the last member that is there."""
+    return s.members[-2] if _ends_open(s) and len(s.members) > 1 else s.members[-1]
 
 
 def _ends_open(s: Statement) -> bool:
@@ -164,6 +190,7 @@ class _Splitter:
     found: list[Statement] = field(default_factory=list)
     joined: str = ""
     boxed: bool = False
+    row: int = 0
     role: str = ""
     """Of what a text announced and what has not come yet."""
     waiting: list[tuple[str, Statement]] = field(default_factory=list)
@@ -172,18 +199,8 @@ class _Splitter:
 
     def read(self, node: Node) -> None:
         """Take in a node at the level of statements."""
-        if isinstance(node, Rows):
-            for row in node.rows:
-                self.read(row)
-                self.role = ""
-        elif isinstance(node, Implication):
-            self.implication(node)
-        elif isinstance(node, Sequence):
-            self.sequence(node)
-        elif isinstance(node, Boxed):
-            self.boxed = True
-            self.read(node.body)
-            self.boxed = False
+        if isinstance(node, Rows | Implication | Sequence | Boxed):
+            self.within(node)
         elif isinstance(node, Cases) and _relational_rows(node):
             self.cases(node)
         elif isinstance(node, Group) and node.open == "":
@@ -194,6 +211,22 @@ class _Splitter:
             self.add(Statement(node.members, node.signs, node.span))
         elif not isinstance(node, Missing):
             self.add(Statement((node,), (), node.span))
+
+    def within(self, node: Rows | Implication | Sequence | Boxed) -> None:
+        """Take in the parts of a node that holds statements."""
+        if isinstance(node, Rows):
+            for row in node.rows:
+                self.read(row)
+                self.role = ""
+                self.row += 1
+        elif isinstance(node, Implication):
+            self.implication(node)
+        elif isinstance(node, Sequence):
+            self.sequence(node)
+        else:
+            self.boxed = True
+            self.read(node.body)
+            self.boxed = False
 
     def implication(self, node: Implication) -> None:
         for k, item in enumerate(node.items):
@@ -210,6 +243,7 @@ class _Splitter:
                 self.role = "if"
                 self.read(cell)
             self.role = ""
+            self.row += 1
 
     def sequence(self, node: Sequence) -> None:
         items, separators = list(node.items), ["", *node.separators]
@@ -230,7 +264,7 @@ class _Splitter:
             self.found[-1] = replace(self.found[-1], tag=tag)
 
     def lists(self, item: Node) -> bool:
-        """Whether an item only goes on with a list of values: ``i = 1, 2, \\dots``."""
+        """Whether an item only goes on with a list of values: ``i = 1, 2, 3``."""
         if not isinstance(item, Number | Dots) and not (self.found and _after_dots(self.found[-1])):
             return False
         if self.role or not self.found:
@@ -286,7 +320,8 @@ class _Splitter:
         if isinstance(s.members[0], Words) and not s.relational:
             return
         words, waiting = tuple(self.words), tuple(self.waiting)
-        s = replace(s, joined=self.joined, boxed=self.boxed, words=words, conditions=waiting)
+        s = replace(s, joined=self.joined, boxed=self.boxed, row=self.row)
+        s = replace(s, words=words, conditions=waiting)
         self.found.append(s)
         self.joined, self.words, self.waiting = "", [], []
 
