@@ -50,6 +50,8 @@ def with_scripts(base: Node, sub: Node | None, sup: Node | None, span: Span) -> 
         body = base.body
         if isinstance(body, Derivative) and body.frame is None:
             return replace(body, frame=frame, span=span)
+    if isinstance(base, Scripts) and base.sub is base.sup is None:
+        return replace(base, sub=sub, sup=sup, span=span)
     return Scripts(base, sub, sup, span=span)
 
 

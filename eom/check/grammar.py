@@ -227,6 +227,7 @@ class Parser(Stream):
         terms: list[Node] = []
         found: list[str] = []
         while True:
+            self.skip_empty()
             sign = self.sum_sign()
             if sign is None and terms:
                 break
@@ -235,6 +236,14 @@ class Parser(Stream):
         if found == [""]:
             return terms[0]
         return Addition(tuple(terms), tuple(found), span=self.since(start))
+
+    def skip_empty(self) -> None:
+        """Pass over ``{}`` where it only makes space."""
+        while self.token.is_char("{") and self.ahead().is_char("}"):
+            after = self.ahead(2)
+            if after.kind == "char" and after.text in "^_":
+                return
+            self.place += 2
 
     def sum_sign(self) -> str | None:
         """Pass over a sign of a sum and return it; None where there is none."""
@@ -296,6 +305,7 @@ class Parser(Stream):
         start = self.token.span
         factors = [self.factor()]
         while True:
+            self.skip_empty()
             if self.token.is_char("/"):
                 factors = [self.quotient(factors, start)]
             elif factor_ahead(self):
@@ -364,5 +374,8 @@ def operator_ahead(p: Stream) -> str:
 def factor_ahead(p: Stream) -> bool:
     """Whether another factor follows side by side."""
     if p.closes() or (p.integrals and differential_ahead(p)):
+        return False
+    stacked = p.token.is_command(*signs.STACKED)
+    if stacked and (signs.relation_ahead(p) or signs.arrow_ahead(p)):
         return False
     return p.starts_atom() and not (p.script and bool(p.bar(p.token)))

@@ -131,7 +131,7 @@ class _Scanner:
             gap = _ROW_GAP.match(self.body, self.place)
             self.place = gap.end() if gap else self.place
             self.add("row", "", first)
-        elif name in latex.SPACES or name in latex.IGNORED or name == "\n":
+        elif name in latex.SPACES or name in latex.IGNORED or name.isspace():
             self.spaced = True
         elif name in latex.IGNORED_WITH_ARGUMENT:
             self.option()
