@@ -183,9 +183,9 @@ class Parser(Stream):
             token = self.take()
             sign = token.text if token.kind == "command" else ""
             return Words("" if sign else token.text, sign, span=token.span)
-        if self.closes() or (self.token.kind == "char" and self.token.text in ",;"):
-            return Missing(span=self.token.span)
-        return self.relation()
+        if self.token.kind == "char" and self.token.text in ",;":
+            raise self.error("something is missing before this")
+        return Missing(span=self.token.span) if self.closes() else self.relation()
 
     def words_are_operand(self) -> bool:
         """Whether words begin an expression: an operator, a relation or a script follows."""
@@ -217,6 +217,8 @@ class Parser(Stream):
             members.append(Missing(span=self.token.span) if over or again else self.addition())
         if not found:
             return members[0]
+        if self.depth and not self.script and all(isinstance(m, Missing) for m in members):
+            raise self.error("a relation without sides", self.tokens[self.place - 1])
         return Relation(tuple(members), tuple(found), span=self.since(start))
 
     # sums and products
@@ -238,7 +240,16 @@ class Parser(Stream):
         return Addition(tuple(terms), tuple(found), span=self.since(start))
 
     def skip_empty(self) -> None:
-        """Pass over ``{}`` where it only makes space."""
+        r"""Pass over ``{}`` where it only makes space; take ``{=}`` as ``=``, ``\mathbf{\cdot}`` too."""
+        font = int(self.token.is_command(*latex.FONTS))
+        opened, inner, behind = self.ahead(font), self.ahead(font + 1), self.ahead(font + 2)
+        if opened.is_char("{") and behind.is_char("}") and not inner.is_char("}"):
+            saved, self.place = self.place, self.place + font + 1
+            if operator_ahead(self) or signs.relation_ahead(self) or _is_sum_sign(inner):
+                self.place += 1
+                self.tokens[self.place] = inner
+                return
+            self.place = saved
         while self.token.is_char("{") and self.ahead().is_char("}"):
             after = self.ahead(2)
             if after.kind == "char" and after.text in "^_":
@@ -356,6 +367,12 @@ class Parser(Stream):
     def script_argument(self) -> Node:
         """Read what stands in a script."""
         return scripts.script_argument(self)
+
+
+def _is_sum_sign(token: Token) -> bool:
+    if token.kind == "command":
+        return token.text in latex.SUM_COMMANDS
+    return token.kind == "char" and token.text in latex.SUM_SIGNS
 
 
 def operator_ahead(p: Stream) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from eom.check import latex
+from eom.check.forms import juxtaposed, spliced
 from eom.check.grammar import Reading, read_tokens
 from eom.check.places import ReadingError, Source, Span
 from eom.check.syntax import (
@@ -153,7 +154,7 @@ def _has_sup(node: Node) -> bool:
 
 def _raised(node: Node, mark: Marks) -> Node:
     span = node.span.join(mark.span)
-    if isinstance(node, Scripts):
+    if isinstance(node, Scripts) and node.sup is None:
         return replace(node, sup=mark, span=span)
     return Scripts(node, None, mark, span=span)
 
@@ -179,29 +180,31 @@ def _cross_before_a_matrix(node: Node) -> Node | None:
     r"""Read ``a \times b \times`` before ``dm``, or a cross before a matrix, as ``a^\times b^\times``."""
     if isinstance(node, Integral) and isinstance(node.integrand, Section):
         section = node.integrand
-        if section.operator == "cross" and section.left:
-            inner = section.operand
-            crossed = isinstance(inner, Product) and inner.operator == "cross"
-            parts = inner.factors if crossed and isinstance(inner, Product) else (inner,)
-            whole = tuple(_crossed(p) for p in parts)
-            body = whole[0] if len(whole) == 1 else Product(whole, span=section.span)
-            return replace(node, integrand=body)
+        if section.operator != "cross" or not section.left:
+            return None
+        inner = section.operand
+        crossed = isinstance(inner, Product) and inner.operator == "cross"
+        parts = inner.factors if crossed and isinstance(inner, Product) else (inner,)
+        factors = [f for part in parts for f in _crossed(part)]
+        return replace(node, integrand=juxtaposed(factors, section.span))
     if isinstance(node, Product) and node.operator == "cross":
-        if len(node.factors) > 2 or isinstance(node.factors[-1], Matrix):
-            *first, last = node.factors
-            return Product((*(_crossed(f) for f in first), last), span=node.span)
+        many = len(node.factors) > 2 or isinstance(node.factors[-1], Matrix)
+        return cross_before_column(node) if many else None
     return None
 
 
-def _crossed(node: Node) -> Node:
-    return _raised(node, Marks(("times",), span=node.span))
+def _crossed(node: Node) -> list[Node]:
+    """Return factors with a cross on the last one."""
+    *first, last = spliced(node)
+    return [*first, _raised(last, Marks(("times",), span=last.span))]
 
 
 def cross_before_column(node: Node) -> Node | None:
     r"""Read any ``a \times b`` as ``a^\times b``: for notes whose letters are columns and matrices."""
     if isinstance(node, Product) and node.operator == "cross":
         *first, last = node.factors
-        return Product((*(_crossed(f) for f in first), last), span=node.span)
+        factors = [f for part in first for f in _crossed(part)]
+        return juxtaposed([*factors, *spliced(last)], node.span)
     return None
 
 
@@ -211,27 +214,24 @@ _ANGLES = frozenset("theta phi psi varphi alpha beta gamma delta Phi Theta varth
 
 def abbreviated_functions(node: Node) -> Node | None:
     r"""Read ``s_\theta`` and ``c\theta`` as sine and cosine of an angle; on the writer's request."""
-    if isinstance(node, Scripts) and isinstance(node.base, Symbol) and node.sup is None:
-        if node.base.name in _TRIGONOMETRY and _is_angle(node.sub) and node.sub is not None:
-            return Call(_TRIGONOMETRY[node.base.name], node.sub, span=node.span)
-    if isinstance(node, Product) and not node.operator:
-        factors: list[Node] = []
-        for factor in node.factors:
-            before = factors[-1] if factors else None
-            letter = isinstance(before, Symbol) and before.style == ""
-            if (
-                letter
-                and isinstance(before, Symbol)
-                and before.name in _TRIGONOMETRY
-                and _is_angle(factor)
-            ):
-                span = before.span.join(factor.span)
-                factors[-1] = Call(_TRIGONOMETRY[before.name], factor, span=span)
-            else:
-                factors.append(factor)
-        if len(factors) < len(node.factors):
-            return factors[0] if len(factors) == 1 else replace(node, factors=tuple(factors))
-    return None
+    if isinstance(node, Scripts) and node.sup is None and node.sub is not None:
+        name = _abbreviation(node.base)
+        return Call(name, node.sub, span=node.span) if name and _is_angle(node.sub) else None
+    if not isinstance(node, Product) or node.operator:
+        return None
+    factors: list[Node] = []
+    for factor in node.factors:
+        name = _abbreviation(factors[-1]) if factors else ""
+        if name and _is_angle(factor):
+            factors[-1] = Call(name, factor, span=factors[-1].span.join(factor.span))
+        else:
+            factors.append(factor)
+    return juxtaposed(factors, node.span) if len(factors) < len(node.factors) else None
+
+
+def _abbreviation(node: Node) -> str:
+    plain = isinstance(node, Symbol) and node.style in {"", "roman"}
+    return _TRIGONOMETRY.get(node.name, "") if plain and isinstance(node, Symbol) else ""
 
 
 def _is_angle(node: Node | None) -> bool:

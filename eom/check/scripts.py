@@ -17,7 +17,9 @@ def argument(p: Stream) -> Node:
     with p.nested():
         if token.is_char("{"):
             p.take()
-            body = Missing(span=token.span) if p.token.is_char("}") else p.statements()
+            if p.token.is_char("}"):
+                raise p.error("an argument is empty", token)
+            body = p.statements()
             p.expect("}", token)
             return body
         if token.kind == "number":

@@ -97,7 +97,11 @@ def _command(p: Stream, token: Token) -> tuple[str, int]:
 
 def _base_of_stack(p: Stream) -> str:
     r"""Return the relation under (or over) which something stands: the ``=`` of ``\overset{!}{=}``."""
-    place = p.matching(p.place + 1)
+    return _relation_at(p, p.matching(p.place + 1))
+
+
+def _relation_at(p: Stream, place: int) -> str:
+    """Return the relation or arrow at a place, alone or in braces, or ""."""
     token = p.tokens[place]
     if token.is_char("{") and p.matching(place) == place + 3:
         token = p.tokens[place + 1]
@@ -111,6 +115,8 @@ def _stacked(p: Stream, script: Callable[[], Node]) -> Sign:
     p.take()
     first = p.place
     above = script()
+    if _relation_at(p, p.place) != name:
+        raise p.unread()
     words = "".join(t.text for t in p.tokens[first : p.place] if not t.is_char("{")).strip("} .")
     p.place = p.matching(p.place)
     if name == "=" and words in _DEFINING:
