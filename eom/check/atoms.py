@@ -181,7 +181,7 @@ def _prescript(p: Stream) -> Node:
     r"""Read ``\prescript{above}{below}{base}``."""
     token = p.take()
     above, below = script_argument(p), script_argument(p)
-    base = argument(p)
+    base = braced(argument(p))
     given = [None if isinstance(s, Missing) else s for s in (below, above)]
     return with_left(base, given[0], given[1], p.since(token.span))
 
@@ -192,9 +192,9 @@ def _sided(p: Stream) -> Node:
     left = _scripts_in_braces(p)
     if token.text == "sideset":
         right = _scripts_in_braces(p)
-        base = argument(p)
+        base = braced(argument(p))
     else:
-        base = argument(p)
+        base = braced(argument(p))
         right = _scripts_in_braces(p)
     span = p.since(token.span)
     if right:
@@ -267,7 +267,7 @@ COMMANDS: dict[str, Read] = {
     **dict.fromkeys(["overset", "stackrel", "underset"], _stack),
     **dict.fromkeys(["leftidx", "sideset"], _sided),
     **dict.fromkeys(["abs", "norm"], _norm),
-    **dict.fromkeys(["va", "vec*", "vu"], _accent),
+    **dict.fromkeys(["va", "vu"], _accent),
     "qty": _quantity,
     "left": brackets.left,
     "sqrt": _root,

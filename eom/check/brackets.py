@@ -26,6 +26,8 @@ def _rest(p: Stream, token: Token, opening: str) -> Node:
     with p.nested():
         if opening in {"|", "||"}:
             p.bars = [opening]
+        if p.closes() and p.bars:
+            raise p.error("nothing stands between these bars", token)
         body = p.statements() if not p.closes() else Missing(span=p.token.span)
         if p.token.is_command(*latex.SIZES):
             p.take()
@@ -116,6 +118,8 @@ def braces(p: Stream) -> Node:
         body = p.statements()
         if p.token.is_command("over"):
             p.take()
+            if p.closes():
+                raise p.error("an argument is empty")
             body = Fraction(body, p.statements(), span=p.since(token.span))
         p.expect("}", token)
     if style:
@@ -166,10 +170,12 @@ def substack(p: Stream) -> Node:
     start = p.take()
     opened = p.expect("{")
     with p.nested(script=True):
-        found = [p.statements()]
+        found = [p.statements()] if p.token.kind != "row" else []
         while p.token.kind == "row":
             p.take()
             found.append(p.statements())
+        if any(isinstance(f, Missing) for f in found) or not found:
+            raise p.error("a line is empty")
         p.expect("}", opened)
     if len(found) == 1:
         return found[0]

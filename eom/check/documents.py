@@ -230,7 +230,7 @@ class _Scan:
 
     def piece(self, kind: str, start: int, stop: int, how: str) -> Piece:
         body = self.text[start:stop]
-        macros = self.holding(start)
+        macros = self.holding(stop)
         return Piece(kind, self.source, Span(start, stop), body, how=how, macros=macros)
 
     def formulas(self, place: int) -> Iterator[tuple[Piece, Span]]:

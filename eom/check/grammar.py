@@ -128,12 +128,19 @@ class Parser(Stream):
         while True:
             separator = self.separator()
             if separator is None or (separator != "" and self.ended()):
+                self.only_at_the_end(separator)
                 break
             separators.append(separator)
             items.append(self.item())
         if len(items) == 1:
             return items[0]
         return Sequence(tuple(items), tuple(separators), span=self.since(start))
+
+    def only_at_the_end(self, separator: str | None) -> None:
+        """Refuse a comma that parts nothing: it may end a row or the formula alone."""
+        inside = self.closes() and self.token.kind not in {"stop", "row", "end"}
+        if inside and separator in {",", ";", ":", "|"}:
+            raise self.error("something is missing before this")
 
     def skip_quads(self) -> None:
         """Pass over wide spaces."""

@@ -103,7 +103,7 @@ ACCENTS = _pairs(
     "widehat=>hat widetilde=>tilde overline=>bar overrightarrow=>vec overleftarrow=>underarrow "
     "overrightharpoon=>harpoon overleftrightarrow=>double_bar utilde=>undertilde "
     "undertilde=>undertilde underrightarrow=>underarrow widebar=>bar underbar=>underline "
-    "ring=>ring accentset=>ring vv=>vec"
+    "ring=>ring accentset=>ring vv=>vec va=>vec vu=>hat"
 )
 
 RELATION_COMMANDS = _pairs(
@@ -388,3 +388,16 @@ COMBINING = {
     "\u0301": "acute",
     "\u0300": "grave",
 }
+
+KNOWN = frozenset().union(
+    *(SYMBOLS, SYMBOL_ALIASES, SCRIPT_MARKS, COMMAND_FUNCTIONS, FUNCTION_ALIASES, FONTS, SWITCHES),
+    *(ACCENTS, RELATION_COMMANDS, ARROW_COMMANDS, PRODUCT_COMMANDS, SUM_COMMANDS, BIG_OPERATORS),
+    *(INTEGRALS, SPACES, QUADS, IGNORED, IGNORED_WITH_ARGUMENT, TRANSPARENT_SECOND, TEXTS, DOTS),
+    *(FRACTIONS, DELIMITERS, SIZES),
+    _words(
+        "left right middle begin end sqrt boxed prescript leftidx sideset partial cancel cancelto "
+        "bcancel xcancel underbrace overbrace overset underset stackrel substack abs norm qty dv pdv "
+        "dd not over forall exists operatorname tag label xrightarrow"
+    ),
+)
+"""All commands that the reader knows."""

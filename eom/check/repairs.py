@@ -298,7 +298,8 @@ def glued_lines(tokens: list[Token]) -> tuple[list[Token], tuple[Repair, ...]]:
     depth = 0
     relation = False
     for k, token in enumerate(tokens):
-        starts = token.lined and depth == 0 and relation and _begins_statement(tokens, k)
+        starts = token.lined and depth == 0 and relation and not _goes_on(tokens[k - 1])
+        starts = starts and _begins_statement(tokens, k)
         if starts:
             found.append(Token("row", "", token.span, lined=True))
             done.append(Repair("glued lines", "read as: two statements on two lines", token.span))
@@ -321,6 +322,14 @@ def _is_relation(token: Token) -> bool:
     if token.kind == "command":
         return token.text in latex.RELATION_COMMANDS
     return token.kind == "char" and token.text in latex.RELATION_CHARACTERS
+
+
+def _goes_on(token: Token) -> bool:
+    """Whether a line cannot end with this token: an operator or a relation."""
+    if token.kind == "command":
+        operator = token.text in latex.PRODUCT_COMMANDS or token.text in latex.SUM_COMMANDS
+        return operator or _is_relation(token) or token.text in latex.ARROW_COMMANDS
+    return _is_relation(token) or (token.kind == "char" and token.text in "+-*/,^_&")
 
 
 def _begins_statement(tokens: list[Token], k: int) -> bool:

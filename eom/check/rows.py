@@ -66,7 +66,7 @@ class _Joiner:
         k += 1
         while True:
             token, after = self.tokens[k], self.tokens[min(k + 1, len(self.tokens) - 1)]
-            if token.is_char("&") or token.kind == "quad":
+            if token.is_char("&") or token.kind in {"quad", "row"}:
                 k += 1
             elif token.is_char("{") and after.is_char("}"):
                 k += 2

@@ -267,7 +267,7 @@ class _Splitter:
         """Whether an item only goes on with a list of values: ``i = 1, 2, 3``."""
         if not isinstance(item, Number | Dots) and not (self.found and _after_dots(self.found[-1])):
             return False
-        if self.role or not self.found:
+        if not self.found or (self.role and not self.found[-1].conditions):
             return False
         target = self.found[-1]
         if target.conditions:

@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
+from eom.check import latex
 from eom.check.places import ReadingError, Source, Span, reading_error
 from eom.check.syntax import Node
 from eom.check.tokens import Token, spelling
+from eom.errors import near_matches
 
 MAX_DEPTH = 30
 """Deepest nesting of brackets, scripts and prefixes; a level takes up to a dozen calls."""
@@ -137,7 +139,7 @@ class Stream(ABC):
     def digit(self) -> Token:
         """Take a token as LaTeX takes an argument without braces: of a number its first digit."""
         token = self.token
-        if token.kind != "number" or len(token.text) == 1:
+        if token.kind != "number" or len(token.text) == 1 or token.text[0] == ".":
             return self.take()
         whole = token.span.stop - token.span.start == len(token.text)
         cut = token.span.start + 1 if whole else token.span.stop
@@ -193,5 +195,8 @@ class Stream(ABC):
         token = self.token
         if token.kind == "stop":
             return self.error("the formula ends where something is missing")
+        if token.kind == "command" and token.text not in latex.KNOWN:
+            hint = near_matches(token.text, latex.KNOWN) or "define it, or write it out"
+            return self.error(rf"unknown command \{token.text}", hint=hint)
         shown = spelling([token]) or token.kind
         return self.error(f"{shown!r} cannot be read here")

@@ -298,19 +298,26 @@ def _called(
 ) -> list[Token]:
     """Return the body of a macro with its arguments, which are taken from what waits."""
     arguments: list[list[Token]] = []
+    span = call.span
     if macro.default is not None:
-        optional = waiting and waiting[0][0].is_char("[")
-        arguments.append(_until_bracket(source, call, waiting) if optional else list(macro.default))
+        if waiting and waiting[0][0].is_char("["):
+            waiting.popleft()
+            taken, span = _until(source, call, waiting, "]")
+            arguments.append(taken)
+        else:
+            arguments.append(list(macro.default))
     while len(arguments) < macro.arity:
-        arguments.append(_argument(source, call, waiting))
+        taken, span = _argument(source, call, waiting)
+        arguments.append(taken)
+    span = call.span.join(span)
     new: list[Token] = []
     for t in macro.body:
         if t.kind == "parameter":
             new += arguments[int(t.text) - 1] if int(t.text) <= len(arguments) else []
         elif "#" in t.text and t.kind in {"words", "operator", "tag"}:
-            new.append(replace(t, text=_filled(t.text, arguments), span=call.span))
+            new.append(replace(t, text=_filled(t.text, arguments), span=span))
         else:
-            new.append(replace(t, span=call.span))
+            new.append(replace(t, span=span))
     return [replace(new[0], spaced=call.spaced, lined=call.lined), *new[1:]] if new else []
 
 
@@ -320,29 +327,25 @@ def _filled(text: str, arguments: list[list[Token]]) -> str:
     return text[:1000]
 
 
-def _argument(source: Source, call: Token, waiting: deque[tuple[Token, int]]) -> list[Token]:
+def _argument(
+    source: Source, call: Token, waiting: deque[tuple[Token, int]]
+) -> tuple[list[Token], Span]:
+    """Return an argument and where it ends: a group without its braces, or one token."""
     if not waiting:
         raise reading_error(source, call.span, rf"\{call.text} lacks an argument")
     first = waiting.popleft()[0]
-    if not first.is_char("{"):
-        return [first]
-    return _until(source, call, waiting, "}")
-
-
-def _until_bracket(source: Source, call: Token, waiting: deque[tuple[Token, int]]) -> list[Token]:
-    waiting.popleft()
-    return _until(source, call, waiting, "]")
+    return _until(source, call, waiting, "}") if first.is_char("{") else ([first], first.span)
 
 
 def _until(
     source: Source, call: Token, waiting: deque[tuple[Token, int]], closing: str
-) -> list[Token]:
+) -> tuple[list[Token], Span]:
     taken: list[Token] = []
     depth = 0
     while waiting:
         token = waiting.popleft()[0]
         if depth == 0 and token.is_char(closing):
-            return taken
+            return taken, token.span
         depth += token.is_char("{") - token.is_char("}")
         taken.append(token)
     raise reading_error(source, call.span, rf"an argument of \{call.text} does not end")

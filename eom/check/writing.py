@@ -153,6 +153,12 @@ def _closed(node: s.Node, text: str) -> str:
     return f"{{{text}}}" if lone or bare else text
 
 
+def _numerator(node: s.Node) -> str:
+    """Write what stands above; a d alone must not make a derivative."""
+    text = latex(node)
+    return f"{{{text}}}" if isinstance(node, s.Symbol) and node.name in {"d", "partial"} else text
+
+
 def _last_part(node: s.Node) -> s.Node | None:
     """Return what stands last in a node without brackets of its own."""
     if isinstance(node, s.Product):
@@ -229,7 +235,7 @@ def _script(node: s.Node) -> str:
 
 
 def _big(node: s.BigOperator) -> str:
-    return rf"\{node.sign}{_limits(node.lower, node.upper)} {_write(node.body, LOOSE)}"
+    return rf"\{node.sign}{_limits(node.lower, node.upper)} {_after_sign(node.body, LOOSE)}"
 
 
 def _integral(node: s.Integral) -> str:
@@ -246,7 +252,8 @@ def _differential(node: s.Differential) -> str:
 
 
 def _variable(node: s.Node) -> str:
-    return latex(node) if _layer(node) == ATOM else f"{{{latex(node)}}}"
+    plain = isinstance(node, s.Symbol | s.Scripts | s.Accent)
+    return latex(node) if plain else f"{{{latex(node)}}}"
 
 
 def _derivative(node: s.Derivative) -> str:
@@ -271,15 +278,21 @@ def _call(node: s.Call) -> str:
     return f"{name}{_limits(node.sub, node.sup)} {argument}"
 
 
+_STARTS = (s.Number, s.Symbol, s.Scripts, s.Accent, s.Fraction)
+
+
 def _is_bare(node: s.Node) -> bool:
     """Whether an argument can stand without more brackets."""
     if isinstance(node, s.Addition):
         return len(node.terms) == 1 and node.signs == ("-",) and _is_bare(node.terms[0])
     if isinstance(node, s.Quotient):
-        return isinstance(node.right, s.Number) and _is_bare(node.left)
+        right = node.right.base if isinstance(node.right, s.Scripts) else node.right
+        return isinstance(right, s.Number) and _is_bare(node.left)
     if isinstance(node, s.Product):
-        return node.operator == "" and isinstance(node.factors[0], s.Number | s.Symbol | s.Scripts)
-    return _layer(node) >= RUN and not isinstance(node, s.BigOperator | s.Differential)
+        return node.operator == "" and isinstance(
+            node.factors[0], s.Number | s.Symbol | s.Scripts | s.Accent | s.Fraction
+        )
+    return _layer(node) >= RUN and not isinstance(node, s.Differential)
 
 
 # -- atoms ---------------------------------------------------------------------------------------
@@ -420,7 +433,7 @@ _TABLE: dict[str, Callable[[Any], str]] = {
     "Addition": _addition,
     "Product": _product,
     "Quotient": _quotient,
-    "Fraction": lambda n: rf"\frac{{{latex(n.above)}}}{{{latex(n.below)}}}",
+    "Fraction": lambda n: rf"\frac{{{_numerator(n.above)}}}{{{latex(n.below)}}}",
     "Root": _root,
     "Call": _call,
     "Section": _section,

@@ -298,3 +298,86 @@ BOOKS = {
     "Wie, Wertz": WIE_WERTZ,
     "handouts": HANDOUTS,
 }
+
+SCANS = [
+    (
+        r"= \int_B \vec{R}_C \times \dot{\vec r} \, dm + \int_B \vec{r} \, dm \times \vec{R}_C",
+        "? = [int{_B}([vec(R){_C} x dot(vec(r))]; m) + [int{_B}(vec(r); m) x vec(R){_C}]]",
+    ),
+    (r"\Rightarrow \int_B \vec{r} \, dm = 0", "? implies int{_B}(vec(r); m) = 0"),
+    (
+        r"\frac{^I d\vec{r}}{dt} = \frac{^B d\vec{r}}{dt} + \vec{\omega} \times \vec{r} \quad \vec{\omega} \text{ is the rotation}",
+        "D(vec(r))/t@I = [D(vec(r))/t@B + [vec(omega) x vec(r)]] ~ vec(omega) ' is the rotation'",
+    ),
+    (
+        r"\vec{H}_C = \left( \int_B -[\vec{r}] [\vec{r}] dm \right) \vec{\omega}",
+        "vec(H){_C} = [(int{_B}([-[[vec(r)] [vec(r)]]]; m)) vec(omega)]",
+    ),
+    (
+        r"[C] = \begin{bmatrix} \vec{v}_1^T \\ \vec{v}_2^T \end{bmatrix} \quad (\vec{v}_1, \vec{v}_2) = \text{eigenvectors}",
+        "[C] = bmatrix(vec(v){_1 ^T} // vec(v){_2 ^T}) ~ (vec(v){_1}, vec(v){_2}) = 'eigenvectors'",
+    ),
+    (
+        r"T = \frac{1}{2} \int_B dm \dot{\vec{R}}_C \cdot \dot{\vec{R}}_C",
+        "T = [[frac(1, 2) int{_B}(; m) dot(vec(R)){_C}] . dot(vec(R)){_C}]",
+    ),
+    (
+        r"T = \frac{1}{2} \vec{\omega} \cdot \underbrace{\int_B \vec{r} \times (\vec{\omega} \times \vec{r}) dm}_{\vec{H}_C}",
+        "T = [[frac(1, 2) vec(omega)] . underbrace(int{_B}([vec(r) x ([vec(omega) x vec(r)])]; m); vec(H){_C})]",
+    ),
+    (
+        r"{}^{\mathcal{I}}\frac{\mathrm{d}}{\mathrm{d}t}{}^{\mathcal{I}}\mathbf{h}_{G} = \mathbb{I}_{G} \cdot {}^{\mathcal{B}}\frac{\mathrm{d}}{\mathrm{d}t}{}^{\mathcal{I}}\boldsymbol{\omega}^{\mathcal{B}}",
+        "D(*h{_G <cal:I})/t@cal:I = [bb:I{_G} . D(*omega{^cal:B <cal:I})/t@cal:B]",
+    ),
+    (
+        r"\begin{bmatrix} {}^{\mathcal{I}}\boldsymbol{\omega}^{\mathcal{B}}\times \end{bmatrix}_{\mathcal{B}}",
+        "bmatrix([*omega{^cal:B <cal:I} cross]){_cal:B}",
+    ),
+    (
+        r"\dot{\theta} \mathbf{b}_1 + \dot{\psi} \sin \theta \mathbf{b}_2",
+        "[[dot(theta) *b{_1}] + [dot(psi) sin theta *b{_2}]]",
+    ),
+    (
+        r"I_{2} \frac{\mathrm{d}}{\mathrm{d}t} \left(\Omega + \dot{\psi}\sin\theta\right) = 0",
+        "[I{_2} D(([Omega + [dot(psi) sin theta]]))/t] = 0",
+    ),
+    (
+        r"m\underline{\rho} \times (\underline{r}_O + \underline{\rho})^\bullet",
+        "[[m underline(rho)] x ([underline(r){_O} + underline(rho)]){^!bullet}]",
+    ),
+    (
+        r"\underline{f}_i + \sum_{j=1}^N \underline{f}_{ij} = m_i \ddot{\underline{r}}_i \quad (3.5)",
+        "[underline(f){_i} + sum{_j = 1 ^N}(underline(f){_[i j]})] = [m{_i} ddot(underline(r)){_i}] ~ (3.5)",
+    ),
+    (
+        r"\underline{r}_\bullet \triangleq \frac{\sum_{i=1}^N m_i \underline{r}_i}{m}",
+        "underline(r){_!bullet} := frac(sum{_i = 1 ^N}([m{_i} underline(r){_i}]), m)",
+    ),
+    (
+        r"\sum_{i=1}^N m_i (\underline{\rho}_i \times \underline{\rho}_i^{\bullet\bullet}) - \underline{c}_O \times \underline{r}_O^{\bullet\bullet}",
+        "[sum{_i = 1 ^N}([m{_i} ([underline(rho){_i} x underline(rho){_i ^!bullet!bullet}])]) - [underline(c){_O} x underline(r){_O ^!bullet!bullet}]]",
+    ),
+    (
+        r"\underline{\mathbf{p}}^\bullet \triangleq \iiint_V \underline{\mathbf{r}}^{\bullet\bullet} \sigma(\underline{\rho}) dV",
+        "underline(*p){^!bullet} := iiint{_V}([underline(*r){^!bullet!bullet} sigma (underline(rho))]; V)",
+    ),
+    (
+        r"\mathbf{J}_B = - \int_m (\mathbf{C}_{BA} \underline{\rho}_A)^{\times} (\mathbf{C}_{BA} \underline{\rho}_A)^{\times} dm",
+        "*J{_B} = [-int{_m}([([*C{_[B A]} underline(rho){_A}]){^!times} ([*C{_[B A]} underline(rho){_A}]){^!times}]; m)]",
+    ),
+    (
+        r"\mathbf{E}^{-1} \mathbf{J}_B \mathbf{E} = \mathbf{\Lambda} \equiv \mathbf{J}_P",
+        "[*E{^[-1]} *J{_B} *E] = *Lambda equiv *J{_P}",
+    ),
+    (r"dm = \sigma(\underline{\rho})dV", "d(m) = [sigma (underline(rho)) d(V)]"),
+    (r"(\cdot)^\bullet", "(_){^!bullet}"),
+    (r"|\vec{H}_C| = \text{constant}", "|vec(H){_C}| = 'constant'"),
+    (
+        r"\mathbf{M}: \text{ This is } \mathbf{not} \text{ a typo}",
+        "*M : ' This is ' *not ' a typo'",
+    ),
+    (r"(\psi, \theta, \phi)^{\mathcal{I}}_{\mathcal{B}}", "(psi, theta, phi){_cal:B ^cal:I}"),
+    (r"\mathbf{x}^T \mathbf{J} \mathbf{x} > 0", "[*x{^T} *J *x] > 0"),
+    (r"N \rightarrow \infty", "N to infty"),
+]
+"""What scanned lecture notes hold, as it was read by eye."""
