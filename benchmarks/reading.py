@@ -32,11 +32,14 @@ from tests.eom.check.formulas import BOOKS
 
 GOOD = [text for rows in BOOKS.values() for text, _ in rows]
 WORDS = r"""
-    \frac \vec \dot \ddot \mathbf{ \boldsymbol \omega \theta \int \int_B \iiint \sum_i dm d t \times \cdot
-    \left( \right) \left. \right| \left\{ \right. \begin{bmatrix} \end{bmatrix} \begin{aligned} \end{aligned}
+    \frac \vec \dot \ddot \mathbf{ \boldsymbol \omega \theta \int \int_B \iiint \sum_i dm d t
+    \times \cdot
+    \left( \right) \left. \right| \left\{ \right. \begin{bmatrix} \end{bmatrix}
+    \begin{aligned} \end{aligned}
     \begin{cases} \end{cases} \\ & { } ( ) [ ] | ^ _ ' = + - / , ; \text{if} \quad \Rightarrow \triangleq
     \neq < {}^A {}_B \prescript \sin \cos^2 \tilde \underline \bullet \circ ^\times ^{T} ^{-1} \boxed{
-    \underbrace{ \overset \partial \dv \tag{1} \sqrt \bar x r m I 2 0.5 \rm \bf \mathrm{d} \hat{e} \tensor
+    \underbrace{ \overset
+    \partial \dv \tag{1} \sqrt \bar x r m I 2 0.5 \rm \bf \mathrm{d} \hat{e} \tensor
     \foo % $ # ~ \, \% \forall \in \cdots := -> * ! \begin{array}{cc} \end{array} \operatorname{tr} \det
     \big| \Big( \over \substack{ \cancel
 """.split()
@@ -111,18 +114,7 @@ def characters(rng: random.Random) -> str:
 def nested(rng: random.Random) -> str:
     """Return something deep or long."""
     count = rng.choice([5, 20, 31, 200, 3000])
-    opening, closing = rng.choice(
-        [("(", ")"), ("{", "}"), (r"\dot{", "}"), ("x^{", "}"), (r"\left[", r"\right]"), ("|", "|")]
-        + [(r"\sum_i ", ""), (r"\int ", ""), ("- ", ""), (r"\frac{", "}{2}"), (r"a \times ", "b")]
-        + [
-            ("x'^2", ""),
-            ("a / ", "b"),
-            (r"a \wedge b \times ", "c"),
-            (r"\sqrt{", "}"),
-            ("{}^{A}", ""),
-        ]
-        + [(r"\begin{bmatrix}", r"\end{bmatrix}"), (r"\frac{d}{dt}", ""), (r"x \Rightarrow ", "y")]
-    )
+    opening, closing = rng.choice(REPEATED)
     tail = closing * rng.choice([count, count, count - 1, 0])
     return opening * count + "x" + tail
 

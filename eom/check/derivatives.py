@@ -68,6 +68,8 @@ def _one_term(p: Stream, first: int, last: int) -> bool:
                 return False
         elif token.is_command("left", "right"):
             depth += 1 if token.text == "left" else -1
+        elif token.kind in {"begin", "end"}:
+            depth += 1 if token.kind == "begin" else -1
     return True
 
 

@@ -17,6 +17,7 @@ from eom.check import atoms, latex, prefixes, scripts, signs
 from eom.check.derivatives import applied, slash_derivative
 from eom.check.differentials import differential_ahead
 from eom.check.forms import juxtaposed, spliced
+from eom.check.lookahead import factor_ahead, operator_ahead, skip_empty
 from eom.check.places import Source, Span, reading_error
 from eom.check.rows import join_rows
 from eom.check.stream import Note, Stream
@@ -236,7 +237,7 @@ class Parser(Stream):
         terms: list[Node] = []
         found: list[str] = []
         while True:
-            self.skip_empty()
+            skip_empty(self)
             sign = self.sum_sign()
             if sign is None and terms:
                 break
@@ -245,23 +246,6 @@ class Parser(Stream):
         if found == [""]:
             return terms[0]
         return Addition(tuple(terms), tuple(found), span=self.since(start))
-
-    def skip_empty(self) -> None:
-        r"""Pass over ``{}`` where it only makes space; take ``{=}`` as ``=``, ``\mathbf{\cdot}`` too."""
-        font = int(self.token.is_command(*latex.FONTS))
-        opened, inner, behind = self.ahead(font), self.ahead(font + 1), self.ahead(font + 2)
-        if opened.is_char("{") and behind.is_char("}") and not inner.is_char("}"):
-            saved, self.place = self.place, self.place + font + 1
-            if operator_ahead(self) or signs.relation_ahead(self) or _is_sum_sign(inner):
-                self.place += 1
-                self.tokens[self.place] = inner
-                return
-            self.place = saved
-        while self.token.is_char("{") and self.ahead().is_char("}"):
-            after = self.ahead(2)
-            if after.kind == "char" and after.text in "^_":
-                return
-            self.place += 2
 
     def sum_sign(self) -> str | None:
         """Pass over a sign of a sum and return it; None where there is none."""
@@ -323,7 +307,7 @@ class Parser(Stream):
         start = self.token.span
         factors = [self.factor()]
         while True:
-            self.skip_empty()
+            skip_empty(self)
             if self.token.is_char("/"):
                 factors = [self.quotient(factors, start)]
             elif factor_ahead(self):
@@ -374,32 +358,3 @@ class Parser(Stream):
     def script_argument(self) -> Node:
         """Read what stands in a script."""
         return scripts.script_argument(self)
-
-
-def _is_sum_sign(token: Token) -> bool:
-    if token.kind == "command":
-        return token.text in latex.SUM_COMMANDS
-    return token.kind == "char" and token.text in latex.SUM_SIGNS
-
-
-def operator_ahead(p: Stream) -> str:
-    """Return the name of the product operator at the cursor, or ""."""
-    token = p.token
-    if token.kind == "command":
-        return latex.PRODUCT_COMMANDS.get(token.text, "")
-    if token.kind != "char" or signs.relation_ahead(p):
-        return ""
-    name = latex.PRODUCT_CHARACTERS.get(token.text, "")
-    if name == "double dot" and (p.ahead().kind in {"words", "quad", "stop", "row"} or p.script):
-        return ""
-    return name
-
-
-def factor_ahead(p: Stream) -> bool:
-    """Whether another factor follows side by side."""
-    if p.closes() or (p.integrals and differential_ahead(p)):
-        return False
-    stacked = p.token.is_command(*signs.STACKED)
-    if stacked and (signs.relation_ahead(p) or signs.arrow_ahead(p)):
-        return False
-    return p.starts_atom() and not (p.script and bool(p.bar(p.token)))

@@ -292,13 +292,18 @@ class _Splitter:
             self.joined, self.role = _LEADING[first], ""
         elif first in _JOINING:
             pass
-        elif self.found and not self.role:
+        elif not self.role:
+            self.comment(node.text)
+        if role is not None and node.text.strip(" ,.;:()").lower() != first and not node.sign:
+            self.comment(node.text)
+
+    def comment(self, text: str) -> None:
+        """Keep text beside the last statement, or for the next one."""
+        if self.found:
             s = self.found[-1]
-            self.found[-1] = replace(s, words=(*s.words, node.text.strip()))
+            self.found[-1] = replace(s, words=(*s.words, text.strip()))
         else:
-            self.words.append(node.text.strip())
-        if role is not None and node.text.strip().lower() != first:
-            self.words.append(node.text.strip())
+            self.words.append(text.strip())
 
     def add(self, s: Statement) -> None:
         """Take in a statement: as a condition where words announced one."""

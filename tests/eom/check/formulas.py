@@ -61,8 +61,10 @@ SCHAUB = [
     ),
     (
         r"{}^{\mathcal B}\boldsymbol{\omega} = \begin{pmatrix} -s_2 & 0 & 1 \\ s_3 c_2 & c_3 & 0 \\ c_3 c_2 & -s_3 & 0 \end{pmatrix} \begin{pmatrix} \dot\theta_1\\ \dot\theta_2\\ \dot\theta_3 \end{pmatrix}",
-        "*omega{<cal:B} = [pmatrix([-s{_2}] & 0 & 1 // [s{_3} c{_2}] & c{_3} & 0 // [c{_3} c{_2}] & [-s{_3}] & 0) "
-        "pmatrix(dot(theta){_1} // dot(theta){_2} // dot(theta){_3})]",
+        (
+            "*omega{<cal:B} = [pmatrix([-s{_2}] & 0 & 1 // [s{_3} c{_2}] & c{_3} & 0 // [c{_3} c{_2}] & [-s{_3}] & 0) "
+            "pmatrix(dot(theta){_1} // dot(theta){_2} // dot(theta){_3})]"
+        ),
     ),
     (
         r"[C] = \left(1-\boldsymbol\sigma^T\boldsymbol\sigma\right)[I_{3\times 3}] + 2\boldsymbol\sigma\boldsymbol\sigma^T - 2[\tilde{\boldsymbol\sigma}]",
@@ -91,13 +93,17 @@ HUGHES = [
     ),
     (
         r"\dot{\boldsymbol\varepsilon} = \tfrac{1}{2}(\boldsymbol\varepsilon^\times + \eta\mathbf{1})\boldsymbol\omega, \quad \dot\eta = -\tfrac12\boldsymbol\varepsilon^{T}\boldsymbol\omega",
-        "dot(*varepsilon) = [frac(1, 2) ([*varepsilon{^!times} + [eta *1]]) *omega], "
-        "dot(eta) = [-[frac(1, 2) *varepsilon{^T} *omega]]",
+        (
+            "dot(*varepsilon) = [frac(1, 2) ([*varepsilon{^!times} + [eta *1]]) *omega], "
+            "dot(eta) = [-[frac(1, 2) *varepsilon{^T} *omega]]"
+        ),
     ),
     (
         r"\mathbf{J} = -\int_{\mathcal V} \mathbf{r}^\times\mathbf{r}^\times\,dm = \int_{\mathcal V}(\mathbf{r}^{\mathsf T}\mathbf{r}\mathbf{1} - \mathbf{r}\mathbf{r}^{\mathsf T})\,\mathrm{d}m",
-        "*J = [-int{_cal:V}([*r{^!times} *r{^!times}]; m)] = "
-        "int{_cal:V}(([[*r{^sans:T} *r *1] - [*r *r{^sans:T}]]); m)",
+        (
+            "*J = [-int{_cal:V}([*r{^!times} *r{^!times}]; m)] = "
+            "int{_cal:V}(([[*r{^sans:T} *r *1] - [*r *r{^sans:T}]]); m)"
+        ),
     ),
     (
         r"\underline{v}^{\bullet} = \underline{v}^{\circ} + \underline{\omega}\times\underline{v}",

@@ -114,10 +114,27 @@ def test_unknown_command_has_near_matches():
 
 @pytest.mark.parametrize(
     ("opening", "closing"),
-    [("(", ")"), ("{", "}"), (r"\dot{", "}"), ("x^{", "}"), (r"\left[", r"\right]"), ("- ", "")]
-    + [(r"\sum_i ", ""), (r"\int ", ""), (r"\frac{", "}{2}"), (r"\sqrt{", "}"), ("|", "|")]
-    + [(r"\frac{d}{dt}", ""), (r"\begin{bmatrix}", r"\end{bmatrix}"), (r"a \wedge b \times ", "")]
-    + [(r"\sin ", ""), ("{}^{A}", ""), ("_", ""), (r"\boxed{", "}"), (r"\hat", "")],
+    [
+        ("(", ")"),
+        ("{", "}"),
+        (r"\dot{", "}"),
+        ("x^{", "}"),
+        (r"\left[", r"\right]"),
+        ("- ", ""),
+        (r"\sum_i ", ""),
+        (r"\int ", ""),
+        (r"\frac{", "}{2}"),
+        (r"\sqrt{", "}"),
+        ("|", "|"),
+        (r"\frac{d}{dt}", ""),
+        (r"\begin{bmatrix}", r"\end{bmatrix}"),
+        (r"a \wedge b \times ", ""),
+        (r"\sin ", ""),
+        ("{}^{A}", ""),
+        ("_", ""),
+        (r"\boxed{", "}"),
+        (r"\hat", ""),
+    ],
 )
 def test_deep_nesting_is_a_clear_error(opening, closing):
     for count in (60, 2000):

@@ -45,7 +45,8 @@ def test_unicode_is_read_as_latex(text, same):
 
 
 def test_macros_are_expanded_with_the_place_of_the_call():
-    text = r"""\newcommand{\vect}[1]{\boldsymbol{#1}} \def\fr#1#2{{}^{#1}#2} \DeclareMathOperator{\trace}{tr}
+    text = r"""\newcommand{\vect}[1]{\boldsymbol{#1}} \def\fr#1#2{{}^{#1}#2}
+\DeclareMathOperator{\trace}{tr}
 \newcommand{\dd}[2][t]{\frac{\mathrm{d} #2}{\mathrm{d} #1}} \let\w\omega
 \[ \dd{\fr{N}{\vect{H}}} = \trace(A) \w + \dd[s]{x} \]"""
     document = read_document(text, "latex")
@@ -74,7 +75,8 @@ def test_renewed_command_may_use_the_old_one():
         r"\def\a{\b}\def\b{\a\a} $\a$",
         r"\def\a{xx}"
         + "".join(
-            rf"\def\{c}{{\{b}\{b}\{b}\{b}}}" for b, c in zip("abcdefghijklm", "bcdefghijklmn")
+            rf"\def\{c}{{\{b}\{b}\{b}\{b}}}"
+            for b, c in zip("abcdefghijklm", "bcdefghijklmn", strict=False)
         )
         + r" $\n$",
         r"\newcommand{\a}[1]{\a{#1#1}} $\a{x}$",
