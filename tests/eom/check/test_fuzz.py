@@ -1,0 +1,30 @@
+"""Broken input of all kinds: a tree or a clear error, and nothing else."""
+
+import pytest
+from click.testing import CliRunner
+
+from benchmarks import reading
+
+
+def test_broken_formulas_and_documents():
+    found = reading.fuzz(1500, seed=11)
+    assert found.failures == []
+    assert sum(found.read.values()) > 200
+    assert sum(found.refused.values()) > 500
+
+
+def test_the_command_tells_what_it_read(tmp_path):
+    (tmp_path / "n.md").write_text("$$a = b$$ and $c \\foo$", encoding="utf-8")
+    run = CliRunner().invoke(reading.main, ["--notes", str(tmp_path), "--fuzz", "20"])
+    assert run.exit_code == 1
+    assert "1 display (1 relational), 1 inline (0 relational); 1 not read" in run.output
+    assert "0 failures in 20" in run.output
+
+
+def test_a_failure_is_found(monkeypatch):
+    monkeypatch.setattr(reading, "read_formula", lambda _: 1 / 0)
+    found = reading.Findings()
+    reading.check("edited", "a", found)
+    assert "ZeroDivisionError" in found.failures[0]
+    with pytest.raises(SystemExit):
+        reading.main(["--fuzz", "3"])
