@@ -13,9 +13,7 @@ prefix forms (`BigOperator`, `Integral`, `Derivative`, `Call`); `Scripts` and at
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 from eom.check.places import NOWHERE, Span
 
@@ -407,49 +405,3 @@ MARKS = frozenset(
     "harpoon bullet circle double_bar double_underline undertilde underarrow prime_over".split()
 )
 """Names of accents; wide forms are the same as narrow ones."""
-
-
-# -- walking -------------------------------------------------------------------------------------
-
-
-def children(node: Node) -> tuple[Node, ...]:
-    """Return the nodes directly below, in the order of the fields."""
-    found: list[Node] = []
-    for f in fields(node):
-        _gather(getattr(node, f.name), found)
-    return tuple(found)
-
-
-def _gather(value: Any, found: list[Node]) -> None:
-    if isinstance(value, Node):
-        found.append(value)
-    elif isinstance(value, tuple) and not isinstance(value, Span):
-        for v in value:
-            _gather(v, found)
-
-
-def walk(node: Node) -> Iterator[Node]:
-    """Yield every node, parents first, without recursion."""
-    stack = [node]
-    while stack:
-        node = stack.pop()
-        yield node
-        stack += reversed(children(node))
-
-
-def transform(node: Node, rule: Callable[[Node], Node]) -> Node:
-    """Apply ``rule`` to every node, children first; spans stay."""
-    old = {f.name: getattr(node, f.name) for f in fields(node) if f.name != "span"}
-    new = {name: _transformed(value, rule) for name, value in old.items()}
-    changed = {name: value for name, value in new.items() if value is not old[name]}
-    return rule(replace(node, **changed) if changed else node)
-
-
-def _transformed(value: Any, rule: Callable[[Node], Node]) -> Any:
-    """Return the same object where nothing changes."""
-    if isinstance(value, Node):
-        return transform(value, rule)
-    if isinstance(value, tuple):
-        new = tuple(_transformed(v, rule) for v in value)
-        return value if all(a is b for a, b in zip(new, value, strict=True)) else new
-    return value
