@@ -35,8 +35,9 @@ class Notation:
     ``dot``: frame of overdots on vectors, and of derivatives that name none; ``mixed``: frame in
     whose components vectors may stand beside columns and matrices ("": nowhere); ``skew``: accents
     that make a skew matrix; ``dyads``: vectors side by side are a dyadic; ``juxtaposed``: a dyadic
-    acts on a vector beside it without a dot; ``marks``: raised marks that are derivatives, with
-    their frames; ``alike``: (style, accents) that mean the same, the first stands for all.
+    acts on a vector beside it without a dot; ``resolved``: a frame as last label below a vector is
+    that of its components; ``marks``: raised marks that are derivatives, with their frames;
+    ``alike``: (style, accents) that mean the same, the first stands for all.
     """
 
     dot: str = INERTIAL
@@ -44,6 +45,7 @@ class Notation:
     skew: tuple[str, ...] = ()
     dyads: bool = False
     juxtaposed: bool = False
+    resolved: bool = False
     marks: Mapping[str, str] = field(default_factory=dict)
     alike: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...] = ()
 
@@ -118,12 +120,18 @@ class Lexicon:
                     return Found(look, entry.meaning.filled(bound), entry)
         return None
 
+    def frame(self, given: Labels) -> str | None:
+        """Return the frame that labels name, or None."""
+        return _named(self.frames, given)
+
     def known(self, name: str) -> tuple[str, ...]:
         """Return the patterns with a letter, for messages."""
         entries = (e for layer in self.layers for e in layer)
         return tuple(dict.fromkeys(e.latex for e in entries if e.look.name == name))
 
-    def _match(self, pattern: Look, look: Look, indices: Mapping[str, str]) -> dict[str, str] | None:
+    def _match(
+        self, pattern: Look, look: Look, indices: Mapping[str, str]
+    ) -> dict[str, str] | None:
         bound: dict[str, str] | None = {}
         for wanted, given in zip(pattern.corners, look.corners, strict=True):
             if bound is not None:
@@ -151,10 +159,8 @@ class Lexicon:
 
     def resolved(self, slot: str, given: Labels, indices: Mapping[str, str]) -> str | None:
         """Return the frame, point, index or axis that labels name, or None."""
-        if slot in "FG":
-            return self.frames.get(given)
-        if slot in "PQ":
-            return self.points.get(given)
+        if slot in "FGPQ":
+            return _named(self.frames if slot in "FG" else self.points, given)
         word = indices.get(given[0], given[0]) if len(given) == 1 else ""
         if slot in "ij":
             return word if word in INDICES - {"dm"} else None
@@ -168,6 +174,12 @@ class Found:
     look: Look
     meaning: Meaning
     entry: Entry
+
+
+def _named(names: Mapping[Labels, str], given: Labels) -> str | None:
+    """Return the name of labels; a name of the house stands for itself if nothing else does."""
+    own = "".join(given)
+    return names.get(given, own if own in names.values() else None)
 
 
 def _nucleus(look: Look) -> tuple[str, str, tuple[str, ...]]:

@@ -251,7 +251,7 @@ def _entry(latex: str, value: Any, notation: Notation, where: str) -> Entry:
     if unbound:
         raise InputError("a slot is not in the pattern", where=where, got=unbound[0])
     if found.formula:
-        read_formula(found.formula)
+        read_formula(_slotted(found.formula, where))
     return Entry(look, found, latex, where)
 
 
@@ -260,7 +260,10 @@ def _slotted(latex: str, where: str) -> str:
     unknown = [s for s in SLOT.findall(latex) if s not in _SLOTS]
     if unknown:
         raise InputError(
-            "unknown slot", where=where, got=f"<{unknown[0]}>", expected="<F> <G> <P> <Q> <i> <j> <k> <l>"
+            "unknown slot",
+            where=where,
+            got=f"<{unknown[0]}>",
+            expected="<F> <G> <P> <Q> <i> <j> <k> <l>",
         )
     return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
 
@@ -294,6 +297,7 @@ _SETTINGS: dict[str, type] = {
     "skew": list,
     "dyads": bool,
     "juxtaposed": bool,
+    "resolved": bool,
     "alike": list,
 }
 

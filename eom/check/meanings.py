@@ -17,11 +17,11 @@ from eom.errors import InputError, unknown_name
 from eom.terms import DYADIC, SCALAR, VECTOR
 from eom.vocabulary import QUANTITIES
 
-OWN: dict[str, int] = {"defined": 0, "equals": 0, "vectrix": 1, "time": 0}
+OWN: dict[str, int] = {"defined": 0, "equals": 0, "vectrix": 1, "time": 0, "skew": 0}
 """Meanings of the checker alone, with their number of labels.
 
 ``defined``: by the first equation of the note that has it alone on one side; ``equals``: what a
-formula says; ``vectrix``: the column of the unit vectors of a frame; ``time``.
+formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a).
 """
 
 SLOT = re.compile(r"<([A-Za-z])>")
@@ -59,12 +59,13 @@ class Meaning:
             labels=tuple(map(fill, self.labels)),
             frame=fill(self.frame),
             component=tuple(map(fill, self.component)),
+            formula=fill(self.formula),
         )
 
     @property
     def slots(self) -> frozenset[str]:
         """Letters of the slots that are used."""
-        texts = (*self.labels, self.frame, *self.component)
+        texts = (*self.labels, self.frame, *self.component, self.formula)
         return frozenset(letter for t in texts for letter in SLOT.findall(t))
 
 

@@ -56,7 +56,7 @@ class Finding:
     expected: str = ""
 
 
-class Refusal(Exception):  # noqa: N818 - it carries a finding
+class Refusal(Exception):
     """Ends the elaboration of a formula."""
 
     def __init__(self, finding: Finding) -> None:
@@ -175,9 +175,7 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
     if a.density != b.density:
         raise refuse(ILL_FORMED, "one of these is for each unit of volume", b.span)
     if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
-        raise refuse(
-            WRONG, "the dimensions differ", b.span, b.dimension.words, a.dimension.words
-        )
+        raise refuse(WRONG, "the dimensions differ", b.span, b.dimension.words, a.dimension.words)
     known = a.dimension if a.dimension is not None else b.dimension
     return replace(a, frames=frames, dimension=known), replace(b, frames=frames, dimension=known)
 
@@ -213,7 +211,7 @@ def negative(value: Value, span: Span) -> Value:
 
 def beside(notation: Notation, a: Value, b: Value) -> Value:
     """Return the product of two factors side by side."""
-    if a.shape == SCALAR or b.shape == SCALAR:
+    if SCALAR in (a.shape, b.shape):
         return _scaled(a, b)
     if (a.shape, b.shape) == (DYADIC, VECTOR) and notation.juxtaposed:
         return _made(dot(a.term, b.term), VECTOR, a, b)
@@ -299,7 +297,7 @@ _BESIDE: dict[tuple[str, str], Rule] = {
 
 def dotted(notation: Notation, a: Value, b: Value) -> Value:
     """Return the dot product; between scalars, and of a scalar and a vector, it is the plain one."""
-    if a.shape == SCALAR or b.shape == SCALAR:
+    if SCALAR in (a.shape, b.shape):
         return _scaled(a, b)
     a, b = alike(notation, (a, b))
     geometric = {
@@ -321,9 +319,8 @@ def dotted(notation: Notation, a: Value, b: Value) -> Value:
 
 def crossed(notation: Notation, a: Value, b: Value) -> Value:
     """Return the cross product; of numbers it is the plain one, as in 2 x 10^3."""
-    if a.shape == b.shape == SCALAR and a.term.head == b.term.head == "expr":
-        if a.term.data[0].is_number and b.term.data[0].is_number:
-            return _scaled(a, b)
+    if _is_number(a) and _is_number(b):
+        return _scaled(a, b)
     a, b = alike(notation, (a, b))
     shapes = (a.shape, b.shape)
     if shapes == (VECTOR, VECTOR):
@@ -339,6 +336,10 @@ def crossed(notation: Notation, a: Value, b: Value) -> Value:
         return _scaled(a, b)
     span = a.span.join(b.span)
     raise refuse(ILL_FORMED, "these have no cross product", span, f"{a.words} x {b.words}")
+
+
+def _is_number(value: Value) -> bool:
+    return value.term.head == "expr" and bool(value.term.data[0].is_number)
 
 
 def _turner(term: Term) -> Term:
