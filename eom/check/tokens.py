@@ -274,7 +274,8 @@ def _expand(source: Source, tokens: list[Token], macros: Mapping[str, Macro]) ->
     work = 0
     while waiting:
         token, depth = waiting.popleft()
-        if token.kind != "command" or token.text not in macros:
+        primitive = token.kind != "command" or token.extra == "primitive"
+        if primitive or token.text not in macros:
             found.append(token)
             continue
         macro = macros[token.text]

@@ -1,0 +1,393 @@
+r"""Syntax trees as LaTeX: what is written reads again as the same tree.
+
+Each row knows its own layer and those of its parts; a part that is looser than its place gets
+brackets, so that changed trees can be written as well (they read again with those brackets).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from eom.check import latex as tables
+from eom.check import syntax as s
+
+ROWS, IMPLICATION, SEQUENCE, RELATION, SUM, LOOSE, TIGHT, RUN, ATOM = range(9)
+"""Layers from loose to tight."""
+
+
+def latex(node: s.Node) -> str:
+    """Return a tree as LaTeX."""
+    return _write(node, ROWS)
+
+
+def _write(node: s.Node, layer: int) -> str:
+    own = _layer(node)
+    text = _TABLE[type(node).__name__](node)
+    if own >= layer:
+        return text
+    if isinstance(node, s.Rows):
+        return rf"\begin{{aligned}} {text} \end{{aligned}}"
+    return rf"\left( {text} \right)"
+
+
+_LAYERS: dict[str, int] = {
+    "Rows": ROWS,
+    "Implication": IMPLICATION,
+    "Sequence": SEQUENCE,
+    "Relation": RELATION,
+    "Addition": SUM,
+    "Section": LOOSE,
+    "Quotient": RUN,
+    "BigOperator": RUN,
+    "Integral": RUN,
+    "Derivative": RUN,
+    "Call": RUN,
+    "Differential": RUN,
+    "Operation": RUN,
+}
+
+
+def _layer(node: s.Node) -> int:
+    if isinstance(node, s.Product):
+        if node.operator in tables.LOOSE_PRODUCTS:
+            return LOOSE
+        return TIGHT if node.operator else RUN
+    if isinstance(node, s.Integral) and not node.variables:
+        return LOOSE
+    return _LAYERS.get(type(node).__name__, ATOM)
+
+
+# -- statements ----------------------------------------------------------------------------------
+
+
+def _joined(items: tuple[s.Node, ...], signs: list[str], layer: int) -> str:
+    parts = [_write(items[0], layer)]
+    for sign, item in zip(signs, items[1:], strict=True):
+        parts += [sign, _write(item, layer)]
+    return " ".join(p for p in parts if p)
+
+
+def _sign(node: s.Sign) -> str:
+    text = s.RELATIONS.get(node.name) or s.ARROWS[node.name]
+    return rf"\overset{{{latex(node.above)}}}{{{text}}}" if node.above else text
+
+
+_SEPARATORS = {"quad": r"\quad"}
+
+
+def _sequence(node: s.Sequence) -> str:
+    return _joined(node.items, [_SEPARATORS.get(p, p) for p in node.separators], RELATION)
+
+
+# -- operations ----------------------------------------------------------------------------------
+
+
+def _addition(node: s.Addition) -> str:
+    signs = {"±": r"\pm", "∓": r"\mp"}
+    parts = []
+    for k, (sign, term) in enumerate(zip(node.signs, node.terms, strict=True)):
+        text = _write(term, LOOSE)
+        swallows = isinstance(term, s.Integral) and not term.variables and k < len(node.terms) - 1
+        parts += [signs.get(sign, sign), rf"\left( {text} \right)" if swallows else text]
+    return " ".join(p for p in parts if p)
+
+
+def _product(node: s.Product) -> str:
+    if not node.operator:
+        return _juxtaposed(node.factors)
+    loose = node.operator in tables.LOOSE_PRODUCTS
+    parts = []
+    for k, factor in enumerate(node.factors):
+        text = _operand(factor, TIGHT if loose else RUN, first=k == 0, outer=node.operator)
+        last = k == len(node.factors) - 1
+        parts.append(text if last or not _swallows(factor) else rf"\left( {text} \right)")
+    return f" {s.PRODUCTS[node.operator]} ".join(parts)
+
+
+def _operand(node: s.Node, layer: int, *, first: bool, outer: str) -> str:
+    """Write an operand; a product of the same layer may begin one with another operator."""
+    if first and isinstance(node, s.Product) and node.operator != outer:
+        return _write(node, layer - 1)
+    signed = isinstance(node, s.Addition) and len(node.terms) == 1
+    if signed and isinstance(node, s.Addition) and not first:
+        return f"{node.signs[0]} {_write(node.terms[0], RUN)}"
+    return _write(node, layer)
+
+
+def _juxtaposed(factors: tuple[s.Node, ...]) -> str:
+    parts = []
+    for k, factor in enumerate(factors):
+        inner = isinstance(factor, s.Product) and not factor.operator
+        quotient = isinstance(factor, s.Quotient) and k > 0
+        text = _write(factor, ATOM if inner or quotient else RUN)
+        if k < len(factors) - 1 and not inner:
+            text = _closed(factor, text)
+        parts.append(text)
+    return " ".join(parts)
+
+
+def _closed(node: s.Node, text: str) -> str:
+    """Keep a factor from taking in the next one: by braces, or brackets for a sum."""
+    if _swallows(node) and not isinstance(node, s.Call | s.Derivative):
+        return rf"\left( {text} \right)"
+    lone = isinstance(node, s.Symbol) and node.name in {"d", "partial"}
+    open_ = isinstance(node, s.Call | s.Derivative) and _swallows(node)
+    return f"{{{text}}}" if lone or open_ else text
+
+
+def _swallows(node: s.Node) -> bool:
+    """Whether what follows would be read as part of a node."""
+    if isinstance(node, s.Product):
+        return _swallows(node.factors[-1])
+    if isinstance(node, s.Addition):
+        return _swallows(node.terms[-1])
+    if isinstance(node, s.Call):
+        return not isinstance(node.argument, s.Group)
+    if isinstance(node, s.Derivative):
+        return node.operand is None
+    return isinstance(node, s.BigOperator) or (isinstance(node, s.Integral) and not node.variables)
+
+
+def _quotient(node: s.Quotient) -> str:
+    left = _write(node.left, RUN)
+    inner = isinstance(node.left, s.Product | s.Quotient)
+    left = left if inner and not _swallows(node.left) else _closed(node.left, left)
+    right = _write(node.right, ATOM if isinstance(node.right, s.Product | s.Quotient) else RUN)
+    lone = isinstance(node.right, s.Symbol) and node.right.name in {"d", "partial"}
+    return f"{left} / {{{right}}}" if lone else f"{left} / {right}"
+
+
+def _section(node: s.Section) -> str:
+    sign = s.PRODUCTS[node.operator]
+    if not node.left:
+        return f"{sign} {_write(node.operand, RUN)}"
+    loose = node.operator in tables.LOOSE_PRODUCTS
+    inner = isinstance(node.operand, s.Product) and node.operand.operator != ""
+    return f"{_write(node.operand, LOOSE if loose else TIGHT if inner else RUN)} {sign}"
+
+
+# -- prefix forms --------------------------------------------------------------------------------
+
+
+def _limits(lower: s.Node | None, upper: s.Node | None) -> str:
+    text = f"_{{{_script(lower)}}}" if lower is not None else ""
+    return text + (f"^{{{_script(upper)}}}" if upper is not None else "")
+
+
+_MARKS = {
+    "prime": r"\prime",
+    "ast": r"\ast",
+    "sim": r"\sim",
+    "+": "+",
+    "-": "-",
+    "|": "|",
+    "=": "=",
+}
+
+
+def _script(node: s.Node) -> str:
+    if isinstance(node, s.Marks):
+        return "".join(_MARKS.get(n, rf"\{n} ") for n in node.names).strip()
+    return latex(node)
+
+
+def _big(node: s.BigOperator) -> str:
+    return rf"\{node.sign}{_limits(node.lower, node.upper)} {_write(node.body, LOOSE)}"
+
+
+def _integral(node: s.Integral) -> str:
+    sign = rf"\{node.sign}{_limits(node.lower, node.upper)}"
+    inside = [] if node.integrand is None else [_write(node.integrand, SUM)]
+    below = [rf"\, \mathrm{{d}} {_write(v, ATOM)}" for v in node.variables]
+    return " ".join([sign, *inside, *below])
+
+
+def _differential(node: s.Differential) -> str:
+    sign = r"\partial" if node.sign == "partial" else r"\mathrm{d}"
+    order = f"^{{{_script(node.order)}}}" if node.order is not None else ""
+    return f"{sign}{order} {_write(node.variable, ATOM)}"
+
+
+def _derivative(node: s.Derivative) -> str:
+    sign = r"\partial" if node.sign == "partial" else r"\mathrm{d}"
+    order = f"^{{{_script(node.order)}}}" if node.order is not None else ""
+    single = order if len(node.variables) == 1 else ""
+    below = " ".join(f"{sign} {_write(v, ATOM)}{single}" for v in node.variables)
+    frame = f"{{}}^{{{_script(node.frame)}}}" if node.frame is not None else ""
+    behind = isinstance(node.operand, s.Group) and node.operand.open in {"(", "["}
+    if node.operand is None or (behind and node.form == "before"):
+        operand = f" {latex(node.operand)}" if node.operand is not None else ""
+        return rf"{frame}\frac{{{sign}{order}}}{{{below}}}{operand}"
+    return rf"{frame}\frac{{{sign}{order} {_write(node.operand, LOOSE)}}}{{{below}}}"
+
+
+def _call(node: s.Call) -> str:
+    known = node.function in tables.COMMAND_FUNCTIONS
+    name = rf"\{node.function}" if known else rf"\operatorname{{{node.function}}}"
+    argument = latex(node.argument) if _is_bare(node.argument) else _write(node.argument, 9)
+    return f"{name}{_limits(node.sub, node.sup)} {argument}"
+
+
+def _is_bare(node: s.Node) -> bool:
+    """Whether an argument can stand without more brackets."""
+    if isinstance(node, s.Addition):
+        return len(node.terms) == 1 and node.signs == ("-",) and _is_bare(node.terms[0])
+    if isinstance(node, s.Quotient):
+        return isinstance(node.right, s.Number) and _is_bare(node.left)
+    if isinstance(node, s.Product):
+        return node.operator == "" and isinstance(node.factors[0], s.Number | s.Symbol | s.Scripts)
+    return _layer(node) >= RUN and not isinstance(node, s.BigOperator | s.Differential)
+
+
+# -- atoms ---------------------------------------------------------------------------------------
+
+_FONTS = {
+    "bold": "mathbf",
+    "roman": "mathrm",
+    "calligraphic": "mathcal",
+    "blackboard": "mathbb",
+    "sans": "mathsf",
+    "fraktur": "mathfrak",
+    "typewriter": "mathtt",
+}
+
+
+def _symbol(node: s.Symbol) -> str:
+    command = node.name in tables.SYMBOLS or node.name == "partial"
+    text = rf"\{node.name}" if command else node.name
+    if not node.style:
+        return text if command or len(text) == 1 else rf"\mathit{{{text}}}"
+    font = "boldsymbol" if node.style == "bold" and command else _FONTS[node.style]
+    return rf"\{font}{{{text}}}"
+
+
+def _scripts(node: s.Scripts) -> str:
+    base = _base(node.base)
+    left = _limits(node.presub, node.presup)
+    return f"{'{}' + left if left else ''}{base}{_limits(node.sub, node.sup)}"
+
+
+def _base(node: s.Node) -> str:
+    text = _write(node, RUN)
+    if isinstance(node, s.Product | s.Quotient | s.BigOperator | s.Integral):
+        return rf"\left( {text} \right)"
+    plain = isinstance(node, s.Symbol | s.Number | s.Group | s.Accent | s.Matrix | s.Words)
+    return text if plain and not (isinstance(node, s.Number) and len(text) > 1) else f"{{{text}}}"
+
+
+_ACCENTS = {
+    "bullet": r"\overset{\bullet}",
+    "circle": r"\overset{\circ}",
+    "prime_over": r"\overset{\prime}",
+    "ring": r"\mathring",
+    "harpoon": r"\overrightharpoon",
+    "double_bar": r"\overleftrightarrow",
+    "underarrow": r"\underrightarrow",
+    "undertilde": r"\utilde",
+}
+
+
+def _accent(node: s.Accent) -> str:
+    return f"{_ACCENTS.get(node.mark, chr(92) + node.mark)}{{{latex(node.base)}}}"
+
+
+def _over(node: s.Over) -> str:
+    name, script = ("overset", node.above) if node.above is not None else ("underset", node.below)
+    assert script is not None
+    return rf"\{name}{{{_script(script)}}}{{{latex(node.base)}}}"
+
+
+_DELIMITERS = {
+    "{": r"\{",
+    "}": r"\}",
+    "||": r"\|",
+    "<": r"\langle",
+    ">": r"\rangle",
+    "⌊": r"\lfloor",
+    "⌋": r"\rfloor",
+    "⌈": r"\lceil",
+    "⌉": r"\rceil",
+}
+
+
+def _group(node: s.Group) -> str:
+    body = latex(node.body)
+    if not node.open:
+        return f"{{{body}}}"
+    opening, closing = (_DELIMITERS.get(d, d) for d in (node.open, node.close))
+    return rf"\left{opening} {body} \right{closing}"
+
+
+def _evaluated(node: s.Evaluated) -> str:
+    return rf"\left. {latex(node.base)} \right|{_limits(node.sub, node.sup)}"
+
+
+def _braced(node: s.Braced) -> str:
+    sign = "_" if node.mark == "underbrace" else "^"
+    label = f"{sign}{{{_script(node.label)}}}" if node.label is not None else ""
+    return rf"\{node.mark}{{{latex(node.body)}}}{label}"
+
+
+def _struck(node: s.Struck) -> str:
+    if node.to is None:
+        return rf"\cancel{{{latex(node.body)}}}"
+    return rf"\cancelto{{{latex(node.to)}}}{{{latex(node.body)}}}"
+
+
+def _root(node: s.Root) -> str:
+    degree = f"[{latex(node.degree)}]" if node.degree is not None else ""
+    return rf"\sqrt{degree}{{{latex(node.body)}}}"
+
+
+def _rows(rows: tuple[tuple[s.Node, ...], ...]) -> str:
+    return r" \\ ".join(" & ".join(latex(c) for c in row) for row in rows)
+
+
+def _matrix(node: s.Matrix) -> str:
+    name = node.environment
+    columns = node.columns or "c" * max((len(r) for r in node.rows), default=1)
+    columns = f"{{{columns}}}" if name in tables.WITH_SPECIFICATION else ""
+    return rf"\begin{{{name}}}{columns} {_rows(node.rows)} \end{{{name}}}"
+
+
+def _cases(node: s.Cases) -> str:
+    name = "cases" if node.side == "left" else "rcases"
+    return rf"\begin{{{name}}} {_rows(node.rows)} \end{{{name}}}"
+
+
+_TABLE: dict[str, Callable[[Any], str]] = {
+    "Number": lambda n: n.text,
+    "Symbol": _symbol,
+    "Words": lambda n: rf"\{n.sign}" if n.sign else rf"\text{{{n.text}}}",
+    "Dots": lambda n: rf"\{n.name}",
+    "Blank": lambda _: r"\cdot",
+    "Missing": lambda _: "",
+    "Marks": _script,
+    "Accent": _accent,
+    "Scripts": _scripts,
+    "Over": _over,
+    "Operation": lambda n: s.PRODUCTS[n.name],
+    "Group": _group,
+    "Evaluated": _evaluated,
+    "Braced": _braced,
+    "Boxed": lambda n: rf"\boxed{{{latex(n.body)}}}",
+    "Struck": _struck,
+    "Addition": _addition,
+    "Product": _product,
+    "Quotient": _quotient,
+    "Fraction": lambda n: rf"\frac{{{latex(n.above)}}}{{{latex(n.below)}}}",
+    "Root": _root,
+    "Call": _call,
+    "Section": _section,
+    "BigOperator": _big,
+    "Differential": _differential,
+    "Integral": _integral,
+    "Derivative": _derivative,
+    "Matrix": _matrix,
+    "Cases": _cases,
+    "Relation": lambda n: _joined(n.members, [_sign(x) for x in n.signs], SUM),
+    "Sequence": _sequence,
+    "Implication": lambda n: _joined(n.items, [_sign(x) for x in n.signs], SEQUENCE),
+    "Rows": lambda n: r" \\ ".join(_write(r, IMPLICATION) for r in n.rows),
+}
