@@ -37,6 +37,7 @@ from eom.check.values import (
     Value,
     determinant,
     negative,
+    overdot,
     rate,
     refuse,
     skew,
@@ -144,8 +145,9 @@ def derivative(e: Elaborator, node: Derivative) -> Value:
     order = 1 if node.order is None else _order(node.order)
     value = e.value(node.operand)
     given = "" if node.frame is None else e.frame(node.frame)
-    default = e.lexicon.notation.dot if value.shape in {"vector", "dyadic"} else ""
-    return rate(value, given or default, order, node.span)
+    if given:
+        return rate(value, given, order, node.span)
+    return overdot(e.lexicon.notation, value, order, node.span)
 
 
 def _order(node: Node) -> int:
@@ -245,6 +247,8 @@ def _diagonal(e: Elaborator, node: Call) -> Value:
 
 def matrix(e: Elaborator, node: Matrix) -> Value:
     """Return a column, a row, a square of scalars, rows above each other, or columns side by side."""
+    if len(node.rows) == len(node.rows[0]) == 1:
+        return e.value(node.rows[0][0])
     cells = [[e.value(c) for c in row] for row in node.rows]
     size = (len(cells), *{len(row) for row in cells})
     flat = [v for row in cells for v in row]

@@ -1,13 +1,13 @@
-"""From the tree of a formula to its statements: chains of typed values with their relations.
+"""From statements to claims: chains of typed values with their relations.
 
-A formula holds several: rows, items beside each other, the sides of an implication, labels of braces.
-A chain that begins with its relation continues one of the formula before. What cannot be elaborated
-leaves a finding with its place; the rest of the formula is judged all the same.
+Every statement gives a claim; what of it cannot be elaborated, or does not fit together, is a finding
+of the claim with its place, and the members that are left can be judged all the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,23 +16,17 @@ from eom.check.elaborator import Elaborator
 from eom.check.lexicon import Lexicon
 from eom.check.looks import Look, labels, seen
 from eom.check.places import NOWHERE, Span
-from eom.check.syntax import (
-    Boxed,
-    Braced,
-    Cases,
-    Group,
-    Implication,
-    Matrix,
-    Missing,
-    Node,
-    Relation,
-    Rows,
-    Sequence,
-    Symbol,
-    Words,
-)
+from eom.check.statements import Statement
+from eom.check.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
 from eom.check.trees import walk
-from eom.check.values import UNDECIDED, Finding, Refusal, Value, rate, refuse, same
+from eom.check.values import (
+    UNDECIDED,
+    Finding,
+    Refusal,
+    Value,
+    overdot,
+    same,
+)
 from eom.terms import Term
 from eom.vocabulary import position
 
@@ -46,228 +40,177 @@ class Claim:
     """A chain: ``members`` joined by ``relations``.
 
     ``kind``: "statement"; "definition": the first member is new, its look is ``defines``;
-    "constant": the only member does not change; "same point": the member, a position, is zero.
-    ``side``: of an implication, "if" or "then"; ``words``: what stands before it in the formula;
-    ``continues``: the first member is that of the formula before; ``scalars``: what the symbols of
-    SymPy stand for.
+    "constant": the only member, a derivative, is zero; "same point": the only member, a position, is
+    zero. ``role``: of a condition ("if", "for", "where", ...), "" for a claim of its own; ``joined``:
+    the arrow that leads here. A continued chain begins with the first member of the chain before,
+    and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
+    ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
     """
 
     members: tuple[Value, ...]
-    relations: tuple[str, ...]
+    relations: tuple[str, ...] = ()
     kind: str = STATEMENT
-    side: str = ""
-    words: str = ""
+    role: str = ""
+    joined: str = ""
     defines: Look | None = None
-    continues: bool = False
+    previous: Value | None = None
+    findings: tuple[Finding, ...] = ()
     scalars: Mapping[Any, Term] = field(default_factory=dict)
     span: Span = NOWHERE
 
-
-@dataclass(frozen=True)
-class Elaborated:
-    """What a formula states: claims, findings, words beside them, and definitions up to its end.
-
-    ``findings`` are of chains that have no claim; ``equation`` tells whether there is any relation.
-    """
-
-    claims: tuple[Claim, ...] = ()
-    findings: tuple[Finding, ...] = ()
-    remarks: tuple[str, ...] = ()
-    definitions: Mapping[Look, Value] = field(default_factory=dict)
-    equation: bool = False
+    @property
+    def verdict(self) -> str:
+        """The gravest finding: "wrong", "ill-formed", "ambiguous", "undecided", or "" for none."""
+        verdicts = {f.verdict for f in self.findings}
+        return next((v for v in GRAVITY if v in verdicts), "")
 
 
-@dataclass(frozen=True)
-class _Chain:
-    """A relation with what stands about it."""
-
-    tree: Relation
-    side: str = ""
-    words: str = ""
+GRAVITY = ("wrong", "ill-formed", "ambiguous", "undecided")
 
 
-def elaborate(
-    tree: Node,
+def claims(
+    statement: Statement,
     lexicon: Lexicon,
     definitions: Mapping[Look, Value] | None = None,
-    before: tuple[Claim, ...] = (),
-) -> Elaborated:
-    """Return the statements of a formula at a place of a note.
+    before: Sequenced[Claim] = (),
+) -> tuple[Claim, ...]:
+    """Return what a statement claims at a place of a note, its conditions first.
 
     ``lexicon``: what holds there; ``definitions``: what the note has defined above; ``before``: the
-    claims of the formula before, which a leading sign of equality continues.
+    claims that a leading sign of equality may continue. Words alone claim nothing.
     """
     known = dict(definitions or {})
-    claims: list[Claim] = []
-    findings: list[Finding] = []
-    remarks: list[str] = []
-    equation = False
-    for item in _items(tree, "", remarks):
-        equation = True
-        try:
-            found = _claims(item, elaborator(lexicon, known), (*before, *claims))
-        except Refusal as refusal:
-            findings.append(refusal.finding)
-            continue
-        claims += found
-        for claim in found:
-            if claim.kind == DEFINITION and claim.defines is not None:
-                known[claim.defines] = claim.members[1]
-    return Elaborated(tuple(claims), tuple(findings), tuple(remarks), known, equation)
+    found: list[Claim] = []
+    parts = [*statement.conditions, ("", statement)]
+    for role, part in parts:
+        for one in _single(part):
+            new = _chain(one, elaborator(lexicon, known), before)
+            found += [replace(c, role=role, joined=one.joined) for c in new]
+    return tuple(found)
 
 
-# -- dividing ------------------------------------------------------------------------------------
+def defined(found: Iterable[Claim]) -> dict[Look, Value]:
+    """Return what claims define."""
+    new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
+    return {c.defines: c.members[0] for c in new if c.defines is not None}
 
 
-def _items(node: Node, side: str, remarks: list[str]) -> Iterator[_Chain]:
-    """Yield the chains of a tree in order; words go to the chain after them."""
-    if isinstance(node, Boxed) or (isinstance(node, Group) and node.open in {"", "."} and _is_statement(node.body)):
-        yield from _items(node.body, side, remarks)
-    elif isinstance(node, Rows):
-        for row in node.rows:
-            yield from _items(row, side, remarks)
-    elif isinstance(node, Cases | Matrix):
-        for cells in node.rows:
-            for cell in cells:
-                yield from _items(cell, side, remarks)
-    elif isinstance(node, Implication):
-        yield from _implied(node, remarks)
-    elif isinstance(node, Sequence):
-        yield from _beside(node, side, remarks)
-    elif isinstance(node, Relation):
-        yield _Chain(node, side)
-        yield from _braces(node, side)
-    elif isinstance(node, Words):
-        remarks.append(node.text.strip())
+def _single(statement: Statement) -> Iterator[Statement]:
+    """Yield a statement for each of the left sides that a comma parts, then those of braces."""
+    if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
+        return
+    first, last = statement.members[0], statement.members[-1]
+    wordy = isinstance(last, Words) and not _is_constant(last)
+    if wordy or isinstance(last, Sequence):
+        return
+    if isinstance(first, Sequence):
+        for item in first.items:
+            yield replace(statement, members=(item, *statement.members[1:]))
+    else:
+        yield statement
+    yield from _braces(statement)
 
 
-def _is_statement(node: Node) -> bool:
-    return isinstance(node, Relation | Rows | Sequence | Implication | Boxed | Cases)
-
-
-def _implied(node: Implication, remarks: list[str]) -> Iterator[_Chain]:
-    arrows = [s.name for s in node.signs]
-    for k, item in enumerate(node.items):
-        premise = k < len(arrows) and arrows[k] == "implies"
-        reason = k > 0 and arrows[k - 1] in {"implied by", "because"}
-        led = k > 0 and arrows[k - 1] == "implies"
-        side = "if" if (premise and not led) or reason else "then" if led else ""
-        yield from _items(item, side, remarks)
-
-
-def _beside(node: Sequence, side: str, remarks: list[str]) -> Iterator[_Chain]:
-    words = ""
-    for item in node.items:
-        if isinstance(item, Words):
-            words = item.text.strip()
-            remarks.append(words)
-            continue
-        for chain in _items(item, side, remarks):
-            yield replace(chain, words=chain.words or words)
-        words = ""
-
-
-def _braces(node: Relation, side: str) -> Iterator[_Chain]:
+def _braces(statement: Statement) -> Iterator[Statement]:
     """Yield what labels of braces say: that what they span is the label."""
-    for found in walk(node):
-        if isinstance(found, Braced) and found.label is not None:
-            if seen(found.label) is not None and not isinstance(found.label, Words):
-                if not _is_word(found.label):
-                    yield _Chain(_labelled(found), side, "brace")
+    for member in statement.members[int(statement.continues) :]:
+        for found in walk(member):
+            label = found.label if isinstance(found, Braced) else None
+            if isinstance(found, Braced) and label is not None and _is_quantity(label):
+                sign = Sign("=", span=found.span)
+                yield Statement((found.body, label), (sign,), found.span)
 
 
-def _is_word(node: Node) -> bool:
-    return isinstance(node, Symbol) and node.style == "roman" and len(node.name) > 1
+def _is_quantity(node: Node) -> bool:
+    look = seen(node)
+    return look is not None and not (
+        look.look.style == "" and len(look.look.name) > 1 and _upright(node)
+    )
 
 
-def _labelled(node: Braced) -> Relation:
-    from eom.check.syntax import Sign
-
-    assert node.label is not None
-    return Relation((node.body, node.label), (Sign("=", span=node.span),), span=node.span)
+def _upright(node: Node) -> bool:
+    return any(isinstance(n, Symbol) and n.style == "roman" and len(n.name) > 1 for n in walk(node))
 
 
 # -- chains --------------------------------------------------------------------------------------
 
 
-def _claims(chain: _Chain, e: Elaborator, before: tuple[Claim, ...]) -> list[Claim]:
-    """Return what a chain says. Raises `Refusal`."""
-    signs = tuple(s.name for s in chain.tree.signs)
-    unknown = next((s for s in chain.tree.signs if s.name not in EQUALITIES | COMPARISONS), None)
+def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]:
+    """Return what a chain says."""
+    signs = tuple(sign.name for sign in s.signs)
+    unknown = next((g for g in s.signs if g.name not in EQUALITIES | COMPARISONS), None)
     if unknown is not None:
-        raise refuse(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
-    points = _points(chain, e)
+        finding = Finding(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
+        return [Claim((), findings=(finding,), span=s.span)]
+    points = _points(s, e)
     if points is not None:
         return [points]
-    nodes = list(chain.tree.members)
+    nodes = list(s.members)
     constant = _is_constant(nodes[-1])
     if constant:
         nodes.pop()
-    elif isinstance(nodes[-1], Missing):
-        nodes.pop()
-        signs = signs[:-1]
-    new = _new(nodes, signs, e)
-    values = [e.value(n) for n in nodes[int(new is not None or isinstance(nodes[0], Missing)) :]]
-    if new is not None:
-        claims = [_definition(chain, e, new, nodes[0].span, values, signs)]
-    elif isinstance(nodes[0], Missing):
-        claims = [_continued(chain, e, values, signs, before)]
-    else:
-        relations = signs[: len(values) - 1]
-        claims = [_claim(chain, e, _agreeing(e, values), relations)] if relations else []
+    look = _new(nodes, signs, e)
+    skip = int(look is not None or s.continues)
+    values, findings = _values(e, nodes[skip:])
+    made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
+    found = []
+    if look is not None:
+        found = [_definition(made, e, look, nodes[0].span, values)]
+    elif s.continues:
+        found = [_continued(made, e, values, before)]
+    elif len(nodes) > 1:
+        found = [_joined(made, e, values)]
     if constant:
-        steady = rate(values[-1], e.lexicon.notation.dot, 1, chain.tree.span)
-        claims.append(replace(_claim(chain, e, [steady], ()), kind=CONSTANT))
-    return claims
+        found.append(_constant(made, e, values))
+    return found
 
 
-def _claim(chain: _Chain, e: Elaborator, values: list[Value], relations: tuple[str, ...]) -> Claim:
-    return Claim(
-        tuple(values),
-        relations,
-        side=chain.side,
-        words=chain.words,
-        scalars=e.scalars,
-        span=chain.tree.span,
-    )
-
-
-def _agreeing(e: Elaborator, values: list[Value]) -> list[Value]:
-    """Return the members in one shape; every link is compared, and the ends.
-
-    Raises `Refusal` at the first link whose sides are of different kinds, frames or dimensions.
-    """
-    notation = e.lexicon.notation
-    shaped = [values[0]]
-    for value in values[1:]:
-        a, b = same(notation, shaped[-1], value)
-        shaped[-1] = a
-        shaped.append(b)
-    first = next((v for v in shaped if not v.is_zero), shaped[0])
-    return [same(notation, first, v)[1] for v in shaped]
-
-
-def _continued(
-    chain: _Chain,
-    e: Elaborator,
-    values: list[Value],
-    signs: tuple[str, ...],
-    before: tuple[Claim, ...],
-) -> Claim:
-    """Return a chain whose first member is that of a chain before, the last one that fits."""
-    heads = [c for c in before if c.members and c.kind != SAME_POINT]
-    if not heads:
-        raise refuse(UNDECIDED, "a relation continues nothing", chain.tree.span)
-    refusals = []
-    for claim in reversed(heads):
+def _values(e: Elaborator, nodes: Iterable[Node]) -> tuple[list[Value], list[Finding]]:
+    """Return the values of members, and why some have none."""
+    values, findings = [], []
+    for node in nodes:
         try:
-            members = _agreeing(e, [replace(claim.members[0], span=chain.tree.span), *values])
+            values.append(e.value(node))
         except Refusal as refusal:
-            refusals.append(refusal)
-            continue
-        e.scalars.update({s: t for s, t in claim.scalars.items() if s not in e.scalars})
-        return replace(_claim(chain, e, members, signs), continues=True)
-    raise refusals[-1]
+            findings.append(refusal.finding)
+    return values, findings
+
+
+def _joined(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
+    """Return the claim with members of one shape; every link is compared, and the ends."""
+    notation = e.lexicon.notation
+    shaped: list[Value] = values[:1]
+    findings = list(claim.findings)
+    for value in values[1:]:
+        try:
+            first, last = same(notation, shaped[-1], value)
+            shaped = [same(notation, last, v)[1] for v in shaped[:-1]]
+            shaped += [first, last]
+        except Refusal as refusal:
+            findings.append(refusal.finding)
+    relations = claim.relations
+    if len(shaped) != len(relations) + 1:
+        equal = all(r in EQUALITIES for r in relations)
+        relations = ("=",) * (len(shaped) - 1) if equal else ()
+        shaped = shaped if equal else []
+    return replace(claim, members=tuple(shaped), relations=relations, findings=tuple(findings))
+
+
+def _continued(claim: Claim, e: Elaborator, values: list[Value], before: Sequenced[Claim]) -> Claim:
+    """Return a chain whose first member is that of a chain before, the last one that fits."""
+    heads = [c for c in before if c.members and c.kind in {STATEMENT, DEFINITION} and not c.role]
+    tried = []
+    for head in reversed(heads):
+        first = replace(head.members[0], span=claim.span)
+        e.scalars.update({s: t for s, t in head.scalars.items() if s not in e.scalars})
+        made = replace(_joined(claim, e, [first, *values]), previous=head.members[-1])
+        if len(made.findings) == len(claim.findings):
+            return made
+        tried.append(made)
+    if tried:
+        return tried[0]
+    finding = Finding(UNDECIDED, "a relation continues nothing that is known", claim.span)
+    return replace(claim, findings=(*claim.findings, finding))
 
 
 # -- definitions, constants, points ----------------------------------------------------------------
@@ -275,42 +218,28 @@ def _continued(
 
 def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | None:
     """Return the look of the left side if the chain defines it: it is free, or left to the note."""
-    if not signs or signs[0] not in {"=", ":=", "equiv"} or len(nodes) < 2:
+    if len(nodes) < 2 or signs[0] not in {"=", ":=", "equiv"}:
         return None
     node = nodes[0]
     inner = node.body if isinstance(node, Group) and node.open == "[" else node
     found = seen(inner)
     if found is None or found.dots:
         return None
+    for look in (found.with_label(), found.look):
+        entry = e.lexicon.find(look, e.indices) if look is not None else None
+        if entry is not None:
+            free = entry.meaning.quantity == "defined" and entry.look not in e.definitions
+            return entry.look if free and (look == found.with_label() or not found.raised) else None
     look = e.lexicon.notation.plain(found.with_label() or found.look)
-    entry = e.lexicon.find(look, e.indices)
-    if look in e.definitions:
-        return None
-    if entry is None:
-        bare = e.lexicon.find(found.look, e.indices) if found.raised else None
-        return look if signs[0] == ":=" and bare is None and not _reads(e, inner) else None
-    return look if entry.meaning.quantity == "defined" else None
+    return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
 
 
-def _reads(e: Elaborator, node: Node) -> bool:
-    try:
-        e.value(node)
-    except Refusal:
-        return False
-    return True
-
-
-def _definition(
-    chain: _Chain,
-    e: Elaborator,
-    look: Look,
-    span: Span,
-    values: list[Value],
-    signs: tuple[str, ...],
-) -> Claim:
-    meaning = replace(_agreeing(e, values)[0], span=span)
-    members = _agreeing(e, [meaning, *values])
-    return replace(_claim(chain, e, members, signs), kind=DEFINITION, defines=look)
+def _definition(claim: Claim, e: Elaborator, look: Look, span: Span, values: list[Value]) -> Claim:
+    if not values:
+        return claim
+    head = replace(values[0], span=span)
+    made = _joined(claim, e, [head, *values])
+    return replace(made, kind=DEFINITION, defines=look) if made.members else made
 
 
 _CONSTANTS = ("const", "constant", "konst")
@@ -323,17 +252,22 @@ def _is_constant(node: Node) -> bool:
     return text.strip(" .()").casefold() in _CONSTANTS
 
 
-def _points(chain: _Chain, e: Elaborator) -> Claim | None:
+def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
+    if not values:
+        return claim
+    steady = overdot(e.lexicon.notation, values[-1], 1, claim.span)
+    return replace(claim, members=(steady,), relations=(), kind=CONSTANT)
+
+
+def _points(s: Statement, e: Elaborator) -> Claim | None:
     """Return the claim that two points are the same, if both sides are points and nothing else."""
-    members, signs = chain.tree.members, chain.tree.signs
-    if len(members) != 2 or signs[0].name not in {"=", "equiv"}:
+    if len(s.members) != 2 or s.signs[0].name not in {"=", "equiv"}:
         return None
-    names = [e.lexicon.points.get(labels(m)) for m in members]
-    if None in names or any(_means(e, m) for m in members):
+    names = [e.lexicon.points.get(labels(m)) for m in s.members]
+    if None in names or any(_means(e, m) for m in s.members):
         return None
     term = position(str(names[0]), str(names[1]))
-    value = Value(term, term.kind, span=chain.tree.span)
-    return replace(_claim(chain, e, [value], ()), kind=SAME_POINT)
+    return Claim((Value(term, term.kind, span=s.span),), kind=SAME_POINT, span=s.span)
 
 
 def _means(e: Elaborator, node: Node) -> bool:

@@ -17,7 +17,7 @@ from eom.check.elaborator import Elaborator, Rule, number, quotient
 from eom.check.lexicon import Lexicon
 from eom.check.looks import DOTS, Look, labels, seen
 from eom.check.places import Span
-from eom.check.symbols import known, marked, raised, symbol_value
+from eom.check.symbols import marked, of_meaning, raised, symbol_value
 from eom.check.syntax import (
     Accent,
     Addition,
@@ -58,7 +58,7 @@ from eom.check.values import (
     determinant,
     dotted,
     negative,
-    rate,
+    overdot,
     refuse,
     skew,
     tensored,
@@ -146,11 +146,17 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
 
 def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
     """Return a function of an argument: a skew matrix, or what depends on a place or on time."""
-    entry = known(e, node)
+    given = seen(node)
+    if given is None:
+        return None
+    called = e.lexicon.find(replace(given.look, called=True), e.indices)
+    if called is not None:
+        return of_meaning(e, called, given, node.span)
+    entry = e.lexicon.find(given.look, e.indices)
     if entry is not None and entry.meaning.quantity == "skew":
         return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
     time = isinstance(argument.body, Symbol) and argument.body.name == "t"
-    if (time and seen(node) is not None) or (entry is not None and entry.meaning.function):
+    if time or (entry is not None and entry.meaning.function):
         return e.value(node)
     return None
 
@@ -225,10 +231,17 @@ def _lowered(e: Elaborator, node: Scripts) -> Value:
     if labels(node.sub) == ("times",):
         return skew(e.lexicon.notation, e.value(node.base), node.span)
     frame = e.frame(node.sub)
-    body = node.base.body if isinstance(node.base, Group) else None
+    body = _bracketed(node.base)
     if isinstance(body, Section) and body.operator == "cross" and body.left:
         return skew(e.lexicon.notation, components(e.value(body.operand), frame), node.span)
     return components(e.value(node.base), frame)
+
+
+def _bracketed(node: Node) -> Node | None:
+    """Return what stands in a bracket, or in a table of one cell."""
+    if isinstance(node, Matrix) and len(node.rows) == len(node.rows[0]) == 1:
+        return node.rows[0][0]
+    return node.body if isinstance(node, Group) else None
 
 
 def _accent(e: Elaborator, node: Accent) -> Value:
@@ -236,7 +249,7 @@ def _accent(e: Elaborator, node: Accent) -> Value:
         return symbol_value(e, node)
     notation = e.lexicon.notation
     if node.mark in DOTS:
-        return rate(e.value(node.base), notation.dot, DOTS[node.mark], node.span)
+        return overdot(notation, e.value(node.base), DOTS[node.mark], node.span)
     if node.mark in notation.skew:
         return skew(notation, e.value(node.base), node.span)
     if node.mark in notation.marks:

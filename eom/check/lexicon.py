@@ -18,7 +18,7 @@ of a particle, ``<k>``, ``<l>`` an axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from eom.check.looks import Labels, Look
@@ -83,10 +83,10 @@ class Scope:
     frames: Mapping[Labels, str]
     points: Mapping[Labels, str]
 
-    def holds(self, headings: Iterable[str], before: str) -> bool:
-        """Tell whether a place is in this part."""
+    def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
+        """Tell whether a place is in this part; ``passed``: phrases that stand before it."""
         inside = not self.heading or any(_same(self.heading, h) for h in headings)
-        return inside and (not self.after or _folded(self.after) in _folded(before))
+        return inside and (not self.after or self.after in passed)
 
 
 @dataclass(frozen=True)
@@ -99,9 +99,9 @@ class Lexicon:
     layers: tuple[tuple[Entry, ...], ...] = ()
     scopes: tuple[Scope, ...] = ()
 
-    def at(self, headings: Sequence[str] = (), before: str = "") -> Lexicon:
-        """Return what holds under some headings, after the text ``before`` of the note."""
-        active = [s for s in self.scopes if s.holds(headings, before)]
+    def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
+        """Return what holds under some headings, after some of the phrases that begin scopes."""
+        active = [s for s in self.scopes if s.holds(headings, passed)]
         frames, points = dict(self.frames), dict(self.points)
         for scope in active:
             frames |= scope.frames
@@ -182,8 +182,8 @@ def _named(names: Mapping[Labels, str], given: Labels) -> str | None:
     return names.get(given, own if own in names.values() else None)
 
 
-def _nucleus(look: Look) -> tuple[str, str, tuple[str, ...]]:
-    return look.name, look.style, look.accents
+def _nucleus(look: Look) -> tuple[str, str, tuple[str, ...], bool]:
+    return look.name, look.style, look.accents, look.called
 
 
 def _folded(text: str) -> str:

@@ -12,13 +12,13 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from eom.check.grammar import read_formula
 from eom.check.lexicon import Entry, Lexicon, Notation, Scope
 from eom.check.looks import Labels, Look, labels, seen
 from eom.check.meanings import SLOT, meaning
-from eom.check.syntax import Scripts
+from eom.check.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
 
 PRESETS = (
@@ -271,7 +271,8 @@ def _slotted(latex: str, where: str) -> str:
 def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(_slotted(latex, where)).tree
-    found = seen(tree)
+    called = _is_call(tree)
+    found = seen(tree.factors[0] if called else tree)
     if found is None or found.dots or len(found.raised) > 1:
         raise InputError(
             "a pattern is one symbol with its labels, without dots",
@@ -279,7 +280,15 @@ def look_of(latex: str, where: str = "") -> Look:
             got=latex,
             hint="the body of a formula that stands for something else goes into equals",
         )
-    return found.with_label() or found.look
+    return replace(found.with_label() or found.look, called=called)
+
+
+def _is_call(tree: Node) -> TypeGuard[Product]:
+    """Whether this is a function with its argument: f(r)."""
+    if not isinstance(tree, Product) or tree.operator or len(tree.factors) != 2:
+        return False
+    last = tree.factors[1]
+    return isinstance(last, Group) and last.open == "("
 
 
 def label_of(latex: str, where: str = "") -> Labels:

@@ -45,6 +45,8 @@ class Look:
     sup: Labels = ()
     presub: Labels = ()
     presup: Labels = ()
+    called: bool = False
+    """Whether an argument in brackets follows."""
 
     @property
     def corners(self) -> tuple[Labels, Labels, Labels, Labels]:
@@ -86,6 +88,8 @@ def seen(node: Node) -> Seen | None:
 
 def _accented(node: Accent) -> Seen | None:
     inside = seen(node.base)
+    if inside is None and isinstance(node.base, Number):
+        inside = Seen(Look(node.base.text))
     if inside is None:
         return None
     if node.mark in DOTS:

@@ -24,6 +24,7 @@ from eom.check.values import (
     Refusal,
     Value,
     components,
+    overdot,
     rate,
     refuse,
     skew,
@@ -47,19 +48,20 @@ def symbol_value(e: Elaborator, node: Node) -> Value:
     assert found is not None
     value, rest = _found(e, found, node.span)
     if found.dots:
-        value = rate(value, e.lexicon.notation.dot, found.dots, node.span)
+        value = overdot(e.lexicon.notation, value, found.dots, node.span)
     for above in rest:
         value = raised(e, value, above, node.span)
     return value
 
 
-def known(e: Elaborator, node: Node) -> Found | None:
-    """Return the entry of a bare symbol, or None."""
-    found = seen(node)
-    if found is None or found.dots:
-        return None
-    look = found.with_label() or found.look
-    return e.lexicon.find(look, e.indices)
+def of_meaning(e: Elaborator, found: Found, given: Seen, span: Span) -> Value:
+    """Return the value of a meaning that has been found, with dots and what is raised."""
+    value = meant(e, found, span)
+    if given.dots:
+        value = overdot(e.lexicon.notation, value, given.dots, span)
+    for above in given.raised:
+        value = raised(e, value, above, span)
+    return value
 
 
 def _found(e: Elaborator, given: Seen, span: Span) -> tuple[Value, tuple[Node, ...]]:

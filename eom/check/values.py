@@ -291,6 +291,7 @@ _BESIDE: dict[tuple[str, str], Rule] = {
     (ROW, COLUMN): _row_column,
     (COLUMN, ROW): _column_row,
     (COVECTRIX, COLUMN): _vectrix_column,
+    (COVECTRIX, VECTOR): lambda a, b: _vectrix_column(a, components(b, a.frames[0])),
 }
 """Products of components that stand side by side, beyond those with scalars."""
 
@@ -405,6 +406,11 @@ def rate(value: Value, frame: str, times: int, span: Span) -> Value:
     else:
         term = der(term, frame, times)
     return replace(value, term=term, dimension=dimension, span=span)
+
+
+def overdot(notation: Notation, value: Value, times: int, span: Span) -> Value:
+    """Return what overdots say: of columns and matrices number by number, of vectors in one frame."""
+    return rate(value, notation.dot if value.shape in _GEOMETRIC else "", times, span)
 
 
 def element(value: Value, row: int, place: int) -> Term:
