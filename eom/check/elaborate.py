@@ -49,7 +49,6 @@ from eom.check.syntax import (
 from eom.check.values import (
     AMBIGUOUS,
     ILL_FORMED,
-    MATRIX,
     UNDECIDED,
     Value,
     beside,
@@ -64,7 +63,7 @@ from eom.check.values import (
     tensored,
     total,
 )
-from eom.terms import SCALAR, VECTOR, expr, inner
+from eom.terms import MATRIX, SCALAR, VECTOR, expr, inner
 from eom.terms import dot as dot_product
 
 MAX_DIGITS = 40

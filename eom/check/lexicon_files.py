@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 from eom.check.grammar import read_formula
 from eom.check.lexicon import Entry, Lexicon, Notation, Scope
@@ -272,7 +272,7 @@ def look_of(latex: str, where: str = "") -> Look:
     """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
     tree = read_formula(_slotted(latex, where)).tree
     called = _is_call(tree)
-    found = seen(tree.factors[0] if called else tree)
+    found = seen(tree.factors[0] if isinstance(tree, Product) and called else tree)
     if found is None or found.dots or len(found.raised) > 1:
         raise InputError(
             "a pattern is one symbol with its labels, without dots",
@@ -283,7 +283,7 @@ def look_of(latex: str, where: str = "") -> Look:
     return replace(found.with_label() or found.look, called=called)
 
 
-def _is_call(tree: Node) -> TypeGuard[Product]:
+def _is_call(tree: Node) -> bool:
     """Whether this is a function with its argument: f(r)."""
     if not isinstance(tree, Product) or tree.operator or len(tree.factors) != 2:
         return False
@@ -316,9 +316,9 @@ def _setting(key: str, value: Any, where: str) -> Any:
         raise unknown_name("setting", key, _SETTINGS, where)
     if not isinstance(value, _SETTINGS[key]):
         raise InputError("wrong type", where=where, got=value, expected=_SETTINGS[key].__name__)
-    if key == "skew":
-        return tuple(str(v) for v in value)
-    return tuple(_nuclei(v, where) for v in value) if key == "alike" else value
+    if not isinstance(value, list):
+        return value
+    return tuple(str(v) if key == "skew" else _nuclei(v, where) for v in value)
 
 
 def _nuclei(value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:

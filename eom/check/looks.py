@@ -7,7 +7,9 @@ is raised and no label, act on the symbol: they are kept apart (`Seen`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eom.check.syntax import (
     Accent,
@@ -146,7 +148,7 @@ def _terms(node: Addition) -> Labels:
     return tuple(w for sign, term in pairs for w in ((sign,) if sign else ()) + labels(term))
 
 
-_LABELS = (
+_LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
     (Symbol, _letter),
     (Number, lambda n: tuple(n.text)),
     (Words, lambda n: tuple(n.text.replace(" ", ""))),
