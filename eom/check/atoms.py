@@ -79,7 +79,10 @@ def _operation(p: Stream) -> Node:
         if name == "dot":
             return Blank(span=token.span)
         return Operation(name, span=token.span)
-    return Section(p.run(), name, left=False, span=p.since(token.span))
+    section = Section(p.run(), name, left=False, span=p.since(token.span))
+    if not p.closes():
+        raise p.unread()
+    return section
 
 
 def _font(p: Stream) -> Node:
@@ -223,7 +226,7 @@ def _quantity(p: Stream) -> Node:
 
 def _differential(p: Stream) -> Node:
     token = p.take()
-    return Differential(argument(p), span=p.since(token.span))
+    return Differential(braced(argument(p)), span=p.since(token.span))
 
 
 Read = Callable[[Stream], Node]

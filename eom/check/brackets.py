@@ -110,7 +110,9 @@ def braces(p: Stream) -> Node:
             style = latex.SWITCHES[p.take().text]
         if p.token.is_char("}"):
             p.take()
-            return p.scripted() if p.starts_atom() else _nothing(p, token)
+            if p.starts_atom():
+                return p.scripted()
+            raise p.error("something is missing behind empty braces", token)
         body = p.statements()
         if p.token.is_command("over"):
             p.take()
@@ -121,10 +123,6 @@ def braces(p: Stream) -> Node:
     if is_tight(body):
         return body
     return Group(body, "", "", span=p.since(token.span))
-
-
-def _nothing(p: Stream, token: Token) -> Node:
-    return Missing(span=p.since(token.span))
 
 
 def environment(p: Stream) -> Node:
@@ -173,6 +171,8 @@ def substack(p: Stream) -> Node:
             p.take()
             found.append(p.statements())
         p.expect("}", opened)
+    if len(found) == 1:
+        return found[0]
     return Rows(tuple(found), span=p.since(start.span))
 
 

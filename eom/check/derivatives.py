@@ -16,10 +16,10 @@ from eom.check.differentials import (
     take_d,
     variable_at,
 )
-from eom.check.forms import lone_d, made, with_left
+from eom.check.forms import braced, lone_d, made, with_left
 from eom.check.places import Span
 from eom.check.stream import Stream
-from eom.check.syntax import Derivative, Differential, Fraction, Node, Product, Scripts
+from eom.check.syntax import Derivative, Differential, Fraction, Node, Number, Product, Scripts
 from eom.check.tokens import Token
 
 
@@ -108,10 +108,12 @@ def physics_derivative(p: Stream) -> Node:
     first = p.argument()
     more: list[Node] = []
     while p.token.is_char("{") and len(more) < 3:
-        more.append(p.argument())
+        more.append(braced(p.argument()))
     sign = "partial" if token.text == "pdv" else "d"
+    if isinstance(more[-1] if more else first, Number):
+        raise p.error("a number is no variable", token)
     if not more:
-        return made(None, [first], order, sign, p.since(token.span))
+        return made(None, [braced(first)], order, sign, p.since(token.span))
     return made(first, more, order, sign, p.since(token.span))
 
 

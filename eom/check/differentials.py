@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from eom.check import latex
+from eom.check.forms import braced
 from eom.check.stream import Stream
 from eom.check.syntax import Differential, Node
 
@@ -94,7 +95,7 @@ def differential_of(p: Stream) -> Differential:
     start = p.token.span
     if p.token.is_command("dd"):
         p.take()
-        return Differential(p.argument(), span=p.since(start))
+        return Differential(braced(p.argument()), span=p.since(start))
     sign = take_d(p)
     power = order(p)
     return Differential(p.scripted(), power, sign, span=p.since(start))

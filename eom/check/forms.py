@@ -11,8 +11,10 @@ from eom.check.syntax import (
     BigOperator,
     Derivative,
     Group,
+    Implication,
     Integral,
     Marks,
+    Missing,
     Node,
     Number,
     Operation,
@@ -20,6 +22,7 @@ from eom.check.syntax import (
     Product,
     Quotient,
     Relation,
+    Rows,
     Scripts,
     Section,
     Sequence,
@@ -28,12 +31,15 @@ from eom.check.syntax import (
 )
 from eom.check.trees import transform
 
-_LOOSE = (Addition, Relation, Sequence, Product, Quotient, Section, BigOperator, Integral)
+_LOOSE = (
+    *(Addition, Relation, Sequence, Product, Quotient, Section, BigOperator, Integral),
+    *(Implication, Rows, Words, Operation, Missing),
+)
 
 
 def is_tight(node: Node) -> bool:
     """Whether a node stands as a factor without brackets, or shows its own."""
-    return not isinstance(node, _LOOSE) and type(node).__name__ not in {"Implication", "Rows"}
+    return not isinstance(node, _LOOSE)
 
 
 def is_frame(script: Node | None) -> bool:
@@ -50,6 +56,8 @@ def with_scripts(base: Node, sub: Node | None, sup: Node | None, span: Span) -> 
         body = base.body
         if isinstance(body, Derivative) and body.frame is None:
             return replace(body, frame=frame, span=span)
+    if isinstance(base, Scripts) and base.sub is base.sup is None:
+        return replace(base, sub=sub, sup=sup, span=span)
     return Scripts(base, sub, sup, span=span)
 
 
@@ -105,6 +113,8 @@ def made(
     operand: Node | None, variables: list[Node], order: Node | None, sign: str, span: Span
 ) -> Derivative:
     """Return a derivative; the power below that repeats the order is left out."""
+    if isinstance(operand, Group) and not operand.open and isinstance(operand.body, Product):
+        operand = operand.body
     if len(variables) == 1 and order is not None:
         below = variables[0]
         if isinstance(below, Scripts) and below.sup == order and below.sub is None:

@@ -183,9 +183,9 @@ class Parser(Stream):
             token = self.take()
             sign = token.text if token.kind == "command" else ""
             return Words("" if sign else token.text, sign, span=token.span)
-        if self.closes() or (self.token.kind == "char" and self.token.text in ",;"):
-            return Missing(span=self.token.span)
-        return self.relation()
+        if self.token.kind == "char" and self.token.text in ",;":
+            raise self.error("something is missing before this")
+        return Missing(span=self.token.span) if self.closes() else self.relation()
 
     def words_are_operand(self) -> bool:
         """Whether words begin an expression: an operator, a relation or a script follows."""
@@ -217,6 +217,8 @@ class Parser(Stream):
             members.append(Missing(span=self.token.span) if over or again else self.addition())
         if not found:
             return members[0]
+        if self.depth and not self.script and all(isinstance(m, Missing) for m in members):
+            raise self.error("a relation without sides", self.tokens[self.place - 1])
         return Relation(tuple(members), tuple(found), span=self.since(start))
 
     # sums and products
@@ -227,6 +229,7 @@ class Parser(Stream):
         terms: list[Node] = []
         found: list[str] = []
         while True:
+            self.skip_empty()
             sign = self.sum_sign()
             if sign is None and terms:
                 break
@@ -235,6 +238,23 @@ class Parser(Stream):
         if found == [""]:
             return terms[0]
         return Addition(tuple(terms), tuple(found), span=self.since(start))
+
+    def skip_empty(self) -> None:
+        r"""Pass over ``{}`` where it only makes space; take ``{=}`` as ``=``, ``\mathbf{\cdot}`` too."""
+        font = int(self.token.is_command(*latex.FONTS))
+        opened, inner, behind = self.ahead(font), self.ahead(font + 1), self.ahead(font + 2)
+        if opened.is_char("{") and behind.is_char("}") and not inner.is_char("}"):
+            saved, self.place = self.place, self.place + font + 1
+            if operator_ahead(self) or signs.relation_ahead(self) or _is_sum_sign(inner):
+                self.place += 1
+                self.tokens[self.place] = inner
+                return
+            self.place = saved
+        while self.token.is_char("{") and self.ahead().is_char("}"):
+            after = self.ahead(2)
+            if after.kind == "char" and after.text in "^_":
+                return
+            self.place += 2
 
     def sum_sign(self) -> str | None:
         """Pass over a sign of a sum and return it; None where there is none."""
@@ -296,6 +316,7 @@ class Parser(Stream):
         start = self.token.span
         factors = [self.factor()]
         while True:
+            self.skip_empty()
             if self.token.is_char("/"):
                 factors = [self.quotient(factors, start)]
             elif factor_ahead(self):
@@ -348,6 +369,12 @@ class Parser(Stream):
         return scripts.script_argument(self)
 
 
+def _is_sum_sign(token: Token) -> bool:
+    if token.kind == "command":
+        return token.text in latex.SUM_COMMANDS
+    return token.kind == "char" and token.text in latex.SUM_SIGNS
+
+
 def operator_ahead(p: Stream) -> str:
     """Return the name of the product operator at the cursor, or ""."""
     token = p.token
@@ -364,5 +391,8 @@ def operator_ahead(p: Stream) -> str:
 def factor_ahead(p: Stream) -> bool:
     """Whether another factor follows side by side."""
     if p.closes() or (p.integrals and differential_ahead(p)):
+        return False
+    stacked = p.token.is_command(*signs.STACKED)
+    if stacked and (signs.relation_ahead(p) or signs.arrow_ahead(p)):
         return False
     return p.starts_atom() and not (p.script and bool(p.bar(p.token)))

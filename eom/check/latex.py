@@ -37,7 +37,16 @@ SCRIPT_MARKS = _pairs(
     "vee=>vee land=>wedge"
 )
 """Commands that stand in a script as a mark: names of `Marks`."""
-SCRIPT_CHARACTERS = {"*": "ast", "+": "+", "-": "-", "'": "prime", "~": "sim", "|": "|", "=": "="}
+SCRIPT_CHARACTERS = {
+    "*": "ast",
+    "+": "+",
+    "-": "-",
+    "'": "prime",
+    "~": "sim",
+    "|": "|",
+    "=": "=",
+    "!": "!",
+}
 
 FUNCTIONS = _words(
     "sin cos tan cot sec csc sinh cosh tanh coth arcsin arccos arctan exp ln log lg det dim ker "

@@ -64,9 +64,14 @@ class _Joiner:
     def next_of_row(self, k: int) -> int:
         """Return the place of the first token of the row that shows something."""
         k += 1
-        while self.tokens[k].is_char("&") or self.tokens[k].kind == "quad":
-            k += 1
-        return k
+        while True:
+            token, after = self.tokens[k], self.tokens[min(k + 1, len(self.tokens) - 1)]
+            if token.is_char("&") or token.kind == "quad":
+                k += 1
+            elif token.is_char("{") and after.is_char("}"):
+                k += 2
+            else:
+                return k
 
     def null_pair(self, k: int, after: int) -> set[int]:
         r"""Return the places of ``\right.`` and ``\left.`` around a break, also behind an operator."""

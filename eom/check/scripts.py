@@ -17,7 +17,9 @@ def argument(p: Stream) -> Node:
     with p.nested():
         if token.is_char("{"):
             p.take()
-            body = Missing(span=token.span) if p.token.is_char("}") else p.statements()
+            if p.token.is_char("}"):
+                raise p.error("an argument is empty", token)
+            body = p.statements()
             p.expect("}", token)
             return body
         if token.kind == "number":
@@ -132,7 +134,8 @@ def evaluated(p: Stream, base: Node, start: Span) -> Node:
     """Read the limits behind a bar; below the bar of a derivative stands its frame."""
     limits: dict[str, Node] = {}
     while p.token.kind == "char" and p.token.text in "_^" and p.token.text not in limits:
-        limits[p.token.text] = _script(p)
+        sign = p.token.text
+        limits[sign] = _script(p)
     sub, sup = limits.get("_"), limits.get("^")
     if isinstance(base, Derivative) and base.frame is None and sup is None and is_frame(sub):
         return replace(base, frame=sub, span=p.since(start))

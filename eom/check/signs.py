@@ -24,7 +24,7 @@ _DIGRAPHS: dict[str, str] = {
 }
 """Relations and arrows of several characters; the longest comes first."""
 _ARROWS = frozenset(latex.ARROW_COMMANDS.values())
-_STACKED = frozenset({"overset", "stackrel", "underset", "stackbin"})
+STACKED = frozenset({"overset", "stackrel", "underset", "stackbin"})
 _DEFINING = frozenset({"def", "Delta", "triangle", "text def", "definition", "d e f"})
 
 
@@ -43,7 +43,7 @@ def arrow_ahead(p: Stream) -> bool:
 def take_sign(p: Stream, script: Callable[[], Node]) -> Sign:
     """Read the relation or arrow at the cursor; ``script`` reads what stands above it."""
     start = p.token.span
-    if p.token.is_command(*_STACKED):
+    if p.token.is_command(*STACKED):
         return _stacked(p, script)
     if p.token.is_command("xrightarrow", "xRightarrow"):
         name = "to" if p.token.text == "xrightarrow" else "implies"
@@ -90,14 +90,18 @@ def _command(p: Stream, token: Token) -> tuple[str, int]:
         return "notin", 2
     if token.text in {"xrightarrow", "xRightarrow"}:
         return ("to" if token.text == "xrightarrow" else "implies"), 1
-    if token.text in _STACKED:
+    if token.text in STACKED:
         return _base_of_stack(p), 1
     return "", 0
 
 
 def _base_of_stack(p: Stream) -> str:
     r"""Return the relation under (or over) which something stands: the ``=`` of ``\overset{!}{=}``."""
-    place = p.matching(p.place + 1)
+    return _relation_at(p, p.matching(p.place + 1))
+
+
+def _relation_at(p: Stream, place: int) -> str:
+    """Return the relation or arrow at a place, alone or in braces, or ""."""
     token = p.tokens[place]
     if token.is_char("{") and p.matching(place) == place + 3:
         token = p.tokens[place + 1]
@@ -111,6 +115,8 @@ def _stacked(p: Stream, script: Callable[[], Node]) -> Sign:
     p.take()
     first = p.place
     above = script()
+    if _relation_at(p, p.place) != name:
+        raise p.unread()
     words = "".join(t.text for t in p.tokens[first : p.place] if not t.is_char("{")).strip("} .")
     p.place = p.matching(p.place)
     if name == "=" and words in _DEFINING:

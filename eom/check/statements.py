@@ -60,8 +60,8 @@ class Statement:
     ``members`` and ``signs`` of the chain; without signs it is an expression or, without members,
     words alone. ``continues``: the first member was left out and is the last one of the statement
     before. ``joined``: the arrow that leads here ("implies", ...). ``conditions``: the role ("if",
-    "for", "where", "because", ...) and the statement. ``words``: other text beside it. ``row``: of an alignment.
-    ``others``: what else the sign in front may continue.
+    "for", "where", "because", ...) and the statement. ``words``: other text beside it. ``row``: of an
+    alignment. ``others``: what else the sign in front may continue.
     """
 
     members: tuple[Node, ...]

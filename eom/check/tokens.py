@@ -131,7 +131,7 @@ class _Scanner:
             gap = _ROW_GAP.match(self.body, self.place)
             self.place = gap.end() if gap else self.place
             self.add("row", "", first)
-        elif name in latex.SPACES or name in latex.IGNORED or name == "\n":
+        elif name in latex.SPACES or name in latex.IGNORED or name.isspace():
             self.spaced = True
         elif name in latex.IGNORED_WITH_ARGUMENT:
             self.option()
@@ -177,7 +177,12 @@ class _Scanner:
             self.place += 1
         if not self.body.startswith("{", self.place):
             self.place += 1
-            return self.body[self.place - 1 : self.place]
+            single = self.body[self.place - 1 : self.place]
+            if single in {"\\", "", "}"}:
+                raise reading_error(
+                    self.source, self.span(first), "an argument in braces is missing"
+                )
+            return single
         begin, depth, place = self.place + 1, 0, self.place
         while place < len(self.body):
             c = self.body[place]

@@ -53,8 +53,6 @@ def _layer(node: s.Node) -> int:
         if node.operator in tables.LOOSE_PRODUCTS:
             return LOOSE
         return TIGHT if node.operator else RUN
-    if isinstance(node, s.Integral) and not node.variables:
-        return LOOSE
     return _LAYERS.get(type(node).__name__, ATOM)
 
 
@@ -83,14 +81,20 @@ def _sequence(node: s.Sequence) -> str:
 # -- operations ----------------------------------------------------------------------------------
 
 
+_SIGNS = {"±": r"\pm", "∓": r"\mp"}
+
+
 def _addition(node: s.Addition) -> str:
-    signs = {"±": r"\pm", "∓": r"\mp"}
-    parts = []
+    parts: list[str] = []
     for k, (sign, term) in enumerate(zip(node.signs, node.terms, strict=True)):
-        text = _write(term, LOOSE)
-        swallows = isinstance(term, s.Integral) and not term.variables and k < len(node.terms) - 1
-        parts += [signs.get(sign, sign), rf"\left( {text} \right)" if swallows else text]
+        text = _after_sign(term, LOOSE) if sign else _write(term, LOOSE)
+        last = k == len(node.terms) - 1
+        parts += [_SIGNS.get(sign, sign), text if last or not _endless(term) else _bracketed(text)]
     return " ".join(p for p in parts if p)
+
+
+def _bracketed(text: str) -> str:
+    return rf"\left( {text} \right)"
 
 
 def _product(node: s.Product) -> str:
@@ -101,7 +105,7 @@ def _product(node: s.Product) -> str:
     for k, factor in enumerate(node.factors):
         text = _operand(factor, TIGHT if loose else RUN, first=k == 0, outer=node.operator)
         last = k == len(node.factors) - 1
-        parts.append(text if last or not _swallows(factor) else rf"\left( {text} \right)")
+        parts.append(text if last or not _spans(factor) else _bracketed(text))
     return f" {s.PRODUCTS[node.operator]} ".join(parts)
 
 
@@ -109,9 +113,20 @@ def _operand(node: s.Node, layer: int, *, first: bool, outer: str) -> str:
     """Write an operand; a product of the same layer may begin one with another operator."""
     if first and isinstance(node, s.Product) and node.operator != outer:
         return _write(node, layer - 1)
-    signed = isinstance(node, s.Addition) and len(node.terms) == 1
-    if signed and isinstance(node, s.Addition) and not first:
-        return f"{node.signs[0]} {_write(node.terms[0], RUN)}"
+    return _write(node, layer) if first else _after_sign(node, layer)
+
+
+def _after_sign(node: s.Node, layer: int) -> str:
+    """Write an operand behind a sign or operator: one of its own may stand at its beginning."""
+    if isinstance(node, s.Addition) and len(node.terms) == 1 and node.signs[0]:
+        sign = _SIGNS.get(node.signs[0], node.signs[0])
+        return f"{sign} {_after_sign(node.terms[0], RUN)}"
+    if isinstance(node, s.Product) and node.operator and _layer(node) >= layer:
+        first, text = node.factors[0], _write(node, layer)
+        changed = _after_sign(first, _layer(node))
+        plain = _operand(first, _layer(node) + 1, first=True, outer=node.operator)
+        if changed != plain and text.startswith(plain) and not _spans(first):
+            return changed + text[len(plain) :]
     return _write(node, layer)
 
 
@@ -121,7 +136,7 @@ def _juxtaposed(factors: tuple[s.Node, ...]) -> str:
         inner = isinstance(factor, s.Product) and not factor.operator
         quotient = isinstance(factor, s.Quotient) and k > 0
         text = _write(factor, ATOM if inner or quotient else RUN)
-        if k < len(factors) - 1 and not inner:
+        if (k < len(factors) - 1 or isinstance(factor, s.Differential)) and not inner:
             text = _closed(factor, text)
         parts.append(text)
     return " ".join(parts)
@@ -129,30 +144,50 @@ def _juxtaposed(factors: tuple[s.Node, ...]) -> str:
 
 def _closed(node: s.Node, text: str) -> str:
     """Keep a factor from taking in the next one: by braces, or brackets for a sum."""
-    if _swallows(node) and not isinstance(node, s.Call | s.Derivative):
-        return rf"\left( {text} \right)"
+    if _spans(node):
+        return _bracketed(text)
     lone = isinstance(node, s.Symbol) and node.name in {"d", "partial"}
-    open_ = isinstance(node, s.Call | s.Derivative) and _swallows(node)
-    return f"{{{text}}}" if lone or open_ else text
+    lone = lone or isinstance(node, s.Differential)
+    bare = isinstance(node, s.Call) and not isinstance(node.argument, s.Group)
+    bare = bare or (isinstance(node, s.Derivative) and node.operand is None)
+    return f"{{{text}}}" if lone or bare else text
 
 
-def _swallows(node: s.Node) -> bool:
-    """Whether what follows would be read as part of a node."""
+def _last_part(node: s.Node) -> s.Node | None:
+    """Return what stands last in a node without brackets of its own."""
     if isinstance(node, s.Product):
-        return _swallows(node.factors[-1])
+        return node.factors[-1]
     if isinstance(node, s.Addition):
-        return _swallows(node.terms[-1])
-    if isinstance(node, s.Call):
-        return not isinstance(node.argument, s.Group)
-    if isinstance(node, s.Derivative):
-        return node.operand is None
-    return isinstance(node, s.BigOperator) or (isinstance(node, s.Integral) and not node.variables)
+        return node.terms[-1]
+    if isinstance(node, s.BigOperator):
+        return node.body
+    if isinstance(node, s.Quotient):
+        return node.right
+    return node.argument if isinstance(node, s.Call) else None
+
+
+def _spans(node: s.Node | None) -> bool:
+    """Whether the operators behind a node would be read as part of it."""
+    while node is not None and not isinstance(node, s.BigOperator):
+        if isinstance(node, s.Integral) and not node.variables:
+            return True
+        node = _last_part(node)
+    return node is not None
+
+
+def _endless(node: s.Node | None) -> bool:
+    """Whether even a sum behind a node would be read as part of it."""
+    while node is not None:
+        if isinstance(node, s.Integral) and not node.variables:
+            return True
+        node = _last_part(node)
+    return False
 
 
 def _quotient(node: s.Quotient) -> str:
     left = _write(node.left, RUN)
-    inner = isinstance(node.left, s.Product | s.Quotient)
-    left = left if inner and not _swallows(node.left) else _closed(node.left, left)
+    if not isinstance(node.left, s.Product | s.Quotient) or _spans(node.left):
+        left = _closed(node.left, left)
     right = _write(node.right, ATOM if isinstance(node.right, s.Product | s.Quotient) else RUN)
     lone = isinstance(node.right, s.Symbol) and node.right.name in {"d", "partial"}
     return f"{left} / {{{right}}}" if lone else f"{left} / {right}"
@@ -183,6 +218,7 @@ _MARKS = {
     "-": "-",
     "|": "|",
     "=": "=",
+    "!": "!",
 }
 
 
@@ -199,21 +235,25 @@ def _big(node: s.BigOperator) -> str:
 def _integral(node: s.Integral) -> str:
     sign = rf"\{node.sign}{_limits(node.lower, node.upper)}"
     inside = [] if node.integrand is None else [_write(node.integrand, SUM)]
-    below = [rf"\, \mathrm{{d}} {_write(v, ATOM)}" for v in node.variables]
+    below = [rf"\, \mathrm{{d}} {_variable(v)}" for v in node.variables]
     return " ".join([sign, *inside, *below])
 
 
 def _differential(node: s.Differential) -> str:
     sign = r"\partial" if node.sign == "partial" else r"\mathrm{d}"
     order = f"^{{{_script(node.order)}}}" if node.order is not None else ""
-    return f"{sign}{order} {_write(node.variable, ATOM)}"
+    return f"{sign}{order} {_variable(node.variable)}"
+
+
+def _variable(node: s.Node) -> str:
+    return latex(node) if _layer(node) == ATOM else f"{{{latex(node)}}}"
 
 
 def _derivative(node: s.Derivative) -> str:
     sign = r"\partial" if node.sign == "partial" else r"\mathrm{d}"
     order = f"^{{{_script(node.order)}}}" if node.order is not None else ""
     single = order if len(node.variables) == 1 else ""
-    below = " ".join(f"{sign} {_write(v, ATOM)}{single}" for v in node.variables)
+    below = " ".join(f"{sign} {_variable(v)}{single}" for v in node.variables)
     frame = f"{{}}^{{{_script(node.frame)}}}" if node.frame is not None else ""
     behind = isinstance(node.operand, s.Group) and node.operand.open in {"(", "["}
     if node.operand is None or (behind and node.form == "before"):
@@ -225,6 +265,8 @@ def _derivative(node: s.Derivative) -> str:
 def _call(node: s.Call) -> str:
     known = node.function in tables.COMMAND_FUNCTIONS
     name = rf"\{node.function}" if known else rf"\operatorname{{{node.function}}}"
+    if isinstance(node.argument, s.Differential):
+        return f"{name}{_limits(node.sub, node.sup)} {{{latex(node.argument)}}}"
     argument = latex(node.argument) if _is_bare(node.argument) else _write(node.argument, 9)
     return f"{name}{_limits(node.sub, node.sup)} {argument}"
 
@@ -270,6 +312,8 @@ def _scripts(node: s.Scripts) -> str:
 
 def _base(node: s.Node) -> str:
     text = _write(node, RUN)
+    if isinstance(node, s.Symbol) and node.name in {"d", "partial"}:
+        return f"{{{text}}}"
     if isinstance(node, s.Product | s.Quotient | s.BigOperator | s.Integral):
         return rf"\left( {text} \right)"
     plain = isinstance(node, s.Symbol | s.Number | s.Group | s.Accent | s.Matrix | s.Words)
