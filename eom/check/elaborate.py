@@ -186,7 +186,7 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
         return calculus.tuple_value(e, node, node.body)
-    value = e.value(node.body)
+    value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
     if node.open in {"|", "||"}:
         return _size(e, value, node.span)
     if node.open == "<":
@@ -206,7 +206,12 @@ def _size(e: Elaborator, value: Value, span: Span) -> Value:
     return Value(expr(sp.sqrt(e.name("size^2", square))), SCALAR, value.dimension, span=span)
 
 
-def _section(e: Elaborator, node: Section) -> Value:
+def _section(_: Elaborator, node: Section) -> Value:
+    raise refuse(ILL_FORMED, "an operator without its second operand", node.span)
+
+
+def _crossing(e: Elaborator, node: Section) -> Value:
+    """Return the skew matrix that a cross in brackets makes: [a x]."""
     if node.operator != "cross" or not node.left:
         raise refuse(UNDECIDED, "an operator without an operand", node.span)
     return skew(e.lexicon.notation, e.value(node.operand), node.span)
