@@ -13,6 +13,7 @@ from eom import terms
 from eom.check.dimensions import LENGTH, MASS
 from eom.check.elaborator import Elaborator, number
 from eom.check.looks import labels
+from eom.check.operations import determinant, overdot, rate, skew, trace
 from eom.check.places import Span
 from eom.check.symbols import powered, pure
 from eom.check.syntax import (
@@ -35,14 +36,9 @@ from eom.check.values import (
     ROW,
     UNDECIDED,
     Value,
-    determinant,
     negative,
-    overdot,
-    rate,
     refuse,
-    skew,
     total,
-    trace,
 )
 from eom.terms import COLUMN, INDICES, MATRIX, SCALAR, expr
 from eom.vocabulary import mass

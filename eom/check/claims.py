@@ -15,6 +15,7 @@ from eom.check.elaborate import elaborator
 from eom.check.elaborator import Elaborator
 from eom.check.lexicon import Lexicon
 from eom.check.looks import Look, labels, seen
+from eom.check.operations import overdot
 from eom.check.places import NOWHERE, Span
 from eom.check.statements import Statement
 from eom.check.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
@@ -24,7 +25,6 @@ from eom.check.values import (
     Finding,
     Refusal,
     Value,
-    overdot,
     same,
 )
 from eom.terms import Term

@@ -16,6 +16,7 @@ from eom.check import calculus
 from eom.check.elaborator import Elaborator, Rule, number, quotient
 from eom.check.lexicon import Lexicon
 from eom.check.looks import DOTS, Look, labels, seen
+from eom.check.operations import determinant, overdot, skew
 from eom.check.places import Span
 from eom.check.symbols import marked, of_meaning, raised, symbol_value
 from eom.check.syntax import (
@@ -54,12 +55,9 @@ from eom.check.values import (
     beside,
     components,
     crossed,
-    determinant,
     dotted,
     negative,
-    overdot,
     refuse,
-    skew,
     tensored,
     total,
 )

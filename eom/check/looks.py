@@ -17,6 +17,7 @@ from eom.check.syntax import (
     Blank,
     Group,
     Marks,
+    Missing,
     Node,
     Number,
     Product,
@@ -111,7 +112,8 @@ def _scripted(node: Scripts) -> Seen | None:
         presub=labels(node.presub) + look.presub,
         presup=labels(node.presup) + look.presup,
     )
-    raised = inside.raised + ((node.sup,) if node.sup is not None else ())
+    empty = node.sup is None or isinstance(node.sup, Missing)
+    raised = inside.raised if empty or node.sup is None else (*inside.raised, node.sup)
     return Seen(look, inside.dots, raised)
 
 
@@ -160,6 +162,7 @@ _LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
     (Scripts, _with_scripts),
     (Accent, lambda n: (f"{n.mark}({''.join(labels(n.base))})",)),
     (Addition, _terms),
+    (Missing, lambda _: ()),
     (Blank, lambda _: ("blank",)),
 )
 """One rule a kind of node."""

@@ -14,14 +14,16 @@ from dataclasses import dataclass, replace
 from eom.check.claims import claims
 from eom.check.documents import Document
 from eom.check.elaborate import elaborator
+from eom.check.latex import SCRIPT_MARKS, SYMBOLS
 from eom.check.lexicon import Lexicon
 from eom.check.lexicon_files import PRESETS, preset
 from eom.check.looks import Labels, Look, seen
 from eom.check.reading import Formula, read
 from eom.check.statements import Statement
-from eom.check.syntax import Derivative, Differential, Integral, Node, Number, Symbol
+from eom.check.syntax import Accent, Derivative, Differential, Integral, Node, Number, Symbol
 from eom.check.trees import children
 from eom.check.values import Refusal
+from eom.check.writing import latex
 from eom.terms import INDICES
 
 WINDOW = 90
@@ -316,39 +318,23 @@ def _fits(look: Look, table: str, meaning: str) -> bool:
 
 # -- LaTeX ---------------------------------------------------------------------------------------
 
-_FONTS = {
-    "bold": "mathbf",
-    "calligraphic": "mathcal",
-    "blackboard": "mathbb",
-    "fraktur": "mathfrak",
-    "sans": "mathsf",
-    "typewriter": "mathtt",
-}
 _SHAPES = {"cal": "mathcal", "bb": "mathbb", "frak": "mathfrak"}
 
 
 def latex_of(look: Look) -> str:
     """Return a look as LaTeX that reads as the same look."""
-    letter = look.name
-    if len(letter) > 1:
-        letter = f"\\{letter}" if _is_command(letter) else rf"\mathrm{{{letter}}}"
-    if look.style in _FONTS:
-        font = (
-            "boldsymbol" if look.style == "bold" and letter.startswith("\\") else _FONTS[look.style]
-        )
-        letter = rf"\{font}{{{letter}}}"
+    style = "roman" if len(look.name) > 1 and not _is_command(look.name) else ""
+    node: Node = Symbol(look.name, look.style or style)
     for accent in look.accents:
-        letter = rf"\{accent}{{{letter}}}"
+        node = Accent(accent, node)
     before = f"{{}}^{{{_words(look.presup)}}}" if look.presup else ""
     below = f"_{{{_words(look.sub)}}}" if look.sub else ""
     above = f"^{{{_words(look.sup)}}}" if look.sup else ""
-    return before + letter + below + above
+    return before + latex(node) + below + above
 
 
 def _is_command(name: str) -> bool:
-    from eom.check import latex
-
-    return name in latex.SYMBOLS
+    return name in SYMBOLS or name in SCRIPT_MARKS
 
 
 def _words(labels: Labels) -> str:
@@ -359,7 +345,8 @@ def _word(word: str) -> str:
     shape, _, letter = word.partition(" ")
     if shape in _SHAPES and letter:
         return rf"\{_SHAPES[shape]}{{{letter}}}"
-    base, mark, below = word.partition("_")
-    if mark:
-        return f"{_word(base)}_{{{_word(below)}}}"
-    return f"\\{word}" if _is_command(word) or word in {"bullet", "times"} else word
+    for mark in "^_":
+        base, found, rest = word.partition(mark)
+        if found and base:
+            return f"{_word(base)}{mark}{{{_word(rest)}}}"
+    return f"\\{word}" if _is_command(word) else word

@@ -13,6 +13,7 @@ from eom.check.grammar import read_formula
 from eom.check.lexicon import Found
 from eom.check.looks import Look, Seen, labels, seen
 from eom.check.meanings import Meaning
+from eom.check.operations import overdot, rate, skew, transposed
 from eom.check.places import Span
 from eom.check.syntax import Addition, Group, Marks, Node, Product, Symbol
 from eom.check.values import (
@@ -24,11 +25,7 @@ from eom.check.values import (
     Refusal,
     Value,
     components,
-    overdot,
-    rate,
     refuse,
-    skew,
-    transposed,
 )
 from eom.errors import InputError
 from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR, Term, dot, expr, inverse

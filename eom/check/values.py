@@ -10,9 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
-from eom.check.dimensions import NONE, RATE, Dimension
+from eom.check.dimensions import NONE, Dimension
 from eom.check.lexicon import Notation
 from eom.check.places import NOWHERE, Span
 from eom.terms import (
@@ -25,7 +24,6 @@ from eom.terms import (
     add,
     column,
     cross,
-    der,
     dot,
     entries,
     inner,
@@ -37,7 +35,7 @@ from eom.terms import (
     tilde,
     transpose,
 )
-from eom.vocabulary import omega, unit
+from eom.vocabulary import unit
 
 ROW, VECTRIX, COVECTRIX = "row", "vectrix", "covectrix"
 ANY = ("", "")
@@ -134,22 +132,22 @@ def components(value: Value, frame: str) -> Value:
     raise refuse(ILL_FORMED, "this has no components in a frame", value.span, value.shape)
 
 
-def _mixed(notation: Notation, value: Value) -> Value:
+def mixed(notation: Notation, value: Value) -> Value:
     """Return a vector or dyadic as components where the notation lets them stand for each other."""
     if notation.mixed and value.shape in {VECTOR, DYADIC}:
         return components(value, notation.mixed)
     return value
 
 
-_GEOMETRIC = frozenset({VECTOR, DYADIC})
+GEOMETRIC = frozenset({VECTOR, DYADIC})
 
 
 def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
     """Return values with vectors as columns if there are columns beside them."""
     values = list(values)
     shapes = {v.shape for v in values if not v.is_zero}
-    if shapes & _GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
-        return [_mixed(notation, v) for v in values]
+    if shapes & GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
+        return [mixed(notation, v) for v in values]
     return values
 
 
@@ -218,7 +216,7 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
     if (a.shape, b.shape) == (VECTOR, VECTOR) and notation.dyads:
         return _made(outer(a.term, b.term), DYADIC, a, b)
     if {a.shape, b.shape} != {VECTOR}:
-        a, b = _mixed(notation, a), _mixed(notation, b)
+        a, b = mixed(notation, a), mixed(notation, b)
     rule = _BESIDE.get((a.shape, b.shape))
     if rule is None:
         raise refuse(
@@ -330,9 +328,9 @@ def crossed(notation: Notation, a: Value, b: Value) -> Value:
         frames = _agree(a, b)
         return _made(matmul(tilde(a.term), b.term), COLUMN, a, b, frames)
     if shapes == (VECTOR, DYADIC):
-        return _made(dot(_turner(a.term), b.term), DYADIC, a, b)
+        return _made(dot(turner(a.term), b.term), DYADIC, a, b)
     if shapes == (DYADIC, VECTOR):
-        return _made(dot(a.term, _turner(b.term)), DYADIC, a, b)
+        return _made(dot(a.term, turner(b.term)), DYADIC, a, b)
     if a.is_zero or b.is_zero:
         return _scaled(a, b)
     span = a.span.join(b.span)
@@ -343,7 +341,7 @@ def _is_number(value: Value) -> bool:
     return value.term.head == "expr" and bool(value.term.data[0].is_number)
 
 
-def _turner(term: Term) -> Term:
+def turner(term: Term) -> Term:
     """Return the dyadic a x 1."""
     units = (unit("I", k) for k in (1, 2, 3))
     return add(*(outer(cross(term, e), e) for e in units))
@@ -357,84 +355,3 @@ def tensored(a: Value, b: Value) -> Value:
         return _column_row(a, b)
     span = a.span.join(b.span)
     raise refuse(ILL_FORMED, "these have no dyadic product", span, f"{a.words}, {b.words}")
-
-
-# -- one operand ---------------------------------------------------------------------------------
-
-
-def skew(notation: Notation, value: Value, span: Span) -> Value:
-    """Return the skew matrix of a column, or the dyadic a x 1 of a vector."""
-    value = _mixed(notation, value)
-    if value.shape == COLUMN:
-        frames = (value.frames[0], value.frames[0])
-        return replace(value, term=tilde(value.term), shape=MATRIX, frames=frames, span=span)
-    if value.shape == VECTOR:
-        return replace(value, term=_turner(value.term), shape=DYADIC, span=span)
-    raise refuse(ILL_FORMED, "this has no skew matrix", span, value.words, "a vector")
-
-
-def transposed(notation: Notation, value: Value, span: Span) -> Value:
-    """Return the transpose; a scalar is its own."""
-    value = _mixed(notation, value)
-    if value.shape == SCALAR:
-        return replace(value, span=span)
-    if value.shape == MATRIX:
-        frames = (value.frames[1], value.frames[0])
-        return replace(value, term=transpose(value.term), frames=frames, span=span)
-    turned = {COLUMN: ROW, ROW: COLUMN, VECTRIX: COVECTRIX, COVECTRIX: VECTRIX}.get(value.shape)
-    if turned is None:
-        verdict = UNDECIDED if value.shape == DYADIC else ILL_FORMED
-        raise refuse(verdict, "this has no transpose here", span, value.words)
-    return replace(value, shape=turned, span=span)
-
-
-def rate(value: Value, frame: str, times: int, span: Span) -> Value:
-    """Return the time derivative; ``frame``: that in which a vector is differentiated.
-
-    Columns are differentiated number by number, unless the frame is another than theirs.
-    """
-    dimension = None if value.dimension is None else value.dimension.times(RATE.power(times))
-    if value.shape in {VECTRIX, COVECTRIX}:
-        raise refuse(UNDECIDED, "derivatives of unit vectors in a column", span)
-    term = value.term
-    own = value.frames[0]
-    if frame and own and frame != own and value.shape in {COLUMN, ROW}:
-        for _ in range(times):
-            term = add(der(term, ""), matmul(tilde(column(omega(own, frame), own)), term))
-    elif frame and own and frame != own:
-        raise refuse(UNDECIDED, "the derivative of a matrix in another frame", span)
-    else:
-        term = der(term, frame, times)
-    return replace(value, term=term, dimension=dimension, span=span)
-
-
-def overdot(notation: Notation, value: Value, times: int, span: Span) -> Value:
-    """Return what overdots say: of columns and matrices number by number, of vectors in one frame."""
-    return rate(value, notation.dot if value.shape in _GEOMETRIC else "", times, span)
-
-
-def element(value: Value, row: int, place: int) -> Term:
-    """Return an element of a matrix."""
-    return inner(basis(row), matmul(value.term, basis(place)))
-
-
-def trace(value: Value, span: Span) -> Value:
-    """Return the trace of a matrix."""
-    if value.shape != MATRIX:
-        raise refuse(ILL_FORMED, "a trace of what is no matrix", span, value.words)
-    term = add(*(element(value, k, k) for k in (1, 2, 3)))
-    return Value(term, SCALAR, value.dimension, density=value.density, span=span)
-
-
-def determinant(value: Value, span: Span) -> Value:
-    """Return the determinant of a matrix, written out."""
-    if value.shape != MATRIX:
-        raise refuse(ILL_FORMED, "a determinant of what is no matrix", span, value.words)
-    cyclic = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
-    signed = [(1, p) for p in cyclic] + [(-1, (a, c, b)) for a, b, c in cyclic]
-    parts = (
-        mul(number(sign), *(element(value, r, c) for r, c in zip((1, 2, 3), p, strict=True)))
-        for sign, p in signed
-    )
-    dimension = None if value.dimension is None else value.dimension.power(Fraction(3))
-    return Value(add(*parts), SCALAR, dimension, density=3 * value.density, span=span)
