@@ -19,6 +19,9 @@ from eom.terms import SCALAR, Term, expr
 MAX_DEPTH = 12
 """How far meanings may refer to other formulas."""
 
+MAX_SIZE = 20_000
+"""Most nodes of a term."""
+
 Rule = Callable[["Elaborator", Any], Value]
 
 
@@ -36,6 +39,7 @@ class Elaborator:
     indices: Mapping[str, str] = field(default_factory=dict)
     scalars: dict[Any, Term] = field(default_factory=dict)
     depth: int = 0
+    sizes: dict[int, tuple[Term, int]] = field(default_factory=dict, repr=False)
 
     def value(self, node: Node) -> Value:
         """Return the typed value of a node. Raises `Refusal`."""
@@ -44,7 +48,17 @@ class Elaborator:
             kind = type(node).__name__.lower()
             raise refuse(UNDECIDED, f"no meaning is known for this {kind}", node.span)
         found = rule(self, node)
+        if self.size(found.term) > MAX_SIZE:
+            raise refuse(UNDECIDED, "this is too large when it is written out", node.span)
         return found if found.span == node.span else replace(found, span=node.span)
+
+    def size(self, term: Term) -> int:
+        """Return how many nodes a term has when it is written out; shared parts are measured once."""
+        known = self.sizes.get(id(term))
+        if known is None:
+            known = (term, 1 + sum(self.size(a) for a in term.args))
+            self.sizes[id(term)] = known
+        return known[1]
 
     def bound(self, **indices: str) -> Elaborator:
         """Return the elaborator where some indices stand for something else."""

@@ -24,6 +24,7 @@ OWN: dict[str, int] = {"defined": 0, "equals": 0, "vectrix": 1, "time": 0, "skew
 formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a).
 """
 
+MAX_FORMULA = 1000
 SLOT = re.compile(r"<([A-Za-z])>")
 _KEYWORDS = ("in", "component", "per", "unit")
 
@@ -102,6 +103,8 @@ def meaning(value: Any, where: str) -> Meaning:
 def _formula(text: str, where: str) -> Meaning:
     if not text.strip():
         raise InputError("an empty formula", where=where)
+    if len(text) > MAX_FORMULA:
+        raise InputError("a formula is too long", where=where, expected=f"at most {MAX_FORMULA}")
     return Meaning("equals", formula=text.strip())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import sympy as sp
 
@@ -33,6 +34,8 @@ from eom.vocabulary import quantity, unit
 
 PER_VOLUME = LENGTH.power(-3)
 MAX_POWER = 12
+MAX_EXPONENT = 64
+MAX_BITS = 2000
 TRANSPOSED = frozenset({"T", "top", "intercal", "t", "mathsf T"})
 
 _ATOMS = frozenset({"mass", "total_mass", "kinetic_energy", "rotational_energy"})
@@ -235,6 +238,8 @@ def powered(e: Elaborator, value: Value, exponent: Fraction, span: Span) -> Valu
     if abs(exponent) > MAX_POWER or exponent.denominator > MAX_POWER:
         raise refuse(UNDECIDED, "an exponent is too large", span, str(exponent))
     if value.shape == SCALAR:
+        if not _small(e.expression(value.term), exponent):
+            raise refuse(UNDECIDED, "a power is too large", span)
         power = sp.Pow(
             e.expression(value.term), sp.Rational(exponent.numerator, exponent.denominator)
         )
@@ -250,6 +255,14 @@ def powered(e: Elaborator, value: Value, exponent: Fraction, span: Span) -> Valu
     if value.shape in {MATRIX, DYADIC} and exponent in {2, 3, 4}:
         return _matrix_power(value, int(exponent), span)
     raise refuse(ILL_FORMED, "this has no such power", span, value.words)
+
+
+def _small(base: Any, exponent: Fraction) -> bool:
+    """Tell whether a power has small exponents and no long numbers."""
+    inside = [abs(p.exp) for p in sp.preorder_traversal(base) if p.is_Pow and p.exp.is_Rational]
+    bits = [max(abs(n.p), n.q).bit_length() for n in base.atoms(sp.Rational)]
+    largest = max([*inside, sp.Integer(1)]) * abs(exponent)
+    return bool(largest <= MAX_EXPONENT) and max([*bits, 1]) * abs(exponent) <= MAX_BITS
 
 
 def _matrix_power(value: Value, exponent: int, span: Span) -> Value:

@@ -190,13 +190,12 @@ def _zero_like(a: Value, other: Value) -> Value:
 def total(notation: Notation, values: Iterable[Value]) -> Value:
     """Return the sum of values with the same shape, frames and dimension."""
     values = alike(notation, values)
-    result = values[0]
-    for value in values[1:]:
-        a, b = same(notation, result, value)
-        term = add(a.term, b.term)
-        shape = b.shape if a.is_zero and not b.is_zero else a.shape
-        result = replace(a, term=term, shape=shape, span=a.span.join(b.span))
-    return result
+    kept = [v for v in values if not v.is_zero] or values[:1]
+    result = kept[0]
+    for value in kept[1:]:
+        result, _ = same(notation, result, value)
+    span = values[0].span.join(values[-1].span)
+    return replace(result, term=add(*(v.term for v in kept)), span=span)
 
 
 def negative(value: Value, span: Span) -> Value:

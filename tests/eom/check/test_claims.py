@@ -1,6 +1,7 @@
 r"""Typed values and claims: their meaning in random worlds, and what is refused, with its place."""
 
 import itertools
+from time import process_time
 
 import pytest
 from hypothesis import given
@@ -13,6 +14,7 @@ from eom.check.places import ReadingError
 from eom.check.statements import split
 from eom.terms import Equation, column, zero
 from eom.verification import decide
+from tests.clock import reference
 
 RIGID = ("body_frame", "newton_2", "third_law_strong")
 PRINCIPAL = (*RIGID, "principal_axes")
@@ -341,3 +343,34 @@ def test_no_formula_breaks_the_elaboration(pieces):
             assert claim.verdict or claim.members
             for finding in claim.findings:
                 assert 0 <= finding.span.start <= finding.span.stop <= len(text) + 1
+
+
+HOSTILE = {
+    "a power of powers": "(" * 20 + "s" + ")^{12}" * 20 + " = 1",
+    "powers of a number": "(" * 20 + "3" + ")^{12}" * 20 + " = 1",
+    "squares of vectors": "(" * 40 + r"\vec a" + r")^2\vec a" * 40 + r" = \vec b",
+    "determinants": r"\det\begin{bmatrix}" * 8
+    + "s"
+    + r"&0&0\\0&s&0\\0&0&s\end{bmatrix}" * 8
+    + " = s",
+    "a long sum": " + ".join([r"\vec a\times\vec b"] * 3000) + r" = \vec c",
+    "a long number": "1" * 5000 + " = s",
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+def test_hostile_formulas_end_soon(text):
+    start = process_time()
+    try:
+        found = claimed(text, ARROWS)
+    except ReadingError:
+        found = []
+    spent = process_time() - start
+    assert spent < 40 * reference()
+    assert all(c.verdict or c.members for c in found)
+
+
+def test_meanings_in_circles_are_undecided():
+    lexicon = parse_lexicon("[symbols]\n'a' = '= b + b'\n'b' = '= a'\n'c' = '= c'")
+    for text in ("a = 1", "c = 1"):
+        assert claimed(text, lexicon)[0].verdict == "undecided"
