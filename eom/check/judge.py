@@ -36,11 +36,15 @@ CONTEXTS: tuple[tuple[str, ...], ...] = (
 )
 """Worlds in which more and more quantities exist; the first where all of a claim do is taken."""
 
+MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
+"""Contexts that assume something of the body, which a claim about its masses rests on."""
+
 SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312"})
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
 MENTIONS: dict[str, frozenset[str]] = {
     "A_fixed_in_body": frozenset({"A"}),
+    "OA_at_centre": frozenset({"OA"}),
     "about_centre": frozenset({"O"}),
     "O_fixed_in_body": frozenset({"O"}),
     "O_fixed_in_space": frozenset({"O"}),
@@ -53,8 +57,9 @@ HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
 
 @dataclass(frozen=True)
 class Judgement:
-    """A verdict: smallest sets of assumptions, the context of the worlds, a world that refutes.
+    """A verdict, smallest sets of assumptions, the context of the worlds, a world that refutes.
 
+    ``verdict``: "holds", "holds under", "wrong", "definition", "undecided".
     ``sets`` are without what others need; ``complete``: whether there can be no other sets;
     ``refuted``: assumptions and seed of a world where the claim is false, none if it holds in all.
     """
@@ -95,12 +100,17 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     if not search.equations:
         return Judgement(HOLDS, context=context)
     base = search.given | closure(context)
+    own = context if context in MODELS and search.about_masses else ()
     if search.holds(base):
-        return Judgement(HOLDS, context=context)
+        if search.claim.relations[:1] == (":=",) and len(search.equations) == 1:
+            return Judgement(DEFINITION, context=context)
+        return Judgement(UNDER if own else HOLDS, (own,) if own else (), context)
     search.run(base)
-    sets = tuple(sorted(map(_shown, search.smallest(base)), key=lambda s: (len(s), s)))
-    refuted = (tuple(sorted(base)), search.seeds[base])
-    verdict = UNDER if sets else WRONG
+    shown = [_shown(s | frozenset(own)) for s in search.smallest(base)]
+    sets = tuple(sorted(shown, key=lambda s: (len(s), s)))
+    refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
+    names = claim.kind == SAME_POINT or (not sets and search.free)
+    verdict = DEFINITION if names else UNDER if sets else WRONG
     return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
 
 
@@ -127,7 +137,8 @@ class _Search:
     @cached_property
     def context(self) -> tuple[str, ...] | None:
         """The first context in which every quantity has a value."""
-        for context in CONTEXTS:
+        single = [("one_particle",)] if "P" in self.labels else []
+        for context in [*single, *CONTEXTS]:
             try:
                 self._true_in(closure([*self.given, *context]), 1)
             except InputError as error:
@@ -145,6 +156,19 @@ class _Search:
             str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str)
         )
 
+    @cached_property
+    def about_masses(self) -> bool:
+        """Whether the claim is about a body, not about frames and angles alone."""
+        return bool(self.labels & {"body", "dm", "system", "inertia", "mass", "total_mass"})
+
+    @cached_property
+    def free(self) -> bool:
+        """Whether the claim is about free scalars alone: it says what they are."""
+        terms = [t for q in self.equations for t in (q.left, q.right)]
+        plain = all(n.head in {"expr", "add", "mul", "zero"} for t in terms for n in nodes(t))
+        meanings = self.claim.scalars.values()
+        return plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+
     def candidates(self) -> list[str]:
         """Return the assumptions that may matter."""
         wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
@@ -154,7 +178,10 @@ class _Search:
         """Tell whether all equations hold in every world drawn under a closed set."""
         if names not in self.known:
             self.tests += 1
-            self.known[names] = self._true_in(names, WORLDS)
+            try:
+                self.known[names] = self._true_in(names, WORLDS)
+            except InputError:  # they cannot stand together, or leave the claim undefined
+                self.known[names] = False
         return self.known[names]
 
     def _true_in(self, names: frozenset[str], count: int) -> bool:
