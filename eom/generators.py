@@ -102,6 +102,8 @@ def _placed(
         reference = carried(pivot)
     points = {"O": reference, "C": carried(centre)}
     points |= {name: carried(draw.point()) for name in ("OA", "OB")}
+    if "OA_at_centre" in assumed:
+        points["OA"] = points["C"]
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in body.points)
     return Stage(masses, tuple(carried(p) for _, p in body.points), frames, angles, points)
 

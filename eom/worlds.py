@@ -63,6 +63,7 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
     ),
     "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
+    "OA_at_centre": Restriction("the point OA of the body is its centre of mass", ("rigid",)),
     "thin_rod": Restriction(
         "all mass lies on one line", ("body_frame",), ("principal_axes", "torque_free")
     ),

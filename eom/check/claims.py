@@ -11,6 +11,8 @@ from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import sympy as sp
+
 from eom.check.elaborate import elaborator
 from eom.check.elaborator import Elaborator
 from eom.check.lexicon import Lexicon
@@ -27,7 +29,7 @@ from eom.check.values import (
     Value,
     same,
 )
-from eom.terms import Term
+from eom.terms import Term, expr
 from eom.vocabulary import position
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
@@ -160,7 +162,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
         found = [_continued(made, e, values, before)]
     elif len(nodes) > 1:
         found = [_joined(made, e, values)]
-    if constant:
+    if constant or any(_is_constant(Words(w)) for w in s.words):
         found.append(_constant(made, e, values))
     return found
 
@@ -255,8 +257,17 @@ def _is_constant(node: Node) -> bool:
 def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
     if not values:
         return claim
-    steady = overdot(e.lexicon.notation, values[-1], 1, claim.span)
+    steady = overdot(e.lexicon.notation, _square(values[-1]), 1, claim.span)
     return replace(claim, members=(steady,), relations=(), kind=CONSTANT)
+
+
+def _square(value: Value) -> Value:
+    """Return the square of a magnitude, which is constant when it is; anything else stays."""
+    expression = value.term.data[0] if value.term.head == "expr" else None
+    if expression is None or not (expression.is_Pow and expression.exp == sp.Rational(1, 2)):
+        return value
+    squared = None if value.dimension is None else value.dimension.power(2)
+    return replace(value, term=expr(expression.base), dimension=squared)
 
 
 def _points(s: Statement, e: Elaborator) -> Claim | None:

@@ -280,7 +280,9 @@ def test_definitions_hold_from_there_on():
 def test_constants_and_points():
     (constant,) = claimed(r"|\vec H_C| = \text{constant}", ARROWS)
     assert constant.kind == CONSTANT
-    assert constant.members[0].dimension.words == "kg m^2/s^2"
+    assert constant.members[0].dimension.words == "kg^2 m^4/s^3"
+    assert decide(equations(constant)[0], ("torque_free",), constant.scalars)
+    assert not decide(equations(constant)[0], RIGID, constant.scalars)
     points = preset("underline-bullet")
     (same,) = claimed(r"O \equiv \bullet", points)
     assert same.kind == SAME_POINT
