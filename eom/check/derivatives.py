@@ -59,18 +59,26 @@ def _behind_left_scripts(p: Stream, place: int) -> int:
 
 
 def _one_term(p: Stream, first: int, last: int) -> bool:
-    """Whether no sum and no chain stands between two places, outside of brackets."""
+    """Whether no sum and no chain stands between two places, outside of brackets and integrals."""
     depth = 0
-    for token in p.tokens[first:last]:
+    for k in range(first, last):
+        token = p.tokens[k]
+        if token.kind == "command" and token.text in latex.INTEGRALS:
+            return True
         if token.kind == "char":
             depth += (token.text in "({[") - (token.text in ")}]")
-            if depth == 0 and token.text in "+-=,":
+            if depth == 0 and token.text in "+-=," and not _unary(p.tokens[k - 1]):
                 return False
         elif token.is_command("left", "right"):
             depth += 1 if token.text == "left" else -1
         elif token.kind in {"begin", "end"}:
             depth += 1 if token.kind == "begin" else -1
     return True
+
+
+def _unary(before: Token) -> bool:
+    """Whether a sign behind this token has no left operand."""
+    return before.kind == "command" and before.text in latex.PRODUCT_COMMANDS
 
 
 def _derivative(p: Stream, token: Token) -> Node:

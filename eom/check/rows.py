@@ -38,7 +38,8 @@ class _Joiner:
         elif token.is_char("&") and self.levels[-1][0]:
             self.dropped.add(k)
         elif token.kind == "row" and self.levels[-1][0]:
-            self.at_break(k)
+            if k not in self.dropped:
+                self.at_break(k)
         else:
             self.count(k, token)
 

@@ -137,9 +137,12 @@ def _continued(found: list[Statement], previous: Sequenced[Statement]) -> list[S
     """Put a member of a statement before in place of one that was left out."""
     result: list[Statement] = []
     for s in found:
-        before = _continuable(result or previous)
         new = s
-        if before and s.relational and isinstance(s.members[0], Missing):
+        last = (result or previous)[-1:]
+        missing = s.relational and isinstance(s.members[0], Missing)
+        wanted = missing or any(b.relational and _ends_open(b) for b in last)
+        before = _continuable(result or previous) if wanted else []
+        if before and missing:
             left, *others = (_last(b) for b in before)
             members = (left, *s.members[1:])
             new = replace(s, members=members, continues=True, others=tuple(others))

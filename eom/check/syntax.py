@@ -260,6 +260,7 @@ class Integral(Node):
     r"""An integral: ``integrand`` (None for ``\int dm``), its differentials from inside out, bounds.
 
     ``sign``: "int", "iint", "iiint", "oint". Without a differential ``variables`` is empty.
+    Of ``\int F \cdot dr`` the integrand is a `Section`: its other operand is the differential.
     """
 
     integrand: Node | None
@@ -273,8 +274,9 @@ class Integral(Node):
 class Derivative(Node):
     r"""A derivative by a fraction; ``operand`` is None for a bare operator ``\frac{d}{dt}``.
 
-    ``variables`` are the differentials below; ``order`` that above (None is 1); ``frame`` the left
-    superscript, wherever it stood; ``sign`` "d" or "partial". The layout is not compared: ``form``
+    ``variables`` are what it is taken by (of ``dt`` below: t), ``order`` the power of d (None is 1);
+    ``frame`` the superscript on its left, wherever it stood, or the name below brackets or a bar
+    around it; ``sign`` "d" or "partial". The layout is not compared: ``form``
     "over" (operand in the numerator), "before" (operator in front), "slash"; ``outside`` says
     whether the frame stands before the whole fraction.
     """

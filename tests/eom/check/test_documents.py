@@ -166,5 +166,5 @@ def test_hostile_documents_take_little_time():
         "[ ",
         "- \n",
     ):
-        read(read_document(unit * 20_000, "markdown"))
-        read(read_document(unit * 20_000, "latex"))
+        read(read_document(unit * 4_000, "markdown"))
+        read(read_document(unit * 4_000, "latex"))

@@ -4,6 +4,7 @@ import pytest
 
 from eom.check.grammar import read_formula
 from eom.check.places import ReadingError
+from eom.check.statements import split
 from tests.clock import growth_within
 from tests.eom.check.shape import shape
 
@@ -148,10 +149,22 @@ def test_twenty_levels_are_read():
 
 
 @pytest.mark.parametrize(
-    "unit", ["a + ", r"a_1 \vec b = ", r"a \Rightarrow ", r"a \\ ", r"\frac{a}{b} ", "a, "]
+    "unit",
+    [
+        *[
+            "a + ",
+            r"a_1 \vec b = ",
+            r"a \Rightarrow ",
+            r"a \\ ",
+            r"\frac{a}{b} ",
+            "a, ",
+            r"a = b \quad ",
+        ],
+        *[r"\\ ", "{} ", r"= a \\ ", r"\overset{!}{=} a ", "'", r"- a \\ ", "a\n= b\n"],
+    ],
 )
 def test_time_grows_with_length(unit):
-    assert growth_within(3 * 8, lambda n: read_formula(unit * n + "c"), 100, 800)
+    assert growth_within(3 * 8, lambda n: split(read_formula(f"a {unit * n} c").tree), 100, 800)
 
 
 def test_megabytes_are_refused_at_once():
