@@ -1,0 +1,73 @@
+"""The verdict on a formula of a note: its claims judged one by one, the gravest of them first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from eom.check.claims import DEFINITION, Claim
+from eom.check.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.check.notes import Understood
+from eom.check.values import AMBIGUOUS, ILL_FORMED
+
+GRAVE = frozenset({WRONG, ILL_FORMED})
+"""Findings that settle a claim without worlds."""
+
+NONE = "no claim"
+"""The verdict on a formula that claims nothing: a symbol, an expression, words."""
+
+ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION)
+"""Verdicts, the gravest first."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim with its judgement, the verdict on it, and why it is wrong or undecided."""
+
+    claim: Claim
+    judgement: Judgement
+    verdict: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a formula, why if it is undecided or wrong, and what was found of each claim."""
+
+    verdict: str
+    reason: str = ""
+    claims: tuple[Judged, ...] = ()
+
+
+def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
+    """Return the verdict on a formula under what is ``given``: the gravest one of its claims."""
+    error = understood.formula.error
+    if error is not None:
+        return Verdict(UNDECIDED, f"not read: {error}")
+    given = tuple(given)
+    judged = tuple(_judged(claim, given) for claim in understood.claims)
+    found = {j.verdict: j.reason for j in reversed(judged)}
+    gravest = next((v for v in ORDER if v in found), NONE)
+    return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _judged(claim: Claim, given: tuple[str, ...]) -> Judged:
+    """Return the verdict on a claim: by its findings, else in worlds.
+
+    What is left of a claim with a place that has no meaning may still be wrong.
+    """
+    found = Judgement(claim.verdict) if claim.verdict in GRAVE else judge(claim, given)
+    if claim.verdict and found.verdict != WRONG:
+        found = replace(found, verdict=claim.verdict)
+    if found.verdict == claim.verdict:
+        return Judged(claim, found, claim.verdict, _why(claim))
+    if claim.kind == DEFINITION and found.verdict in {HOLDS, UNDER}:
+        return Judged(claim, found, DEFINITION)
+    return Judged(claim, found, found.verdict, found.reason)
+
+
+def _why(claim: Claim) -> str:
+    """Return the gravest finding in words."""
+    finding = next(f for f in claim.findings if f.verdict == claim.verdict)
+    facts = (("got", finding.got), ("expected", finding.expected))
+    return "; ".join([finding.what, *(f"{name} {text}" for name, text in facts if text)])
