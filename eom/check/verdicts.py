@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from eom.check.claims import DEFINITION, Claim
+from eom.check.claims import DEFINITION, EQUALITIES, Claim
 from eom.check.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.check.notes import Understood
+from eom.check.roles import ASSUMPTION, CONDITIONS, RECALLED
 from eom.check.values import AMBIGUOUS, ILL_FORMED
 
 GRAVE = frozenset({WRONG, ILL_FORMED})
 """Findings that settle a claim without worlds."""
 
+LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
+"""Sets of assumptions that make of what is recalled a law: it needs itself alone."""
+
 NONE = "no claim"
 """The verdict on a formula that claims nothing: a symbol, an expression, words."""
 
-ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION)
+ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
 """Verdicts, the gravest first."""
 
 
@@ -45,14 +49,14 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     if error is not None:
         return Verdict(UNDECIDED, f"not read: {error}")
     given = tuple(given)
-    judged = tuple(_judged(claim, given) for claim in understood.claims)
+    judged = tuple(_judged(claim, given, understood.role) for claim in understood.claims)
     found = {j.verdict: j.reason for j in reversed(judged)}
     gravest = next((v for v in ORDER if v in found), NONE)
     return Verdict(gravest, found.get(gravest, ""), judged)
 
 
-def _judged(claim: Claim, given: tuple[str, ...]) -> Judged:
-    """Return the verdict on a claim: by its findings, else in worlds.
+def _judged(claim: Claim, given: tuple[str, ...], role: str) -> Judged:
+    """Return the verdict on a claim: by its findings, else in worlds, else by its role.
 
     What is left of a claim with a place that has no meaning may still be wrong.
     """
@@ -61,9 +65,22 @@ def _judged(claim: Claim, given: tuple[str, ...]) -> Judged:
         found = replace(found, verdict=claim.verdict)
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
-    if claim.kind == DEFINITION and found.verdict in {HOLDS, UNDER}:
-        return Judged(claim, found, DEFINITION)
-    return Judged(claim, found, found.verdict, found.reason)
+    role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, role)
+    return Judged(claim, found, _played(role, claim, found), found.reason)
+
+
+def _played(role: str, claim: Claim, found: Judgement) -> str:
+    """Return the verdict on a claim that was judged and that plays a role.
+
+    An assumption need not be true. A definition of what is known already may be wrong. What is
+    recalled is judged, but for a law, which is one of the assumptions.
+    """
+    equation = EQUALITIES.issuperset(claim.relations)
+    if role == ASSUMPTION or (role == DEFINITION and not equation):
+        return ASSUMPTION
+    if role == RECALLED and found.sets and set(found.sets) <= set(LAWS):
+        return ASSUMPTION
+    return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
 
 
 def _why(claim: Claim) -> str:
