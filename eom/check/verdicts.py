@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from eom.check.chains import Chain, judge_chain
 from eom.check.claims import DEFINITION, EQUALITIES, Claim
 from eom.check.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.check.notes import Understood
@@ -26,12 +27,16 @@ ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSU
 
 @dataclass(frozen=True)
 class Judged:
-    """A claim with its judgement, the verdict on it, and why it is wrong or undecided."""
+    """A claim with its judgement, the verdict on it, and why it is wrong or undecided.
+
+    ``chain``: the links of a chain that is wrong or ill-formed, apart.
+    """
 
     claim: Claim
     judgement: Judgement
     verdict: str
     reason: str = ""
+    chain: Chain | None = None
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,10 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     if error is not None:
         return Verdict(UNDECIDED, f"not read: {error}")
     given = tuple(given)
-    judged = tuple(_judged(claim, given, understood.role) for claim in understood.claims)
+    judged = tuple(_judged(c, given, understood.role) for c in understood.claims)
+    judged = tuple(
+        replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
+    )
     found = {j.verdict: j.reason for j in reversed(judged)}
     gravest = next((v for v in ORDER if v in found), NONE)
     return Verdict(gravest, found.get(gravest, ""), judged)
