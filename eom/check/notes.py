@@ -19,6 +19,7 @@ from eom.check.looks import Look
 from eom.check.places import Source
 from eom.check.reading import Formula, read_piece
 from eom.check.repairs import Repair, Variant, apply, cross_before_column, variants
+from eom.check.roles import CLAIM, roles
 from eom.check.statements import Statement, split
 from eom.check.tokens import tokenize
 from eom.check.values import WRONG, Value
@@ -28,7 +29,8 @@ from eom.check.values import WRONG, Value
 class Understood:
     """A formula with its claims, the lexicon that holds there, and the headings above it.
 
-    ``repairs``: what was read otherwise than it stands; none for the literal reading.
+    ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
+    words around it, see `eom.check.roles`.
     """
 
     formula: Formula
@@ -36,6 +38,7 @@ class Understood:
     lexicon: Lexicon
     headings: tuple[str, ...]
     repairs: tuple[Repair, ...] = ()
+    role: str = CLAIM
 
 
 def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
@@ -49,7 +52,7 @@ def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
     definitions: dict[Look, Value] = {}
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
-    for piece in document.pieces:
+    for piece, role in zip(document.pieces, roles(document.pieces), strict=True):
         if piece.kind == "heading":
             headings = [h for h in headings if h[0] < piece.level]
             headings.append((piece.level, piece.body.strip("# \n\t")))
@@ -64,7 +67,7 @@ def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
         if display:
             previous, before = new.formula.statements, new.claims
         definitions |= defined(new.claims)
-        found.append(replace(new, headings=titles))
+        found.append(replace(new, headings=titles, role=role))
     return tuple(found)
 
 

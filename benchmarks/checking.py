@@ -1,0 +1,200 @@
+r"""``python -m benchmarks.checking FOLDER --lexica FOLDER``: the checker against judged notes.
+
+``FOLDER`` holds notes and ``truth.json``, a list of entries: ``file`` (name of the note without its
+suffix), ``id`` (``file:E1``, ``file:i1``: the n-th display or inline formula), ``latex``, ``verdict``,
+``accept`` (verdicts that count as right). The lexicon of ``file.md`` is ``file.toml``. Every display and
+every inline formula that is an equation by the truth is judged; the verdicts stand in a confusion
+matrix, what is missed with its reason. A true equation that is called wrong is the worst error and
+counted apart; with one the exit status is 1. The truth knows fewer verdicts: where no entry of it accepts
+"ill_formed", ill-formed counts as wrong; an assumption as a definition.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import statistics
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import click
+
+from benchmarks.table import time_text
+from eom.check.documents import Piece, load
+from eom.check.lexicon_files import parse_lexicon
+from eom.check.notes import Understood, understand
+from eom.check.verdicts import NONE, verdict
+from eom.errors import InputError
+
+LETTERS = {"display": "E", "inline": "i"}
+"""What the number of a formula follows in the names of the truth."""
+NO_EQUATION = "not_an_equation"
+NAMES = {NONE: NO_EQUATION, "assumption": "definition", "ill-formed": "ill_formed"}
+"""Our verdicts in words of the truth, where it has others; blanks are underscores."""
+GIVEN = ("constant_mass",)
+"""What all notes of the truth assume silently."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What the truth says of a formula."""
+
+    name: str
+    latex: str
+    verdict: str
+    accept: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """A formula judged: its kind ("display", "inline"), our verdict, the one that counts, the time."""
+
+    entry: Entry
+    kind: str
+    ours: str
+    counted: str
+    reason: str
+    seconds: float
+
+    @property
+    def right(self) -> bool:
+        """Whether the verdict is one of those accepted."""
+        return self.counted in self.entry.accept
+
+    @property
+    def false_alarm(self) -> bool:
+        """Whether a formula that is not wrong is called wrong."""
+        return self.counted in {"wrong", "ill_formed"} and not self.right
+
+
+def read_truth(path: Path) -> dict[str, Entry]:
+    """Return the entries by name; those of prose are left out. Raises `InputError`."""
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))
+        found = [
+            Entry(r["id"], r["latex"], r["verdict"], tuple(r["accept"])) for r in rows if r["latex"]
+        ]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError("the truth cannot be read", where=str(path), got=repr(error)) from error
+    return {e.name: e for e in found}
+
+
+def counted(ours: str, accepted: Iterable[str]) -> str:
+    """Return our verdict in words of a truth that accepts these verdicts somewhere."""
+    name = NAMES.get(ours, ours.replace(" ", "_"))
+    return "wrong" if name == "ill_formed" and name not in set(accepted) else name
+
+
+def results(folder: Path, lexica: Path) -> Iterator[Result]:
+    """Yield a result for each display, and each inline formula that truth or checker calls an equation.
+
+    The time of a formula is that of judging it; reading and elaboration of the note is shared out.
+    """
+    truth = read_truth(folder / "truth.json")
+    accepted = {v for e in truth.values() for v in e.accept}
+    for name in sorted({e.split(":")[0] for e in truth}):
+        start = perf_counter()
+        lexicon = parse_lexicon((lexica / f"{name}.toml").read_text(encoding="utf-8"), name)
+        found = understand(load(folder / f"{name}.md"), lexicon)
+        share = (perf_counter() - start) / max(len(found), 1)
+        for entry, understood in _paired(name, found, truth):
+            start = perf_counter()
+            ours = verdict(understood, GIVEN)
+            seconds = perf_counter() - start + share
+            word = counted(ours.verdict, accepted)
+            kind = understood.formula.piece.kind
+            if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
+                yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
+
+
+def _paired(
+    name: str, found: Sequence[Understood], truth: dict[str, Entry]
+) -> Iterator[tuple[Entry, Understood]]:
+    """Yield formulas with their entries. Raises `InputError` where the note is not that of the truth."""
+    numbers: Counter[str] = Counter()
+    for understood in found:
+        piece = understood.formula.piece
+        numbers[piece.kind] += 1
+        key = f"{name}:{LETTERS[piece.kind]}{numbers[piece.kind]}"
+        if key not in truth or _letters(truth[key].latex) != _letters(piece.body):
+            raise _other(key, truth.get(key), piece)
+        yield truth[key], understood
+
+
+def _letters(text: str) -> str:
+    return re.sub(r"\W", "", text)
+
+
+def _other(key: str, entry: Entry | None, piece: Piece) -> InputError:
+    return InputError(
+        "the note is not that of the truth",
+        where=f"{key}, line {piece.line}",
+        got=piece.body.strip(),
+        expected=entry.latex if entry else "no such entry",
+    )
+
+
+# -- output --------------------------------------------------------------------------------------
+
+
+def matrix(rows: Sequence[Result]) -> list[str]:
+    """Return the lines of the confusion matrix: what is true downwards, our verdict across."""
+    counts = Counter((r.entry.verdict, r.ours) for r in rows)
+    across = sorted({ours for _, ours in counts})
+    width = max(len(true) for true, _ in counts) + 2
+    lines = [" " * width + "  ".join(across)]
+    for true in sorted({t for t, _ in counts}):
+        cells = (str(counts[true, ours] or ".").rjust(len(ours)) for ours in across)
+        lines.append(true.ljust(width) + "  ".join(cells))
+    return lines
+
+
+def report(rows: Sequence[Result]) -> Iterator[str]:
+    """Yield the lines of the report of all results."""
+    for kind in LETTERS:
+        some = [r for r in rows if r.kind == kind]
+        equations = [r for r in some if r.entry.verdict != NO_EQUATION or kind == "display"]
+        if some:
+            right = sum(r.right for r in equations)
+            yield f"{kind}: {right} of {len(equations)} within the accepted verdicts"
+            yield from ("  " + line for line in matrix(some))
+    for title, chosen in (
+        ("true, but called wrong", [r for r in rows if r.false_alarm]),
+        ("missed otherwise", [r for r in rows if not r.right and not r.false_alarm]),
+    ):
+        yield f"{title}: {len(chosen)}"
+        yield from (f"  {line}" for r in chosen for line in _missed(r))
+    yield _times([r.seconds for r in rows])
+
+
+def _missed(r: Result) -> list[str]:
+    accept = " or ".join(r.entry.accept)
+    why = [f"    {line.strip()}" for line in r.reason.splitlines()[:1]]
+    return [f"{r.entry.name}: {r.ours}, not {accept}: {r.entry.latex[:90]}", *why]
+
+
+def _times(seconds: Sequence[float]) -> str:
+    if not seconds:
+        return "nothing judged"
+    middle, worst = statistics.median(seconds), max(seconds)
+    words = (time_text(middle), time_text(worst), time_text(sum(seconds)))
+    return "time of a formula: median {}, worst {}; all {}".format(*words)
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
+@click.option("--lexica", type=click.Path(path_type=Path, exists=True), required=True)
+def main(folder: Path, lexica: Path) -> None:
+    """Judge all notes of a folder; exit with 1 where a true equation is called wrong."""
+    rows = list(results(folder, lexica))
+    for line in report(rows):
+        click.echo(line)
+    sys.exit(1 if any(r.false_alarm for r in rows) else 0)
+
+
+if __name__ == "__main__":
+    main()
