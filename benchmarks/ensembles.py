@@ -13,17 +13,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 
 from benchmarks.pairs import paired, seconds, settled
 from benchmarks.peers import absent, missing
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from benchmarks.taylor import TOLERANCES, _euler, _quaternion, heavy_top
+from benchmarks.taylor import TOLERANCES, case_of
 from codegen import Compiled, ensemble
-from codegen import compile as compile_system
-from eom.system import System
+from codegen.workprecision.case import Case
+from codegen.workprecision.programs import numbered
+from eom.problems import ready
 
 Array = NDArray[np.float64]
 COUNT = 4096
@@ -40,26 +40,31 @@ ROUNDING = 2e-12
 
 @dataclass(frozen=True)
 class Task:
-    """Rates by state, and scattered starts (n, COUNT)."""
+    """A problem, and scattered starts (n, COUNT)."""
 
-    name: str
-    rates: Mapping[Any, Any]
+    case: Case
     start: Array
 
 
 def tasks() -> list[Task]:
     """Return the torque-free body in rates and quaternion, and the heavy top."""
     draw = np.random.default_rng(SEED)
-    w, q = sp.symbols("w1:4", real=True), sp.symbols("q0:4", real=True)
-    free = {**_euler(w, (1, 2, 3), (0, 0, 0)), **_quaternion(q, w)}
-    spins = np.concatenate([draw.normal(size=(3, COUNT)), np.zeros((4, COUNT))])
-    spins[3] = 1.0
-    top = heavy_top()
-    tops = np.repeat(np.array(top.start)[:, None], COUNT, axis=1)
-    tops[:3] += draw.normal(size=(3, COUNT)) * np.array([[1.0], [1.0], [5.0]])
     half = draw.uniform(0.1, 1.0, COUNT)
-    tops[3], tops[4] = np.cos(half), np.sin(half)
-    return [Task("torque-free, quaternion", free, spins), Task("heavy top", top.rates, tops)]
+    omega = [f"omega_{k}" for k in (1, 2, 3)]
+    spins = dict(zip(omega, draw.normal(size=(3, COUNT)), strict=True))
+    scatter = draw.normal(size=(3, COUNT)) * np.array([[1.0], [1.0], [5.0]])
+    tilted = {"q0": np.cos(half), "q1": np.sin(half)}
+    top = case_of(ready("heavy-top-quaternion"))
+    tops = {w: top.start[w] + s for w, s in zip(omega, scatter, strict=True)}
+    return [
+        _scattered(case_of(ready("free-body-attitude")), spins),
+        _scattered(top, {**tops, **tilted}),
+    ]
+
+
+def _scattered(case: Case, drawn: Mapping[str, Array]) -> Task:
+    names = case.system.state_names
+    return Task(case, np.array([drawn.get(n, np.full(COUNT, case.start[n])) for n in names]))
 
 
 @dataclass(frozen=True)
@@ -105,8 +110,9 @@ class Contest:
 def contest(task: Task) -> Contest:
     """Return a task in both programs."""
     heyoka: Any = importlib.import_module("heyoka")
-    doubles = {s: sp.N(r, 15) for s, r in task.rates.items()}
-    rates = [(heyoka.expression(str(s)), heyoka.from_sympy(r)) for s, r in doubles.items()]
+    states, values, _ = numbered(task.case)
+    pairs = zip(states, values, strict=True)
+    rates = [(heyoka.expression(str(s)), heyoka.from_sympy(r)) for s, r in pairs]
     start = np.zeros(len(rates), dtype=np.longdouble)
     fine = heyoka.taylor_adaptive(rates, start, fp_type=np.longdouble)
     reference = np.empty((len(rates), CHECKED))
@@ -115,8 +121,7 @@ def contest(task: Task) -> Contest:
         fine.state[:] = task.start[:, k]
         fine.propagate_until(np.longdouble(END))
         reference[:, k] = fine.state
-    name = "".join(c if c.isalnum() else "_" for c in task.name)
-    return Contest(task, compile_system(System.from_rates(name, doubles), "c"), rates, reference)
+    return Contest(task, task.case.compiled(), rates, reference)
 
 
 def measure(settings: Settings) -> Section:
@@ -145,7 +150,7 @@ def _rows(contest: Contest, rtol: float, settings: Settings) -> tuple[Row, Row]:
         LARGEST_RATIO,
     )
     times = (time_text(s / COUNT) for s in pairs.best)
-    what, quick = f"{contest.task.name}, {rtol:.0e}", pairs.ratio <= LARGEST_RATIO
+    what, quick = f"{contest.task.case.name}, {rtol:.0e}", pairs.ratio <= LARGEST_RATIO
     met = ours <= max(theirs, ROUNDING)
     return (
         Row(f"{what}: a trajectory", *times, f"{pairs.ratio:.2f}", f"<= {LARGEST_RATIO}", quick),
@@ -167,7 +172,7 @@ def _threads(contest: Contest, settings: Settings) -> Row:
     )
     times = (time_text(s / MANY) for s in pairs.best)
     gain = 1 / pairs.ratio
-    what = f"{contest.task.name}, 1e-9, {MANY} trajectories: 2 threads | 1"
+    what = f"{contest.task.case.name}, 1e-9, {MANY} trajectories: 2 threads | 1"
     return Row(what, *times, f"{gain:.2f}", f">= {LEAST_GAIN}", gain >= LEAST_GAIN)
 
 

@@ -47,7 +47,7 @@ class _Contest:
     """A problem, its solution, and our runs at the tolerances that were tried."""
 
     def __init__(self, problem: Problem) -> None:
-        self.case = _case(problem)
+        self.case = case_of(problem)
         self.compiled: Compiled = self.case.compiled()
         self.reference: Reference = reference(self.case, self.compiled)
         self.ours: dict[float, tuple[Run, float]] = {}
@@ -107,6 +107,7 @@ class _Contest:
         return run, self.reference.distance(run(np.inf).y)
 
 
-def _case(problem: Problem) -> Case:
+def case_of(problem: Problem) -> Case:
+    """Return a problem as what is measured."""
     numbers = (problem.start, problem.parameters, problem.inputs)
     return Case(problem.name, problem.title, problem.system, *numbers, problem.end)
