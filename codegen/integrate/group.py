@@ -9,10 +9,12 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codegen.attitude import attitude_of
 from codegen.integrate import projection, runge_kutta
 from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.trajectory import Array, Problem, Trajectory
 from codegen.layout import Layout, names_of
 from codegen.lower import SINGULARITIES
@@ -112,32 +114,21 @@ def _address(array: Array) -> Pointer:
     return array.ctypes.data if array.size else None
 
 
-class RowSolution:
-    """Dense output of a whole run on the group: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+class RowSolution(Stepwise):
+    """Partial steps on the group, evaluated in C."""
 
     def __init__(
         self, t: Array, h: Array, x: Array, rows: Array, evaluate: Between, problem: Problem
     ) -> None:
-        self.ts = t
-        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
-        self._h, self._x, self._rows = h, x, rows
+        super().__init__(t, h, x, rows)
         self._evaluate, self._problem = evaluate, problem
 
-    def __call__(self, t: float | Sequence[float] | Array) -> Array:
-        """Evaluate; times outside the run are extrapolated from the nearest step."""
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        count = len(self._rows)
-        if not count:
-            values = np.repeat(self._x[:1], len(times), axis=0)
-            return values[0] if np.ndim(t) == 0 else values.T
-        forward = self.ts[-1] >= self.ts[0]
-        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
-        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, count - 1)
-        theta = np.ascontiguousarray((times - self.ts[k]) / self._h[k])
+    def _within(self, k: NDArray[np.intp], since: Array) -> Array:
+        theta = np.ascontiguousarray(since / self._h[k])
         rows = np.ascontiguousarray(self._rows[k])
-        value = np.empty((len(times), self._x.shape[1]))
+        value = np.empty((len(k), self._x.shape[1]))
         self._evaluate(
-            _address(self._problem.parameters), _address(self._problem.inputs), len(times),
+            _address(self._problem.parameters), _address(self._problem.inputs), len(k),
             theta.ctypes.data, rows.ctypes.data, value.ctypes.data,
         )  # fmt: skip
-        return value[0] if np.ndim(t) == 0 else value.T
+        return value

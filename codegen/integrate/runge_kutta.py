@@ -11,9 +11,11 @@ from importlib import resources
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codegen import native
 from codegen.integrate import projection
+from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.layout import Layout
@@ -358,27 +360,13 @@ class _Store:
         )
 
 
-class DenseSolution:
-    """The interpolant of a whole run: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+class DenseSolution(Stepwise):
+    """Polynomials of a tableau's interpolant."""
 
-    def __init__(self, t: Array, h: Array, x: Array, coefficients: Array) -> None:
-        self.ts = t
-        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
-        self._h, self._x, self._coefficients = h, x, coefficients
-
-    def __call__(self, t: float | Sequence[float] | Array) -> Array:
-        """Evaluate; times outside the run are extrapolated from the nearest step."""
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        if not len(self._h):
-            values = np.repeat(self._x[:1], len(times), axis=0)
-            return values[0] if np.ndim(t) == 0 else values.T
-        forward = self.ts[-1] >= self.ts[0]
-        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
-        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, len(self._h) - 1)
-        theta = ((times - self.ts[k]) / self._h[k])[:, None]
-        terms = self._coefficients[k]
+    def _within(self, k: NDArray[np.intp], since: Array) -> Array:
+        theta = (since / self._h[k])[:, None]
+        terms = self._rows[k]
         value = terms[:, -1] * (theta if terms.shape[1] % 2 else 1 - theta)
         for j in range(terms.shape[1] - 2, -1, -1):
             value = (value + terms[:, j]) * (1 - theta if j % 2 else theta)
-        value = value + self._x[k]
-        return value[0] if np.ndim(t) == 0 else value.T
+        return np.asarray(value + self._x[k])

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from codegen.integrate import projection, runge_kutta
 from codegen.integrate.jets import series
 from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.trajectory import Array
 from codegen.layout import Layout
 from codegen.lower import RATES, SINGULARITIES
@@ -126,28 +128,12 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     return NativeMethod(order, TaylorSolution, start, run, state, output, library)
 
 
-class TaylorSolution:
-    """The polynomials of a whole run: ``sol(t)`` has shape (n,) or (n, len(t)), as SciPy's."""
+class TaylorSolution(Stepwise):
+    """The polynomials of the series."""
 
-    def __init__(self, t: Array, _: Array, x: Array, coefficients: Array) -> None:
-        self.ts = t
-        self.t_min, self.t_max = min(t[0], t[-1]), max(t[0], t[-1])
-        self._x, self._coefficients = x, coefficients
-
-    def __call__(self, t: float | Sequence[float] | Array) -> Array:
-        """Evaluate; times outside the run are extrapolated from the nearest step."""
-        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
-        count = len(self._coefficients)
-        if not count:
-            values = np.repeat(self._x[:1], len(times), axis=0)
-            return values[0] if np.ndim(t) == 0 else values.T
-        forward = self.ts[-1] >= self.ts[0]
-        nodes, wanted = (self.ts, times) if forward else (-self.ts, -times)
-        k = np.clip(np.searchsorted(nodes, wanted, side="left") - 1, 0, count - 1)
-        since = (times - self.ts[k])[:, None]
-        terms = self._coefficients[k]
+    def _within(self, k: NDArray[np.intp], since: Array) -> Array:
+        terms, step = self._rows[k], since[:, None]
         value = np.zeros_like(self._x[k])
         for j in range(terms.shape[1] - 1, -1, -1):
-            value = (value + terms[:, j]) * since
-        value = value + self._x[k]
-        return value[0] if np.ndim(t) == 0 else value.T
+            value = (value + terms[:, j]) * step
+        return value + self._x[k]
