@@ -65,6 +65,14 @@ static int wants_grid_point(const @PREFIX@_output *o, double t, double direction
 }
 
 @PROJECTION@
+/* PAUSED where the run can go on, with the grid points at its start stored; else why it cannot. */
+static int ready(const @PREFIX@ *s, @PREFIX@_output *o, double direction) {
+    if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
+    if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
+    while (s->steps == 0 && wants_grid_point(o, s->t, direction)) store(o, o->grid[o->next++], s->x);
+    return @UPPER@_PAUSED;
+}
+
 /* Whether the step to x_new may hide a singularity; the values at its end go into after. */
 static inline int may_stop(@PREFIX@ *s, double t_new, const double *x_new, const double *u, double *after) {
 #if S

@@ -78,9 +78,8 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;
-    if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
-    if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
-    while (s->steps == 0 && wants_grid_point(o, s->t, direction)) store(o, o->grid[o->next++], s->x);
+    const int state = ready(s, o, direction);
+    if (state != @UPPER@_PAUSED) return state;
     while (s->t != s->t_end) {
         const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
         double t_low, h_abs = fmin(s->h, s->h_max);

@@ -278,9 +278,8 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double x_new[N];
     long long attempts = 0;
-    if (s->status != @UPPER@_PAUSED && s->status != @UPPER@_FULL) return s->status;
-    if (o->grid != NULL && o->capacity - o->count < o->grid_count - o->next) return @UPPER@_TOO_SMALL;
-    while (s->steps == 0 && wants_grid_point(o, s->t, direction)) store(o, o->grid[o->next++], s->x);
+    const int state = ready(s, o, direction);
+    if (state != @UPPER@_PAUSED) return state;
     while (s->t != s->t_end) {
         const double rest = (s->t_end - s->t) - s->t_low;
         double t_low;

@@ -43,3 +43,27 @@ def _store(line: Line, slot: int) -> str:
         copy = f"carried_[{slot} + k_] = {line.variable}[k_];"
         return f"    for (int k_ = 0; k_ < {line.room}; ++k_) {copy}"
     return f"    carried_[{slot}] = {line.variable};"
+
+
+def guarded(guard: str, comment: Sequence[str], body: Sequence[str]) -> str:
+    """Return a header: its comment, and its lines where it is included first, for C and C++."""
+    return "\n".join([
+        *comment,
+        f"#ifndef {guard}",
+        f"#define {guard}",
+        "",
+        "#include <stddef.h>",
+        "",
+        "#ifdef __cplusplus",
+        'extern "C" {',
+        "#endif",
+        "",
+        *body,
+        "",
+        "#ifdef __cplusplus",
+        "}",
+        "#endif",
+        "",
+        f"#endif /* {guard} */",
+        "",
+    ])  # fmt: skip
