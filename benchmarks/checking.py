@@ -24,10 +24,10 @@ from time import perf_counter
 import click
 
 from benchmarks.table import time_text
-from eom.check.documents import Piece, load
-from eom.check.lexicon_files import parse_lexicon
-from eom.check.notes import Understood, understand
-from eom.check.verdicts import NONE, verdict
+from eom.checker.documents import Piece, load
+from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.notes import Understood, understand
+from eom.checker.verdicts import NONE, verdict
 from eom.errors import InputError
 
 LETTERS = {"display": "E", "inline": "i"}

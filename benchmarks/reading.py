@@ -20,16 +20,16 @@ from time import perf_counter
 
 import click
 
-from eom.check.documents import KINDS, load, read_document
-from eom.check.grammar import read_formula
-from eom.check.places import Source
-from eom.check.reading import read
-from eom.check.repairs import variants
-from eom.check.statements import split
-from eom.check.tokens import spelling, tokenize
-from eom.check.writing import latex
+from eom.checker.documents import KINDS, load, read_document
+from eom.checker.grammar import read_formula
+from eom.checker.places import Source
+from eom.checker.reading import read
+from eom.checker.repairs import variants
+from eom.checker.statements import split
+from eom.checker.tokens import spelling, tokenize
+from eom.checker.writing import latex
 from eom.errors import InputError
-from tests.eom.check.formulas import BOOKS
+from tests.eom.checker.formulas import BOOKS
 
 GOOD = [text for rows in BOOKS.values() for text, _ in rows]
 WORDS = r"""

@@ -1,0 +1,251 @@
+"""Whether a claim holds in exact random worlds, and the smallest sets of assumptions that it needs.
+
+A claim that holds under some assumptions holds under more; so the search starts from the largest sets
+that can stand together, shrinks each to a smallest one, and leaves out one member of it at a time to
+find others (a hitting-set tree: R. Reiter, "A theory of diagnosis from first principles", 1987).
+What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about once in 2**50.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.errors import InputError
+from eom.evaluate import Evaluator
+from eom.generators import worlds
+from eom.series import Singular
+from eom.terms import Equation, nodes, zero
+from eom.worlds import ASSUMPTIONS, closure
+
+WORLDS = 3
+TRIALS = 12
+"""Worlds that are drawn at most, where a claim is undefined in some."""
+MAX_TESTS = 160
+"""Sets of assumptions that are tried at most for one claim."""
+
+CONTEXTS: tuple[tuple[str, ...], ...] = (
+    (),
+    ("rigid",),
+    ("one_particle",),
+    ("spin_312",),
+    ("rotors",),
+    ("viscous_slug",),
+)
+"""Worlds in which more and more quantities exist; the first where all of a claim do is taken."""
+
+MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
+"""Contexts that assume something of the body, which a claim about its masses rests on."""
+
+SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312"})
+"""Assumptions that belong to a context, or to a family of degenerate bodies."""
+
+MENTIONS: dict[str, frozenset[str]] = {
+    "A_fixed_in_body": frozenset({"A"}),
+    "OA_at_centre": frozenset({"OA"}),
+    "about_centre": frozenset({"O"}),
+    "O_fixed_in_body": frozenset({"O"}),
+    "O_fixed_in_space": frozenset({"O"}),
+    "O_at_origin": frozenset({"O"}),
+}
+"""Assumptions that say nothing unless a label stands in the claim."""
+
+HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict, smallest sets of assumptions, the context of the worlds, a world that refutes.
+
+    ``verdict``: "holds", "holds under", "wrong", "definition", "undecided".
+    ``sets`` are without what others need; ``complete``: whether there can be no other sets;
+    ``refuted``: assumptions and seed of a world where the claim is false, none if it holds in all.
+    """
+
+    verdict: str
+    sets: tuple[tuple[str, ...], ...] = ()
+    context: tuple[str, ...] = ()
+    refuted: tuple[tuple[str, ...], int] | None = None
+    complete: bool = True
+    reason: str = ""
+
+
+def equations(claim: Claim) -> tuple[Equation, ...]:
+    """Return the equations that a claim says. Raises `InputError` for other relations."""
+    terms = [m.term for m in claim.members]
+    if claim.kind in {CONSTANT, SAME_POINT}:
+        return (Equation(terms[0], zero(terms[0].kind)),)
+    others = [r for r in claim.relations if r not in EQUALITIES]
+    if others:
+        raise InputError("only equations are judged in worlds", got=others[0])
+    start = 1 if claim.kind == DEFINITION else 0
+    pairs = zip(terms[start:], terms[start + 1 :], strict=False)
+    return tuple(Equation(a, b) for a, b in pairs)
+
+
+def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
+    """Return whether a claim holds beyond what is ``given``, and under what else.
+
+    A claim with findings is judged by what is left of it; without members it is undecided.
+    """
+    try:
+        search = _Search(claim, equations(claim), closure(given))
+        context = search.context
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    if context is None:
+        return Judgement(UNDECIDED, reason=search.reason or "no world has these quantities")
+    if not search.equations:
+        return Judgement(HOLDS, context=context)
+    base = search.given | closure(context)
+    own = context if context in MODELS and search.about_masses else ()
+    if search.holds(base):
+        if search.claim.relations[:1] == (":=",) and len(search.equations) == 1:
+            return Judgement(DEFINITION, context=context)
+        return Judgement(UNDER if own else HOLDS, (own,) if own else (), context)
+    search.run(base)
+    shown = [_shown(s | frozenset(own)) for s in search.smallest(base)]
+    sets = tuple(sorted(shown, key=lambda s: (len(s), s)))
+    refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
+    names = claim.kind == SAME_POINT or (not sets and search.free)
+    verdict = DEFINITION if names else UNDER if sets else WRONG
+    return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
+
+
+def _shown(names: frozenset[str]) -> tuple[str, ...]:
+    """Return a set without what its other members need, in the order of the table."""
+    needed = {n for name in names for n in closure([name]) - {name}}
+    return tuple(name for name in ASSUMPTIONS if name in names - needed)
+
+
+@dataclass
+class _Search:
+    """What has been tried for one claim."""
+
+    claim: Claim
+    equations: tuple[Equation, ...]
+    given: frozenset[str]
+    known: dict[frozenset[str], bool] = field(default_factory=dict)
+    seeds: dict[frozenset[str], int] = field(default_factory=dict)
+    found: set[frozenset[str]] = field(default_factory=set)
+    seen: set[frozenset[str]] = field(default_factory=set)
+    tests: int = 0
+    reason: str = ""
+
+    @cached_property
+    def context(self) -> tuple[str, ...] | None:
+        """The first context in which every quantity has a value."""
+        single = [("one_particle",)] if "P" in self.labels else []
+        for context in [*single, *CONTEXTS]:
+            try:
+                self._true_in(closure([*self.given, *context]), 1)
+            except InputError as error:
+                self.reason = self.reason or str(error)
+                continue
+            return context
+        return None
+
+    @cached_property
+    def labels(self) -> frozenset[str]:
+        """Every label of the claim and of what its symbols stand for."""
+        terms = [t for q in self.equations for t in (q.left, q.right)]
+        terms += self.claim.scalars.values()
+        return frozenset(
+            str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str)
+        )
+
+    @cached_property
+    def about_masses(self) -> bool:
+        """Whether the claim is about a body, not about frames and angles alone."""
+        return bool(self.labels & {"body", "dm", "system", "inertia", "mass", "total_mass"})
+
+    @cached_property
+    def free(self) -> bool:
+        """Whether the claim is about free scalars alone: it says what they are."""
+        terms = [t for q in self.equations for t in (q.left, q.right)]
+        plain = all(n.head in {"expr", "add", "mul", "zero"} for t in terms for n in nodes(t))
+        meanings = self.claim.scalars.values()
+        return plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+
+    def candidates(self) -> list[str]:
+        """Return the assumptions that may matter."""
+        wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
+        return [n for n in wanted if n not in MENTIONS or MENTIONS[n] & self.labels]
+
+    def holds(self, names: frozenset[str]) -> bool:
+        """Tell whether all equations hold in every world drawn under a closed set."""
+        if names not in self.known:
+            self.tests += 1
+            try:
+                self.known[names] = self._true_in(names, WORLDS)
+            except InputError:  # they cannot stand together, or leave the claim undefined
+                self.known[names] = False
+        return self.known[names]
+
+    def _true_in(self, names: frozenset[str], count: int) -> bool:
+        defined = 0
+        for world in worlds(names, TRIALS):
+            evaluator = Evaluator(world, self.claim.scalars)
+            try:
+                true = all(evaluator.holds(q) for q in self.equations)
+            except Singular:
+                continue
+            if not true:
+                self.seeds[names] = world.seed
+                return False
+            defined += 1
+            if defined == count:
+                return True
+        raise InputError("the claim is undefined in every world that was drawn")
+
+    def run(self, base: frozenset[str]) -> None:
+        """Look for smallest sets below every largest one."""
+        names = self.candidates()
+        for first in range(len(names)):
+            largest = _filled(base, names[first:] + names[:first])
+            if largest is not None:
+                self._below(largest, base)
+
+    def _below(self, names: frozenset[str], base: frozenset[str]) -> None:
+        if names in self.seen or self.tests >= MAX_TESTS:
+            return
+        self.seen.add(names)
+        inside = next((s for s in self.found if s <= names), None)
+        if inside is None:
+            if not self.holds(names):
+                return
+            inside = self._shrunk(names, base)
+            self.found.add(inside)
+        for name in sorted(inside - base):
+            self._below(_without(names, name), base)
+
+    def _shrunk(self, names: frozenset[str], base: frozenset[str]) -> frozenset[str]:
+        """Leave out what is not needed, the most special first."""
+        for name in reversed([n for n in ASSUMPTIONS if n in names - base]):
+            fewer = _without(names, name)
+            if name in names and base <= fewer and self.holds(fewer):
+                names = fewer
+        return names
+
+    def smallest(self, base: frozenset[str]) -> list[frozenset[str]]:
+        """Return the sets found that hold no other, beyond the base."""
+        return [s - base for s in self.found if not any(t < s for t in self.found)]
+
+
+def _filled(base: frozenset[str], names: list[str]) -> frozenset[str] | None:
+    """Return the base with every name that can still stand with what is there."""
+    chosen = base
+    for name in names:
+        try:
+            chosen = closure([*sorted(chosen), name])
+        except InputError:
+            if chosen == base:
+                return None
+    return chosen
+
+
+def _without(names: frozenset[str], name: str) -> frozenset[str]:
+    """Return a closed set without an assumption and all that need it."""
+    return frozenset(n for n in names if name not in closure([n]))

@@ -1,0 +1,148 @@
+"""A note with its lexicon: every formula with its claims, each read where it stands.
+
+The literal reading comes first. Where it leaves something ill-formed, ambiguous or without a meaning,
+the repairs of `eom.checker.repairs` are tried; the first reading that leaves least is taken, and says
+what was read otherwise.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from eom.checker.claims import Claim, claims, defined
+from eom.checker.documents import Document
+from eom.checker.grammar import Reading
+from eom.checker.lexicon import Lexicon
+from eom.checker.looks import Look
+from eom.checker.places import Source
+from eom.checker.reading import Formula, read_piece
+from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
+from eom.checker.roles import CLAIM, roles
+from eom.checker.statements import Statement, split
+from eom.checker.tokens import tokenize
+from eom.checker.values import WRONG, Value
+
+
+@dataclass(frozen=True)
+class Understood:
+    """A formula with its claims, the lexicon that holds there, and the headings above it.
+
+    ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
+    words around it, see `eom.checker.roles`.
+    """
+
+    formula: Formula
+    claims: tuple[Claim, ...]
+    lexicon: Lexicon
+    headings: tuple[str, ...]
+    repairs: tuple[Repair, ...] = ()
+    role: str = CLAIM
+
+
+def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
+    """Return every formula of a document with its claims, in order.
+
+    A display may continue the display before; what the note defines holds from there on.
+    """
+    found: list[Understood] = []
+    headings: list[tuple[int, str]] = []
+    scoped = _Scoped(lexicon)
+    definitions: dict[Look, Value] = {}
+    previous: tuple[Statement, ...] = ()
+    before: tuple[Claim, ...] = ()
+    for piece, role in zip(document.pieces, roles(document.pieces), strict=True):
+        if piece.kind == "heading":
+            headings = [h for h in headings if h[0] < piece.level]
+            headings.append((piece.level, piece.body.strip("# \n\t")))
+        if not piece.is_formula:
+            continue
+        display = piece.kind == "display"
+        titles = tuple(h[1] for h in headings)
+        here = scoped.at(titles, piece.source, piece.span.start)
+        formula = read_piece(piece, previous if display else ())
+        context = _Context(here, definitions, before if display else ())
+        new = _best(formula, previous if display else (), context)
+        if display:
+            previous, before = new.formula.statements, new.claims
+        definitions |= defined(new.claims)
+        found.append(replace(new, headings=titles, role=role))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Context:
+    """What a formula may refer to."""
+
+    lexicon: Lexicon
+    definitions: dict[Look, Value]
+    before: tuple[Claim, ...]
+
+    def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
+        """Return the claims of statements, each of which may use what the ones before define."""
+        known, found = dict(self.definitions), list[Claim]()
+        for statement in statements:
+            new = claims(statement, self.lexicon, known, (*self.before, *found))
+            known |= defined(new)
+            found += new
+        return tuple(found)
+
+
+def _best(formula: Formula, previous: tuple[Statement, ...], context: _Context) -> Understood:
+    """Return the reading that leaves least without a meaning; the literal one if it leaves nothing."""
+    literal = Understood(formula, context.claims(formula.statements), context.lexicon, ())
+    if formula.reading is None or not _left(literal):
+        return literal
+    piece = formula.piece
+    tokens = tokenize(piece.source, piece.body, piece.span.start, piece.macros)
+    tried = [literal]
+    for variant in (*variants(piece.source, tokens), *_columns(formula.reading)):
+        tags = [text for text, _ in variant.reading.tags]
+        statements = split(variant.reading.tree, previous, tags)
+        other = Formula(piece, variant.reading, statements)
+        new = context.claims(statements)
+        tried.append(Understood(other, new, context.lexicon, (), variant.repairs))
+    return min(tried, key=_left)
+
+
+_CROSS = ("cross of columns", "a cross between columns read as a superscript", cross_before_column)
+
+
+def _columns(reading: Reading) -> tuple[Variant, ...]:
+    """Return the reading in which every cross is one of columns and matrices."""
+    tree, repairs = apply(reading.tree, (_CROSS,))
+    return (Variant(replace(reading, tree=tree), repairs),) if repairs else ()
+
+
+def _left(understood: Understood) -> int:
+    """Return how many places have no meaning as they are read."""
+    findings = (f for c in understood.claims for f in c.findings)
+    return sum(f.verdict != WRONG for f in findings)
+
+
+class _Scoped:
+    """A lexicon at every place; places with the same parts of the note share one."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        self.lexicon = lexicon
+        self.known: dict[tuple[tuple[str, ...], frozenset[str]], Lexicon] = {}
+        self.begins: dict[tuple[int, str], int] = {}
+        self.passed: set[str] = set()
+
+    def at(self, headings: tuple[str, ...], source: Source, place: int) -> Lexicon:
+        for scope in self.lexicon.scopes:
+            if scope.after and self._begin(scope.after, source) <= place:
+                self.passed.add(scope.after)
+        key = (headings, frozenset(self.passed))
+        if key not in self.known:
+            self.known[key] = self.lexicon.at(headings, key[1])
+        return self.known[key]
+
+    def _begin(self, phrase: str, source: Source) -> int:
+        key = (id(source), phrase)
+        if key not in self.begins:
+            pattern = r"\s+".join(re.escape(w) for w in phrase.split())
+            match = re.search(pattern, source.text, re.IGNORECASE)
+            self.begins[key] = match.end() if match else len(source.text) + 1
+        return self.begins[key]

@@ -1,0 +1,98 @@
+"""The verdict on a formula of a note: its claims judged one by one, the gravest of them first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from eom.checker.chains import Chain, judge_chain
+from eom.checker.claims import DEFINITION, EQUALITIES, Claim
+from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.notes import Understood
+from eom.checker.roles import ASSUMPTION, CONDITIONS, RECALLED
+from eom.checker.values import AMBIGUOUS, ILL_FORMED
+
+GRAVE = frozenset({WRONG, ILL_FORMED})
+"""Findings that settle a claim without worlds."""
+
+LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
+"""Sets of assumptions that make of what is recalled a law: it needs itself alone."""
+
+NONE = "no claim"
+"""The verdict on a formula that claims nothing: a symbol, an expression, words."""
+
+ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
+"""Verdicts, the gravest first."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim with its judgement, the verdict on it, and why it is wrong or undecided.
+
+    ``chain``: the links of a chain that is wrong or ill-formed, apart.
+    """
+
+    claim: Claim
+    judgement: Judgement
+    verdict: str
+    reason: str = ""
+    chain: Chain | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a formula, why if it is undecided or wrong, and what was found of each claim."""
+
+    verdict: str
+    reason: str = ""
+    claims: tuple[Judged, ...] = ()
+
+
+def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
+    """Return the verdict on a formula under what is ``given``: the gravest one of its claims."""
+    error = understood.formula.error
+    if error is not None:
+        return Verdict(UNDECIDED, f"not read: {error}")
+    given = tuple(given)
+    judged = tuple(_judged(c, given, understood.role) for c in understood.claims)
+    judged = tuple(
+        replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
+    )
+    found = {j.verdict: j.reason for j in reversed(judged)}
+    gravest = next((v for v in ORDER if v in found), NONE)
+    return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _judged(claim: Claim, given: tuple[str, ...], role: str) -> Judged:
+    """Return the verdict on a claim: by its findings, else in worlds, else by its role.
+
+    What is left of a claim with a place that has no meaning may still be wrong.
+    """
+    found = Judgement(claim.verdict) if claim.verdict in GRAVE else judge(claim, given)
+    if claim.verdict and found.verdict != WRONG:
+        found = replace(found, verdict=claim.verdict)
+    if found.verdict == claim.verdict:
+        return Judged(claim, found, claim.verdict, _why(claim))
+    role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, role)
+    return Judged(claim, found, _played(role, claim, found), found.reason)
+
+
+def _played(role: str, claim: Claim, found: Judgement) -> str:
+    """Return the verdict on a claim that was judged and that plays a role.
+
+    An assumption need not be true. A definition of what is known already may be wrong. What is
+    recalled is judged, but for a law, which is one of the assumptions.
+    """
+    equation = EQUALITIES.issuperset(claim.relations)
+    if role == ASSUMPTION or (role == DEFINITION and not equation):
+        return ASSUMPTION
+    if role == RECALLED and found.sets and set(found.sets) <= set(LAWS):
+        return ASSUMPTION
+    return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
+
+
+def _why(claim: Claim) -> str:
+    """Return the gravest finding in words."""
+    finding = next(f for f in claim.findings if f.verdict == claim.verdict)
+    facts = (("got", finding.got), ("expected", finding.expected))
+    return "; ".join([finding.what, *(f"{name} {text}" for name, text in facts if text)])

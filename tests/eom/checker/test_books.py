@@ -1,0 +1,75 @@
+"""Formulas of many books: the right tree, written and read again, and no token without effect."""
+
+import pytest
+
+from eom.checker.grammar import read_formula, read_tokens
+from eom.checker.places import Source
+from eom.checker.statements import split
+from eom.checker.tokens import spelling, tokenize
+from eom.checker.trees import walk
+from eom.checker.writing import latex
+from eom.errors import InputError
+from tests.eom.checker.formulas import BOOKS, SCANS
+from tests.eom.checker.shape import shape
+
+ALL = {**BOOKS, "scans": SCANS}
+CASES = [
+    pytest.param(*row, id=f"{book}-{k}") for book, rows in ALL.items() for k, row in enumerate(rows)
+]
+
+
+@pytest.mark.parametrize(("text", "expected"), CASES)
+def test_tree_is_that_of_the_mathematics(text, expected):
+    assert shape(read_formula(text).tree) == expected
+
+
+@pytest.mark.parametrize(("text", "_"), CASES)
+def test_what_is_written_reads_again(text, _):
+    tree = read_formula(text).tree
+    assert read_formula(latex(tree)).tree == tree
+
+
+def without_effect(token):
+    """Braces, sizes and alignment show nothing; a point or comma may end a formula."""
+    if token.kind == "command":
+        return token.text in {"left", "right", "big", "Big"}
+    return token.kind in {"quad", "stop"} or (token.kind == "char" and token.text in "{}&.,")
+
+
+@pytest.mark.parametrize(("text", "_"), CASES)
+def test_every_token_counts(text, _):
+    """A formula that lacks a token is refused, or is another one."""
+    source = Source(text)
+    tree = read_formula(text).tree
+    tokens = tokenize(source, text)
+    for k, token in enumerate(tokens):
+        if without_effect(token) or token.kind == "tag":
+            continue
+        try:
+            other = read_tokens(source, tokens[:k] + tokens[k + 1 :]).tree
+        except InputError:
+            continue
+        assert other != tree, spelling([token])
+
+
+@pytest.mark.parametrize(("text", "_"), CASES)
+def test_spans_lie_within_those_of_the_parents(text, _):
+    tree = read_formula(text).tree
+    assert 0 <= tree.span.start < tree.span.stop <= len(text)
+    for node in walk(tree):
+        assert 0 <= node.span.start <= node.span.stop <= len(text) + 1
+
+
+def test_leaves_stand_where_their_spans_say():
+    text = r"m_i \ddot{\mathbf r}_O = \omega + 2.5\,\text{if}"
+    leaves = {n.name: n.span for n in walk(read_formula(text).tree) if type(n).__name__ == "Symbol"}
+    assert text[slice(*leaves["m"])] == "m"
+    assert text[slice(*leaves["omega"])] == r"\omega"
+    assert text[slice(*leaves["O"])] == "O"
+    number = next(n for n in walk(read_formula(text).tree) if type(n).__name__ == "Number")
+    assert text[slice(*number.span)] == "2.5"
+
+
+def test_books_are_many():
+    assert sum(map(len, BOOKS.values())) >= 80
+    assert all(split(read_formula(text).tree) for rows in BOOKS.values() for text, _ in rows)

@@ -1,0 +1,118 @@
+"""Verdicts and smallest sets of assumptions of typical claims."""
+
+import pytest
+
+from eom.checker.judge import DEFINITION, HOLDS, UNDECIDED, UNDER, WRONG, equations, judge
+from eom.checker.lexicon_files import parse_lexicon, preset
+from eom.evaluate import Evaluator
+from eom.generators import world
+from eom.worlds import closure
+from tests.eom.checker.test_claims import claimed
+
+LEXICON = parse_lexicon(
+    r"""
+preset = 'arrow-tilde'
+[points]
+'Q' = 'O'
+[symbols]
+'\vec a' = 'vector a'
+'\vec b' = 'vector b'
+'x' = 'scalar x'
+'y' = 'scalar y'
+'\vec\rho' = 'position dm O'
+'\vec H_Q' = 'angular_momentum body O'
+'\vec p_{<i>}' = 'linear_momentum <i>'
+'\vec f_{<i>}' = 'force <i>'
+'\vec p' = 'linear_momentum system'
+"""
+)
+STEADY = ("constant_mass",)
+
+VERDICTS = {
+    r"\vec a\times\vec b = -\vec b\times\vec a": (HOLDS, set()),
+    r"\vec a\times\vec b = \vec b\times\vec a": (WRONG, set()),
+    r"\dot{\vec H}_C = \vec\tau_C": (UNDER, {("newton_2", "third_law_strong")}),
+    r"\dot{\vec p} = \sum_{i=1}^N\vec f_i": (UNDER, {("newton_2", "third_law_weak")}),
+    r"\vec H_C = [I]\vec\omega": (UNDER, {("body_frame",)}),
+    r"\int_B\vec\rho\,dm = 0": (UNDER, {("about_centre",)}),
+    r"\vec H_Q = \int_B\vec\rho\times(\vec\omega\times\vec\rho)\,dm": (
+        UNDER,
+        {("about_centre", "body_frame"), ("body_frame", "O_fixed_in_body")},
+    ),
+    r"I_{11}\dot\omega_1 = (I_{22} - I_{33})\omega_2\omega_3 + L_1": (
+        UNDER,
+        {("newton_2", "third_law_strong", "principal_axes")},
+    ),
+    r"I_{11}\dot\omega_1 = (I_{33} - I_{22})\omega_2\omega_3 + L_1": (WRONG, None),
+    r"x^2 + y^2 = 1": (DEFINITION, set()),
+    r"x > 0": (UNDECIDED, set()),
+    r"|\vec a + \vec b| = |\vec a|": (UNDECIDED, set()),
+}
+
+
+@pytest.mark.parametrize("text", VERDICTS)
+def test_verdicts_and_smallest_sets(text):
+    verdict, sets = VERDICTS[text]
+    (claim,) = claimed(text, LEXICON)
+    found = judge(claim, STEADY)
+    if sets is None:
+        special = {"symmetric", "torque_free"}
+        assert found.verdict in {WRONG, UNDER}
+        assert all(special & set(s) for s in found.sets)
+        return
+    assert found.verdict == verdict, found
+    assert {tuple(sorted(s)) for s in found.sets} >= {tuple(sorted(s)) for s in sets}
+
+
+@pytest.mark.parametrize("text", [t for t, (v, _) in VERDICTS.items() if v == UNDER])
+def test_every_set_is_enough_and_no_smaller_one_is(text):
+    (claim,) = claimed(text, LEXICON)
+    found = judge(claim, STEADY)
+    for names in found.sets:
+        assert judge(claim, (*STEADY, *names)).verdict == HOLDS
+        for name in names:
+            fewer = [n for n in closure(names) if name not in closure([n])]
+            assert judge(claim, (*STEADY, *fewer)).verdict != HOLDS
+
+
+def test_what_is_refuted_is_false_in_that_world():
+    (claim,) = claimed(r"\vec a\times\vec b = \vec b\times\vec a", LEXICON)
+    names, seed = judge(claim).refuted
+    evaluator = Evaluator(world(frozenset(names), seed), claim.scalars)
+    assert not all(evaluator.holds(q) for q in equations(claim))
+
+
+def test_that_points_are_the_same_is_said_not_claimed():
+    (claim,) = claimed(r"O \equiv \bullet", preset("underline-bullet"))
+    assert judge(claim).verdict == DEFINITION
+    assert ("about_centre",) in judge(claim).sets
+
+
+def test_angles_exist_in_their_own_worlds():
+    lexicon = preset("left-superscript")
+    text = (
+        r"{}^{\mathcal B}C^{\mathcal A} = \begin{bmatrix}1&0&0\\0&\cos\theta&\sin\theta\\"
+        r"0&-\sin\theta&\cos\theta\end{bmatrix}"
+    )
+    (claim,) = claimed(text, lexicon)
+    assert (judge(claim).verdict, judge(claim).context) == (HOLDS, ("spin_312",))
+    (slip,) = claimed(text.replace("-", ""), lexicon)
+    assert judge(slip).verdict == WRONG
+
+
+def test_a_claim_about_points_of_two_frames():
+    lexicon = parse_lexicon(
+        r"""
+preset = 'underline-bullet'
+[symbols]
+'\underline{J}_{<F>}' = "inertia O<F> in B"
+'\underline{I}' = "inertia C in B"
+'\underline{r}_{<F><G>}' = "position O<F> O<G> in B"
+'m' = "total_mass body"
+"""
+    )
+    (claim,) = claimed(
+        r"\underline{J}_B = \underline{I} - m\underline{r}_{BA}^\times\underline{r}_{BA}^\times",
+        lexicon,
+    )
+    assert judge(claim).sets == (("OA_at_centre",),)

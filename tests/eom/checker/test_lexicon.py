@@ -1,0 +1,176 @@
+import pytest
+
+from eom.checker.lexicon_files import (
+    PRESETS,
+    front_matter,
+    lexicon_for,
+    lexicon_of,
+    look_of,
+    parse_lexicon,
+    preset,
+)
+from eom.checker.propose import latex_of
+from eom.errors import InputError
+
+
+def meaning_of(lexicon, latex, **indices):
+    found = lexicon.find(look_of(latex), indices)
+    return None if found is None else (found.meaning.quantity, *found.meaning.labels)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_load_and_every_pattern_reads_as_itself(name):
+    lexicon = preset(name)
+    assert lexicon.layers[0]
+    for entry in lexicon.layers[0]:
+        if not entry.slots:
+            found = lexicon.find(entry.look)
+            assert found is not None
+            assert found.meaning == entry.meaning, entry.latex
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_angular_velocity_of_every_preset_has_components(name):
+    assert meaning_of(preset(name), r"\omega_2")[:3] == ("angular_velocity", "B", "I")
+
+
+def test_frames_on_both_sides_and_below():
+    left = preset("left-superscript")
+    assert meaning_of(left, r"{}^{\mathcal{I}}\boldsymbol{\omega}^{\mathcal{B}}") == (
+        "angular_velocity",
+        "B",
+        "I",
+    )
+    assert meaning_of(left, r"{}^{\mathcal{I}}\boldsymbol{\omega}^{\mathcal{Q}}") is None
+    schaub = preset("schaub-junkins")
+    expected = ("angular_velocity", "B", "I")
+    assert meaning_of(schaub, r"\boldsymbol{\omega}_{\mathcal{B}/\mathcal{N}}") == expected
+    assert meaning_of(schaub, r"\bm{\omega}_{B/N}") == expected
+
+
+def test_fonts_of_labels_do_not_count_but_shapes_do():
+    lexicon = parse_lexicon(
+        "[frames]\n'\\mathcal{B}' = 'B'\n[symbols]\n'v_{<F>}' = 'vector v in <F>'\n"
+        "'v_{ext}' = 'vector w'"
+    )
+    assert meaning_of(lexicon, r"v_{\mathcal{B}}") == ("vector", "v")
+    assert meaning_of(lexicon, r"v_{\mathfrak{B}}") is None
+    for spelling in (r"v_{ext}", r"v_{\text{ext}}", r"v_{\mathrm{ext}}"):
+        assert meaning_of(lexicon, spelling) == ("vector", "w")
+
+
+def test_a_pattern_without_slots_goes_first_and_repeated_slots_agree():
+    lexicon = parse_lexicon(
+        "[symbols]\n'I_{<k><l>}' = \"inertia C in B component <k> <l>\"\n"
+        "'I_{<k><k>}' = \"inertia C in B component <k> <k>\"\n'I_{13}' = \"scalar odd\""
+    )
+    assert meaning_of(lexicon, "I_{13}") == ("scalar", "odd")
+    assert lexicon.find(look_of("I_{22}")).meaning.component == ("2", "2")
+    assert lexicon.find(look_of("I_{xy}")).meaning.component == ("1", "2")
+    assert lexicon.find(look_of("I_{14}")) is None
+
+
+def test_indices_stand_for_particles_or_for_numbers():
+    lexicon = parse_lexicon("[symbols]\n'm_{<i>}' = \"mass <i>\"\n'w_{<k>}' = \"scalar w<k>\"")
+    assert meaning_of(lexicon, "m_j") == ("mass", "j")
+    assert meaning_of(lexicon, "m_j", j="i") == ("mass", "i")
+    assert meaning_of(lexicon, "m_q") is None
+    assert meaning_of(lexicon, "w_i", i="3") == ("scalar", "w3")
+
+
+def test_scopes_by_heading_and_phrase():
+    lexicon = parse_lexicon(
+        '[symbols]\n\'I\' = "inertia C"\n[[scope]]\nheading = "Two  words"\n[scope.symbols]\n'
+        '\'I\' = "inertia O"\n[[scope]]\nafter = "from here"\n[scope.symbols]\n\'I\' = "scalar I"\n'
+        "[scope.points]\n'Q' = \"O\""
+    )
+    assert meaning_of(lexicon.at(), "I") == ("inertia", "C")
+    assert meaning_of(lexicon.at(["Other"]), "I") == ("inertia", "C")
+    assert meaning_of(lexicon.at(["Above", "two words"]), "I") == ("inertia", "O")
+    late = lexicon.at(["two words"], {"from here"})
+    assert meaning_of(late, "I") == ("scalar", "I")
+    assert late.points[("Q",)] == "O"
+
+
+def test_own_entries_go_before_those_of_the_preset():
+    lexicon = parse_lexicon('preset = "kane"\n[symbols]\n\'K\' = "scalar K"')
+    assert meaning_of(lexicon, "K") == ("scalar", "K")
+    assert meaning_of(lexicon, r"\mathbf{p}^{OP}") == ("position", "P", "OI")
+
+
+def test_nuclei_that_mean_the_same():
+    lexicon = preset("underline-bullet")
+    for spelling in (
+        r"\underline{r}_\bullet",
+        r"\mathbf{r}_\bullet",
+        r"\underline{\mathbf{r}}_\bullet",
+    ):
+        assert meaning_of(lexicon, spelling) == ("position", "C", "OI")
+    assert meaning_of(lexicon, r"\vec{r}_\bullet") is None
+
+
+BAD = {
+    "[symbols]\n'r' = \"positon dm C\"": ("unknown quantity", "position"),
+    "[symbols]\n'r' = \"position dm\"": ("wrong number of labels", "2"),
+    "[symbols]\n'r' = \"mass P in B\"": ("no components", "scalar"),
+    "[symbols]\n'r' = \"position dm C in B component 4\"": ("components are", "4"),
+    "[symbols]\n'r' = \"position dm C component 1\"": ("wrong components", "in FRAME"),
+    "[symbols]\n'r' = \"position <P> C\"": ("slot is not in the pattern", "<P>"),
+    "[symbols]\n'r_{<z>}' = \"scalar r\"": ("unknown slot", "<z>"),
+    "[symbols]\n'a + b' = \"scalar r\"": ("one symbol", "a + b"),
+    "[symbols]\n'\\dot r' = \"scalar r\"": ("one symbol", "without dots"),
+    "[symbols]\n'r' = 3": ("not a meaning", "3"),
+    "[symbols]\n'r' = { equals = \"\" }": ("empty formula", ""),
+    '[symbols]\n\'r\' = { is = "scalar r", unit = "furlong" }': ("unknown unit", "furlong"),
+    '[symbols]\n\'r\' = { is = "scalar r", equals = "x" }': ("one of is and equals", ""),
+    "[symbols]\n'r' = { iz = \"scalar r\" }": ("unknown key", "is"),
+    "[symbols]\n'{' = \"scalar r\"": ("", "1"),
+    "[frames]\n'B' = \"\"": ("not a name", ""),
+    "[marks]\ndot = 3": ("not a mark", "3"),
+    '[notation]\ndots = "I"': ("unknown setting", "dot"),
+    '[notation]\ndyads = "yes"': ("wrong type", "bool"),
+    'preset = "kain"': ("unknown preset", "kane"),
+    "symbols = 3": ("not a table", "[symbols]"),
+    "[[scope]]\n[scope.symbols]": ("no place", "heading"),
+    "symbls = 3": ("unknown key", "symbols"),
+    "[symbols]\n'\\vec{r} = 3": ("not TOML", "single quotes"),
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_every_bad_entry_is_one_clear_error(text):
+    what, part = BAD[text]
+    with pytest.raises(InputError) as caught:
+        parse_lexicon(text, "lexicon.toml")
+    assert what in str(caught.value)
+    assert part in str(caught.value)
+
+
+def test_all_bad_entries_are_listed_and_good_ones_are_kept():
+    data = {"symbols": {"a": "scalar a", "b": "scaler b", "c": "position c"}, "frames": {"B": 1}}
+    lexicon, errors = lexicon_of(data, "here")
+    assert len(errors) == 3
+    assert all("here" in e.where for e in errors)
+    assert meaning_of(lexicon, "a") == ("scalar", "a")
+
+
+def test_front_matter_and_files_beside_a_note(tmp_path):
+    note = "+++\ntitle = 'x'\n[check]\npreset = 'kane'\n+++\n# Note\n"
+    assert front_matter(note) == {"preset": "kane"}
+    assert front_matter("# Note\n+++\n") == {}
+    assert meaning_of(lexicon_for(note), "K") == ("kinetic_energy", "body")
+    path = tmp_path / "spin.md"
+    assert lexicon_for("# Note", path) is None
+    (tmp_path / "lexicon.toml").write_text("preset = 'hughes'", encoding="utf-8")
+    assert meaning_of(lexicon_for("# Note", path), "T") == ("rotational_energy", "body", "C")
+    (tmp_path / "spin.lexicon.toml").write_text("[symbols]\n'T' = 'scalar T'", encoding="utf-8")
+    assert meaning_of(lexicon_for("# Note", path), "T") == ("scalar", "T")
+    with pytest.raises(InputError, match="front matter"):
+        lexicon_for("+++\ncheck = 3\n+++\n")
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_looks_are_written_as_they_read(name):
+    for entry in preset(name).layers[0]:
+        if not entry.slots:
+            assert look_of(latex_of(entry.look)) == entry.look

@@ -1,0 +1,119 @@
+"""The role of a formula by the words around it, and what it does to the verdict."""
+
+import json
+
+import pytest
+
+from eom.checker.documents import read_document
+from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.notes import understand
+from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, RECALLED, roles
+from eom.checker.verdicts import verdict
+
+SENTENCES = {
+    ASSUMPTION: [
+        "If $x = 0$, all is well.",
+        "The spin is constant even if the torque about the axis is $x = 0$.",
+        "We assume that $x = 0$.",
+        "Assume: $x = 0$. Then",
+        "Suppose the initial value of $y$ is $x = 0$.",
+        "It is stable provided $x = 0$",
+        "This vanishes for all $x \\neq 0$",
+        "Consider the special case of $x = 0$ (for which $y$ is free).",
+        "The rate is constant only if the body turns about one axis. (eg. $x = 0$ )",
+        "It vanishes if the point is fixed (in which case $x = 0$), and",
+        "It is free when the body is at rest, or if\n$x = 0$.",
+        "Here $x = 0$ is assumed.",
+    ],
+    DEFINITION: [
+        "where $x = y$ is the mass",
+        "Here we define the total mass $x = y$.",
+        "With $x = y$, we have",
+        "We call this product $x = y$.",
+        "It is measured from the point, such that $x = y$.",
+    ],
+    RECALLED: ["Because $x = y$", "B/c $x = y$", "Noting that $x = y$ from above", "using $x = y$"],
+    CLAIM: [
+        "$x = y$",
+        "The body is rigid: $x = y$",
+        "If the body is at rest, $x = y$.",
+        "If the body is rigid then $x = y$.",
+        "When it turns about one axis we have $x = y$.",
+        "For a rigid body $x = y$.",
+        "In other words, $x = y$ if the torque is zero.",
+        "It is symmetric ($x = y$)",
+        "An example (e.g. $x = y$) helps.",
+        "the case of one mass (for which $x = y$)",
+        "where all is known.\n\n$x = y$",
+        "Assume it. The result is $x = y$.",
+        "It is, as the angle is small, $x = y$",
+    ],
+}
+
+
+@pytest.mark.parametrize(("role", "text"), [(r, t) for r, ts in SENTENCES.items() for t in ts])
+def test_the_words_around_a_formula_settle_its_role(role, text):
+    document = read_document("Before it, if any.\n\n" + text)
+    found = roles(document.pieces)
+    assert [
+        r for r, p in zip(found, document.pieces, strict=True) if "=" in p.body or "neq" in p.body
+    ] == [role]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("If $x = 0$ and $y = 0$, then $z = 0$ and $w = 0$.", "aacc"),
+        ("Let $x = 0$, $y = 1$, and $z = 2$.", "aaa"),
+        ("Using $x = y$, $y = z$, and $z = w$, we find $x = w$.", "rrrc"),
+        ("If $x = 0$, $y = 0$.", "ac"),
+        ("If $x = 0$ (in which case $y = 0$), or if $z = 0$", "aca"),
+        ("where $x = y$ is the mass, and the motion is free, thus $z = 0$", "dc"),
+    ],
+)
+def test_lists_share_a_role(text, expected):
+    document = read_document(text)
+    found = roles(document.pieces)
+    kinds = zip(found, document.pieces, strict=True)
+    assert "".join(r[0] for r, p in kinds if p.is_formula) == expected
+
+
+def test_cells_of_a_notebook_are_apart():
+    texts = ("What if", "$x = 0$")
+    cells = json.dumps({"cells": [{"cell_type": "markdown", "source": s} for s in texts]})
+    assert set(roles(read_document(cells, "notebook").pieces)) == {CLAIM}
+
+
+LEXICON = r"""
+preset = 'arrow-tilde'
+[symbols]
+'\vec a' = 'vector a'
+'\vec b' = 'vector b'
+'\vec f_{<i><j>}' = 'internal_force <i> <j>'
+'m' = 'total_mass system'
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (r"It is \omega: $\omega_2 = \omega_3 = 0$.", "wrong"),
+        (r"if $\omega_2 = \omega_3 = 0$", "assumption"),
+        (r"for all $\vec a \neq \vec 0$", "assumption"),
+        (r"if $\vec a = \vec a\cdot\vec b$", "ill-formed"),
+        (r"if $\vec a = \vec q$", "undecided"),
+        (r"where $m = \sum_{i=1}^N m_i$", "definition"),
+        (r"where $m = 2\sum_{i=1}^N m_i$", "wrong"),
+        (r"noting that $\vec f_{ij} = -\vec f_{ji}$", "assumption"),
+        (r"So $\vec f_{ij} = -\vec f_{ji}$", "holds under"),
+        (r"noting that $\vec a\times\vec b = -\vec b\times\vec a$", "holds"),
+        (r"noting that $\vec a\times\vec b = \vec b\times\vec a$", "wrong"),
+        (r"$\vec a\times\vec b = \vec b\times\vec a \quad\text{if}\quad \vec a = \vec b$", "wrong"),
+        (r"$\vec a\cdot\vec b = \vec b\cdot\vec a \quad\text{if}\quad \vec a = \vec b$", "holds"),
+        (r"The vector $\vec a$", "no claim"),
+        (r"$\vec a = {$", "undecided"),
+    ],
+)
+def test_an_assumption_is_not_called_wrong_and_a_wrong_definition_is(text, expected):
+    (found,) = understand(read_document(text), parse_lexicon(LEXICON))
+    assert verdict(found).verdict == expected
