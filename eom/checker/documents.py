@@ -65,12 +65,16 @@ class Piece:
 
 @dataclass(frozen=True)
 class Document:
-    """A document in pieces; ``front``: the text of its front matter; ``findings``: what was refused."""
+    """A document in pieces; ``front``: the text of its front matter; ``findings``: what was refused.
+
+    ``kind``: "markdown", "latex", "notebook", "formula".
+    """
 
     name: str
     pieces: tuple[Piece, ...]
     front: str = ""
     findings: tuple[ReadingError, ...] = ()
+    kind: str = "markdown"
 
     @property
     def formulas(self) -> tuple[Piece, ...]:
@@ -133,7 +137,7 @@ def _formula(text: str, name: str) -> Document:
     body = definitions.text[span.start : span.stop]
     macros = before(definitions.macros, len(text))
     piece = Piece("display", source, span, body, how="formula", macros=macros)
-    return Document(name, (piece,), "", definitions.errors)
+    return Document(name, (piece,), "", definitions.errors, "formula")
 
 
 def _notebook(text: str, name: str) -> Document:
@@ -154,7 +158,7 @@ def _notebook(text: str, name: str) -> Document:
         pieces += document.pieces
         findings += document.findings
         front = front or document.front
-    return Document(name, tuple(pieces), front, tuple(findings))
+    return Document(name, tuple(pieces), front, tuple(findings), "notebook")
 
 
 # -- scanning ------------------------------------------------------------------------------------
@@ -193,7 +197,7 @@ def _scanned(
     pieces = tuple(scanner.pieces())
     front = source.text[slice(*masked.front)] if masked.front else ""
     later = tuple(Defined(d.macro, 0) for d in definitions.macros)
-    document = Document(source.name, pieces, front, (*findings, *scanner.findings))
+    document = Document(source.name, pieces, front, (*findings, *scanner.findings), kind)
     return document, (*known, *later)
 
 
