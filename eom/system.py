@@ -7,6 +7,7 @@ A `System` holds plain SymPy symbols and expressions over them, no ``Function('x
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -270,7 +271,7 @@ def _check_names(system: System) -> None:
         "invariant": list(system.invariant_names),
     }
     for kind, names in groups.items():
-        repeated = sorted({n for n in names if names.count(n) > 1})
+        repeated = sorted(n for n, count in Counter(names).items() if count > 1)
         if repeated:
             raise InputError(
                 f"repeated {kind} name",
@@ -303,7 +304,7 @@ def _check_symbols(system: System) -> None:
     known = {q.symbol for q in variables} | {system.time}
     for definition in system.definitions:
         _check_expression(system, f"definition {definition.name}", definition.expression, known)
-        known = known | {definition.symbol}
+        known.add(definition.symbol)
     named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
     named += [(f"output {d.name}", d.expression) for d in system.outputs]
     named += [(f"invariant {d.name}", d.expression) for d in system.invariants]
