@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom import series
+from eom import limits, series
 from eom.errors import InputError
 from eom.series import Series
 from eom.terms import INDICES, Equation, Term, labels_of, nodes
@@ -64,6 +64,7 @@ class Evaluator:
         env = env or {}
         key = (term, tuple(sorted(env.items())))
         if key not in self.memo:
+            limits.check()
             self.memo[key] = _RULES[term.head](self, term, env)
         return self.memo[key]
 
