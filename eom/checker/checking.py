@@ -6,15 +6,15 @@ what a note has said so far.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
-from eom.checker.documents import KINDS, Document, load, read_document
+from eom.checker.documents import Document
 from eom.checker.graded import Graded
+from eom.checker.inputs import Note, document_of, name_of, note_of
 from eom.checker.judge import UNDECIDED, UNDER, WRONG
 from eom.checker.notes import Understood, understand
 from eom.checker.origins import Meanings, meanings
@@ -57,22 +57,23 @@ def check(
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
-    ``note``: a `Path`, the name of a file (see `is_file`), else a text. ``notation``, ``lexicon``,
-    ``given``, ``kind``, ``seconds``: see `Settings`. Without notation and lexicon those of the note are
-    taken, and if it has none a draft from its words, as ``Report.lexicon`` tells.
+    ``note``: a `Path`, the name of a file (see `eom.checker.inputs.is_file`), else a text. ``notation``,
+    ``lexicon``, ``given``, ``kind``, ``seconds``: see `Settings`. Without notation and lexicon those of
+    the note are taken, and if it has none a draft from its words, as ``Report.lexicon`` tells.
     Raises `InputError` for a note that cannot be read and for settings that cannot be used.
 
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """
     settings = Settings(notation, str(lexicon), tuple(given), kind, seconds)
-    return check_note(note, settings)
+    return check_note(note_of(note), settings)
 
 
-def check_note(note: str | Path, settings: Settings) -> Report:
+def check_note(note: Note, settings: Settings) -> Report:
     """Return the report on a file, a text or a formula."""
-    document, path = document_of(note, settings.kind)
     closure(settings.given)
+    document = document_of(note, settings.kind)
+    path = note if isinstance(note, Path) else None
     with deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         found = tuple(_found(document, known, settings))
@@ -81,9 +82,9 @@ def check_note(note: str | Path, settings: Settings) -> Report:
     return _report(document, known, settings, found)
 
 
-def grade(note: str | Path, settings: Settings) -> Graded:
+def grade(note: Note, settings: Settings) -> Graded:
     """Return the report on a note, or the error that leaves none: no note ends the checking of others."""
-    name = printable(str(note))
+    name = printable(name_of(note))
     try:
         return Graded(name, check_note(note, settings))
     except InputError as error:
@@ -111,47 +112,6 @@ def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
             return one
 
     return lambda found, settings: [changed(one, settings) for one in found]
-
-
-# -- notes ---------------------------------------------------------------------------------------
-
-_SIGNS = re.compile(r"[=<>\\$]")
-_DOLLARS = re.compile(r"\$|\\\(|\\\[|\\begin\{(?:equation|align|gather|multline|eqnarray|math)|\n")
-_LATEX = re.compile(r"\\documentclass|\\begin\s*\{document\}")
-
-
-def is_file(word: str) -> bool:
-    """Tell whether a word names a file or folder rather than a formula.
-
-    It does if there is one of this name, if it ends in a suffix of `KINDS`, and if it has none of the
-    signs = < > $ and backslash.
-    """
-    if "\n" in word or len(word) > 4096 or "\0" in word:
-        return False
-    path = Path(word)
-    try:
-        there = path.exists()
-    except OSError:
-        there = False
-    return there or path.suffix.lower() in KINDS or not _SIGNS.search(word)
-
-
-def document_of(note: str | Path, kind: str = "") -> tuple[Document, Path | None]:
-    """Return a note in pieces, and its path if it is a file. Raises `InputError`."""
-    if isinstance(note, Path) or (not kind and is_file(note)):
-        path = Path(note)
-        if path.exists() and not path.is_file():
-            raise InputError("this is not a file", where=str(path))
-        return load(path), path
-    kind = kind or looks_like(note)
-    return read_document(note, kind, "formula" if kind == "formula" else "text"), None
-
-
-def looks_like(text: str) -> str:
-    """Return the kind of a text: a LaTeX document, a note with formulas in it, or one formula."""
-    if _LATEX.search(text):
-        return "latex"
-    return "markdown" if _DOLLARS.search(text) else "formula"
 
 
 # -- findings ------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import multiprocessing as mp
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
@@ -16,15 +16,16 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from eom.checker.documents import KINDS
 from eom.checker.graded import Graded
+from eom.checker.inputs import Note, name_of, note_of, notes_of
+from eom.checker.places import printable
 from eom.checker.settings import Settings
 from eom.errors import InputError
+from eom.worlds import closure
 
 GRACE_SECONDS = 5.0
 """What a worker may take beyond the time for a note before it is ended."""
 START_SECONDS = 120.0
-MAX_FILES = 100_000
 MEMORY = 4 * 2**30
 """Bytes that a worker may map, where the system can limit them."""
 
@@ -32,48 +33,33 @@ Progress = Callable[[float], None]
 
 
 def check_files(
-    notes: Sequence[str | Path],
+    notes: Iterable[str | Path],
     settings: Settings | None = None,
     workers: int = 0,
     progress: Progress = lambda _: None,
 ) -> tuple[Graded, ...]:
     """Return what became of each note, in order; folders stand for the notes in them.
 
-    ``workers``: processes, 0 for as many as there are cores. ``progress`` is told the fraction done.
-    Raises `InputError` for a folder that is none, and where no worker can be started.
+    ``notes``: as `eom.check` takes them. ``workers``: processes, 0 for as many as there are cores.
+    ``progress`` is told the fraction done. Raises `InputError` for settings that cannot be used, a folder
+    with too many notes, and where no worker can be started.
     """
-    settings = settings or Settings()
-    paths = [p for note in notes for p in notes_in(Path(note))]
-    count = min(workers or os.cpu_count() or 1, len(paths))
+    return check_notes([note_of(n) for n in notes], settings or Settings(), workers, progress)
+
+
+def check_notes(
+    notes: Iterable[Note], settings: Settings, workers: int = 0, progress: Progress = lambda _: None
+) -> tuple[Graded, ...]:
+    """Return what became of each note, as `check_files`."""
+    closure(settings.given)
+    jobs = notes_of(notes)
+    count = min(workers or os.cpu_count() or 1, len(jobs))
     results: dict[int, Graded] = {}
     with _crew(count, settings) as crew:
-        for number, graded in _graded(crew, [str(p) for p in paths], settings):
+        for number, graded in _graded(crew, jobs, settings):
             results[number] = graded
-            progress(len(results) / len(paths))
-    return tuple(results[n] for n in range(len(paths)))
-
-
-def notes_in(path: Path) -> list[Path]:
-    """Return a file itself, or the notes of a folder and its folders, in order.
-
-    Hidden ones and links that lead out of the folder are left out. Raises `InputError` for a folder
-    with too many.
-    """
-    if not path.is_dir():
-        return [path]
-    found: list[Path] = []
-    root = path.resolve()
-    for folder, folders, names in os.walk(path):
-        folders[:] = sorted(f for f in folders if not f.startswith("."))
-        own = (Path(folder) / n for n in sorted(names) if not n.startswith("."))
-        found += [p for p in own if p.suffix.lower() in KINDS and _inside(p, root)]
-        if len(found) > MAX_FILES:
-            raise InputError("too many files", where=str(path), expected=f"at most {MAX_FILES}")
-    return found
-
-
-def _inside(path: Path, root: Path) -> bool:
-    return path.is_file() and (not path.is_symlink() or path.resolve().is_relative_to(root))
+            progress(len(results) / len(jobs))
+    return tuple(results[n] for n in range(len(jobs)))
 
 
 # -- workers -------------------------------------------------------------------------------------
@@ -118,10 +104,10 @@ def _crew(count: int, settings: Settings) -> Iterator[list[_Worker]]:
 
 
 def _graded(
-    crew: list[_Worker], names: Sequence[str], settings: Settings
+    crew: list[_Worker], jobs: Sequence[Note], settings: Settings
 ) -> Iterator[tuple[int, Graded]]:
     """Yield numbers and results as they come; every idle worker gets the next note."""
-    waiting = list(range(len(names)))[::-1]
+    waiting = list(range(len(jobs)))[::-1]
     while waiting or any(w.number >= 0 for w in crew):
         now = monotonic()
         busy = [w for w in crew if w.number >= 0 or not w.ready]
@@ -134,19 +120,19 @@ def _graded(
             else:
                 continue
             if worker.number >= 0:
-                yield worker.number, _result(names[worker.number], answer)
+                yield worker.number, _result(jobs[worker.number], answer)
                 worker.number = -1
             if isinstance(answer, str):
                 crew[k] = _replaced(worker, settings)
-            _give(crew[k], waiting, names, settings)
+            _give(crew[k], waiting, jobs, settings)
 
 
-def _give(worker: _Worker, waiting: list[int], names: Sequence[str], settings: Settings) -> None:
+def _give(worker: _Worker, waiting: list[int], jobs: Sequence[Note], settings: Settings) -> None:
     """Give an idle worker the next note, if there is one."""
     if worker.ready and waiting:
         worker.number = waiting.pop()
         worker.ends = monotonic() + settings.note_seconds + GRACE_SECONDS
-        worker.pipe.send(names[worker.number])
+        worker.pipe.send(jobs[worker.number])
 
 
 def _answer(worker: _Worker) -> Graded | str | None:
@@ -171,7 +157,8 @@ def _replaced(worker: _Worker, settings: Settings) -> _Worker:
     return _started(settings)
 
 
-def _result(name: str, answer: Graded | str | None) -> Graded:
+def _result(note: Note, answer: Graded | str | None) -> Graded:
+    name = printable(name_of(note))
     return answer if isinstance(answer, Graded) else Graded(name, None, str(answer))
 
 
@@ -183,7 +170,7 @@ def _work(pipe: Connection, settings: Settings) -> None:
     try:
         pipe.send(None)
         while True:
-            pipe.send(grade(Path(pipe.recv()), settings))
+            pipe.send(grade(pipe.recv(), settings))
     except (EOFError, OSError, KeyboardInterrupt):
         return
 
