@@ -95,7 +95,11 @@ def document_of(note: Note, kind: str = "") -> Document:
 
 def name_of(note: Note) -> str:
     """Return the name of a note for messages."""
-    return str(note) if isinstance(note, Path) else note.name or looks_like(note.text)
+    return str(note) if isinstance(note, Path) else note.name or _called(note.text)
+
+
+def _called(text: str) -> str:
+    return "formula" if looks_like(text) == "formula" else "text"
 
 
 def looks_like(text: str) -> str:

@@ -169,7 +169,7 @@ def _note(word: str) -> Note:
 
     if word != "-":
         return note_of(word.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
-    data = click.get_binary_stream("stdin").read(MAX_BYTES + 1)
+    data = sys.stdin.buffer.read(MAX_BYTES + 1)
     return Text(decoded(data, "standard input"), "standard input")
 
 
