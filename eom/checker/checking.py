@@ -21,6 +21,7 @@ from eom.checker.origins import Meanings, meanings
 from eom.checker.places import NOWHERE, ReadingError, Span, printable
 from eom.checker.report import Finding, Remark, Report
 from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.checker.values import ILL_FORMED
 from eom.checker.verdicts import NONE, Judged, Verdict, verdict
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
@@ -89,6 +90,8 @@ def grade(note: Note, settings: Settings) -> Graded:
         return Graded(name, check_note(note, settings))
     except InputError as error:
         return Graded(name, None, str(error))
+    except MemoryError:
+        return Graded(name, None, "not enough memory")
     except Exception as error:  # a defect of ours on one note is told as that
         return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
 
@@ -125,7 +128,20 @@ def _found(document: Document, known: Meanings, settings: Settings) -> Iterator[
         numbers[piece.kind] += 1
         judged = _verdict(one, settings)
         if piece.kind == "display" or one.formula.relational or judged.verdict != NONE:
-            yield Found(one, judged, finding(one, judged, numbers[piece.kind]))
+            told = finding(one, judged, numbers[piece.kind])
+            yield Found(one, judged, told if known.draft is None else _unconfirmed(told))
+
+
+def _unconfirmed(found: Finding) -> Finding:
+    """Return a finding under meanings that nobody confirmed.
+
+    Where kinds or frames do not fit together the draft is the likelier culprit.
+    """
+    if found.verdict != ILL_FORMED:
+        return found
+    return replace(
+        found, verdict=UNDECIDED, reason=f"ill-formed if the draft is right: {found.reason}"
+    )
 
 
 def _verdict(one: Understood, settings: Settings) -> Verdict:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import multiprocessing as mp
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -132,7 +132,8 @@ def _give(worker: _Worker, waiting: list[int], jobs: Sequence[Note], settings: S
     if worker.ready and waiting:
         worker.number = waiting.pop()
         worker.ends = monotonic() + settings.note_seconds + GRACE_SECONDS
-        worker.pipe.send(jobs[worker.number])
+        with suppress(OSError):  # it has died: its pipe tells
+            worker.pipe.send(jobs[worker.number])
 
 
 def _answer(worker: _Worker) -> Graded | str | None:

@@ -85,12 +85,19 @@ def _inside(path: Path, root: Path) -> bool:
 def document_of(note: Note, kind: str = "") -> Document:
     """Return a note in pieces; ``kind``: of a text, "" for what it looks like. Raises `InputError`."""
     if isinstance(note, Path):
-        if note.exists() and not note.is_file():
-            raise InputError("this is not a file", where=str(note))
+        if not note.is_file():
+            raise _no_file(note)
         return load(note)
     kind = kind or looks_like(note.text)
     text = note.text.strip("\n") if kind == "formula" else note.text
     return read_document(text, kind, name_of(note))
+
+
+def _no_file(path: Path) -> InputError:
+    if path.exists():
+        return InputError("this is not a file", where=str(path))
+    hint = "a formula has one of the signs = < > $ and backslash"
+    return InputError("no such file or folder", where=str(path), hint=hint)
 
 
 def name_of(note: Note) -> str:
