@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eom.checker.documents import KINDS, Document, load, read_document
+from eom.checker.places import printable
 from eom.errors import InputError
 
 TEXT_KINDS = ("markdown", "latex", "notebook", "formula")
@@ -95,9 +96,9 @@ def document_of(note: Note, kind: str = "") -> Document:
 
 def _no_file(path: Path) -> InputError:
     if path.exists():
-        return InputError("this is not a file", where=str(path))
+        return InputError("this is not a file", where=printable(str(path)))
     hint = "a formula has one of the signs = < > $ and backslash"
-    return InputError("no such file or folder", where=str(path), hint=hint)
+    return InputError("no such file or folder", where=printable(str(path)), hint=hint)
 
 
 def name_of(note: Note) -> str:

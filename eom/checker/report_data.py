@@ -121,7 +121,7 @@ def _row(graded: Graded) -> Data:
         **{v: report.counts.get(v, 0) for v in ORDER},
         "first_fault": faults[0].line if faults else "",
         "meanings": report.lexicon,
-        "error": graded.error,
+        "error": "; ".join(" ".join(line.split()) for line in graded.error.splitlines()),
     }
 
 

@@ -165,10 +165,11 @@ def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
 def _note(word: str) -> Note:
     """Return the note that an argument stands for; standard input is read."""
     from eom.checker.documents import MAX_BYTES, decoded
-    from eom.checker.inputs import Text, note_of
+    from eom.checker.inputs import Text, is_file
 
     if word != "-":
-        return note_of(word.encode("utf-8", "surrogateescape").decode("utf-8", "replace"))
+        text = word.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+        return Path(word) if is_file(word) else Text(text)
     data = sys.stdin.buffer.read(MAX_BYTES + 1)
     return Text(decoded(data, "standard input"), "standard input")
 

@@ -192,7 +192,9 @@ def test_a_draft_is_the_lexicon_that_it_prints(tmp_path):
 @settings(max_examples=60)
 @given(st.text("\\'\"ab_^{}$ \x01\x7f#\néω", max_size=30))
 def test_drafts_are_toml_whatever_the_note_says(words):
-    note = f"The angular velocity {words} $\\boldsymbol{{q}}'$ of the body, {words}.\n$$q' = {words}$$"
+    note = (
+        f"The angular velocity {words} $\\boldsymbol{{q}}'$ of the body, {words}.\n$$q' = {words}$$"
+    )
     assert "preset" in tomllib.loads(propose(read_document(note)).toml)
 
 
