@@ -9,6 +9,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from eom.checker.checking import check as check
+    from eom.checker.grading import check_files as check_files
     from eom.derivation import Derivation as Derivation
     from eom.derivations import derive as derive
     from eom.errors import AssumptionError as AssumptionError
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOME = {
+    "check": "checker.checking",
+    "check_files": "checker.grading",
     "Derivation": "derivation",
     "derive": "derivations",
     "AssumptionError": "errors",

@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run, bench, stress."""
+"""The command line: list, derive, generate, accuracy, simulate, run, check, bench, stress."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from eom.commands.benching import bench
+from eom.commands.checking import check
 from eom.commands.deriving import derive
 from eom.commands.generating import accuracy, generate
 from eom.commands.listing import list_names
@@ -37,14 +38,14 @@ class Commands(click.Group):
 )
 @click.version_option(package_name="eom-toolkit", prog_name="eom")
 def main() -> None:
-    """Derive equations of motion, generate code from them, and integrate them.
+    """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
     SCENE is the name of a ready scene (see: eom list) or a TOML file. Exit status: 0 done; 1 the
-    run stopped before its end; 2 unusable input.
+    run stopped before its end, or something is wrong; 2 unusable input.
     """
 
 
-for command in (list_names, derive, generate, accuracy, simulate, run, bench, stress):
+for command in (list_names, derive, generate, accuracy, simulate, run, check, bench, stress):
     main.add_command(command)
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom import series
+from eom import limits, series
 from eom.errors import InputError
 from eom.series import Series
 from eom.terms import INDICES, Equation, Term, labels_of, nodes
@@ -64,6 +64,7 @@ class Evaluator:
         env = env or {}
         key = (term, tuple(sorted(env.items())))
         if key not in self.memo:
+            limits.check()
             self.memo[key] = _RULES[term.head](self, term, env)
         return self.memo[key]
 
@@ -244,11 +245,17 @@ def _zero(e: Evaluator, term: Term, _: Env) -> Value:
 
 
 def _atom(e: Evaluator, term: Term, env: Env) -> Value:
+    """Return the value of a quantity, which is that of every statement about the world."""
     name, *labels = term.data
     defined = definition(term)
-    if defined is not None:
-        return e.value(defined, env)
-    return e.world.primitive(name, [env.get(label, label) for label in labels])
+    numbered = tuple(env.get(label, label) for label in labels)
+    if defined is None:
+        return e.world.primitive(name, numbered)
+    key = ("defined", term, numbered)
+    if key not in e.world.memo:
+        own = {label: env[label] for label in labels if label in env}
+        e.world.memo[key] = e.value(defined, own)
+    return e.world.memo[key]
 
 
 def _inner(e: Evaluator, term: Term, env: Env) -> Value:

@@ -11,6 +11,9 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import add as plus
+from operator import mul as times
+from operator import sub as minus
 from typing import Any
 
 from eom.errors import InputError
@@ -33,6 +36,11 @@ class Field:
     def reduce(self, value: Any) -> Any:
         """Return the representative of ``value``."""
         return value % self.prime if self.prime else value
+
+    def series(self, values: Sequence[Any]) -> Series:
+        """Return the series whose coefficients these values represent."""
+        prime = self.prime
+        return Series(self, tuple([v % prime for v in values] if prime else values))
 
     def of(self, numerator: int, denominator: int = 1) -> Any:
         """Return a fraction."""
@@ -60,29 +68,20 @@ class Series:
     coefficients: tuple[Any, ...]
 
     def __add__(self, other: Series) -> Series:
-        pairs = zip(self.coefficients, other.coefficients, strict=False)
-        return Series(self.field, tuple(self.field.reduce(a + b) for a, b in pairs))
+        return self.field.series(list(map(plus, self.coefficients, other.coefficients)))
 
     def __neg__(self) -> Series:
-        return Series(self.field, tuple(self.field.reduce(-a) for a in self.coefficients))
+        return self.field.series([-a for a in self.coefficients])
 
     def __sub__(self, other: Series) -> Series:
-        return self + -other
+        return self.field.series(list(map(minus, self.coefficients, other.coefficients)))
 
     def __mul__(self, other: Series) -> Series:
-        a, b = self.coefficients, other.coefficients
-        reduce = self.field.reduce
-        return Series(
-            self.field,
-            tuple(
-                reduce(sum(a[j] * b[k - j] for j in range(k + 1)))
-                for k in range(min(len(a), len(b)))
-            ),
-        )
+        return self.field.series(_convolved(self.coefficients, other.coefficients))
 
     def scaled(self, factor: Any) -> Series:
         """Return ``factor``, an element of the field, times this series."""
-        return Series(self.field, tuple(self.field.reduce(factor * a) for a in self.coefficients))
+        return self.field.series([factor * a for a in self.coefficients])
 
     def reciprocal(self) -> Series:
         """Return 1 / series; raises `Singular` where its first coefficient is zero."""
@@ -96,10 +95,7 @@ class Series:
 
     def derivative(self) -> Series:
         """Return d/dt; one coefficient is lost."""
-        return Series(
-            self.field,
-            tuple(self.field.reduce(k * a) for k, a in enumerate(self.coefficients) if k),
-        )
+        return self.field.series([k * a for k, a in enumerate(self.coefficients) if k])
 
     @property
     def is_zero(self) -> bool:
@@ -110,6 +106,33 @@ class Series:
             )
         return not any(self.coefficients)
 
+
+def _convolved(a: Sequence[Any], b: Sequence[Any]) -> Sequence[Any]:
+    """Return the coefficients of the product of two series, not reduced; the longer one is cut."""
+    n = min(len(a), len(b))
+    if n in _CONVOLUTIONS:
+        return _CONVOLUTIONS[n](*a[:n], *b[:n])
+    backwards = b[:n][::-1]
+    return [sum(map(times, a, backwards[n - 1 - k :])) for k in range(n)]
+
+
+_CONVOLUTIONS: dict[int, Callable[..., Sequence[Any]]] = {
+    3: lambda a, b, c, x, y, z: (a * x, a * y + b * x, a * z + b * y + c * x),
+    4: lambda a, b, c, d, w, x, y, z: (
+        a * w,
+        a * x + b * w,
+        a * y + b * x + c * w,
+        a * z + b * y + c * x + d * w,
+    ),
+    5: lambda a, b, c, d, e, v, w, x, y, z: (
+        a * v,
+        a * w + b * v,
+        a * x + b * w + c * v,
+        a * y + b * x + c * w + d * v,
+        a * z + b * y + c * x + d * w + e * v,
+    ),
+}
+"""The lengths of a motion and of its first two derivatives, written out: they take most of the time."""
 
 Vector = tuple[Series, Series, Series]
 Matrix = tuple[tuple[Series, ...], ...]
@@ -136,10 +159,8 @@ def sine_cosine(angle: Series, sine: Any, cosine: Any) -> tuple[Series, Series]:
 
 def total(terms: Sequence[Series]) -> Series:
     """Return the sum of one series or more."""
-    result = terms[0]
-    for term in terms[1:]:
-        result = result + term
-    return result
+    columns = zip(*(t.coefficients for t in terms), strict=False)
+    return terms[0].field.series([sum(c) for c in columns])
 
 
 def add(a: Vector, b: Vector) -> Vector:
@@ -168,7 +189,9 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 def dot(a: Sequence[Series], b: Sequence[Series]) -> Series:
     """Return the sum of the products of the components."""
-    return total([x * y for x, y in zip(a, b, strict=True)])
+    pairs = zip(a, b, strict=True)
+    products = [_convolved(x.coefficients, y.coefficients) for x, y in pairs]
+    return a[0].field.series([sum(c) for c in zip(*products, strict=False)])
 
 
 def centre(masses: Sequence[Series], places: Sequence[Vector]) -> Vector:

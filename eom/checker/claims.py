@@ -13,6 +13,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom import limits
 from eom.checker.elaborate import elaborator
 from eom.checker.elaborator import Elaborator
 from eom.checker.lexicon import Lexicon
@@ -184,6 +185,7 @@ def _joined(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
     shaped: list[Value] = values[:1]
     findings = list(claim.findings)
     for value in values[1:]:
+        limits.check()
         try:
             first, last = same(notation, shaped[-1], value)
             shaped = [same(notation, last, v)[1] for v in shaped[:-1]]

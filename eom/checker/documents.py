@@ -15,7 +15,7 @@ from pathlib import Path
 
 from eom.checker import latex, masks
 from eom.checker.macros import Defined, before, blank, collect
-from eom.checker.places import ReadingError, Source, Span, reading_error
+from eom.checker.places import ReadingError, Source, Span, printable, reading_error
 from eom.checker.tokens import Macro
 from eom.errors import InputError
 
@@ -88,16 +88,17 @@ class Document:
 def load(path: Path | str) -> Document:
     """Read a file. Raises `InputError` for what is no text, too long, or of no known kind."""
     path = Path(path)
+    name = printable(str(path))
     kind = KINDS.get(path.suffix.lower())
     if kind is None:
         expected = ", ".join(sorted(KINDS))
-        raise InputError("unknown kind of document", where=str(path), expected=expected)
+        raise InputError("unknown kind of document", where=name, expected=expected)
     try:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except OSError as error:
-        raise InputError("the file cannot be read", where=str(path), got=error.strerror) from error
-    return read_document(decoded(data, str(path)), kind, str(path))
+        raise InputError("the file cannot be read", where=name, got=error.strerror) from error
+    return read_document(decoded(data, name), kind, name)
 
 
 def decoded(data: bytes, name: str = "") -> str:

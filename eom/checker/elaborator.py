@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom import limits
 from eom.checker.dimensions import NONE
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look, labels
@@ -43,6 +44,7 @@ class Elaborator:
 
     def value(self, node: Node) -> Value:
         """Return the typed value of a node. Raises `Refusal`."""
+        limits.check()
         rule = self.rules.get(type(node))
         if rule is None:
             kind = type(node).__name__.lower()

@@ -16,6 +16,7 @@ from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Cla
 from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import worlds
+from eom.limits import Overdue
 from eom.series import Singular
 from eom.terms import Equation, nodes, zero
 from eom.worlds import ASSUMPTIONS, closure
@@ -89,6 +90,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """Return whether a claim holds beyond what is ``given``, and under what else.
 
     A claim with findings is judged by what is left of it; without members it is undecided.
+    Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     try:
         search = _Search(claim, equations(claim), closure(given))
@@ -111,7 +113,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
     names = claim.kind == SAME_POINT or (not sets and search.free)
     verdict = DEFINITION if names else UNDER if sets else WRONG
-    return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
+    complete = search.tests < MAX_TESTS and not search.stopped
+    return Judgement(verdict, sets, context, refuted, complete)
 
 
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
@@ -132,6 +135,7 @@ class _Search:
     found: set[frozenset[str]] = field(default_factory=set)
     seen: set[frozenset[str]] = field(default_factory=set)
     tests: int = 0
+    stopped: bool = False
     reason: str = ""
 
     @cached_property
@@ -201,12 +205,20 @@ class _Search:
         raise InputError("the claim is undefined in every world that was drawn")
 
     def run(self, base: frozenset[str]) -> None:
-        """Look for smallest sets below every largest one."""
+        """Look for smallest sets below every largest one; what is found when time is up is kept.
+
+        Raises `Overdue` where nothing is: that no set is found proves nothing then.
+        """
         names = self.candidates()
-        for first in range(len(names)):
-            largest = _filled(base, names[first:] + names[:first])
-            if largest is not None:
-                self._below(largest, base)
+        try:
+            for first in range(len(names)):
+                largest = _filled(base, names[first:] + names[:first])
+                if largest is not None:
+                    self._below(largest, base)
+        except Overdue:
+            if not self.found:
+                raise
+            self.stopped = True
 
     def _below(self, names: frozenset[str], base: frozenset[str]) -> None:
         if names in self.seen or self.tests >= MAX_TESTS:

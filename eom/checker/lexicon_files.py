@@ -214,30 +214,48 @@ def front_matter(text: str) -> Mapping[str, Any]:
 
 
 def lexicon_for(note: str, path: Path | None = None) -> Lexicon | None:
-    """Return the lexicon of a note: its front matter, else NAME.lexicon.toml or lexicon.toml beside it.
+    """Return the lexicon of a note, None where it has none; see `lexicon_found`."""
+    found = lexicon_found(note, path)
+    return None if found is None else found[1]
 
-    None where there is neither. Raises `InputError` for entries that cannot be used.
+
+def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | None:
+    """Return where the lexicon of a note stands, and the lexicon: front matter, else a file beside it.
+
+    That is NAME.lexicon.toml, NAME.toml (without any key of a lexicon it is something else), or
+    lexicon.toml. None where there is none. Raises `InputError` for entries that cannot be used.
     """
     data = front_matter(note)
     if data:
         lexicon, errors = lexicon_of(data, "front matter")
         if errors:
             raise _joined(errors)
-        return lexicon
+        return "front matter", lexicon
     for file in _beside(path):
-        if file.is_file():
-            try:
-                text = file.read_text(encoding="utf-8")
-            except (OSError, UnicodeDecodeError) as error:
-                raise InputError("a lexicon cannot be read", where=str(file), got=error) from None
-            return parse_lexicon(text, file.name)
+        text = lexicon_text(file) if file.is_file() else ""
+        sure = file.name.endswith("lexicon.toml")
+        if text and (sure or _KEYS.intersection(_toml(text, file.name))):
+            return file.name, parse_lexicon(text, file.name)
     return None
+
+
+_KEYS = frozenset({"preset", "scope", *_TABLES})
+
+
+def lexicon_text(file: Path) -> str:
+    """Return the text of a lexicon. Raises `InputError` for what cannot be read or is too long."""
+    try:
+        with file.open("rb") as stream:
+            return stream.read(4 * MAX_LEXICON).decode()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("a lexicon cannot be read", where=str(file), got=error) from None
 
 
 def _beside(path: Path | None) -> tuple[Path, ...]:
     if path is None:
         return ()
-    return path.with_name(f"{path.stem}.lexicon.toml"), path.with_name("lexicon.toml")
+    names = (f"{path.stem}.lexicon.toml", f"{path.stem}.toml", "lexicon.toml")
+    return tuple(path.with_name(name) for name in names)
 
 
 # -- entries -------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import inf
 
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import Document
@@ -22,7 +23,8 @@ from eom.checker.repairs import Repair, Variant, apply, cross_before_column, var
 from eom.checker.roles import CLAIM, roles
 from eom.checker.statements import Statement, split
 from eom.checker.tokens import tokenize
-from eom.checker.values import WRONG, Value
+from eom.checker.values import UNDECIDED, WRONG, Finding, Value
+from eom.limits import Overdue, deadline
 
 
 @dataclass(frozen=True)
@@ -41,10 +43,13 @@ class Understood:
     role: str = CLAIM
 
 
-def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
+def understand(
+    document: Document, lexicon: Lexicon, seconds: float = inf
+) -> tuple[Understood, ...]:
     """Return every formula of a document with its claims, in order.
 
-    A display may continue the display before; what the note defines holds from there on.
+    A display may continue the display before; what the note defines holds from there on. What takes
+    more than ``seconds`` claims something undecided.
     """
     found: list[Understood] = []
     headings: list[tuple[int, str]] = []
@@ -63,7 +68,7 @@ def understand(document: Document, lexicon: Lexicon) -> tuple[Understood, ...]:
         here = scoped.at(titles, piece.source, piece.span.start)
         formula = read_piece(piece, previous if display else ())
         context = _Context(here, definitions, before if display else ())
-        new = _best(formula, previous if display else (), context)
+        new = _timely(formula, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
         definitions |= defined(new.claims)
@@ -87,6 +92,22 @@ class _Context:
             known |= defined(new)
             found += new
         return tuple(found)
+
+
+def _timely(
+    formula: Formula, previous: tuple[Statement, ...], context: _Context, seconds: float
+) -> Understood:
+    """Return the best reading, or say why there is none in time."""
+    try:
+        with deadline(seconds, "the meaning of this formula"):
+            return _best(formula, previous, context)
+    except Overdue as error:
+        why = str(error)
+    except RecursionError:
+        why = "the formula is too long a chain of operations"
+    finding = Finding(UNDECIDED, why, formula.piece.span)
+    claim = Claim((), findings=(finding,), span=formula.piece.span)
+    return Understood(formula, (claim,), context.lexicon, ())
 
 
 def _best(formula: Formula, previous: tuple[Statement, ...], context: _Context) -> Understood:

@@ -63,7 +63,7 @@ class Source:
         last = len(self.text) if last < 0 else last
         left, right = max(first, start - SHOWN), min(last, start + SHOWN)
         width = max(1, min(span.stop, right) - start)
-        return _printable(self.text[left:right]), start - left, width
+        return printable(self.text[left:right]), start - left, width
 
     def caret(self, span: Span, indent: int = 0) -> str:
         """Return two lines: the text around a place, and carets under it."""
@@ -71,15 +71,16 @@ class Source:
         return f"{text}\n{' ' * (indent + column)}{'^' * width}"
 
 
-def _printable(text: str) -> str:
-    """Replace what a terminal would act on; the length stays."""
+def printable(text: str) -> str:
+    """Replace what a terminal would act on, or cannot be encoded; the length stays."""
     return "".join(c if c.isprintable() else " " for c in text)
 
 
 class ReadingError(InputError):
-    """Say what of a text cannot be read, and where; ``span`` is the place in its source."""
+    """Say what of a text cannot be read, and where; ``span`` is the place in its source, on ``line``."""
 
     span: Span = NOWHERE
+    line: int = 0
 
 
 def reading_error(
@@ -94,4 +95,5 @@ def reading_error(
         hint=hint,
     )
     error.span = span
+    error.line = source.line_column(span.start)[0]
     return error

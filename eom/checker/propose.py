@@ -7,6 +7,7 @@ confirms: nothing of this is used without being asked for.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ from eom.checker.latex import SCRIPT_MARKS, SYMBOLS
 from eom.checker.lexicon import Lexicon
 from eom.checker.lexicon_files import PRESETS, preset
 from eom.checker.looks import Labels, Look, seen
+from eom.checker.places import printable
 from eom.checker.reading import Formula, read
 from eom.checker.statements import Statement
 from eom.checker.syntax import Accent, Derivative, Differential, Integral, Node, Number, Symbol
@@ -57,14 +59,22 @@ class Proposal:
         for table in ("frames", "points", "symbols"):
             rows = [d for d in self.drafts if d.table == table]
             lines += ["", f"[{table}]"] if rows else []
-            lines += [f"'{d.latex}' = \"{d.meaning}\"  # line {d.line}: {d.words}" for d in rows]
+            lines += [_row(d) for d in rows]
         if self.defined:
             lines += ["", "# defined by the note itself:"]
-            lines += [f"#   {latex}  (line {line})" for latex, line in self.defined]
+            lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.defined]
         if self.unplaced:
             lines += ["", "# without a meaning so far:"]
-            lines += [f"#   {latex}  (line {line})" for latex, line in self.unplaced]
+            lines += [f"#   {printable(latex)}  (line {line})" for latex, line in self.unplaced]
         return "\n".join(lines) + "\n"
+
+
+def _row(draft: Draft) -> str:
+    """Return an entry as a line of TOML; patterns stand in simple quotes where they can."""
+    words, meaning = printable(draft.words), json.dumps(draft.meaning)
+    plain = draft.latex.isprintable() and "'" not in draft.latex
+    pattern = f"'{draft.latex}'" if plain else json.dumps(draft.latex)
+    return f"{pattern} = {meaning}  # line {draft.line}: {words}"
 
 
 def propose(document: Document) -> Proposal:

@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 from eom.checker.explanation import UNEXPLAINED, Explanation
 from eom.checker.places import NOWHERE, Source, Span
+
+FAULTS = frozenset({"wrong", "ill-formed"})
+"""Verdicts that say that something is wrong."""
+
+ORDER = (
+    "wrong",
+    "ill-formed",
+    "ambiguous",
+    "undecided",
+    "holds under",
+    "holds",
+    "definition",
+    "assumption",
+    "no claim",
+)
+"""All verdicts, the gravest first; the last one is that of a display that claims nothing."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +74,26 @@ class Finding:
 class Report:
     """What was found in a note.
 
-    ``name``: of the note; ``lexicon``: where the meanings of its symbols come from; ``unplaced``:
-    symbols without a meaning; ``given``: what was assumed without being said.
+    ``name``: of the note; ``lexicon``: where the meanings of its symbols come from; ``drafts``: those
+    that were taken from its words unconfirmed; ``unplaced``: symbols that the draft has no meaning for;
+    ``given``: what was assumed without being said; ``notices``: what of the note was not read.
     """
 
     name: str
     findings: tuple[Finding, ...]
     lexicon: str = ""
+    drafts: tuple[str, ...] = ()
     unplaced: tuple[str, ...] = ()
     given: tuple[str, ...] = ()
+    notices: tuple[Remark, ...] = ()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many formulas have each verdict, in the order of `ORDER`."""
+        found = Counter(f.verdict for f in self.findings)
+        return {v: found[v] for v in ORDER if found[v]}
+
+    @property
+    def faults(self) -> tuple[Finding, ...]:
+        """What is wrong or ill-formed."""
+        return tuple(f for f in self.findings if f.verdict in FAULTS)

@@ -1,0 +1,231 @@
+"""A note in, a report out: every formula is understood, judged, and told with its place.
+
+`PASSES` are what is added to the findings of a whole note: an explanation of wrong lines, remarks on
+what a note has said so far.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+
+from eom.checker.documents import Document
+from eom.checker.graded import Graded
+from eom.checker.inputs import Note, document_of, name_of, note_of
+from eom.checker.judge import UNDECIDED, UNDER, WRONG
+from eom.checker.notes import Understood, understand
+from eom.checker.origins import Meanings, meanings
+from eom.checker.places import NOWHERE, ReadingError, Span, printable
+from eom.checker.report import Finding, Remark, Report
+from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.checker.values import ILL_FORMED
+from eom.checker.verdicts import NONE, Judged, Verdict, verdict
+from eom.errors import InputError
+from eom.limits import Overdue, deadline
+from eom.worlds import closure
+
+MAX_SETS = 24
+"""Sets of assumptions that are told at most of one formula."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A formula of a note with its verdict, and its finding so far."""
+
+    understood: Understood
+    verdict: Verdict
+    finding: Finding
+
+
+Pass = Callable[[Sequence[Found], Settings], Sequence[Found]]
+"""Adds to the findings of a note; formulas and verdicts stay, in number and order."""
+
+PASSES: tuple[Pass, ...] = ()
+"""What is added to the findings, in this order."""
+
+
+def check(
+    note: str | Path,
+    *,
+    notation: str = "",
+    lexicon: str | Path = "",
+    given: Iterable[str] = GIVEN,
+    kind: str = "",
+    seconds: float = FORMULA_SECONDS,
+) -> Report:
+    r"""Return what is found in a note: a file, a text, or one formula.
+
+    ``note``: a `Path`, the name of a file (see `eom.checker.inputs.is_file`), else a text. ``notation``,
+    ``lexicon``, ``given``, ``kind``, ``seconds``: see `Settings`. Without notation and lexicon those of
+    the note are taken, and if it has none a draft from its words, as ``Report.lexicon`` tells.
+    Raises `InputError` for a note that cannot be read and for settings that cannot be used.
+
+    >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
+    'holds under'
+    """
+    settings = Settings(notation, str(lexicon), tuple(given), kind, seconds)
+    return check_note(note_of(note), settings)
+
+
+def check_note(note: Note, settings: Settings) -> Report:
+    """Return the report on a file, a text or a formula."""
+    closure(settings.given)
+    document = document_of(note, settings.kind)
+    path = note if isinstance(note, Path) else None
+    with deadline(settings.note_seconds, "this note"):
+        known = meanings(document, path, settings.notation, settings.lexicon)
+        found = tuple(_found(document, known, settings))
+        for add in PASSES:
+            found = _added(add, found, settings)
+    return _report(document, known, settings, found)
+
+
+def grade(note: Note, settings: Settings) -> Graded:
+    """Return the report on a note, or the error that leaves none: no note ends the checking of others."""
+    name = printable(name_of(note))
+    try:
+        return Graded(name, check_note(note, settings))
+    except InputError as error:
+        return Graded(name, None, str(error))
+    except MemoryError:
+        return Graded(name, None, "not enough memory")
+    except Exception as error:  # a defect of ours on one note is told as that
+        return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
+
+
+def _added(add: Pass, found: tuple[Found, ...], settings: Settings) -> tuple[Found, ...]:
+    """Return what a pass makes of the findings; they stay where it takes too long."""
+    try:
+        return tuple(add(found, settings))
+    except Overdue:
+        return found
+
+
+def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
+    """Return the pass that changes every finding by itself, each within ``Settings.seconds``."""
+
+    def changed(one: Found, settings: Settings) -> Found:
+        try:
+            with deadline(settings.seconds, "what is told of this formula"):
+                return replace(one, finding=rule(one, settings))
+        except (Overdue, RecursionError):
+            return one
+
+    return lambda found, settings: [changed(one, settings) for one in found]
+
+
+# -- findings ------------------------------------------------------------------------------------
+
+
+def _found(document: Document, known: Meanings, settings: Settings) -> Iterator[Found]:
+    """Yield the formulas of a note that claim something, and all displays."""
+    numbers: Counter[str] = Counter()
+    for one in understand(document, known.lexicon, settings.seconds):
+        piece = one.formula.piece
+        numbers[piece.kind] += 1
+        judged = _verdict(one, settings)
+        if piece.kind == "display" or one.formula.relational or judged.verdict != NONE:
+            told = finding(one, judged, numbers[piece.kind])
+            yield Found(one, judged, told if known.draft is None else _unconfirmed(told))
+
+
+def _unconfirmed(found: Finding) -> Finding:
+    """Return a finding under meanings that nobody confirmed.
+
+    Where kinds or frames do not fit together the draft is the likelier culprit.
+    """
+    if found.verdict != ILL_FORMED:
+        return found
+    return replace(
+        found, verdict=UNDECIDED, reason=f"ill-formed if the draft is right: {found.reason}"
+    )
+
+
+def _verdict(one: Understood, settings: Settings) -> Verdict:
+    """Return the verdict on a formula; undecided if there is none in time."""
+    try:
+        with deadline(settings.seconds, "the judgement of this formula"):
+            return verdict(one, settings.given)
+    except Overdue as error:
+        return Verdict(UNDECIDED, str(error))
+    except RecursionError:
+        return Verdict(UNDECIDED, "the formula is too long a chain of operations")
+
+
+def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
+    """Return what is told of a formula with its verdict."""
+    piece = one.formula.piece
+    gravest = [j for j in judged.claims if j.verdict == judged.verdict]
+    error = one.formula.error
+    reason = _told(error) if error is not None else _line(judged.reason)
+    if judged.verdict == WRONG and not reason:
+        reason = "it fails under all assumptions that are known"
+    return Finding(
+        number,
+        piece.kind,
+        piece.source,
+        piece.span,
+        piece.body.strip(),
+        judged.verdict,
+        _sets(gravest) if judged.verdict == UNDER else (),
+        reason,
+        _place(one, gravest),
+        tuple(r.text for r in one.repairs),
+    )
+
+
+def _told(error: ReadingError) -> str:
+    """Return why a formula cannot be read; the place is told apart."""
+    expected = f"expected {error.expected}" if error.expected else ""
+    return "; ".join(p for p in (f"not read: {error.what}", expected, error.hint) if p)
+
+
+def _line(text: str) -> str:
+    """Return a message of several lines as one."""
+    return "; ".join(" ".join(line.split()) for line in text.splitlines())
+
+
+def _sets(judged: Sequence[Judged]) -> tuple[tuple[str, ...], ...]:
+    """Return the smallest sets of assumptions under which all of several claims hold."""
+    found = {frozenset[str]()}
+    for one in judged:
+        sets = [frozenset(s) for s in one.judgement.sets]
+        found = {a | b for a, b in product(found, sets)}
+        found = {a for a in found if not any(b < a for b in found)}
+    order = [n for one in judged for s in one.judgement.sets for n in s]
+    shown = [tuple(sorted(s, key=order.index)) for s in found]
+    return tuple(sorted(shown, key=lambda s: (len(s), s))[:MAX_SETS])
+
+
+def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
+    """Return the place that is at fault: of the error, the finding, the member of a chain."""
+    error = one.formula.error
+    if error is not None:
+        return error.span
+    for judged in gravest:
+        findings = [f.span for f in judged.claim.findings if f.verdict == judged.verdict]
+        blamed = list(judged.chain.blamed) if judged.chain is not None else []
+        places = [s for s in (*findings, *blamed) if s != NOWHERE]
+        if places:
+            return places[0]
+    return NOWHERE
+
+
+def _report(
+    document: Document, known: Meanings, settings: Settings, found: Sequence[Found]
+) -> Report:
+    draft = known.draft
+    return Report(
+        document.name,
+        tuple(f.finding for f in found),
+        known.origin,
+        tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
+        if draft
+        else (),
+        tuple(latex for latex, _ in draft.unplaced) if draft else (),
+        settings.given,
+        tuple(Remark("not read", f.what, f.line) for f in document.findings),
+    )

@@ -1,0 +1,240 @@
+"""Checking of hand derivations: `eom check`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom.commands.shared import Rows, WithTable, progress_of
+from eom.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from eom.checker.graded import Graded
+    from eom.checker.inputs import Note
+    from eom.checker.report_text import Line
+    from eom.checker.settings import Settings
+
+WRONG, UNUSABLE = 1, 2
+"""Exit status where something is wrong, and where a note cannot be used."""
+
+COLOURS: dict[str, dict[str, Any]] = {
+    "title": {"bold": True},
+    "good": {"fg": "green"},
+    "bad": {"fg": "red", "bold": True},
+    "unsure": {"fg": "yellow"},
+    "faint": {"dim": True},
+}
+
+
+def _assumptions() -> Rows:
+    from eom.worlds import ASSUMPTIONS
+
+    return [(name, row.meaning) for name, row in ASSUMPTIONS.items()]
+
+
+@click.command(cls=WithTable, title="Assumptions for --given", rows=_assumptions)
+@click.argument("notes", metavar="NOTE...", nargs=-1, required=True)
+@click.option(
+    "--notation",
+    default="",
+    metavar="PRESET",
+    help="Meanings of symbols: arrow-tilde, left-superscript, underline-bullet, kane, "
+    "schaub-junkins, hughes or physics-bold.",
+)
+@click.option("--lexicon", default="", metavar="FILE", help="Meanings of symbols: a TOML file.")
+@click.option(
+    "--propose", is_flag=True, help="Print a draft of the note's lexicon as TOML; judge nothing."
+)
+@click.option(
+    "--given",
+    multiple=True,
+    metavar="ASSUMPTION",
+    help="Assumed without being said; repeatable, none for nothing.  [default: constant_mass]",
+)
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="VERDICT",
+    help="Tell these alone: wrong, ill-formed, undecided, ...; repeatable.",
+)
+@click.option("-q", "--quiet", is_flag=True, help="Tell what is wrong or ill-formed alone.")
+@click.option("--json", "as_json", is_flag=True, help="Print all reports as JSON.")
+@click.option(
+    "--table",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=None,
+    help="Write a row for each note to a file: CSV, or JSON if it ends in .json.",
+)
+@click.option(
+    "--as",
+    "kind",
+    default="",
+    metavar="markdown|latex|notebook|formula",
+    help="What standard input or a text is.  [default: what it looks like]",
+)
+@click.option("--jobs", type=click.IntRange(0), default=0, help="Processes; 0: one a core.")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0, min_open=True),
+    default=10.0,
+    show_default=True,
+    help="For a formula; what takes longer is undecided.",
+)
+@click.option(
+    "--note-seconds",
+    type=click.FloatRange(0, min_open=True),
+    default=300.0,
+    show_default=True,
+    help="For a note.",
+)
+def check(notes: tuple[str, ...], propose: bool, **options: Any) -> None:
+    r"""Check hand derivations: which line is wrong, which holds, and under which assumptions.
+
+    NOTE is a file (Markdown, LaTeX, notebook), a folder with such files, - for standard input, or a
+    formula: eom check '\dot{\vec{H}}_C = \vec{L}_C' --notation arrow-tilde. A word is a file or folder
+    if there is one of that name, if it ends in .md, .tex, .ipynb or the like, or if it has none of the
+    signs = < > $ and backslash; else it is a formula, or a text with formulas between dollars.
+
+    Meanings of symbols come from --notation or --lexicon; else from the note: a table check in front
+    matter between lines of +++, NAME.lexicon.toml, NAME.toml or lexicon.toml beside it; else from a draft
+    made of the note's words, which the output says.
+
+    Exit status: 0 nothing wrong, 1 a line is wrong or ill-formed, 2 unusable input.
+    """
+    if propose:
+        _propose(notes, options["kind"])
+        return
+    settings = _settings(**options)
+    only = _verdicts(options["only"])
+    graded = _checked(notes, settings, options["jobs"])
+    if options["table"] is not None:
+        _write_table(graded, options["table"])
+    if options["as_json"]:
+        from eom.checker.report_data import to_json
+
+        click.echo(to_json(graded), nl=False)
+    else:
+        _print(graded, only, options["quiet"])
+    sys.exit(_status(graded))
+
+
+def _settings(
+    notation: str,
+    lexicon: str,
+    given: tuple[str, ...],
+    kind: str,
+    seconds: float,
+    note_seconds: float,
+    **_: Any,
+) -> Settings:
+    """Return the settings. Raises `InputError` for names that are none."""
+    from eom.checker.inputs import TEXT_KINDS
+    from eom.checker.settings import GIVEN, Settings
+    from eom.worlds import closure
+
+    if kind and kind not in TEXT_KINDS:
+        raise unknown_name("kind of text", kind, TEXT_KINDS, "--as")
+    if "none" in given and len(given) > 1:
+        raise InputError("--given none excludes others", got=", ".join(given))
+    assumed = () if given == ("none",) else given or GIVEN
+    closure(assumed)
+    return Settings(notation, lexicon, assumed, kind, seconds, note_seconds)
+
+
+def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the verdicts that are told; words may be joined by hyphens or blanks."""
+    from eom.checker.report import ORDER
+
+    known = {v.replace(" ", "-"): v for v in ORDER}
+    wanted = [v.replace(" ", "-") for v in only]
+    for verdict in wanted:
+        if verdict not in known:
+            raise unknown_name("verdict", verdict, known, "--only")
+    return tuple(known[v] for v in wanted)
+
+
+# -- checking ------------------------------------------------------------------------------------
+
+
+def _note(word: str) -> Note:
+    """Return the note that an argument stands for; standard input is read."""
+    from eom.checker.documents import MAX_BYTES, decoded
+    from eom.checker.inputs import Text, is_file
+
+    if word != "-":
+        text = word.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+        return Path(word) if is_file(word) else Text(text)
+    data = sys.stdin.buffer.read(MAX_BYTES + 1)
+    return Text(decoded(data, "standard input"), "standard input")
+
+
+def _checked(words: Sequence[str], settings: Settings, jobs: int) -> tuple[Graded, ...]:
+    """Return what became of the notes: one alone is checked here, many in processes."""
+    notes = [_note(word) for word in words]
+    if len(notes) == 1 and not (isinstance(notes[0], Path) and notes[0].is_dir()):
+        from eom.checker.checking import grade
+
+        return (grade(notes[0], settings),)
+    from eom.checker.grading import check_notes
+
+    with progress_of("check") as progress:
+        found = check_notes(notes, settings, jobs, progress)
+    if not found:
+        raise InputError("there are no notes here", got=", ".join(words), expected="Markdown, ...")
+    return found
+
+
+def _propose(words: Sequence[str], kind: str) -> None:
+    """Print the draft of a lexicon. Raises `InputError` for more than one note."""
+    from eom.checker.inputs import document_of, notes_of
+    from eom.checker.origins import proposed
+
+    notes = notes_of([_note(word) for word in words])
+    if len(notes) != 1:
+        raise InputError("a lexicon is proposed for one note", got=f"{len(notes)} notes")
+    click.echo(proposed(document_of(notes[0], kind)).toml, nl=False)
+
+
+def _write_table(graded: Sequence[Graded], file: Path) -> None:
+    """Write the table of all notes."""
+    from eom.checker.report_data import to_csv, to_table_json
+
+    as_json = file.suffix.lower() == ".json"
+    text = to_table_json(graded) if as_json else to_csv(graded)
+    file.write_text(text, encoding="utf-8", newline="")
+    click.echo(f"wrote {file}", err=True)
+
+
+def _status(graded: Sequence[Graded]) -> int:
+    """Return the exit status: that of the worst note."""
+    found = {g.status for g in graded}
+    return UNUSABLE if "unusable" in found else WRONG if "wrong" in found else 0
+
+
+# -- printing ------------------------------------------------------------------------------------
+
+
+def _print(graded: Sequence[Graded], only: Sequence[str], quiet: bool) -> None:
+    """Print reports, unusable notes to standard error, and how many notes are what."""
+    from eom.checker.report_text import told, total
+
+    for k, one in enumerate(graded):
+        for line in told(one, only, quiet):
+            _echo(line, err=one.report is None)
+        if k + 1 < len(graded):
+            click.echo()
+    if len(graded) > 1:
+        click.echo()
+        _echo(total(graded))
+
+
+def _echo(line: Line, err: bool = False) -> None:
+    """Print a line in colours where it goes to a terminal, unless NO_COLOR is set."""
+    styled = "".join(click.style(text, **COLOURS.get(style, {})) for style, text in line)
+    click.echo(styled, err=err, color=False if os.environ.get("NO_COLOR") else None)

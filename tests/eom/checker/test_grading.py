@@ -1,0 +1,211 @@
+"""Many notes in processes: order, isolation, tables; JSON by its schema."""
+
+import csv
+import io
+import json
+import multiprocessing as mp
+import os
+import signal
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+import eom
+from eom.checker import grading
+from eom.checker.explanation import Correction, Counterexample, Explanation
+from eom.checker.graded import Graded
+from eom.checker.inputs import Text
+from eom.checker.places import Source, Span
+from eom.checker.report import ORDER, Finding, Remark, Report
+from eom.checker.report_data import COLUMNS, to_csv, to_json, to_table_json
+from eom.checker.report_text import text, told, total
+from eom.checker.settings import Settings
+from eom.errors import InputError
+
+ARROWS = Settings("arrow-tilde")
+RIGHT, WRONG = r"$\vec H_C = I_C\vec\omega$", r"$\vec H_C = I_C\vec\omega + I_C\vec\omega$"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    for k, note in enumerate([RIGHT, WRONG, RIGHT, "no formula"]):
+        (tmp_path / f"{k}.md").write_text(note)
+    (tmp_path / "4.md").write_bytes(b"\0")
+    (tmp_path / "5.ipynb").write_text("{}")
+    return tmp_path
+
+
+def statuses(graded):
+    return [g.status for g in graded]
+
+
+ALL = ["nothing wrong", "wrong", "nothing wrong", "nothing wrong", "unusable", "unusable"]
+
+
+def test_notes_come_in_order_whatever_the_number_of_workers(folder):
+    done = []
+    graded = eom.check_files([folder, WRONG], ARROWS, workers=3, progress=done.append)
+    assert statuses(graded) == [*ALL, "wrong"]
+    assert [Path(g.name).name for g in graded[:-1]] == sorted(p.name for p in folder.iterdir())
+    assert done == [k / 7 for k in range(1, 8)]
+    assert graded == eom.check_files([folder, WRONG], ARROWS, workers=1)
+    assert "binary" in graded[4].error
+    assert mp.active_children() == []
+
+
+@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
+    monkeypatch.setattr(grading, "GRACE_SECONDS", 0.0)
+    hurried = Settings("arrow-tilde", note_seconds=2.0)
+
+    def strike(fraction):
+        if fraction == 1 / 4:
+            (worker,) = mp.active_children()
+            os.kill(worker.pid, sent)
+
+    notes = [folder / f"{k}.md" for k in range(4)]
+    graded = eom.check_files(notes, hurried, workers=1, progress=strike)
+    assert statuses(graded) == ["nothing wrong", "unusable", "nothing wrong", "nothing wrong"]
+    assert graded[1].name == str(notes[1])
+    words = "died" if sent == signal.SIGKILL else "no answer within 2 s"
+    assert words in graded[1].error
+    assert mp.active_children() == []
+
+
+def test_what_cannot_be_used_is_refused_before_a_process_starts(monkeypatch):
+    monkeypatch.setattr(grading, "_started", None)
+    with pytest.raises(InputError, match="unknown assumption"):
+        eom.check_files([RIGHT], Settings(given=("nothing",)))
+    assert eom.check_files([], ARROWS) == ()
+
+
+def test_no_note_ends_the_checking_of_others(monkeypatch):
+    from eom.checker import checking
+
+    def broken(*_):
+        raise KeyError("seed")
+
+    monkeypatch.setattr(checking, "verdict", broken)
+    graded = checking.grade(Text(RIGHT), ARROWS)
+    assert graded.error == "defect of the checker: KeyError: 'seed'"
+
+
+# -- data ------------------------------------------------------------------------------------------
+
+SOURCE = Source("so\n$$a = \x1b[31mb$$\n", "n.md, cell 2")
+FULL = Finding(
+    1,
+    "display",
+    SOURCE,
+    Span(5, 16),
+    "a = b",
+    "wrong",
+    reason="it fails",
+    place=Span(9, 16),
+    read_as=("read as: b",),
+    remarks=(Remark("needs", "what stands four lines later", 9),),
+    explanation=Explanation(
+        "a - b",
+        (Span(9, 10),),
+        (Correction("a = -b", "sign of b", "sign", Span(9, 10), "-b", (("rigid",),)),),
+        Counterexample((("a", "1"), ("b", "2")), (("a", "1"), ("b", "2")), ("rigid",)),
+        "the other order of rotations",
+    ),
+    carried=3,
+)
+REPORT = Report(
+    "n.md",
+    (FULL,),
+    "draft on preset kane",
+    ("q: angle q (line 1: x)",),
+    ("z",),
+    ("constant_mass",),
+    (Remark("not read", "commands", 2),),
+)
+NOTES = (Graded("n.md", REPORT), Graded("=cmd|x.md", None, "the file is binary"))
+
+
+def validate(data):
+    jsonschema = pytest.importorskip("jsonschema")
+    file = resources.files("eom.checker") / "report.schema.json"
+    schema = json.loads(file.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator(schema).validate(data)
+
+
+def test_json_follows_its_schema_to_the_last_part():
+    data = json.loads(to_json(NOTES))
+    validate(data)
+    found = data["notes"][0]["findings"][0]
+    assert found["place"] == {"line": 2, "column": 3, "last_line": 2, "last_column": 13}
+    assert found["at"]["column"] == 7
+    assert found["explanation"]["corrections"][0]["sets"] == [["rigid"]]
+    assert found["explanation"]["counterexample"]["members"] == [["a", "1"], ["b", "2"]]
+    assert "findings" not in data["notes"][1]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"version": 2},
+        {"more": 1},
+        {"notes": [{"name": "n", "status": "unusable", "error": ""}]},
+        {"notes": [{"name": "n", "status": "wrong", "error": ""}]},
+    ],
+)
+def test_the_schema_refuses_what_is_not_a_report(change):
+    jsonschema = pytest.importorskip("jsonschema")
+    with pytest.raises(jsonschema.ValidationError):
+        validate(json.loads(to_json(NOTES)) | change)
+
+
+def test_tables_have_a_row_for_each_note_and_no_formulas_for_spreadsheets():
+    first, second = csv.DictReader(io.StringIO(to_csv(NOTES)))
+    assert tuple(first) == COLUMNS
+    assert (first["note"], first["wrong"], first["equations"]) == ("n.md", "1", "1")
+    assert first["first_fault"] == "2"
+    assert (second["note"], second["status"]) == ("'=cmd|x.md", "unusable")
+    rows = json.loads(to_table_json(NOTES))
+    assert [r["note"] for r in rows] == ["n.md", "=cmd|x.md"]
+    assert set(ORDER) < set(rows[0])
+
+
+# -- text ------------------------------------------------------------------------------------------
+
+
+def test_text_tells_everything_and_nothing_that_a_terminal_acts_on():
+    lines = [text(line) for line in told(NOTES[0])]
+    assert all(line.isprintable() for line in lines)
+    shown = "\n".join(lines)
+    for part in (
+        "draft on preset kane",
+        "Nobody has confirmed",
+        "q: angle q",
+        "without a meaning: z",
+        "given: constant_mass",
+        "line 2, not read: commands",
+        "cell 2, line 2: wrong",
+        "why: it fails",
+        "carries forward the slip of line 3",
+        "read as: b",
+        "left side minus right side: a - b",
+        "right in another convention: the other order of rotations",
+        "repair: sign of b, under {rigid}",
+        "it fails for a = 1, b = 2, under rigid",
+        "needs: what stands four lines later",
+        "rigid  the distance of any two points",
+        "1 equation: 1 wrong",
+    ):
+        assert part in shown, part
+    at = lines.index(next(line for line in lines if "^" in line))
+    assert lines[at - 1][lines[at].index("^") - 2 :].startswith("=  [31mb$$")
+
+
+def test_only_and_quiet_leave_out():
+    assert not any("why" in text(line) for line in told(NOTES[0], only=["holds"]))
+    assert any("why" in text(line) for line in told(NOTES[0], quiet=True))
+    assert "binary" in [text(line) for line in told(NOTES[1])][1]
+    assert text(total(NOTES)) == (
+        "2 notes: 0 with nothing wrong, 1 with something wrong, 1 unusable"
+    )
