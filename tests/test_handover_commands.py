@@ -111,6 +111,20 @@ def test_generate_writes_the_same_files_with_hand_over_each_time(run, scene, tmp
     assert not (tmp_path / "one" / "tumbling_handover.c").exists()
 
 
+def test_generate_writes_hand_over_with_the_integrator_that_is_asked_for(run, scene, tmp_path):
+    order = {}
+    for rtol in (1e-6, 1e-12):
+        words = ["--integrator", "taylor", "--rtol", rtol, "--out", tmp_path / str(rtol)]
+        done = run("generate", scene[True], *words)
+        assert done.exit_code == 0, done.output
+        texts = {f.name: f.read_text() for f in (tmp_path / str(rtol)).iterdir()}
+        assert {"tumbling_taylor.c", "tumbling_quaternion_taylor.c"} <= set(texts)
+        assert '#include "tumbling_taylor.h"' in texts["tumbling_handover.h"]
+        assert not any("dop853" in name for name in texts)
+        order[rtol] = texts["tumbling_taylor.h"].partition("of order ")[2].split()[0]
+    assert int(order[1e-6]) + 5 < int(order[1e-12])
+
+
 BAD = {
     "no angles": (["simulate", "t-handle", "--handover"], "only Euler angles are handed over"),
     "a quaternion": (["run", "heavy-top", "--handover", "--out", "x"], "only Euler angles"),
@@ -119,6 +133,7 @@ BAD = {
     "projection": (["simulate", "SCENE", "--project", "T"], "not projected where angles"),
     "module": (["generate", "SCENE", "--target", "numpy", "--out", "x"], "--target does not go"),
     "derivatives": (["generate", "SCENE", "--jacobian", "states", "--out", "x"], "--jacobian does"),
+    "no integrator": (["generate", "SCENE", "--integrator", "none", "--out", "x"], "needs an integrator"),
     "no closed form": (["generate", "bicycle-wheel", "--closed-form", "--out", "x"], "no closed form"),
     "closed form, fixed": (["generate", "t-handle", "--closed-form", "--fixed", "--out", "x"], "--fixed"),
     "closed form, nowhere": (["generate", "t-handle", "--closed-form"], "--out FOLDER"),
