@@ -8,6 +8,7 @@ import click
 
 from eom.commands.benching import bench
 from eom.commands.deriving import derive
+from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
 from eom.commands.listing import list_names
 from eom.commands.simulating import run, simulate
@@ -44,7 +45,7 @@ def main() -> None:
     """
 
 
-for command in (list_names, derive, generate, accuracy, simulate, run, bench, stress):
+for command in (list_names, derive, generate, accuracy, simulate, run, ensemble, bench, stress):
     main.add_command(command)
 
 if __name__ == "__main__":

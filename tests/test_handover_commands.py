@@ -85,6 +85,22 @@ def test_a_run_far_from_singular_angles_says_that_nothing_changed(run, scene):
     assert rows_of(done)["changes of chart"] == "none"
 
 
+def test_the_ready_scene_turns_through_singular_angles(run, tmp_path):
+    """The same angles as without hand-over, where they turn as fast as the body is near."""
+    found = {}
+    for word in ("--handover", "--no-handover"):
+        done = run("simulate", "t-handle-in-angles", word, "--out", tmp_path / "run.npz")
+        assert done.exit_code == 0, done.output
+        found[word] = columns(tmp_path / "run.npz"), rows_of(done)
+    by_default = run("simulate", "t-handle-in-angles")
+    assert rows_of(by_default)["changes of chart"].startswith("18, at t = ")
+    assert "changes of chart" not in found["--no-handover"][1]
+    one, other = (columns for columns, _ in found.values())
+    assert np.ptp(one["psi"]) > 12
+    for name in ("psi", "theta", "phi"):
+        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-5)
+
+
 def test_run_writes_both_charts(run, scene, tmp_path):
     done = run("run", scene[True], "--out", tmp_path / "out")
     assert done.exit_code == 0, done.output
