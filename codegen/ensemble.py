@@ -169,13 +169,14 @@ def ensemble(
         compiled, t_span, inputs or {}, rtol, atol, t_eval, max_step, max_steps, margin
     )
     some = population(compiled, initial, parameters)
+    number = processors() if threads is None else _whole(threads, "threads")
     kept = store is None if keep is None else keep
     size = _chunk(chunk, some.count, shared, compiled)
     plan = Plan(compiled, method, shared, _statistics(compiled, statistics), size, kept)
     work = run if store is None else _stored(plan, some, store, store_format)
     built(SameObject(compiled), method, shared.rtol)  # before the threads that need it
     began = time.perf_counter()
-    gathered = _gathered(plan, some, work, threads, client, progress)
+    gathered = _gathered(plan, some, work, number, client, progress)
     return _result(gathered, time.perf_counter() - began, store)
 
 
@@ -190,15 +191,14 @@ def _gathered(
     plan: Plan,
     some: Population,
     work: Work,
-    threads: int | None,
+    threads: int,
     client: Any,
     progress: Callable[[float], None] | None,
 ) -> Gathered:
     """Give out all chunks, and put together what comes back."""
     gathered = Gathered(plan, some.count)
-    number = processors() if threads is None else _whole(threads, "threads")
     crew = (
-        Threads(plan, some, work, number) if client is None else Cluster(plan, some, work, client)
+        Threads(plan, some, work, threads) if client is None else Cluster(plan, some, work, client)
     )
     with crew:
         for piece in pieces(crew, iter(range(-(-some.count // plan.chunk)))):

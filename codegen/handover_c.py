@@ -6,35 +6,41 @@ from collections.abc import Mapping, Sequence
 
 from codegen.charts import TURN, CompiledCharts
 from codegen.compiled import Compiled, generate
-from codegen.integrate import runge_kutta
-from codegen.integrate.dop853 import DOP853
+from codegen.integrate import runge_kutta, written
+from codegen.integrate.written import Choice
 from codegen.layout import names_of
 from codegen.names import comment, identifier
+from eom.errors import InputError
 
 PLACES = {"branch": -1, "first_angle": -2}
 """Parameters that are no parameters of the first system."""
 
 
-def files(made: CompiledCharts) -> Mapping[str, str]:
+def files(made: CompiledCharts, integrator: Choice | None = None) -> Mapping[str, str]:
     """Return all C files of a pair of charts by name: ``NAME_handover.h`` is the one to include.
 
-    Both charts are integrated by DOP853. The same charts give the same bytes.
+    ``integrator``: of both charts, by default DOP853; of Taylor series each has its own. The same
+    charts give the same bytes. Raises `InputError` for an unknown integrator, for none, and where a
+    value has no Taylor series.
     """
+    choice = integrator or Choice()
+    if written.check(choice).name == written.NONE:
+        raise InputError("hand-over needs an integrator", got=choice.name, hint="taylor or dop853")
     found: dict[str, str] = {}
     for compiled in (made.first, made.second, made.forth, made.back):
         texts = generate(compiled.program, compiled.layout, "c")
         name = identifier(compiled.layout.name)
         found |= {n: texts[n] for n in (f"{name}.h", f"{name}.c")}
     for compiled in (made.first, made.second):
-        found |= runge_kutta.files(DOP853, compiled.layout)
-    values = _values(made)
+        found |= written.files(choice, compiled.program, compiled.layout)
+    values = _values(made, choice.name)
     prefix = values["PREFIX"]
     return found | {f"{prefix}.{k}": runge_kutta.fill(f"handover.{k}", values) for k in ("h", "c")}
 
 
-def _values(made: CompiledCharts) -> dict[str, str]:
+def _values(made: CompiledCharts, integrator: str) -> dict[str, str]:
     first, second = made.first.layout, made.second.layout
-    name, other = (f"{identifier(layout.name)}_{DOP853.name}" for layout in (first, second))
+    name, other = (f"{identifier(layout.name)}_{integrator}" for layout in (first, second))
     prefix = f"{identifier(first.name)}_handover"
     parameters, inputs = names_of(first.parameters), names_of(first.inputs)
     return {

@@ -1,8 +1,9 @@
 """The edge to the C compiler: compile into a private cache by content hash, and load.
 
 A shared library is compiled into a temporary file and renamed into place, so that processes that
-work at the same time never see half of one. The key covers the source, the flags, the compiler
-and, since the code is for this machine, the processor.
+work at the same time never see half of one. The key, a folder's name, covers the source, the flags,
+the compiler and, since the code is for this machine, the processor. The library in it is named by the
+digest of its bytes: to load one that was damaged could end the process, so that one is built anew.
 """
 
 from __future__ import annotations
@@ -138,15 +139,36 @@ def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = 
     command = require_compiler()
     flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
     key = "\0".join([source, *flags, _identity(command), _processor()])
-    folder = cache_folder()
-    library = folder / f"{hashlib.sha256(key.encode()).hexdigest()[:40]}{suffix}"
-    if not library.exists():
-        _compile(command, flags, source, library)
-    return library
+    folder = cache_folder() / hashlib.sha256(key.encode()).hexdigest()[:40]
+    return _found(folder, suffix) or _compile(command, flags, source, folder, suffix)
 
 
-def _compile(command: Sequence[str], flags: Sequence[str], source: str, library: Path) -> None:
-    with tempfile.TemporaryDirectory(prefix="build-", dir=library.parent) as build:
+def _digest(library: Path) -> str:
+    return hashlib.blake2b(library.read_bytes(), digest_size=16).hexdigest()
+
+
+def _is_whole(library: Path) -> bool:
+    """Tell whether a library is there and holds what was compiled."""
+    try:
+        return _digest(library) == library.name.partition(".")[0]
+    except OSError:
+        return False
+
+
+def _found(folder: Path, suffix: str) -> Path | None:
+    """Return the library of a folder of the cache, if there is a whole one; remove damaged ones."""
+    for library in sorted(folder.glob(f"*{suffix}")):
+        if _is_whole(library):
+            return library
+        library.unlink(missing_ok=True)
+    return None
+
+
+def _compile(
+    command: Sequence[str], flags: Sequence[str], source: str, folder: Path, suffix: str
+) -> Path:
+    """Return the library that the compiler makes, in its folder of the cache. Raises `CompilerError`."""
+    with tempfile.TemporaryDirectory(prefix="build-", dir=folder.parent) as build:
         text, made = Path(build) / "source.c", Path(build) / "library"
         text.write_text(source, encoding="ascii")
         attempts = [flags, [f for f in flags if f not in NATIVE_FLAGS]]
@@ -154,8 +176,8 @@ def _compile(command: Sequence[str], flags: Sequence[str], source: str, library:
             run = [*command, *attempt, "-o", str(made), str(text), "-lm"]
             failure = _run(run)
             if failure is None and made.exists():
-                made.replace(library)
-                return
+                folder.mkdir(mode=0o700, exist_ok=True)
+                return made.replace(folder / f"{_digest(made)}{suffix}")
         raise CompilerError(
             "the C compiler failed",
             where=" ".join(run),
@@ -187,19 +209,20 @@ def _run(command: Sequence[str]) -> str | None:
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:
-    """Load a compiled library; one that cannot be loaded is compiled anew, once.
+    """Load a compiled library; one that is damaged or cannot be loaded is compiled anew, once.
 
     Raises `CompilerError` where the new one cannot be loaded either; the cache then lacks it.
     """
-    try:
-        return ctypes.CDLL(str(library))
-    except OSError:
-        library.unlink(missing_ok=True)
+    if _is_whole(library):
+        try:
+            return ctypes.CDLL(str(library))
+        except OSError:
+            library.unlink(missing_ok=True)
     made = compile_library(source, extra_flags)
     try:
         return ctypes.CDLL(str(made))
     except OSError as error:
-        made.unlink(missing_ok=True)
+        shutil.rmtree(made.parent, ignore_errors=True)
         raise CompilerError(
             "the C compiler made a library that cannot be loaded",
             where=str(made),

@@ -9,6 +9,7 @@ import click
 from eom.commands.benching import bench
 from eom.commands.checking import check
 from eom.commands.deriving import derive
+from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
 from eom.commands.listing import list_names
 from eom.commands.simulating import run, simulate
@@ -45,7 +46,10 @@ def main() -> None:
     """
 
 
-for command in (list_names, derive, generate, accuracy, simulate, run, check, bench, stress):
+COMMANDS = (
+    list_names, derive, generate, accuracy, simulate, run, ensemble, check, bench, stress
+)  # fmt: skip
+for command in COMMANDS:
     main.add_command(command)
 
 if __name__ == "__main__":

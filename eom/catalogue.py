@@ -17,7 +17,7 @@ def names() -> list[str]:
     """Return the names of the ready scenes, sorted.
 
     >>> names()
-    ['bicycle-wheel', 'gravity-gradient-satellite', 'heavy-top', 't-handle']
+    ['bicycle-wheel', 'gravity-gradient-satellite', 'heavy-top', 't-handle', 't-handle-in-angles']
     """
     return sorted(p.stem for p in _folder().glob("*.toml"))
 

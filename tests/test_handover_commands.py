@@ -85,6 +85,22 @@ def test_a_run_far_from_singular_angles_says_that_nothing_changed(run, scene):
     assert rows_of(done)["changes of chart"] == "none"
 
 
+def test_the_ready_scene_turns_through_singular_angles(run, tmp_path):
+    """The same angles as without hand-over, where they turn as fast as the body is near."""
+    found = {}
+    for word in ("--handover", "--no-handover"):
+        done = run("simulate", "t-handle-in-angles", word, "--out", tmp_path / "run.npz")
+        assert done.exit_code == 0, done.output
+        found[word] = columns(tmp_path / "run.npz"), rows_of(done)
+    by_default = run("simulate", "t-handle-in-angles")
+    assert rows_of(by_default)["changes of chart"].startswith("18, at t = ")
+    assert "changes of chart" not in found["--no-handover"][1]
+    one, other = (columns for columns, _ in found.values())
+    assert np.ptp(one["psi"]) > 12
+    for name in ("psi", "theta", "phi"):
+        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-5)
+
+
 def test_run_writes_both_charts(run, scene, tmp_path):
     done = run("run", scene[True], "--out", tmp_path / "out")
     assert done.exit_code == 0, done.output
@@ -111,6 +127,20 @@ def test_generate_writes_the_same_files_with_hand_over_each_time(run, scene, tmp
     assert not (tmp_path / "one" / "tumbling_handover.c").exists()
 
 
+def test_generate_writes_hand_over_with_the_integrator_that_is_asked_for(run, scene, tmp_path):
+    order = {}
+    for rtol in (1e-6, 1e-12):
+        words = ["--integrator", "taylor", "--rtol", rtol, "--out", tmp_path / str(rtol)]
+        done = run("generate", scene[True], *words)
+        assert done.exit_code == 0, done.output
+        texts = {f.name: f.read_text() for f in (tmp_path / str(rtol)).iterdir()}
+        assert {"tumbling_taylor.c", "tumbling_quaternion_taylor.c"} <= set(texts)
+        assert '#include "tumbling_taylor.h"' in texts["tumbling_handover.h"]
+        assert not any("dop853" in name for name in texts)
+        order[rtol] = texts["tumbling_taylor.h"].partition("of order ")[2].split()[0]
+    assert int(order[1e-6]) + 5 < int(order[1e-12])
+
+
 BAD = {
     "no angles": (["simulate", "t-handle", "--handover"], "only Euler angles are handed over"),
     "a quaternion": (["run", "heavy-top", "--handover", "--out", "x"], "only Euler angles"),
@@ -119,6 +149,7 @@ BAD = {
     "projection": (["simulate", "SCENE", "--project", "T"], "not projected where angles"),
     "module": (["generate", "SCENE", "--target", "numpy", "--out", "x"], "--target does not go"),
     "derivatives": (["generate", "SCENE", "--jacobian", "states", "--out", "x"], "--jacobian does"),
+    "no integrator": (["generate", "SCENE", "--integrator", "none", "--out", "x"], "needs an integrator"),
     "no closed form": (["generate", "bicycle-wheel", "--closed-form", "--out", "x"], "no closed form"),
     "closed form, fixed": (["generate", "t-handle", "--closed-form", "--fixed", "--out", "x"], "--fixed"),
     "closed form, nowhere": (["generate", "t-handle", "--closed-form"], "--out FOLDER"),

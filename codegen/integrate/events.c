@@ -54,6 +54,11 @@ static double find_singular(@PREFIX@ *s, const double *after, const double *u) {
 }
 #endif
 
+void @PREFIX@_within(const @PREFIX@ *s, double t, const double *u, double *x) {
+    (void)u;
+    interpolate(s, (t - s->t_old) / s->h_old, x);
+}
+
 static void store(@PREFIX@_output *o, double t, const double *x) {
     o->t[o->count] = t;
     for (int i = 0; i < N; ++i) o->x[o->count * N + (size_t)i] = x[i];

@@ -34,6 +34,7 @@ typedef struct {
     double x[@STATES@];
     double p[@PARAMETER_ROOM@];
     double angles[3], branch, closest; /* closest: least |singular function| at the steps near it */
+    double piece;                        /* in which no angle turns much, from the time t on */
     long long steps, changes;
     int status, in_second, inside;
     @FIRST@ first;

@@ -11,3 +11,5 @@ typedef struct {
 size_t @PREFIX@_size(void);
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u);
 int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps);
+/* The states at a time in the last step; where that was not made with dense output, of Taylor series alone. */
+void @PREFIX@_within(const @PREFIX@ *s, double t, const double *u, double *x);

@@ -74,25 +74,17 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     }
 }
 
-@EVENTS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
+@EVENTS@@STEPS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;
     const int state = ready(s, o, direction);
     if (state != @UPPER@_PAUSED) return state;
     while (s->t != s->t_end) {
-        const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
-        double t_low, h_abs = fmin(s->h, s->h_max);
+        double h, t_new, t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        if (h_abs < smallest && fabs(rest) > smallest) {
-            if (s->after_rejection) return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
-            h_abs = smallest;
-        }
-        const int last = h_abs >= fabs(rest) * (1.0 - 1e-12);
-        const double h = last ? rest : h_abs * direction;
-        const double t_new = last ? s->t_end : two_sum(s->t, h + s->t_low, &t_low);
-        if (last) t_low = 0.0;
+        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
 
         for (int i = 0; i < N; ++i) k[0][i] = s->f[i];
 @STAGES@
@@ -108,28 +100,9 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
 @ERROR_TERMS@
         }
         const double error = @ERROR@;
-        if (!(error < 1.0)) {
-            const int bad = first_bad(x_new);
-            s->which = isfinite(error) ? -1 : (bad >= 0 ? bad : first_bad(k[@LAST@]));
-            if (!isfinite(error) && s->which < 0) s->which = 0;
-            s->h = fabs(h) * (isfinite(error) ? fmax(0.2, 0.9 * pow(error, -1.0 / @ORDER@.0)) : 0.2);
-            s->rejected += 1;
-            s->after_rejection = 1;
-            continue;
-        }
-#if S
-        const double turn = largest_turn(s, x_new);
-        if (turn > 1.0) { /* nothing is to be jumped over */
-            s->h = fabs(h) * 0.7 / turn;
-            s->rejected += 1;
-            s->after_rejection = 1;
-            continue;
-        }
-#endif
-        double factor = error > 1e-12 ? 0.9 / @ROOT@ : 10.0;
-        factor = fmin(s->after_rejection ? 1.0 : 10.0, fmax(0.2, factor));
-        s->after_rejection = 0;
-        s->which = -1;
+        const int bad = isfinite(error) ? -1 : first_bad(x_new);
+        if (is_rejected(s, h, error, bad >= 0 || isfinite(error) ? bad : first_bad(k[@LAST@]), x_new)) continue;
+        const double factor = growth(s, error);
 @PROJECT@
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];

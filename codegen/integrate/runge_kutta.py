@@ -48,7 +48,7 @@ def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
     )
 
 
-SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c",
+SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c", "STEPS": "steps.c",
           "INTERFACE": "interface.h", "OUTPUT": "output.h"}  # fmt: skip
 """What the texts of several methods have in common, by file."""
 

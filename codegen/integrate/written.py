@@ -45,12 +45,13 @@ def _taylor(program: Program, layout: Layout, rtol: float) -> Mapping[str, str]:
     return taylor.files(program, layout, taylor.order_of(rtol))
 
 
+NONE = "none"
 ROWS = (
     _runge_kutta(DOP853, "explicit Runge-Kutta of order 8"),
     _runge_kutta(DP5, "explicit Runge-Kutta of order 5, of Dormand and Prince"),
     _runge_kutta(TSIT5, "explicit Runge-Kutta of order 5, of Tsitouras"),
     Written("taylor", "Taylor series, order from the relative tolerance", _taylor),
-    Written("none", "the functions alone", lambda p, layout, rtol: {}),
+    Written(NONE, "the functions alone", lambda p, layout, rtol: {}),
 )
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from codegen.compiled import Compiled
 from codegen.integrate.trajectory import Array
+from codegen.patience import TooLongError, watch
 from codegen.simulation import DEFAULT_MARGIN, Result, simulate
 from codegen.stress.record import EPSILON, Figure, Findings
 from eom.errors import InputError
@@ -29,10 +29,6 @@ def tolerance_of(method: str) -> float:
     if method in HELD:
         return EPSILON
     return COARSE if method in LOW_ORDER else FINE
-
-
-class _TooLongError(Exception):
-    """A run was given up."""
 
 
 @dataclass(frozen=True)
@@ -77,26 +73,12 @@ def attempt(run: Run, method: str, rtol: float) -> Result | Refusal:
             return simulate(
                 run.compiled, start, span, run.parameters, method, rtol, run.atol,
                 None if run.steps else run.times, inputs=run.inputs, margin=run.margin,
-                max_step=run.max_step, max_steps=run.max_steps, progress=_watch(run.limit),
+                max_step=run.max_step, max_steps=run.max_steps, progress=watch(run.limit),
             )  # fmt: skip
-    except _TooLongError:
+    except TooLongError:
         return Refusal(f"takes more than {run.limit:g} s", late=True)
     except (InputError, UserWarning) as error:
         return Refusal(str(error).splitlines()[0].partition(". ")[0])
-
-
-def _watch(limit: float) -> Callable[[float], None]:
-    """Give up ``limit`` seconds of processor time after the first call: compilation is over then."""
-    began: list[float] = []
-
-    def watch(_: float) -> None:
-        now = time.process_time()
-        if not began:
-            began.append(now)
-        if now - began[0] > limit:
-            raise _TooLongError
-
-    return watch
 
 
 @dataclass

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from codegen.compiled import Compiled
+from codegen.patience import TooLongError
 from codegen.workprecision.case import Case, Reference, reference
-from codegen.workprecision.programs import Program, Run, TooLongError
+from codegen.workprecision.programs import Program, Run
 from eom.errors import InputError
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 2.0**-52)

@@ -20,6 +20,7 @@ import sympy as sp
 from codegen.compiled import Compiled
 from codegen.integrate.methods import METHODS
 from codegen.integrate.trajectory import Array
+from codegen.patience import TooLongError, watch
 from codegen.simulation import simulate
 from codegen.workprecision.case import Case
 from eom.errors import InputError, unknown_name
@@ -28,10 +29,6 @@ ABSOLUTE = 1e-3
 MAX_STEPS = 2_000_000
 PEERS = ("DOP853", "LSODA", "Radau")
 """SciPy's methods that run on a lambdified function: the best explicit one, and two for stiff systems."""
-
-
-class TooLongError(Exception):
-    """A run was given up."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,7 @@ def _ours(method: str) -> Program:
                 [case.end],
                 inputs=case.inputs,
                 max_steps=MAX_STEPS,
-                progress=_watch(limit),
+                progress=watch(limit),
             )
             if result.status != 0:
                 raise InputError(result.message)
@@ -89,20 +86,6 @@ def _ours(method: str) -> Program:
         return run
 
     return Program(method, prepare)
-
-
-def _watch(limit: float) -> Callable[[float], None]:
-    """Give up ``limit`` seconds of processor time after the first call: compilation is over then."""
-    began: list[float] = []
-
-    def watch(_: float) -> None:
-        now = time.process_time()
-        if not began:
-            began.append(now)
-        if now - began[0] > limit:
-            raise TooLongError
-
-    return watch
 
 
 def numbered(case: Case) -> tuple[list[Any], list[Any], Any]:
@@ -151,10 +134,10 @@ def _solve_ivp(method: str) -> Program:
 
 
 def _watched(function: Callable[..., Any], limit: float) -> Callable[..., Any]:
-    watch = _watch(limit)
+    told = watch(limit)
 
     def watched(t: float, x: Any) -> Any:
-        watch(t)
+        told(t)
         return function(t, x)
 
     return watched

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +80,10 @@ def generate(scene: str, folder: Path | None, handover: bool | None, **options: 
     if options.pop("closed_form"):
         _write_alone(_closed_form_files, "--closed-form", chosen, folder, options)
     elif chosen.integration.handover:
-        _write_alone(_handover_files, "hand-over", chosen, folder, options)
+        integrator = _choice(options.pop("integrator"), chosen)
+        del options["rtol"]  # the scene has it
+        files = partial(_handover_files, integrator=integrator)
+        _write_alone(files, "hand-over", chosen, folder, options)
     else:
         _generate(chosen, folder, **options)
 
@@ -130,12 +134,12 @@ def _closed_form_files(scene: Scene) -> Mapping[str, str]:
     return closed_c.files(closed, f"{scene.name}_closed")
 
 
-def _handover_files(scene: Scene) -> Mapping[str, str]:
+def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str]:
     from codegen import handover_c
     from codegen.charts import compile_charts
     from eom.handover import charts
 
-    return handover_c.files(compile_charts(charts(scene), "python"))
+    return handover_c.files(compile_charts(charts(scene), "python"), integrator)
 
 
 def _choice(name: str | None, scene: Scene) -> Choice | None:

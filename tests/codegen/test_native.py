@@ -184,6 +184,41 @@ def test_a_damaged_library_is_built_anew(cache, rubbish):
     assert len(libraries(cache)) == 1
 
 
+CUT = """
+import ctypes, os, sys
+from codegen import native
+source, share = sys.stdin.read(), float(sys.argv[1])
+library = native.compile_library(source)
+whole = library.read_bytes()
+os.truncate(library, int(share * len(whole)))
+for again in (native.load(library, source), native.load(native.compile_library(source), source)):
+    f = again.twice
+    f.argtypes, f.restype = [ctypes.c_double], ctypes.c_double
+    assert f(4.0) == 8.0
+assert library.read_bytes() == whole
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
+def test_a_library_that_was_cut_off_does_not_end_the_process(cache, share):
+    """A page of a mapped file that is not there is a bus error, which no program survives."""
+    command = [sys.executable, "-c", CUT, str(share)]
+    done = subprocess.run(command, input=SOURCE, text=True, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@needs_compiler
+def test_a_library_with_one_wrong_bit_is_built_anew(cache):
+    library = native.compile_library(SOURCE)
+    whole = library.read_bytes()
+    wrong = bytearray(whole)
+    wrong[len(wrong) // 2] ^= 1
+    library.write_bytes(wrong)
+    assert native.compile_library(SOURCE) == library
+    assert library.read_bytes() == whole
+
+
 @needs_compiler
 def test_a_library_that_vanished_is_built_anew(cache):
     library = native.compile_library(SOURCE)

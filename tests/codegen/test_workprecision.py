@@ -12,6 +12,7 @@ import sympy as sp
 import codegen
 from codegen import native
 from codegen.integrate.methods import METHODS
+from codegen.patience import TooLongError
 from codegen.workprecision import case as cases
 from codegen.workprecision import measuring, programs, showing
 from codegen.workprecision.case import Case, Reference
@@ -155,7 +156,7 @@ STIFF = System.from_rates("stiff", {x: -1e6 * (x - sp.cos(y)), y: 1 + 0 * y})
 def test_runs_that_take_too_long_are_given_up(name):
     case = replace(CASE, system=STIFF, parameters={}, start={"x": 0.0, "y": 0.0}, stiff=True)
     run = program(name).prepare(case, case.compiled(), 1e-6)
-    with pytest.raises(programs.TooLongError):
+    with pytest.raises(TooLongError):
         run(0.05)
 
 

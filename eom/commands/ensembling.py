@@ -1,0 +1,354 @@
+"""Many trajectories of a scene: `eom ensemble`."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eom.commands.shared import (
+    Rows,
+    WithTable,
+    compiled_of,
+    progress_of,
+    scene_argument,
+    scene_of,
+)
+from eom.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from codegen import Ensemble, Sampler, Summary
+    from eom.scene import Scene
+
+STOPPED = 1
+"""Exit status where a trajectory ended before its time."""
+LOCAL = "local"
+WIDTH = 160
+"""Columns of the table at least: no cell is cut."""
+KNOWN = ("count", "seed", "vary")
+"""What a file of distributions has."""
+
+
+def _distributions() -> Rows:
+    from codegen.distributions import KINDS
+
+    return [(kind.usage, kind.meaning) for kind in KINDS]
+
+
+@click.command(cls=WithTable, title="Distributions", rows=_distributions)
+@scene_argument
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=DISTRIBUTION",
+    help="A state at the start, or a parameter; NAME,NAME,... for several that belong together.",
+)
+@click.option(
+    "--samples",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="TOML file with count, seed and a table [vary] of distributions by name.",
+)
+@click.option(
+    "--count", type=int, help="Trajectories.  [default: the file's, or each of a grid once]"
+)
+@click.option("--seed", type=int, help="Of the random numbers.  [default: the file's, or 0]")
+@click.option(
+    "--statistics",
+    metavar="NAME,NAME,...",
+    help="States and outputs.  [default: the scene's outputs]",
+)
+@click.option(
+    "--quantiles", metavar="SHARE,SHARE,...", help="Shares from 0 to 1, as 0.05,0.5,0.95."
+)
+@click.option(
+    "--points",
+    type=int,
+    default=1,
+    show_default=True,
+    help="Times to count at; the last is the end.",
+)
+@click.option(
+    "--method", default="auto", show_default=True, metavar="auto|taylor|DOP853", help="Integrator."
+)
+@click.option("--t-end", type=float, help="End time in seconds.  [default: the scene's]")
+@click.option("--rtol", type=float, help="Relative tolerance.  [default: the scene's]")
+@click.option(
+    "--out", "store", type=click.Path(path_type=Path), help="Folder for all trajectories, in chunks; "
+    "a run that broke off goes on there.",
+)  # fmt: skip
+@click.option(
+    "--format",
+    "store_format",
+    default="zarr",
+    show_default=True,
+    metavar="zarr|parquet",
+    help="Of the chunks.",
+)
+@click.option(
+    "--chunk", type=int, help="Trajectories of a chunk.  [default: by the memory they need]"
+)
+@click.option("--threads", type=int, help="By default as many as there are processors.")
+@click.option(
+    "--cluster", metavar="local|ADDRESS", help="Run on a Dask cluster instead of in threads."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
+def ensemble(
+    scene: str, t_end: float | None, rtol: float | None, as_json: bool, **options: Any
+) -> None:
+    """Integrate SCENE from many starts and with many parameters, and print statistics.
+
+    Trajectories are kept only with --out. The same seed gives the same numbers, whatever the threads.
+    """
+    chosen = scene_of(scene, t_end=t_end, rtol=rtol)
+    shares = _shares(options.pop("quantiles"))
+    plan = _plan(
+        options.pop("samples"), options.pop("vary"), options.pop("count"), options.pop("seed")
+    )
+    if chosen.integration.handover:
+        click.echo(
+            "note: angles are not handed over here: singular angles end a trajectory", err=True
+        )
+    found = _run(chosen, plan, quantiles=bool(shares), **options)
+    if as_json:
+        click.echo(json.dumps(_data(found, plan, shares), indent=1))
+    else:
+        _print(found, shares)
+    if not found.success:
+        sys.exit(STOPPED)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """What varies, by name or names, in words; how many trajectories (0: as many as in the grids)."""
+
+    vary: Mapping[str, str | float]
+    count: int
+    seed: int
+
+
+def _plan(file: Path | None, vary: Sequence[str], count: int | None, seed: int | None) -> _Plan:
+    """Return what a file and the options say; options come first. Raises `InputError`."""
+    given = {} if file is None else _table(file)
+    own: dict[str, str] = {}
+    for text in vary:
+        name, equals, words = text.partition("=")
+        if not equals or name in own:
+            what = f"{name} is varied twice" if equals else "nothing to vary by"
+            raise InputError(
+                what, where="--vary", got=text, expected="NAME=DISTRIBUTION, each once"
+            )
+        own[name] = words
+    varied = {**given.get("vary", {}), **own}
+    if not varied:
+        raise InputError("nothing varies", hint="--vary NAME=DISTRIBUTION, or --samples FILE.toml")
+    return _Plan(
+        varied,
+        given.get("count", 0) if count is None else count,
+        given.get("seed", 0) if seed is None else seed,
+    )
+
+
+def _table(file: Path) -> dict[str, Any]:
+    try:
+        found = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError("not a TOML file", where=str(file), got=str(error)) from None
+    for name in found:
+        if name not in KNOWN:
+            raise unknown_name("entry", name, KNOWN, str(file))
+    if not isinstance(found.get("vary", {}), dict):
+        expected = "a table [vary] of distributions by name"
+        raise InputError("not a table", where=str(file), got="vary", expected=expected)
+    return found
+
+
+def _shares(text: str | None) -> list[float]:
+    try:
+        found = [float(word) for word in text.split(",")] if text else []
+    except ValueError:
+        found = [math.nan]
+    if not all(0 <= share <= 1 for share in found):
+        raise InputError(
+            "not shares",
+            where="--quantiles",
+            got=text,
+            expected="numbers from 0 to 1, parted by commas",
+        )
+    return found
+
+
+def _run(
+    scene: Scene,
+    plan: _Plan,
+    statistics: str | None,
+    quantiles: bool,
+    points: int,
+    cluster: str | None,
+    **options: Any,
+) -> Ensemble:
+    import codegen
+
+    if points < 1:
+        raise InputError("no time to count at", where="--points", got=points, expected="1 or more")
+    compiled = compiled_of(scene, "auto")
+    names = _counted(scene) if statistics is None else tuple(statistics.split(","))
+    sampler, parameters = _samples(scene, plan)
+    end, settings = scene.integration.t_end, scene.integration
+    with _client(cluster) as client, progress_of("integrating") as progress:
+        return codegen.ensemble(
+            compiled,
+            sampler,
+            (0.0, end),
+            parameters,
+            rtol=settings.rtol,
+            atol=settings.atol,
+            t_eval=[end * k / points for k in range(1, points + 1)],
+            inputs=scene.input_values(),
+            statistics=codegen.Statistics(names, quantiles),
+            keep=False,
+            max_steps=settings.max_steps,
+            client=client,
+            progress=progress,
+            **options,
+        )
+
+
+def _counted(scene: Scene) -> tuple[str, ...]:
+    """Return what the scene asks for that varies."""
+    system = scene.derive()
+    known = (*system.state_names, *system.output_names)
+    return tuple(n for n in scene.requested if n in known)
+
+
+def _samples(scene: Scene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
+    """Return the sampler, which has every state, and the parameters that do not vary."""
+    from codegen import Sampler, distributions
+
+    varied = distributions.sampler(plan.vary, plan.count, plan.seed)
+    if not len(varied):
+        raise InputError("how many trajectories?", expected="--count N", hint="or a grid")
+    _check_attitude(scene, varied)
+    values = dict(varied.values)
+    values |= {n: v for n, v in scene.initial_values().items() if n not in varied.names}
+    known = scene.parameter_values().items()
+    parameters = {n: v for n, v in known if n not in varied.names}
+    return Sampler(values, varied.count, varied.seed), parameters
+
+
+def _check_attitude(scene: Scene, sampler: Sampler) -> None:
+    """Refuse to vary one component of a quaternion or a matrix: what results is no attitude."""
+    from eom.kinematics import attitude
+
+    if (
+        scene.model == "spinner"
+        or scene.attitude == "none"
+        or not attitude(scene.attitude).constraints
+    ):
+        return
+    parts = {q.name for q in attitude(scene.attitude).coordinates}
+    for names in sampler.values:
+        if isinstance(names, str) and names in parts:
+            hint = (
+                "q0,q1,q2,q3=attitude()"
+                if scene.attitude == "quaternion"
+                else "attitude = one of Euler angles"
+            )
+            raise InputError("one component of an attitude cannot vary alone", got=names, hint=hint)
+
+
+@contextmanager
+def _client(cluster: str | None) -> Iterator[Any]:
+    """Connect with a cluster, or start one on this machine; None where there is none."""
+    if cluster is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "a cluster needs dask.distributed", hint="pip install 'eom-toolkit[cluster]'"
+        ) from None
+    make: Callable[..., Any] = Client
+    try:
+        client = make() if cluster == LOCAL else make(cluster, timeout=10)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            "no cluster",
+            where="--cluster",
+            got=f"{cluster}: {error}",
+            expected="local, or tcp://HOST:PORT",
+        ) from None
+    with client:
+        yield client
+
+
+def _columns(summary: Summary, shares: Sequence[float]) -> dict[str, Any]:
+    """Return arrays (K,) by the heading of their column."""
+    found = {"mean": summary.mean, "deviation": summary.deviation, "least": summary.minimum}
+    found |= {f"{share:g}": summary.quantile(share) for share in shares}
+    return {**found, "greatest": summary.maximum}
+
+
+def _print(found: Ensemble, shares: Sequence[float]) -> None:
+    """Print how the trajectories ended, and a table of what was counted."""
+    from rich.console import Console
+    from rich.table import Table
+
+    ends = ", ".join(f"{count:,} {reason}" for reason, count in found.counts.items())
+    about = Table(box=None, show_header=False, pad_edge=False)
+    about.add_row("trajectories", f"{found.count:,}: {ends}")
+    about.add_row("method", found.method)
+    about.add_row("steps", f"{found.steps:,}")
+    about.add_row("time", f"{found.seconds:.3g} s")
+    for name, drift in found.drift.items():
+        about.add_row(f"drift of {name}", f"at most {drift.maximum[0]:.2e} relative")
+    if found.store:
+        about.add_row("trajectories in", str(found.store))
+    headings = ["mean", "deviation", "least", *(f"{s:g}" for s in shares), "greatest"]
+    table = Table(box=None, pad_edge=False)
+    table.add_column("")
+    for heading in ("t", "trajectories", *headings):
+        table.add_column(heading, justify="right")
+    for name, summary in found.statistics.items():
+        columns = _columns(summary, shares).values()
+        for k, t in enumerate(found.t):
+            numbers = (f"{column[k]:.6g}" for column in columns)
+            table.add_row(name, f"{t:.6g}", f"{summary.count[k]:,}", *numbers)
+    console = Console(width=max(WIDTH, Console().width), soft_wrap=True)
+    console.print(about)
+    if found.statistics:
+        console.print()
+        console.print(table)
+
+
+def _data(found: Ensemble, plan: _Plan, shares: Sequence[float]) -> dict[str, Any]:
+    """Return everything as what JSON has; numbers that are not finite are null."""
+
+    def listed(array: Any) -> list[float | None]:
+        return [v if math.isfinite(v) else None for v in map(float, array)]
+
+    def summarised(summary: Summary) -> dict[str, Any]:
+        columns = {k: listed(v) for k, v in _columns(summary, shares).items()}
+        return {"count": summary.count.tolist(), **columns}
+
+    return {
+        "count": found.count,
+        "seed": plan.seed,
+        "vary": dict(plan.vary),
+        "ends": dict(found.counts),
+        "stopped": found.stopped.T.tolist(),
+        "method": found.method,
+        "steps": found.steps,
+        "t": found.t.tolist(),
+        "statistics": {n: summarised(s) for n, s in found.statistics.items()},
+        "drift": {n: listed(d.maximum)[0] for n, d in found.drift.items()},
+        "store": None if found.store is None else str(found.store),
+    }
