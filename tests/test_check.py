@@ -150,6 +150,21 @@ def test_a_folder_with_a_table(check, note, tmp_path):
     assert json.loads((tmp_path / "table.json").read_text())[0]["first_fault"] == 5
 
 
+def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
+    file = tmp_path / "page.html"
+    done = check(note, *ARROWS, "--html", file)
+    assert done.exit_code == 1
+    assert "1 wrong" in file.read_text()
+    assert "wrote" in done.stderr
+    (tmp_path / "bad.md").write_bytes(b"\0")
+    folder = tmp_path / "pages"
+    assert check(note, tmp_path / "bad.md", *ARROWS, "--html", folder, "--jobs", 1).exit_code == 2
+    assert sorted(p.name for p in folder.iterdir()) == ["1-note.html", "index.html"]
+    index = (folder / "index.html").read_text()
+    assert 'href="1-note.html"' in index
+    assert "the file is binary" in index
+
+
 def test_several_notes_of_all_kinds(check, note):
     done = check(note, RIGHT, "-", *ARROWS, "--quiet", input=f"Let ${RIGHT}$.")
     assert done.exit_code == 1
@@ -227,6 +242,8 @@ def test_colours_are_for_terminals_without_no_color(check):
         (["a=b", "--jobs", "-1"], "Invalid value for '--jobs'"),
         ([], "Missing argument"),
         (["a=b", "--table", "{tmp}/no/table.csv"], "No such file"),
+        (["a=b", "--html", "{tmp}/empty"], "a file, for one note"),
+        (["a=b", "c=d", "--html", "{tmp}/b.md"], "a folder, for several notes"),
     ],
 )
 def test_what_cannot_be_used_is_one_message_and_status_2(check, tmp_path, words, said):

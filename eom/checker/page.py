@@ -7,18 +7,19 @@ brings along is escaped. Details open by click or key.
 from __future__ import annotations
 
 import html
-from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from importlib import resources
+from urllib.parse import quote
 
 from eom.checker.documents import Document, Piece
 from eom.checker.explanation import Correction, Counterexample
+from eom.checker.graded import Graded
 from eom.checker.judge import HOLDS, UNDECIDED, UNDER
 from eom.checker.mathml import mathml
 from eom.checker.places import Span
 from eom.checker.prose import prose
-from eom.checker.report import Finding, Report
+from eom.checker.report import FAULTS, Finding, Report
 from eom.checker.roles import ASSUMPTION, DEFINITION
 from eom.checker.values import AMBIGUOUS, ILL_FORMED, WRONG
 from eom.checker.verdicts import NONE
@@ -35,8 +36,6 @@ SIGNS: dict[str, tuple[str, str]] = {
     ASSUMPTION: ("plain", "▹"),
 }
 """Tone and sign of a verdict, in the order of the summary."""
-
-BAD = frozenset(verdict for verdict, (tone, _) in SIGNS.items() if tone == "bad")
 
 DOCUMENT = """<!DOCTYPE html>
 <html lang="en">
@@ -63,10 +62,11 @@ DOCUMENT = """<!DOCTYPE html>
 
 def page(document: Document, report: Report) -> str:
     """Return the page of a note and its report; the same input gives the same text."""
-    findings = {(id(f.source), f.span.start): f for f in report.findings if f.verdict != NONE}
+    told = [f for f in report.findings if f.verdict != NONE]
+    findings = {(f.source.name, f.span.start): f for f in told}
 
     def found(piece: Piece) -> Finding | None:
-        return findings.get((id(piece.source), piece.span.start))
+        return findings.get((piece.source.name, piece.span.start))
 
     note = prose(document, lambda p: _formula(p, found(p)), lambda p: _below(found(p)))
     return DOCUMENT.format(
@@ -75,6 +75,37 @@ def page(document: Document, report: Report) -> str:
         summary="\n".join(_summary(report)),
         note="".join(note),
     )
+
+
+def index(rows: Sequence[tuple[str, Graded]]) -> str:
+    """Return the page that leads to the pages of many notes: their file names, and what became of them."""
+    cells = "".join(
+        f'<tr class="{TONES[g.status]}"><th scope="row">{_linked(file, g)}</th>'
+        f'<td class="verdict">{g.status}</td><td>{_outcome(g)}</td></tr>'
+        for file, g in rows
+    )
+    head = '<tr><th scope="col">note</th><th scope="col">verdict</th><th scope="col">why</th></tr>'
+    return DOCUMENT.format(
+        title=f"{len(rows)} notes checked",
+        style=_style(),
+        summary=f"<h1>{len(rows)} notes checked</h1>",
+        note=f"<table>{head}{cells}</table>",
+    )
+
+
+TONES = {"wrong": "bad", "unusable": "open", "nothing wrong": "good"}
+"""Tone of what became of a note."""
+
+
+def _linked(file: str, graded: Graded) -> str:
+    name = html.escape(graded.name)
+    return f'<a href="{html.escape(quote(file))}">{name}</a>' if graded.report else name
+
+
+def _outcome(graded: Graded) -> str:
+    if graded.report is None:
+        return html.escape(graded.error)
+    return ", ".join(f"{count} {verdict}" for verdict, count in graded.report.counts.items())
 
 
 @cache
@@ -86,30 +117,34 @@ def _style() -> str:
 
 
 def _headline(report: Report) -> str:
-    wrong = sum(f.verdict in BAD for f in report.findings)
-    return f"{wrong} wrong" if wrong else "nothing wrong"
+    return f"{len(report.faults)} wrong" if report.faults else "nothing wrong"
 
 
 def _summary(report: Report) -> Iterator[str]:
     """Yield the lines of the summary."""
-    counts = Counter(f.verdict for f in report.findings)
+    counts = report.counts
     yield f"<h1>{html.escape(report.name or 'Formula')}</h1>"
     cells = [
         f'<tr class="{tone}"><th scope="row" class="verdict">{sign} {verdict}</th>'
         f"<td>{counts[verdict]}</td></tr>"
         for verdict, (tone, sign) in SIGNS.items()
-        if counts[verdict]
+        if verdict in counts
     ]
     yield f"<table><caption>Equations by verdict</caption>{''.join(cells)}</table>"
     for title, text in (
         ("Meanings of symbols", html.escape(report.lexicon)),
+        ("Drafted from the words of the note", _list(map(html.escape, report.drafts), "ul")),
         ("Assumed throughout", _assumptions(report.given)),
         ("Symbols without a meaning", ", ".join(mathml(s) for s in report.unplaced)),
+        (
+            "Not read",
+            _list((f"line {n.line}: {html.escape(n.text)}" for n in report.notices), "ul"),
+        ),
     ):
-        yield f"<p>{title}: {text}.</p>" if text else ""
-    listed = [f for f in report.findings if f.verdict in BAD]
+        yield f"<div><strong>{title}:</strong> {text}</div>" if text else ""
     rows = "".join(
-        f'<li class="bad"><a href="#{_name(f)}">{_title(f)}</a> {_brief(f)}</li>' for f in listed
+        f'<li class="bad"><a href="#{_name(f)}">{_title(f)}</a> {_brief(f)}</li>'
+        for f in report.faults
     )
     yield (
         f'<nav aria-label="What is wrong"><h2>What is wrong</h2><ul>{rows}</ul></nav>'
@@ -183,7 +218,7 @@ def _below(finding: Finding | None) -> str:
         f"<small>{_title(finding)}</small>"
     )
     body = f"<dl>{details}</dl>"
-    opened = " open" if finding.verdict in BAD else ""
+    opened = " open" if finding.verdict in FAULTS else ""
     inner = f"<details{opened}><summary>{head}</summary>{body}</details>" if details else head
     where = f'id="{_name(finding)}" aria-label="{_title(finding)}"'
     return f'<section class="card {tone}" {where}>{inner}</section>\n'

@@ -72,6 +72,12 @@ def _assumptions() -> Rows:
     help="Write a row for each note to a file: CSV, or JSON if it ends in .json.",
 )
 @click.option(
+    "--html",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Write the report as a page: a file, for several notes a folder.",
+)
+@click.option(
     "--as",
     "kind",
     default="",
@@ -112,7 +118,9 @@ def check(notes: tuple[str, ...], propose: bool, **options: Any) -> None:
         return
     settings = _settings(**options)
     only = _verdicts(options["only"])
-    graded = _checked(notes, settings, options["jobs"])
+    sources, graded = _checked(notes, settings, options["jobs"])
+    if options["html"] is not None:
+        _write_pages(sources, graded, options["html"], options["kind"])
     if options["table"] is not None:
         _write_table(graded, options["table"])
     if options["as_json"]:
@@ -174,20 +182,23 @@ def _note(word: str) -> Note:
     return Text(decoded(data, "standard input"), "standard input")
 
 
-def _checked(words: Sequence[str], settings: Settings, jobs: int) -> tuple[Graded, ...]:
-    """Return what became of the notes: one alone is checked here, many in processes."""
-    notes = [_note(word) for word in words]
-    if len(notes) == 1 and not (isinstance(notes[0], Path) and notes[0].is_dir()):
+def _checked(
+    words: Sequence[str], settings: Settings, jobs: int
+) -> tuple[list[Note], tuple[Graded, ...]]:
+    """Return the notes and what became of them: one alone is checked here, many in processes."""
+    from eom.checker.inputs import notes_of
+
+    notes = notes_of([_note(word) for word in words])
+    if not notes:
+        raise InputError("there are no notes here", got=", ".join(words), expected="Markdown, ...")
+    if len(notes) == 1:
         from eom.checker.checking import grade
 
-        return (grade(notes[0], settings),)
+        return notes, (grade(notes[0], settings),)
     from eom.checker.grading import check_notes
 
     with progress_of("check") as progress:
-        found = check_notes(notes, settings, jobs, progress)
-    if not found:
-        raise InputError("there are no notes here", got=", ".join(words), expected="Markdown, ...")
-    return found
+        return notes, check_notes(notes, settings, jobs, progress)
 
 
 def _propose(words: Sequence[str], kind: str) -> None:
@@ -209,6 +220,34 @@ def _write_table(graded: Sequence[Graded], file: Path) -> None:
     text = to_table_json(graded) if as_json else to_csv(graded)
     file.write_text(text, encoding="utf-8", newline="")
     click.echo(f"wrote {file}", err=True)
+
+
+def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, kind: str) -> None:
+    """Write the page of a note, or those of several into a folder with an index.
+
+    Raises `InputError` where a folder is needed and there is a file, or the other way round.
+    """
+    from eom.checker.inputs import document_of
+    from eom.checker.page import index, page
+
+    several = len(notes) > 1
+    if path.is_dir() != several and path.exists():
+        kinds = ("a folder, for several notes", "a file, for one note")
+        raise InputError("the pages cannot be written here", where="--html", got=str(path),
+                         expected=kinds[0 if several else 1])  # fmt: skip
+    files = [f"{k}-{Path(g.name).stem}.html" for k, g in enumerate(graded, 1)] if several else [""]
+    texts = {
+        file: page(document_of(note, kind), one.report)
+        for file, note, one in zip(files, notes, graded, strict=True)
+        if one.report is not None
+    }
+    if several:
+        texts["index.html"] = index(list(zip(files, graded, strict=True)))
+        path.mkdir(parents=True, exist_ok=True)
+    for file, text in texts.items():
+        (path / file if several else path).write_text(text, encoding="utf-8")
+    if texts:
+        click.echo(f"wrote {path / 'index.html' if several else path}", err=True)
 
 
 def _status(graded: Sequence[Graded]) -> int:
