@@ -154,7 +154,7 @@ def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
     file = tmp_path / "page.html"
     done = check(note, *ARROWS, "--html", file)
     assert done.exit_code == 1
-    assert "1 wrong" in file.read_text()
+    assert "2 wrong" in file.read_text()
     assert "wrote" in done.stderr
     (tmp_path / "bad.md").write_bytes(b"\0")
     folder = tmp_path / "pages"

@@ -69,7 +69,8 @@ def report_on(document, **changes):
         verdict = "wrong" if p.kind == "display" else "holds under" if "=" in p.body else "no claim"
         f = Finding(numbers[p.kind], p.kind, p.source, p.span, p.body, verdict)
         findings.append(replace(f, **changes) if verdict == "wrong" else f)
-    return Report("note.md", tuple(findings), "preset kane", (r"\vec q",), ("constant_mass",))
+    given = ("constant_mass",)
+    return Report("note.md", tuple(findings), "preset kane", unplaced=(r"\vec q",), given=given)
 
 
 def term(document, text):
