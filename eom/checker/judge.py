@@ -11,7 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
+from eom.checker import systems
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -19,6 +21,9 @@ from eom.generators import worlds
 from eom.series import Singular
 from eom.terms import Equation, nodes, zero
 from eom.worlds import ASSUMPTIONS, closure
+
+if TYPE_CHECKING:
+    from eom.checker.model import Model
 
 WORLDS = 3
 TRIALS = 12
@@ -88,8 +93,12 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
 def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """Return whether a claim holds beyond what is ``given``, and under what else.
 
-    A claim with findings is judged by what is left of it; without members it is undecided.
+    A claim with findings is judged by what is left of it; without members it is undecided. One about the
+    system of its note is judged on the solutions of that.
     """
+    given = tuple(given)
+    if claim.model is not None and systems.mentions(claim):
+        return _on_solutions(claim, claim.model, given)
     try:
         search = _Search(claim, equations(claim), closure(given))
         context = search.context
@@ -112,6 +121,13 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     names = claim.kind == SAME_POINT or (not sets and search.free)
     verdict = DEFINITION if names else UNDER if sets else WRONG
     return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
+
+
+def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement:
+    found = systems.decide(claim, model, given)
+    defines = found.verdict == HOLDS and claim.relations[:1] == (":=",)
+    verdict = DEFINITION if defines and len(claim.members) == 2 else found.verdict
+    return Judgement(verdict, found.sets, reason=found.reason)
 
 
 def _shown(names: frozenset[str]) -> tuple[str, ...]:

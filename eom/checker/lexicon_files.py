@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from eom.checker.grammar import read_formula
 from eom.checker.lexicon import Entry, Lexicon, Notation, Scope
@@ -20,6 +21,9 @@ from eom.checker.looks import Labels, Look, labels, seen
 from eom.checker.meanings import SLOT, meaning
 from eom.checker.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from eom.checker.model import Model
 
 PRESETS = (
     "arrow-tilde",
@@ -131,6 +135,31 @@ class _Reader:
             self.names(data, "points", place),
         )
 
+    def system(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+    ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
+        """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
+        if "system" not in data:
+            return None, ()
+        from eom.checker.model_files import model_in, symbols_in  # most notes need no scenes
+
+        try:
+            model = model_in(data["system"], folder, self.where("system"))
+            own, usual = symbols_in(data["system"], model, self.where("system", "symbols"))
+            entries = [_entry(latex, value, notation, w) for latex, value, w in own]
+        except InputError as error:
+            self.errors.append(error)
+            return None, ()
+        known = {e.look for e in entries}
+        spelt: list[Entry] = []
+        for latex, value, where in usual:
+            with suppress(InputError):  # a name that is printed as words or with dots
+                entry = _entry(latex, value, notation, where)
+                spelt += [entry] if entry.look not in known else []
+                known.add(entry.look)
+        letters = {e.meaning.labels[0]: e.look.text for e in entries if e.meaning.labels}
+        return replace(model, letters=letters), (tuple(entries), tuple(spelt))
+
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
         """Note every key that is not known."""
         for key in data:
@@ -138,10 +167,15 @@ class _Reader:
                 self.errors.append(unknown_name("key", str(key), known, self.where(*above)))
 
 
-def lexicon_of(data: Mapping[str, Any], name: str = "") -> tuple[Lexicon, tuple[InputError, ...]]:
-    """Return the lexicon that a table holds, and one error for each entry that cannot be used."""
+def lexicon_of(
+    data: Mapping[str, Any], name: str = "", folder: Path | None = None
+) -> tuple[Lexicon, tuple[InputError, ...]]:
+    """Return the lexicon that a table holds, and one error for each entry that cannot be used.
+
+    ``folder``: where the scene file of a note's system is looked for.
+    """
     reader = _Reader(name)
-    reader.unknown(data, ("preset", "scope", *_TABLES))
+    reader.unknown(data, ("preset", "scope", "system", *_TABLES))
     base = Lexicon()
     if "preset" in data:
         if data["preset"] in PRESETS:
@@ -152,19 +186,21 @@ def lexicon_of(data: Mapping[str, Any], name: str = "") -> tuple[Lexicon, tuple[
             )
     notation = reader.notation(data, base.notation)
     own = tuple(reader.entries(data, notation))
+    system, spelt = reader.system(data, notation, folder)
     lexicon = Lexicon(
         notation,
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
-        (own, *base.layers),
+        (own, *spelt, *base.layers),
         tuple(reader.scopes(data, notation)),
+        system,
     )
     return lexicon, tuple(reader.errors)
 
 
-def parse_lexicon(text: str, name: str = "") -> Lexicon:
+def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
     """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
-    lexicon, errors = lexicon_of(_toml(text, name), name)
+    lexicon, errors = lexicon_of(_toml(text, name), name, folder)
     if errors:
         raise _joined(errors)
     return lexicon
@@ -220,7 +256,7 @@ def lexicon_for(note: str, path: Path | None = None) -> Lexicon | None:
     """
     data = front_matter(note)
     if data:
-        lexicon, errors = lexicon_of(data, "front matter")
+        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None)
         if errors:
             raise _joined(errors)
         return lexicon
@@ -230,7 +266,7 @@ def lexicon_for(note: str, path: Path | None = None) -> Lexicon | None:
                 text = file.read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError) as error:
                 raise InputError("a lexicon cannot be read", where=str(file), got=error) from None
-            return parse_lexicon(text, file.name)
+            return parse_lexicon(text, file.name, file.parent)
     return None
 
 
