@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eom.solutions import Restriction, rate
+from eom.solutions import INVERSES, Restriction, rate
 from eom.system import Expr, System
 
 DIGITS = 40
@@ -34,6 +34,20 @@ def without_rates(system: System, expression: Expr) -> Expr:
         return e.func(*(plain(a) for a in e.args))
 
     return plain(expression)
+
+
+def inexact(system: System, expression: Expr) -> bool:
+    """Tell whether an expression has roots or inverse functions when its names are written out."""
+    todo, seen = [expression], set[Expr]()
+    named = {d.symbol: d.expression for d in (*system.definitions, *system.outputs)}
+    while todo:
+        e = todo.pop()
+        seen.add(e)
+        powers = (p.as_base_exp()[1] for p in e.atoms(sp.Pow))
+        if e.has(*INVERSES) or any(not p.is_Integer for p in powers):
+            return True
+        todo += [named[s] for s in e.free_symbols if s in named and named[s] not in seen]
+    return False
 
 
 def differs(

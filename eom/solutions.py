@@ -10,7 +10,7 @@ of the square of a parameter is the parameter. Other functions get a random valu
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,6 +36,10 @@ class rate(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is pri
 
     nargs = 1
 
+    def _sympystr(self, printer: Any) -> str:
+        inside = printer._print(self.args[0])
+        return f"{inside}'" if self.args[0].is_Symbol else f"d/dt({inside})"
+
 
 @dataclass(frozen=True)
 class Restriction:
@@ -55,10 +59,7 @@ class Restriction:
 
 @dataclass
 class Motion:
-    """One solution: series of every quantity, ``length`` coefficients each.
-
-    ``opaque``: functions that were met of which only the derivative is known.
-    """
+    """One solution: series of every quantity, ``length`` coefficients each."""
 
     system: System
     length: int
@@ -68,7 +69,6 @@ class Motion:
     memo: dict[Expr, Series] = field(default_factory=dict)
     tangents: dict[Expr, int] = field(default_factory=dict)
     values: dict[Expr, int] = field(default_factory=dict)
-    opaque: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.generator = random.Random(self.seed)  # noqa: S311 - reproducible points, no secrets
@@ -259,7 +259,6 @@ def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: 
 def _power(m: Motion, node: Expr) -> Series:
     base, exponent = node.as_base_exp()
     if exponent.is_Rational and exponent.q == 2 and abs(exponent.p) <= MAX_POWER:
-        m.opaque.add("root")
         return _integer_power(m, _root(m, base), int(exponent.p))
     if not exponent.is_Integer or abs(exponent) > MAX_POWER:
         raise InputError("this power has no exact value", got=node)
@@ -309,7 +308,6 @@ def _rate(m: Motion, node: Expr) -> Series:
 
 def _transcendental(m: Motion, node: Expr) -> Series:
     """Integrate the derivative of a function; its value at t = 0 is random."""
-    m.opaque.add(type(node).__name__)
     arguments = [sp.Dummy(real=True) for _ in node.args]
     bare = node.func(*arguments)
     total = m.constant(0)
@@ -323,11 +321,11 @@ def _transcendental(m: Motion, node: Expr) -> Series:
     return Series(FIELD, (m.value_of(node), *integrated))
 
 
-_INVERSES = (sp.atan, sp.asin, sp.acos, sp.atan2, sp.log)
+INVERSES = (sp.atan, sp.asin, sp.acos, sp.atan2, sp.log)
 
 
 def _inverse(expression: Expr) -> bool:
-    return bool(expression.atoms(*_INVERSES))
+    return bool(expression.atoms(*INVERSES))
 
 
 _RULES: tuple[tuple[Any, Callable[[Motion, Any], Series]], ...] = (
@@ -344,29 +342,6 @@ _RULES: tuple[tuple[Any, Callable[[Motion, Any], Series]], ...] = (
     (sp.sec, lambda m, n: m.rotation(n.args[0])[1].reciprocal()),
     (sp.csc, lambda m, n: m.rotation(n.args[0])[0].reciprocal()),
     (rate, _rate),
-    (_INVERSES, _transcendental),
+    (INVERSES, _transcendental),
 )
 """One rule a kind of SymPy expression."""
-
-
-def motions(
-    system: System,
-    length: int,
-    count: int,
-    restrictions: Iterable[Restriction] = (),
-    tries: int = 12,
-) -> Iterator[Motion]:
-    """Yield up to ``count`` solutions; points where the system is singular are drawn again.
-
-    Raises `Inconsistent` where no solution keeps the restrictions.
-    """
-    found = 0
-    for seed in range(tries):
-        try:
-            motion = Motion(system, length, seed, tuple(restrictions))
-        except Singular:
-            continue
-        yield motion
-        found += 1
-        if found == count:
-            return

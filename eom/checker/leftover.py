@@ -8,52 +8,65 @@ told.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 
 import sympy as sp
 
 from eom.errors import InputError
 from eom.numerals import without_rates
-from eom.solutions import Restriction, rate
+from eom.series import PRIME
+from eom.solutions import FIELD, Motion, Restriction, rate
 from eom.system import Expr, System
 
 MAX_OPERATIONS = 1500
 MAX_TERMS = 6
+MAX_NUMBER = 100
 
 Pair = tuple[Expr, Expr]
 
 
 @dataclass(frozen=True)
 class Leftover:
-    """Left side less right side on the solutions, the slip in words, and the term it is about.
+    """A slip in words with a place {} for a term, and that term, in the symbols of the system."""
 
-    ``words`` holds a place {} for the term; both are in the symbols of the system.
-    """
-
-    residual: Expr
     words: str
     term: Expr
 
 
-def leftover(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) -> Leftover | None:
-    """Return what is wrong with an equation; None where it would be long or is not explicit."""
+def leftover(
+    system: System, pair: Pair, motions: Sequence[Motion], given: tuple[Restriction, ...] = ()
+) -> Leftover | None:
+    """Return what is wrong with an equation; None where it would be long or is not explicit.
+
+    ``motions``: solutions at which both sides have values that differ.
+    """
+    left, right = pair
+    constant = right == 0 and isinstance(left, rate)
+    blamed = _blamed(motions, left, right)
+    if blamed is not None:
+        return blamed
+    found = residual(system, pair, given)
+    if found is None:
+        return None
+    return Leftover("its rate is {}" if constant else "missing on the right side: {}", found)
+
+
+def residual(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) -> Expr | None:
+    """Return the left side less the right side on the solutions; None if it is long or not explicit."""
     if system.mass_matrix is not None or sum(map(_size, pair)) > MAX_OPERATIONS:
         return None
     equal = {b: a for r in given for a, b in r.equal} | {
         s: sp.S.Zero for r in given for s in r.zero
     }
-    left, right = (e.xreplace(equal) for e in pair)
-    forms = [_expanded(f(system, left) - f(system, right)) for f in (_named, _plain)]
-    forms = [f.xreplace(equal) for f in forms]
-    residual = min(forms, key=lambda f: len(sp.Add.make_args(f)))
-    if residual == 0 or len(sp.Add.make_args(residual)) > MAX_TERMS:
+    left, right = pair
+    forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, _plain)]
+    found = min(forms, key=lambda f: len(sp.Add.make_args(f)))
+    if found == 0 or len(sp.Add.make_args(found)) > MAX_TERMS:
         return None
-    if right == 0 and isinstance(left, rate):
-        return Leftover(residual, "its rate is {}", _short(residual))
-    return _blamed(system, left, right, residual) or Leftover(
-        residual, "missing on the right side: {}", _short(residual)
-    )
+    return sp.factor_terms(found) if found.is_Add else found
 
 
 def _size(expression: Expr) -> int:
@@ -74,7 +87,7 @@ def _named(system: System, expression: Expr) -> Expr:
 
     def plain(e: Expr) -> Expr:
         if isinstance(e, rate):
-            return rates.get(e.args[0], None) or without_rates(system, e)
+            return rates.get(e.args[0]) or without_rates(system, e)
         return e.func(*(plain(a) for a in e.args)) if e.args else e
 
     return plain(expression)
@@ -103,43 +116,51 @@ def _reduced(expression: Expr, cosines: list[Expr]) -> Expr:
     return expression
 
 
-def _short(residual: Expr) -> Expr:
-    """Return a residual with common factors in front."""
-    return sp.factor_terms(residual) if residual.is_Add else residual
-
-
-def _blamed(system: System, left: Expr, right: Expr, residual: Expr) -> Leftover | None:
-    """Return the term of the writer of which the residual is a multiple."""
+def _blamed(motions: Sequence[Motion], left: Expr, right: Expr) -> Leftover | None:
+    """Return the term of the writer of which the residual is a multiple; those on the right go first."""
     found = []
-    for side, sign in ((right, -1), (left, 1)):
-        for term in sp.Add.make_args(sp.expand_mul(side)):
-            ratio = _ratio(system, residual, term)
-            if ratio is not None and term != 0:
-                found.append((1 - sign * ratio, term))
+    for place, (side, sign) in enumerate(((right, -1), (left, 1))):
+        for term, counted in _terms(side):
+            ratio = _ratio(motions, left - right, counted)
+            if ratio is not None:
+                factor = 1 - sign * ratio
+                found.append((_RANK.get(factor, 3), place, factor, term))
     if not found:
         return None
-    ranked = sorted(found, key=lambda f: _RANK.get(f[0], 3))
-    factor, term = ranked[0]
-    words = _WORDS.get(factor, f"the factor should be {factor} times as large: {{}}")
-    return Leftover(residual, words, term)
+    _, _, factor, term = min(found, key=lambda f: f[:2])
+    words = _WORDS.get(factor, f"this should be {factor} times as large: {{}}")
+    return Leftover(words, term)
 
 
-_WORDS = {sp.S.NegativeOne: "wrong sign: {}", sp.S.Zero: "does not belong here: {}"}
-_RANK = {sp.S.NegativeOne: 0, sp.S.Zero: 2}
+def _terms(side: Expr) -> Iterator[tuple[Expr, Expr]]:
+    """Yield the terms of a side, and what each adds to it; the rate of a sum has those of the sum."""
+    if isinstance(side, rate):
+        terms = sp.Add.make_args(sp.expand_mul(side.args[0]))
+        yield from ((t, rate(t)) for t in terms if len(terms) > 1)
+    else:
+        yield from ((t, t) for t in sp.Add.make_args(sp.expand_mul(side)))
 
 
-def _ratio(system: System, residual: Expr, term: Expr) -> Expr | None:
-    """Return the number by which a term makes the residual."""
-    for form in (_named, _plain):
-        own = _expanded(form(system, term))
-        if own == 0:
-            continue
-        whole = residual if form is _named else _expanded(form(system, residual))
-        ratio = sp.cancel(_lead(whole) / _lead(own))
-        if ratio.is_Rational and sp.expand(whole - ratio * own) == 0:
-            return ratio
+_WORDS = {Fraction(-1): "wrong sign: {}", Fraction(0): "does not belong here: {}"}
+_RANK = {Fraction(-1): 0, Fraction(0): 2}
+
+
+def _ratio(motions: Sequence[Motion], residual: Expr, term: Expr) -> Fraction | None:
+    """Return the small fraction by which a term makes the residual at all points."""
+    found: set[Fraction | None] = set()
+    for motion in motions:
+        above, below = (motion.series(e).coefficients[0] for e in (residual, term))
+        if not below:
+            return None
+        found.add(_small(above * FIELD.inverse(below) % PRIME))
+    return found.pop() if len(found) == 1 else None
+
+
+def _small(value: int) -> Fraction | None:
+    """Return the fraction with small numbers that an element of the field is."""
+    for below in range(1, MAX_NUMBER + 1):
+        above = value * below % PRIME
+        above = above - PRIME if above > PRIME // 2 else above
+        if abs(above) <= MAX_NUMBER * below:
+            return Fraction(above, below)
     return None
-
-
-def _lead(expression: Expr) -> Expr:
-    return min(sp.Add.make_args(expression), key=sp.default_sort_key)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 from eom import catalogue
 from eom.dissipation import viscous_slug
@@ -22,7 +23,8 @@ from eom.kinematics import attitude as attitude_of
 from eom.markup import symbol_latex
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
-from eom.solutions import Restriction
+from eom.series import Singular
+from eom.solutions import Inconsistent, Motion, Restriction
 from eom.spinning import lecture_torque
 from eom.start import constants
 from eom.system import Expr, Quantity, System
@@ -67,6 +69,9 @@ class Model:
     possible: tuple[Restriction, ...] = ()
     name: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
+    drawn: dict[Any, Motion | Inconsistent | None] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     @cached_property
     def quantities(self) -> Mapping[str, Quantity]:
@@ -77,6 +82,24 @@ class Model:
         for q in (*s.states, *s.parameters, *s.inputs, *defined):
             found.setdefault(q.name, q)
         return found
+
+    def motions(
+        self, restrictions: tuple[Restriction, ...], length: int, tries: int
+    ) -> Iterator[Motion]:
+        """Yield solutions that keep restrictions, by seed; those that were drawn before are kept.
+
+        Raises `Inconsistent` where no solution keeps them.
+        """
+        names = tuple(r.name for r in restrictions)
+        for seed in range(tries):
+            key = (names, length, seed)
+            if key not in self.drawn:
+                self.drawn[key] = _solution(self.system, length, seed, restrictions)
+            found = self.drawn[key]
+            if isinstance(found, Inconsistent):
+                raise found
+            if found is not None:
+                yield found
 
     def letter(self, name: str) -> str:
         """Return how a quantity is written in messages."""
@@ -91,7 +114,7 @@ class Model:
     def spellings(self) -> Iterator[tuple[str, str]]:
         """Yield LaTeX and name: how each quantity is printed, then its usual spellings."""
         for name, q in self.quantities.items():
-            yield q.latex or symbol_latex(name), name
+            yield printed(q), name
         for name in self.quantities:
             for pattern, letters in LETTERS:
                 match = re.fullmatch(pattern, name)
@@ -118,6 +141,18 @@ def model_of(system: System | Scene | Model, assume: Iterable[str] = ()) -> Mode
         made = Model(system, (), tuple(restrictions(system)), system.name)
     assumed = tuple(made.restriction(n) for n in assume)
     return replace(made, given=(*made.given, *assumed))
+
+
+def _solution(
+    system: System, length: int, seed: int, restrictions: tuple[Restriction, ...]
+) -> Motion | Inconsistent | None:
+    """Return a solution, why there can be none, or None where this point is singular."""
+    try:
+        return Motion(system, length, seed, restrictions)
+    except Singular:
+        return None
+    except Inconsistent as error:
+        return error
 
 
 def _of_scene(scene: Scene) -> Model:
@@ -156,6 +191,14 @@ def restrictions(system: System) -> Iterator[Restriction]:
             yield Restriction(f"{angle} constant", zero=(q.symbol,), balanced=others)
         elif q.unit == "rad/s":
             yield Restriction(f"{q.name} = 0", zero=(q.symbol,), rest=True)
+
+
+_OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
+
+
+def printed(q: Quantity) -> str:
+    """Return the LaTeX of a quantity as its system is printed: its own, or that of its name."""
+    return q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
 
 
 # -- by name -----------------------------------------------------------------------------------------

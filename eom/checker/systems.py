@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -20,9 +20,9 @@ import sympy as sp
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.leftover import Leftover, leftover
 from eom.errors import InputError
-from eom.numerals import differs
+from eom.numerals import differs, inexact
 from eom.series import Series, Singular
-from eom.solutions import Inconsistent, Motion, Restriction, motions, rate
+from eom.solutions import Inconsistent, Motion, Restriction, rate
 from eom.system import Expr
 from eom.terms import Term, nodes
 
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from eom.checker.model import Model
 
 POINTS = 3
+TRIES = 30
+LENGTH = 3
+"""Coefficients of every series at least, so that claims share them."""
 MAX_TESTS = 200
 MAX_SET = 3
 MAX_ORDER = 6
@@ -39,15 +42,11 @@ HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
 
 @dataclass(frozen=True)
 class Decision:
-    """A verdict, the smallest sets of assumptions, why it is undecided, what is left over if wrong.
-
-    ``rest``: states that would have to be zero for a wrong claim to hold.
-    """
+    """A verdict, the smallest sets of assumptions, why it is undecided or what is wrong."""
 
     verdict: str
     sets: tuple[tuple[str, ...], ...] = ()
     reason: str = ""
-    rest: tuple[tuple[str, ...], ...] = ()
 
 
 def of_system(term: Term) -> bool:
@@ -173,17 +172,27 @@ class _Search:
         sets = self._sets([r for r in possible if not r.rest])
         if sets:
             return Decision(UNDER, sets)
-        return Decision(WRONG, reason=self._why(), rest=self._sets(possible, 2))
+        rest = self._sets(possible, 2)
+        told = [self._why(), *(f"it holds if {' and '.join(names)}" for names in rest[:1])]
+        return Decision(WRONG, reason="; ".join(filter(None, told)))
 
     def _why(self) -> str:
-        """Say what is left over in the first equation that does not hold."""
-        for motion in self._motions(()):
-            for a, b in self.pairs:
+        """Say what is wrong with the first equation that does not hold."""
+        for pair in self.pairs:
+            failing = (m for m in self._motions(()) if self._apart(m, *pair))
+            apart = list(islice(failing, POINTS))
+            if apart:
                 with suppress(Singular, InputError):
-                    if not _agree(motion, a, b):
-                        found = leftover(self.model.system, (a, b), self.given)
-                        return "" if found is None else self._told(found)
+                    found = leftover(self.model.system, pair, apart, self.given)
+                    return "" if found is None else self._told(found)
+                return ""
         return ""
+
+    def _apart(self, motion: Motion, a: Expr, b: Expr) -> bool:
+        try:
+            return not _agree(motion, a, b)
+        except Singular:
+            return False
 
     def _told(self, found: Leftover) -> str:
         letters = {
@@ -229,23 +238,14 @@ class _Search:
         orders = max((order(e) for pair in self.pairs for e in pair), default=0)
         if orders > MAX_ORDER:
             raise InputError("too many time derivatives", got=orders, expected=f"{MAX_ORDER}")
-        return motions(
-            self.model.system, orders + 1, 10 * POINTS, (*self.given, *chosen), 12 * POINTS
-        )
+        return self.model.motions((*self.given, *chosen), max(orders + 1, LENGTH), TRIES)
 
     def _certain(self) -> bool:
         """Tell whether what differs in the field differs for real numbers."""
-        motion = next(self._motions(()), None)
-        if motion is None:
+        system = self.model.system
+        if not any(inexact(system, e) for pair in self.pairs for e in pair):
             return True
-        for a, b in self.pairs:
-            try:
-                _agree(motion, a, b)
-            except Singular:
-                motion.opaque.add("root")
-        return not motion.opaque or any(
-            differs(self.model.system, a, b, self.given) for a, b in self.pairs
-        )
+        return any(differs(system, a, b, self.given) for a, b in self.pairs)
 
     def _emptied(self, chosen: tuple[Restriction, ...]) -> bool:
         """Tell whether something that the claim writes vanishes under a set alone."""
