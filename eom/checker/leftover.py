@@ -134,11 +134,12 @@ def _blamed(motions: Sequence[Motion], left: Expr, right: Expr) -> Leftover | No
 
 def _terms(side: Expr) -> Iterator[tuple[Expr, Expr]]:
     """Yield the terms of a side, and what each adds to it; the rate of a sum has those of the sum."""
-    if isinstance(side, rate):
-        terms = sp.Add.make_args(sp.expand_mul(side.args[0]))
-        yield from ((t, rate(t)) for t in terms if len(terms) > 1)
-    else:
-        yield from ((t, t) for t in sp.Add.make_args(sp.expand_mul(side)))
+    summed = isinstance(side, rate)
+    inner = side.args[0] if summed else side
+    terms = [*sp.Add.make_args(inner), *sp.Add.make_args(sp.expand_mul(inner))]
+    for term in dict.fromkeys(terms):
+        if not (summed and term == inner):
+            yield term, rate(term) if summed else term
 
 
 _WORDS = {Fraction(-1): "wrong sign: {}", Fraction(0): "does not belong here: {}"}

@@ -24,6 +24,8 @@ from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from eom.checker.model import Model
+    from eom.scene import Scene
+    from eom.system import System
 
 PRESETS = (
     "arrow-tilde",
@@ -141,24 +143,16 @@ class _Reader:
         """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
         if "system" not in data:
             return None, ()
-        from eom.checker.model_files import model_in, symbols_in  # most notes need no scenes
+        from eom.checker.model_files import model_in  # most notes need no scenes
 
+        where = self.where("system")
         try:
-            model = model_in(data["system"], folder, self.where("system"))
-            own, usual = symbols_in(data["system"], model, self.where("system", "symbols"))
-            entries = [_entry(latex, value, notation, w) for latex, value, w in own]
+            return _entries_of(
+                model_in(data["system"], folder, where), data["system"], notation, where
+            )
         except InputError as error:
             self.errors.append(error)
             return None, ()
-        known = {e.look for e in entries}
-        spelt: list[Entry] = []
-        for latex, value, where in usual:
-            with suppress(InputError):  # a name that is printed as words or with dots
-                entry = _entry(latex, value, notation, where)
-                spelt += [entry] if entry.look not in known else []
-                known.add(entry.look)
-        letters = {e.meaning.labels[0]: e.look.text for e in entries if e.meaning.labels}
-        return replace(model, letters=letters), (tuple(entries), tuple(spelt))
 
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
         """Note every key that is not known."""
@@ -196,6 +190,40 @@ def lexicon_of(
         system,
     )
     return lexicon, tuple(reader.errors)
+
+
+def _entries_of(
+    model: Model, given: Any, notation: Notation, where: str
+) -> tuple[Model, tuple[tuple[Entry, ...], ...]]:
+    """Return a system with its letters, and its symbols: the note's own, then the usual ones."""
+    from eom.checker.model_files import symbols_in
+
+    own, usual = symbols_in(given, model, where)
+    entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
+    known = {e.look for e in entries}
+    spelt: list[Entry] = []
+    for latex, value, place in usual:
+        with suppress(InputError):  # a name that is printed with dots
+            entry = _entry(latex, value, notation, place)
+            spelt += [entry] if entry.look not in known else []
+            known.add(entry.look)
+    letters = {e.meaning.labels[0]: e.look.text for e in entries if e.meaning.labels}
+    return replace(model, letters=letters), (entries, tuple(spelt))
+
+
+def about(
+    lexicon: Lexicon, system: System | Scene, symbols: Mapping[str, str] | None = None
+) -> Lexicon:
+    """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
+
+    Raises `InputError` for names that the system has not.
+    """
+    from eom.checker.model import model_of
+
+    given = {"symbols": dict(symbols or {})}
+    model, spelt = _entries_of(model_of(system), given, lexicon.notation, "symbols")
+    plain = lexicon.without_system()
+    return replace(plain, layers=(*plain.layers[:1], *spelt, *plain.layers[1:]), system=model)
 
 
 def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
