@@ -61,7 +61,8 @@ LETTERS: tuple[tuple[str, tuple[str, ...]], ...] = (
 class Model:
     """A system, what is given of its parameters, what may be assumed besides, and where it is from.
 
-    ``letters``: how a note writes quantities, by their names, where it writes them its own way.
+    ``values``: the scene's numbers of parameters and inputs. ``letters``: how a note writes
+    quantities, by their names, where it writes them its own way. ``drawn``: solutions, kept for later.
     """
 
     system: System
@@ -69,6 +70,7 @@ class Model:
     possible: tuple[Restriction, ...] = ()
     name: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)
     drawn: dict[Any, Motion | Inconsistent | None] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -168,7 +170,8 @@ def _of_scene(scene: Scene) -> Model:
             values[s.name] for s in r.zero
         ):
             given.append(r)
-    return Model(system, tuple(given), tuple(possible), scene.name)
+    own = {n: values[n] for n in (*system.parameter_names, *system.input_names) if n in values}
+    return Model(system, tuple(given), tuple(possible), scene.name, values=own)
 
 
 def restrictions(system: System) -> Iterator[Restriction]:
