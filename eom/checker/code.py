@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
 
-from eom.checker.code_slips import Candidate, candidates
-from eom.checker.fits import RIGHT, Fit, digits, fitted, paired
+from eom.checker.code_slips import candidates
+from eom.checker.fits import FEW, RIGHT, Fit, digits, fitted, likely, paired
 from eom.checker.model import Model
 from eom.checker.numbers import MP, Number, Numbers
 from eom.errors import InputError
@@ -25,6 +25,7 @@ POINTS = 24
 ROUGH = 4
 """Digits of agreement below which a rate is wrong; above, up to `RIGHT`, it is right but rough."""
 TRIES = 200
+ARGUMENTS = "arguments exchanged"
 
 
 @dataclass(frozen=True)
@@ -174,21 +175,23 @@ class _Case:
         """Whether the code gave these values."""
         return digits(self.given[i], values, self.size[i]) >= RIGHT
 
-    def values(self, expression: Expr) -> list[Number]:
-        """Return the values of an expression at all points."""
-        return [p.value(expression) for p in self.numbers]
+    def values(self, expression: Expr, count: int | None = None) -> list[Number]:
+        """Return the values of an expression at all points, or the first of them."""
+        return [p.value(expression) for p in self.numbers[:count]]
 
-    def rates(self, change: Change) -> list[list[Number]]:
-        """Return the true rates for other arguments."""
+    def explained(self, change: Change) -> bool:
+        """Whether the code gave, point by point, the true rates for other arguments."""
+        return all(self._is_given(j, change) for j in range(len(self.numbers)))
+
+    def _is_given(self, j: int, change: Change) -> bool:
         defined = {d.symbol for d in self.system.definitions}
-        columns = []
-        for p in self.numbers:
-            own = change({s: v for s, v in p.given.items() if s not in defined})
-            numbers = Numbers(own)
-            for d in self.system.definitions:
-                own[d.symbol] = numbers.value(d.expression)
-            columns.append(rates_at(self.system, numbers))
-        return [list(row) for row in zip(*columns, strict=True)]
+        own = change({s: v for s, v in self.numbers[j].given.items() if s not in defined})
+        numbers = Numbers(own)
+        for d in self.system.definitions:
+            own[d.symbol] = numbers.value(d.expression)
+        rates = rates_at(self.system, numbers)
+        columns = zip(self.given, rates, self.size, strict=True)
+        return all(digits([g[j]], [r], [s[j]]) >= RIGHT for g, r, s in columns)
 
 
 def rates_at(system: System, numbers: Numbers) -> list[Number]:
@@ -218,8 +221,7 @@ def _everywhere(case: _Case, bad: list[int]) -> tuple[Mistake, ...]:
         held = ", ".join(f"output {i} holds the rate of {names[k or 0]}" for i, k in pairs)
         return (Mistake(-1, "outputs exchanged", f"outputs exchanged: {held}"),)
     for kind, text, change in _changes(case.system):
-        rates = case.rates(change)
-        if all(case.agrees(i, rates[i]) for i in range(len(rates))):
+        if (len(bad) > 1 or kind != ARGUMENTS) and case.explained(change):
             return (Mistake(-1, kind, text),)
     return ()
 
@@ -237,7 +239,7 @@ def _changes(system: System) -> Iterator[tuple[str, str, Change]]:
     groups = (system.states, (*system.parameters, *system.inputs))
     for a, b in (pair for group in groups for pair in combinations(group, 2)):
         text = f"arguments exchanged: {a.name} and {b.name}"
-        yield "arguments exchanged", text, partial(_exchanged, a.symbol, b.symbol)
+        yield ARGUMENTS, text, partial(_exchanged, a.symbol, b.symbol)
     angles = [q.symbol for q in system.states if q.unit == "rad"]
     if angles:
         for factor, read, meant in _ANGLES:
@@ -286,21 +288,19 @@ def _scaled(i: int, factor: Fit) -> Mistake:
 
 def _by_terms(case: _Case, i: int) -> Mistake | None:
     difference = [a - b for a, b in zip(case.given[i], case.true[i], strict=True)]
-    known: list[tuple[Candidate, list[Number]]] = []
+    own = []
     for candidate in candidates(case.system, i):
-        values = case.values(candidate.expression)
-        fit = fitted(difference, values, case.size[i])
+        own += [candidate] if candidate.own else []
+        if not likely(difference, case.values(candidate.expression, FEW), case.size[i]):
+            continue
+        fit = fitted(difference, case.values(candidate.expression), case.size[i])
         if fit is not None and candidate.accepts(fit):
             kind, text = candidate.told(fit)
             return Mistake(i, kind, f"{text} in output {i}", str(candidate.expression))
-        if candidate.own:
-            known.append((candidate, values))
-    pair = paired(difference, [v for _, v in known], case.size[i])
+    pair = paired(difference, [case.values(c.expression) for c in own], case.size[i])
     if pair is None:
         return None
-    first, second = pair
-    told = [known[k][0].told(fit) for k, fit in (first, second)]
-    text = " and ".join(dict.fromkeys(t for _, t in told))
+    text = " and ".join(dict.fromkeys(own[k].told(fit)[1] for k, fit in pair))
     return Mistake(i, "two slips", f"{text} in output {i}")
 
 

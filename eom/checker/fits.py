@@ -14,6 +14,9 @@ RIGHT = 9.0
 LARGEST = 12
 """Numerators and denominators of factors that are told as fractions."""
 
+FEW = 3
+"""Points that are looked at first."""
+
 _SPECIAL: tuple[tuple[str, Number], ...] = (
     ("pi/180", MP.pi / 180),
     ("180/pi", 180 / MP.pi),
@@ -41,6 +44,15 @@ def digits(given: Sequence[Number], true: Sequence[Number], size: Sequence[Numbe
     return 17.0 if worst == 0 else min(17.0, float(-MP.log10(worst)))
 
 
+def likely(values: Sequence[Number], term: Sequence[Number], size: Sequence[Number]) -> bool:
+    """Tell whether a term may make the values, by the first of the points."""
+    if not all(map(MP.isfinite, (*values[:FEW], *term))) or not term[0]:
+        return False
+    factor = values[0] / term[0]
+    made = [factor * t for t in term]
+    return digits(values[: len(term)], made, size[: len(term)]) >= RIGHT - 1
+
+
 def fitted(values: Sequence[Number], term: Sequence[Number], size: Sequence[Number]) -> Fit | None:
     """Return the factor by which a term makes the values at all points, if it can be told."""
     weight = MP.fsum(t * t for t in term)
@@ -57,7 +69,8 @@ def paired(
 ) -> tuple[tuple[int, Fit], tuple[int, Fit]] | None:
     """Return two terms by their places, with factors that can be told, that make the values."""
     for j, k in combinations(range(len(terms)), 2):
-        fits = [named(c) for c in _solved(values, terms[j], terms[k])] or [None, None]
+        solved = _solved(values[: FEW + 1], terms[j][: FEW + 1], terms[k][: FEW + 1])
+        fits = [named(c) for c in solved] or [None, None]
         a, b = fits
         if a is not None and b is not None:
             made = [a.value * x + b.value * y for x, y in zip(terms[j], terms[k], strict=True)]
