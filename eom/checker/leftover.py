@@ -24,6 +24,8 @@ from eom.system import Expr, System
 MAX_OPERATIONS = 1500
 MAX_TERMS = 6
 MAX_NUMBER = 100
+FAR = 14
+"""Rank from which on a factor is no slip: the difference is told as what is missing."""
 
 Pair = tuple[Expr, Expr]
 
@@ -124,8 +126,8 @@ def _blamed(motions: Sequence[Motion], left: Expr, right: Expr) -> Leftover | No
             ratio = _ratio(motions, left - right, counted)
             if ratio is not None:
                 factor = 1 - sign * ratio
-                found.append((_RANK.get(factor, 3), place, factor, term))
-    if not found:
+                found.append((_rank(factor), place, factor, term))
+    if not found or min(f[0] for f in found) > FAR:
         return None
     _, _, factor, term = min(found, key=lambda f: f[:2])
     words = _WORDS.get(factor, f"this should be {factor} times as large: {{}}")
@@ -143,7 +145,14 @@ def _terms(side: Expr) -> Iterator[tuple[Expr, Expr]]:
 
 
 _WORDS = {Fraction(-1): "wrong sign: {}", Fraction(0): "does not belong here: {}"}
-_RANK = {Fraction(-1): 0, Fraction(0): 2}
+
+
+def _rank(factor: Fraction) -> int:
+    """Return how far from plausible a slip is: a sign, then a small factor, a term too much, others."""
+    size = abs(factor.numerator) + factor.denominator
+    if factor == -1:
+        return 0
+    return size if factor > 0 else 5 if factor == 0 else 10 + size
 
 
 def _ratio(motions: Sequence[Motion], residual: Expr, term: Expr) -> Fraction | None:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from eom import catalogue
+from eom.checker.solid_models import SPELLINGS, solid_system
 from eom.dissipation import viscous_slug
 from eom.errors import InputError, unknown_name
 from eom.gyrostat import gyrostat
@@ -24,6 +25,7 @@ from eom.markup import symbol_latex
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
 from eom.series import Singular
+from eom.solids import CENTRE, SOLIDS, mass_properties
 from eom.solutions import Inconsistent, Motion, Restriction
 from eom.spinning import lecture_torque
 from eom.start import constants
@@ -63,6 +65,7 @@ class Model:
 
     ``values``: the scene's numbers of parameters and inputs. ``letters``: how a note writes
     quantities, by their names, where it writes them its own way. ``drawn``: solutions, kept for later.
+    ``point``: of a solid, from which its elements are measured.
     """
 
     system: System
@@ -71,6 +74,7 @@ class Model:
     name: str = ""
     letters: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
+    point: str | None = None
     drawn: dict[Any, Motion | Inconsistent | None] = field(
         default_factory=dict, repr=False, compare=False
     )
@@ -117,6 +121,8 @@ class Model:
         """Yield LaTeX and name: how each quantity is printed, then its usual spellings."""
         for name, q in self.quantities.items():
             yield printed(q), name
+        if self.point is not None:
+            yield from ((w, n) for n, ws in SPELLINGS.items() if n in self.quantities for w in ws)
         for name in self.quantities:
             for pattern, letters in LETTERS:
                 match = re.fullmatch(pattern, name)
@@ -208,11 +214,16 @@ def printed(q: Quantity) -> str:
 
 
 def load_model(
-    name: str, folder: Path | None = None, attitude: str = "", assume: Iterable[str] = ()
+    name: str,
+    folder: Path | None = None,
+    attitude: str = "",
+    assume: Iterable[str] = (),
+    point: str = CENTRE,
 ) -> Model:
-    """Return a ready scene, a scene file beside the note (``folder``) or a system of `BUILTIN`.
+    """Return a ready scene, a scene file beside the note (``folder``), a system of `BUILTIN`, a solid.
 
-    ``attitude``: other attitude coordinates than the scene's. Raises `InputError` for unknown names, and
+    ``attitude``: other attitude coordinates than the scene's; ``point``: of a solid, from which its
+    elements are measured. Raises `InputError` for unknown names, and
     for files outside of the folder.
     """
     if name.endswith(".toml"):
@@ -221,7 +232,10 @@ def load_model(
         return model_of(_turned(Scene.ready(name), attitude), assume)
     if name in BUILTIN:
         return model_of(BUILTIN[name](attitude), assume)
-    raise unknown_name("system", name, [*catalogue.names(), *BUILTIN])
+    if name in SOLIDS:
+        mass_properties(name, point)
+        return Model(solid_system(name), name=name, point=point)
+    raise unknown_name("system", name, [*catalogue.names(), *BUILTIN, *SOLIDS])
 
 
 def _beside(name: str, folder: Path | None) -> Path:

@@ -8,8 +8,9 @@ from typing import Any
 
 from eom.checker.model import Model, load_model
 from eom.errors import InputError, unknown_name
+from eom.solids import CENTRE
 
-_KEYS: dict[str, type] = {"is": str, "attitude": str, "assume": list, "symbols": dict}
+_KEYS: dict[str, type] = {"is": str, "attitude": str, "assume": list, "point": str, "symbols": dict}
 
 Row = tuple[str, Any, str]
 """LaTeX, meaning, and where it stands."""
@@ -23,7 +24,8 @@ def model_in(given: Any, folder: Path | None, where: str) -> Model:
     assume = table.get("assume", [])
     if not all(isinstance(a, str) for a in assume):
         raise InputError("not a list of assumptions", where=where, got=assume)
-    return load_model(table["is"], folder, table.get("attitude", ""), assume)
+    point = table.get("point", CENTRE)
+    return load_model(table["is"], folder, table.get("attitude", ""), assume, point)
 
 
 def _table(given: Any, where: str) -> Mapping[str, Any]:

@@ -19,6 +19,7 @@ import sympy as sp
 
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.leftover import Leftover, leftover
+from eom.checker.solid_models import COORDINATES, integrated
 from eom.errors import InputError
 from eom.numerals import differs, inexact
 from eom.series import Series, Singular
@@ -93,6 +94,8 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
     Raises `InputError` for what is no scalar of the system.
     """
     inside = tuple(written(a, scalars, model) for a in term.args)
+    if term.head == "integral" and model.point is not None:
+        return integrated(model.system.name, model.point, inside[0])
     if term.head in _JOINED:
         return _JOINED[term.head](*inside)
     if term.head == "zero":
@@ -118,6 +121,8 @@ def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     if others or claim.kind == SAME_POINT:
         raise InputError("only equations are judged on solutions", got=others[0] if others else "")
     members = [written(m.term, claim.scalars, model) for m in claim.members]
+    if model.point is not None and any(m.free_symbols & set(COORDINATES) for m in members):
+        raise InputError("the place of an element outside of an integral")
     if claim.kind == CONSTANT:
         return [(members[0], sp.Integer(0))]
     start = int(claim.kind == DEFINITION)
