@@ -9,6 +9,7 @@ of the square of a parameter is the parameter. Other functions get a random valu
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ FIELD = Field(PRIME)
 ROOT = (PRIME + 1) // 4
 """x**ROOT is the root of a square x that is itself a square: the prime is 3 modulo 4."""
 MAX_POWER = 64
+ENDLESS = 10**9
 
 
 class Inconsistent(Exception):
@@ -39,6 +41,24 @@ class rate(sp.Function):  # type: ignore[misc] # noqa: N801 - named as it is pri
     def _sympystr(self, printer: Any) -> str:
         inside = printer._print(self.args[0])
         return f"{inside}'" if self.args[0].is_Symbol else f"d/dt({inside})"
+
+
+def order(expression: Expr) -> int:
+    """Return how often time derivatives are nested."""
+    below = max((order(a) for a in expression.args), default=0)
+    return below + int(isinstance(expression, rate))
+
+
+def spread(expression: Expr) -> int:
+    """Return about how many terms an expression has when it is multiplied out; at most `ENDLESS`."""
+    counts = [spread(a) for a in expression.args]
+    if expression.is_Add:
+        return min(sum(counts), ENDLESS)
+    if expression.is_Mul:
+        return min(math.prod(counts), ENDLESS)
+    if expression.is_Pow and expression.exp.is_Integer:
+        return int(min(counts[0] ** min(abs(int(expression.exp)), 64), ENDLESS))
+    return max(counts, default=1)
 
 
 @dataclass(frozen=True)

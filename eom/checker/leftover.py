@@ -18,11 +18,13 @@ import sympy as sp
 from eom.errors import InputError
 from eom.numerals import without_rates
 from eom.series import PRIME
-from eom.solutions import FIELD, Motion, Restriction, rate
+from eom.solutions import FIELD, Motion, Restriction, order, rate, spread
 from eom.system import Expr, System
 
 MAX_OPERATIONS = 1500
 MAX_TERMS = 6
+MAX_SPREAD = 3000
+MAX_ORDER = 2
 MAX_NUMBER = 100
 FAR = 14
 """Rank from which on a factor is no slip: the difference is told as what is missing."""
@@ -64,6 +66,8 @@ def residual(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) ->
         s: sp.S.Zero for r in given for s in r.zero
     }
     left, right = pair
+    if max(order(left), order(right)) > MAX_ORDER:
+        return None
     forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, _plain)]
     found = min(forms, key=lambda f: len(sp.Add.make_args(f)))
     if found == 0 or len(sp.Add.make_args(found)) > MAX_TERMS:
@@ -97,7 +101,12 @@ def _named(system: System, expression: Expr) -> Expr:
 
 @lru_cache(maxsize=256)
 def _expanded(expression: Expr) -> Expr:
-    """Return a sum of monomials in sines, cosines and symbols, without squares of cosines."""
+    """Return a sum of monomials in sines, cosines and symbols, with as few squares of cosines.
+
+    Raises `InputError` where it would be endless.
+    """
+    if spread(expression) > MAX_SPREAD:
+        raise InputError("too long when it is multiplied out")
     found = sp.expand(sp.expand_trig(expression))
     cosines = sorted(found.atoms(sp.cos), key=sp.default_sort_key)
     return sp.expand(_reduced(found, cosines))
@@ -138,7 +147,9 @@ def _terms(side: Expr) -> Iterator[tuple[Expr, Expr]]:
     """Yield the terms of a side, and what each adds to it; the rate of a sum has those of the sum."""
     summed = isinstance(side, rate)
     inner = side.args[0] if summed else side
-    terms = [*sp.Add.make_args(inner), *sp.Add.make_args(sp.expand_mul(inner))]
+    terms = [*sp.Add.make_args(inner)]
+    if spread(inner) <= MAX_SPREAD:
+        terms += sp.Add.make_args(sp.expand_mul(inner))
     for term in dict.fromkeys(terms):
         if not (summed and term == inner):
             yield term, rate(term) if summed else term

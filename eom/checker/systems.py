@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
-from eom.checker.leftover import Leftover, leftover
+from eom.checker.leftover import MAX_SPREAD, Leftover, leftover
 from eom.checker.solid_models import COORDINATES, integrated
 from eom.errors import InputError
 from eom.numerals import differs, inexact
 from eom.series import Series, Singular
-from eom.solutions import Inconsistent, Motion, Restriction, rate
+from eom.solutions import Inconsistent, Motion, Restriction, order, rate, spread
 from eom.system import Expr
 from eom.terms import Term, nodes
 
@@ -127,12 +127,6 @@ def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
         return [(members[0], sp.Integer(0))]
     start = int(claim.kind == DEFINITION)
     return list(zip(members[start:], members[start + 1 :], strict=False))
-
-
-def order(expression: Expr) -> int:
-    """Return how often time derivatives are nested."""
-    below = max((order(a) for a in expression.args), default=0)
-    return below + int(isinstance(expression, rate))
 
 
 # -- judging ------------------------------------------------------------------------------------------
@@ -288,7 +282,8 @@ def _proper(factor: Expr) -> Iterator[Expr]:
     """Yield what a factor that is to be zero is made of; of the rate of a sum the rates of its terms."""
     inner = factor.args[0] if isinstance(factor, rate) else factor
     yield from (p for a in inner.args for p in _inside(a))
-    terms = sp.Add.make_args(sp.expand_mul(inner)) if isinstance(factor, rate) else ()
+    summed = isinstance(factor, rate) and spread(inner) <= MAX_SPREAD
+    terms = sp.Add.make_args(sp.expand_mul(inner)) if summed else ()
     yield from (rate(t) for t in terms if len(terms) > 1)
 
 

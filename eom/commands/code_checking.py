@@ -93,6 +93,16 @@ def _built_in(model: Model) -> dict[str, float]:
     return dict(model.values)
 
 
+def run(target: str, system: str, as_json: bool = False) -> tuple[str, int]:
+    """Return what `eom check --code` prints, and its exit status: 1 where something is wrong.
+
+    Raises `InputError` for what cannot be checked.
+    """
+    report = check_code(target, system)
+    text = json.dumps(data_of(report), indent=2) if as_json else text_of(report)
+    return text, int(not report.is_right)
+
+
 def text_of(report: CodeReport) -> str:
     """Return a report as text."""
     lines = [f"y = {', '.join(report.states)}", f"p = {', '.join(report.parameters)}"]

@@ -7,10 +7,11 @@ import sympy as sp
 
 from eom import catalogue
 from eom.checker.code import argument_names, compare, points
-from eom.checker.model import BUILTIN, load_model
+from eom.checker.model import BUILTIN, load_model, model_of
 from eom.checker.numbers import Numbers
 from eom.errors import InputError
 from tests.eom.checker.system_lines import is_same, slips
+from tests.eom.test_solutions import cart
 
 SYSTEMS = [*catalogue.names(), *BUILTIN]
 TOLD = {
@@ -130,3 +131,15 @@ def test_points_satisfy_what_is_assumed():
         assert p.parameters[parameters.index("I1")] == p.parameters[parameters.index("I2")]
     with pytest.raises(InputError, match="without a value"):
         Numbers({}).value(sp.Function("f")(sp.Integer(1)))
+
+
+def test_a_system_with_a_mass_matrix():
+    system, *_ = cart()
+    model = model_of(system)
+    at = points(model)
+    right = called(model, system.rates, at)
+    assert compare(model, at, right).is_right
+    wrong = [[*row[:3], -row[3]] for row in right]
+    (mistake,) = compare(model, at, wrong).mistakes
+    assert mistake.text == "output 3 has the wrong sign"
+    assert compare(model, at, [[row[0], row[1], row[3], row[2]] for row in right]).mistakes

@@ -11,6 +11,7 @@ from eom.checker.model import BUILTIN, load_model
 from eom.errors import InputError
 from eom.system import System
 from tests.eom.checker.system_lines import is_same, judged, left_side, names_of, slips
+from tests.eom.test_solutions import cart
 
 UNDER = "holds under"
 TOLD = {
@@ -207,3 +208,49 @@ def test_a_scene_file_beside_the_note(tmp_path):
     text = '+++\n[check]\nsystem = "own.toml"\n+++\n$$I_1\\dot\\omega_1=(I_2-I_3)\\omega_2\\omega_3$$\n'
     lexicon = lexicon_for(text, note)
     assert lexicon.system.name == "own"
+
+
+@pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel", "viscous-slug"])
+def test_rearranged_equations_hold(name):
+    """Terms on other sides, all multiplied by something, definitions written out."""
+    model = load_model(name)
+    names = names_of(model)
+    generator = random.Random(name)
+    lines = []
+    for q, r in rates(model):
+        factor = generator.choice(model.system.parameters).symbol
+        terms = sp.Add.make_args(sp.expand(model.system.expand(r) * factor))
+        moved = [t for t in terms if generator.random() < 0.5]
+        rest = [t for t in terms if t not in moved]
+        left = f"{latex(factor, names)} {left_side(q, names)} + {latex(-sp.Add(*moved), names)}"
+        lines.append(f"{left} = {latex(sp.Add(*rest), names)}".replace("+ -", "-"))
+    assert [v.verdict for v in judged(lexicon(name), *lines)] == ["holds"] * len(lines), lines
+
+
+def test_a_system_with_a_mass_matrix():
+    system, *_ = cart()
+    cart_lexicon = about(parse_lexicon(""), system)
+    lines = [
+        r"(M+m)\ddot x + m l\ddot\theta\cos\theta - m l\dot\theta^2\sin\theta = 0",
+        r"l\ddot\theta + \ddot x\cos\theta + g\sin\theta = 0",
+        r"l\ddot\theta - \ddot x\cos\theta + g\sin\theta = 0",
+        r"\frac{d}{dt}\left((M+m)\dot x + m l\dot\theta\cos\theta\right) = 0",
+        r"(M+m)\dot x = \text{const}",
+    ]
+    expected = ["holds", "holds", "wrong", "holds", "wrong"]
+    assert [v.verdict for v in judged(cart_lexicon, *lines)] == expected
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        r"\dot\omega_1 = (\omega_1+\omega_2+\omega_3+q_0+q_1+q_2+q_3)^{60}",
+        r"\dot\omega_1 = ((\omega_1+q_1)^{50}+1)^{50}",
+        r"\frac{d^4}{dt^4}E = \omega_1",
+        r"\dot\omega_1 = " + "".join(rf"(\omega_1+{k})" for k in range(40)),
+        r"\dot\omega_1 = \frac{1}{\sin^2 q_0+\cos^2 q_0-1}",
+    ],
+)
+def test_large_lines_end_soon(line):
+    (found,) = judged(lexicon("heavy-top"), line)
+    assert found.verdict in {"wrong", "undecided"}
