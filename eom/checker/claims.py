@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -33,6 +33,9 @@ from eom.checker.values import (
 from eom.terms import Term, expr
 from eom.vocabulary import position
 
+if TYPE_CHECKING:
+    from eom.checker.model import Model
+
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
 STATEMENT, DEFINITION, CONSTANT, SAME_POINT = "statement", "definition", "constant", "same point"
@@ -48,6 +51,7 @@ class Claim:
     the arrow that leads here. A continued chain begins with the first member of the chain before,
     and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
+    ``model``: the system that scalar lines of the note are about.
     """
 
     members: tuple[Value, ...]
@@ -60,6 +64,7 @@ class Claim:
     findings: tuple[Finding, ...] = ()
     scalars: Mapping[Any, Term] = field(default_factory=dict)
     span: Span = NOWHERE
+    model: Model | None = field(default=None, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -156,6 +161,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     skip = int(look is not None or s.continues)
     values, findings = _values(e, nodes[skip:])
     made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
+    made = replace(made, model=e.lexicon.system)
     found = []
     if look is not None:
         found = [_definition(made, e, look, nodes[0].span, values)]

@@ -11,7 +11,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
+from eom.checker import systems
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -20,6 +22,9 @@ from eom.limits import Overdue
 from eom.series import Singular
 from eom.terms import Equation, nodes, zero
 from eom.worlds import ASSUMPTIONS, closure
+
+if TYPE_CHECKING:
+    from eom.checker.model import Model
 
 WORLDS = 3
 TRIALS = 12
@@ -89,9 +94,13 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
 def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     """Return whether a claim holds beyond what is ``given``, and under what else.
 
-    A claim with findings is judged by what is left of it; without members it is undecided.
+    A claim with findings is judged by what is left of it; without members it is undecided. One about the
+    system of its note is judged on the solutions of that.
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
+    given = tuple(given)
+    if claim.model is not None and systems.mentions(claim):
+        return _on_solutions(claim, claim.model, given)
     try:
         search = _Search(claim, equations(claim), closure(given))
         context = search.context
@@ -115,6 +124,13 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     verdict = DEFINITION if names else UNDER if sets else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
     return Judgement(verdict, sets, context, refuted, complete)
+
+
+def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement:
+    found = systems.decide(claim, model, given)
+    defines = found.verdict == HOLDS and claim.relations[:1] == (":=",)
+    verdict = DEFINITION if defines and len(claim.members) == 2 else found.verdict
+    return Judgement(verdict, found.sets, reason=found.reason)
 
 
 def _shown(names: frozenset[str]) -> tuple[str, ...]:

@@ -8,6 +8,11 @@ A TOML file beside the note, or front matter between lines of ``+++`` (there in 
     [points]                      # 'G' = "C"
     [marks]                       # raised marks that are derivatives: bullet = "I"
     [symbols]                     # '\vec{H}_{<P>}' = "angular_momentum body <P>"
+    [system]                      # what scalar lines are about, or: system = "heavy-top"
+    is = "heavy-top"              # a ready scene, a scene file beside the note, a system by name
+    attitude = "3-1-3"            # other attitude coordinates than the scene's
+    assume = ["I1 = I2"]          # of what may be assumed of it
+    [system.symbols]              # 'A' = "I1"; what is spelt as the system prints it needs no entry
     [[scope]]                     # from here on, and within this part alone
     heading = "Rigid bodies"      # a heading of the note, or: after = "a phrase of the note"
     [scope.symbols]
@@ -20,10 +25,14 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from eom.checker.looks import Labels, Look
 from eom.checker.meanings import SLOT, Meaning
 from eom.terms import INDICES, INERTIAL
+
+if TYPE_CHECKING:
+    from eom.checker.model import Model
 
 AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
 
@@ -91,13 +100,17 @@ class Scope:
 
 @dataclass(frozen=True)
 class Lexicon:
-    """Notation, frames and points by labels, entries in layers: what comes first goes first."""
+    """Notation, frames and points by labels, entries in layers: what comes first goes first.
+
+    ``system``: what scalar lines are about, if the note says so.
+    """
 
     notation: Notation = field(default_factory=Notation)
     frames: Mapping[Labels, str] = field(default_factory=dict)
     points: Mapping[Labels, str] = field(default_factory=dict)
     layers: tuple[tuple[Entry, ...], ...] = ()
     scopes: tuple[Scope, ...] = ()
+    system: Model | None = field(default=None, compare=False)
 
     def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
         """Return what holds under some headings, after some of the phrases that begin scopes."""
@@ -108,6 +121,14 @@ class Lexicon:
             points |= scope.points
         own = tuple(s.entries for s in reversed(active))
         return replace(self, frames=frames, points=points, layers=own + self.layers, scopes=())
+
+    def without_system(self) -> Lexicon:
+        """Return the lexicon in which no symbol is a quantity of the note's system."""
+
+        def others(entries: tuple[Entry, ...]) -> tuple[Entry, ...]:
+            return tuple(e for e in entries if e.meaning.quantity != "system")
+
+        return replace(self, layers=tuple(map(others, self.layers)), system=None)
 
     def find(self, look: Look, indices: Mapping[str, str] | None = None) -> Found | None:
         """Return the meaning of a look; ``indices`` says what bound indices stand for."""

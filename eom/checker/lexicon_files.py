@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from eom.checker.grammar import read_formula
 from eom.checker.lexicon import Entry, Lexicon, Notation, Scope
@@ -20,6 +21,11 @@ from eom.checker.looks import Labels, Look, labels, seen
 from eom.checker.meanings import SLOT, meaning
 from eom.checker.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from eom.checker.model import Model
+    from eom.scene import Scene
+    from eom.system import System
 
 PRESETS = (
     "arrow-tilde",
@@ -131,6 +137,23 @@ class _Reader:
             self.names(data, "points", place),
         )
 
+    def system(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+    ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
+        """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
+        if "system" not in data:
+            return None, ()
+        from eom.checker.model_files import model_in  # most notes need no scenes
+
+        where = self.where("system")
+        try:
+            return _entries_of(
+                model_in(data["system"], folder, where), data["system"], notation, where
+            )
+        except InputError as error:
+            self.errors.append(error)
+            return None, ()
+
     def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
         """Note every key that is not known."""
         for key in data:
@@ -138,10 +161,15 @@ class _Reader:
                 self.errors.append(unknown_name("key", str(key), known, self.where(*above)))
 
 
-def lexicon_of(data: Mapping[str, Any], name: str = "") -> tuple[Lexicon, tuple[InputError, ...]]:
-    """Return the lexicon that a table holds, and one error for each entry that cannot be used."""
+def lexicon_of(
+    data: Mapping[str, Any], name: str = "", folder: Path | None = None
+) -> tuple[Lexicon, tuple[InputError, ...]]:
+    """Return the lexicon that a table holds, and one error for each entry that cannot be used.
+
+    ``folder``: where the scene file of a note's system is looked for.
+    """
     reader = _Reader(name)
-    reader.unknown(data, ("preset", "scope", *_TABLES))
+    reader.unknown(data, ("preset", "scope", "system", *_TABLES))
     base = Lexicon()
     if "preset" in data:
         if data["preset"] in PRESETS:
@@ -152,19 +180,55 @@ def lexicon_of(data: Mapping[str, Any], name: str = "") -> tuple[Lexicon, tuple[
             )
     notation = reader.notation(data, base.notation)
     own = tuple(reader.entries(data, notation))
+    system, spelt = reader.system(data, notation, folder)
     lexicon = Lexicon(
         notation,
         {**base.frames, **reader.names(data, "frames")},
         {**base.points, **reader.names(data, "points")},
-        (own, *base.layers),
+        (own, *spelt, *base.layers),
         tuple(reader.scopes(data, notation)),
+        system,
     )
     return lexicon, tuple(reader.errors)
 
 
-def parse_lexicon(text: str, name: str = "") -> Lexicon:
+def _entries_of(
+    model: Model, given: Any, notation: Notation, where: str
+) -> tuple[Model, tuple[tuple[Entry, ...], ...]]:
+    """Return a system with its letters, and its symbols: the note's own, then the usual ones."""
+    from eom.checker.model_files import symbols_in
+
+    own, usual = symbols_in(given, model, where)
+    entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
+    known = {e.look for e in entries}
+    spelt: list[Entry] = []
+    for latex, value, place in usual:
+        with suppress(InputError):  # a name that is printed with dots
+            entry = _entry(latex, value, notation, place)
+            spelt += [entry] if entry.look not in known else []
+            known.add(entry.look)
+    letters = {e.meaning.labels[0]: e.look.text for e in entries if e.meaning.labels}
+    return replace(model, letters=letters), (entries, tuple(spelt))
+
+
+def about(
+    lexicon: Lexicon, system: System | Scene, symbols: Mapping[str, str] | None = None
+) -> Lexicon:
+    """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
+
+    Raises `InputError` for names that the system has not.
+    """
+    from eom.checker.model import model_of
+
+    given = {"symbols": dict(symbols or {})}
+    model, spelt = _entries_of(model_of(system), given, lexicon.notation, "symbols")
+    plain = lexicon.without_system()
+    return replace(plain, layers=(*plain.layers[:1], *spelt, *plain.layers[1:]), system=model)
+
+
+def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
     """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
-    lexicon, errors = lexicon_of(_toml(text, name), name)
+    lexicon, errors = lexicon_of(_toml(text, name), name, folder)
     if errors:
         raise _joined(errors)
     return lexicon
@@ -227,7 +291,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     """
     data = front_matter(note)
     if data:
-        lexicon, errors = lexicon_of(data, "front matter")
+        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None)
         if errors:
             raise _joined(errors)
         return "front matter", lexicon
@@ -235,11 +299,11 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
         text = lexicon_text(file) if file.is_file() else ""
         sure = file.name.endswith("lexicon.toml")
         if text and (sure or _KEYS.intersection(_toml(text, file.name))):
-            return file.name, parse_lexicon(text, file.name)
+            return file.name, parse_lexicon(text, file.name, file.parent)
     return None
 
 
-_KEYS = frozenset({"preset", "scope", *_TABLES})
+_KEYS = frozenset({"preset", "scope", "system", *_TABLES})
 
 
 def lexicon_text(file: Path) -> str:

@@ -17,11 +17,19 @@ from eom.errors import InputError, unknown_name
 from eom.terms import DYADIC, SCALAR, VECTOR
 from eom.vocabulary import QUANTITIES
 
-OWN: dict[str, int] = {"defined": 0, "equals": 0, "vectrix": 1, "time": 0, "skew": 0}
+OWN: dict[str, int] = {
+    "defined": 0,
+    "equals": 0,
+    "vectrix": 1,
+    "time": 0,
+    "skew": 0,
+    "system": 1,
+}
 """Meanings of the checker alone, with their number of labels.
 
 ``defined``: by the first equation of the note that has it alone on one side; ``equals``: what a
-formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a).
+formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a);
+``system``: a quantity of the system that the note is about, by its name.
 """
 
 MAX_FORMULA = 1000

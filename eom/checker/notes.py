@@ -22,6 +22,7 @@ from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.roles import CLAIM, roles
 from eom.checker.statements import Statement, split
+from eom.checker.systems import covered
 from eom.checker.tokens import tokenize
 from eom.checker.values import UNDECIDED, WRONG, Finding, Value
 from eom.limits import Overdue, deadline
@@ -88,10 +89,29 @@ class _Context:
         """Return the claims of statements, each of which may use what the ones before define."""
         known, found = dict(self.definitions), list[Claim]()
         for statement in statements:
-            new = claims(statement, self.lexicon, known, (*self.before, *found))
+            new = self._claims(statement, known, (*self.before, *found))
             known |= defined(new)
             found += new
         return tuple(found)
+
+    def _claims(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims: of the note's system, or of bodies in general.
+
+        What is not about scalars of the system alone is read without it, if that leaves no more without
+        a meaning.
+        """
+        new = claims(statement, self.lexicon, known, before)
+        if self.lexicon.system is None or all(covered(c) for c in new):
+            return new
+        other = claims(statement, self.lexicon.without_system(), known, before)
+        return min((other, new), key=_gaps)
+
+
+def _gaps(found: Iterable[Claim]) -> int:
+    """Return how many places of claims have no meaning."""
+    return sum(f.verdict != WRONG for c in found for f in c.findings)
 
 
 def _timely(
@@ -138,8 +158,7 @@ def _columns(reading: Reading) -> tuple[Variant, ...]:
 
 def _left(understood: Understood) -> int:
     """Return how many places have no meaning as they are read."""
-    findings = (f for c in understood.claims for f in c.findings)
-    return sum(f.verdict != WRONG for f in findings)
+    return _gaps(understood.claims)
 
 
 class _Scoped:

@@ -45,7 +45,9 @@ def meanings(
     if notation:
         return Meanings(preset(notation), f"preset {notation}")
     if lexicon:
-        return Meanings(parse_lexicon(lexicon_text(Path(lexicon)), lexicon), lexicon)
+        return Meanings(
+            parse_lexicon(lexicon_text(Path(lexicon)), lexicon, Path(lexicon).parent), lexicon
+        )
     found = lexicon_found(_front(document), path)
     if found is not None:
         return Meanings(found[1], found[0])

@@ -29,7 +29,7 @@ from eom.checker.values import (
     refuse,
 )
 from eom.errors import InputError
-from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR, Term, dot, expr, inverse
+from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR, Term, atom, dot, expr, inverse
 from eom.vocabulary import quantity, unit
 
 PER_VOLUME = LENGTH.power(-3)
@@ -164,10 +164,17 @@ def _dimension(meaning: Meaning) -> Dimension | None:
     return own.times(PER_VOLUME)
 
 
+def _term(meaning: Meaning) -> Term:
+    """Return the quantity that is meant, one of the vocabulary or of the note's system."""
+    if meaning.quantity == "system":
+        return atom("system", *meaning.labels, kind=SCALAR)
+    return quantity(meaning.quantity, *meaning.labels)
+
+
 def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
     meaning = found.meaning
     try:
-        term = quantity(meaning.quantity, *meaning.labels)
+        term = _term(meaning)
     except InputError as error:
         raise refuse(UNDECIDED, error.what, span, error.got, error.expected) from None
     value = Value(term, term.kind, _dimension(meaning), ANY, int(meaning.density), span)
