@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from eom.checker import systems
@@ -135,7 +135,7 @@ def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement
 
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
     """Return a set without what its other members need, in the order of the table."""
-    needed = {n for name in names for n in closure([name]) - {name}}
+    needed = {n for name in names for n in _needed(name) - {name}}
     return tuple(name for name in ASSUMPTIONS if name in names - needed)
 
 
@@ -276,4 +276,10 @@ def _filled(base: frozenset[str], names: list[str]) -> frozenset[str] | None:
 
 def _without(names: frozenset[str], name: str) -> frozenset[str]:
     """Return a closed set without an assumption and all that need it."""
-    return frozenset(n for n in names if name not in closure([n]))
+    return frozenset(n for n in names if name not in _needed(n))
+
+
+@cache
+def _needed(name: str) -> frozenset[str]:
+    """Return an assumption with all that it needs."""
+    return closure([name])

@@ -161,7 +161,7 @@ def _finding(finding: Finding) -> Iterator[Line]:
     head: list[Part] = [("", f"  {_where(finding)}: "), (style, _verdict(finding))]
     yield tuple(head)
     if finding.verdict in DETAILED:
-        yield from shown(finding.source, finding.span, finding.place)
+        yield from shown(finding.source, finding.span, _places(finding))
         if finding.reason:
             yield (("", f"{INDENT}why: {printable(finding.reason)}"),)
     else:
@@ -203,24 +203,44 @@ def _cut(line: str, width: int) -> str:
     return line if len(line) <= width else line[: width - 3] + "..."
 
 
-def shown(source: Source, span: Span, place: Span) -> Iterator[Line]:
-    """Yield the lines of a formula, with carets under the place in it; a long one near the place."""
-    lead = len(source.text[span.start : span.stop]) - len(
-        source.text[span.start : span.stop].lstrip()
-    )
-    first = source.line_column(span.start + lead)[0]
-    last = source.line_column(max(span.stop - 1, span.start + lead))[0]
-    at = source.line_column(place.start)[0] if place != NOWHERE else 0
-    begin = max(first, at - MAX_LINES // 2) if at else first
+def _places(finding: Finding) -> tuple[Span, ...]:
+    """Return what carets stand under: what is to blame, else an inline formula in its line."""
+    blamed = (finding.place, *finding.explanation.blamed)
+    found = tuple(dict.fromkeys(s for s in blamed if s != NOWHERE))
+    return found or ((finding.span,) if finding.kind == "inline" else ())
+
+
+def shown(source: Source, span: Span, places: Sequence[Span]) -> Iterator[Line]:
+    """Yield the lines of a formula, with carets under places in it; a long one near the first place."""
+    inside = source.text[span.start : span.stop]
+    begins = span.start + len(inside) - len(inside.lstrip())
+    first = source.line_column(begins)[0]
+    last = source.line_column(max(span.stop - 1, begins))[0]
+    by_line: dict[int, list[Span]] = {}
+    for place in places:
+        by_line.setdefault(source.line_column(place.start)[0], []).append(place)
+    begin = max(first, min(by_line, default=first) - MAX_LINES // 2)
     lines = source.text.split("\n")
     for number in range(begin, min(last, begin + MAX_LINES) + 1):
-        line = lines[number - 1]
-        if number == at:
-            near, column, width = source.shown(place)
-            yield (("", INDENT + near),)
-            yield (("bad", " " * (len(INDENT) + column) + "^" * width),)
-        elif line.strip():
-            yield (("", INDENT + _cut(printable(line), MAX_WIDTH)),)
+        yield from _pointed(source, lines[number - 1], by_line.get(number, []))
+
+
+def _pointed(source: Source, line: str, places: Sequence[Span]) -> Iterator[Line]:
+    """Yield a line and carets under the places that begin in it; of a long line the first one alone."""
+    if not places:
+        yield from [(("", INDENT + _cut(printable(line), MAX_WIDTH)),)] if line.strip() else []
+        return
+    carets = [" "] * len(line) + [" "]
+    for place in places:
+        column = source.line_column(place.start)[1] - 1
+        width = max(1, min(place.stop - place.start, len(line) - column))
+        carets[column : column + width] = "^" * width
+    text, marks = printable(line), "".join(carets).rstrip()
+    if len(line) > WIDTH:
+        text, column, width = source.shown(places[0])
+        marks = " " * column + "^" * width
+    yield (("", INDENT + text),)
+    yield (("bad", INDENT + marks),)
 
 
 def _explanation(finding: Finding) -> Iterator[Line]:

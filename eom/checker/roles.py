@@ -119,9 +119,9 @@ def roles(pieces: Sequence[Piece]) -> tuple[str, ...]:
             lead = _lead(text.strip(), lead)
             after = _plain(pieces[k + 1].body[:_REACH]) if k + 1 < len(pieces) else ""
             found[-1] = _trail(after) if lead is NO_LEAD else lead.role
-            text += f" {_RELATION} "
+            text = f"{text} {_RELATION} "[-_REACH:]
         else:
-            text += f" {_NOUN} "
+            text = f"{text} {_NOUN} "[-_REACH:]
     return tuple(found)
 
 

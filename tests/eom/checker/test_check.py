@@ -18,9 +18,11 @@ from eom.checker.origins import meanings
 from eom.checker.places import NOWHERE
 from eom.checker.propose import propose
 from eom.checker.report import FAULTS, ORDER
+from eom.checker.roles import roles
 from eom.checker.settings import Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
+from tests.clock import growth_within
 
 NOTE = r"""# Momentum
 
@@ -327,3 +329,8 @@ def test_every_verdict_is_in_the_order():
 
     assert set(ORDER) == {*verdicts.ORDER, verdicts.NONE}
     assert FAULTS == verdicts.GRAVE
+
+
+def test_the_roles_of_many_formulas_in_one_paragraph_take_time_in_proportion():
+    pieces = {n: read_document("$a=b$ " * n).pieces for n in (1000, 8000)}
+    assert growth_within(24, lambda n: roles(pieces[n]), 1000, 8000)

@@ -13,13 +13,14 @@ import pytest
 
 import eom
 from eom.checker import grading
+from eom.checker.checking import grade
 from eom.checker.explanation import Correction, Counterexample, Explanation
 from eom.checker.graded import Graded
 from eom.checker.inputs import Text
 from eom.checker.places import Source, Span
 from eom.checker.report import ORDER, Finding, Remark, Report
 from eom.checker.report_data import COLUMNS, to_csv, to_json, to_table_json
-from eom.checker.report_text import text, told, total
+from eom.checker.report_text import shown, text, told, total
 from eom.checker.settings import Settings
 from eom.errors import InputError
 
@@ -57,7 +58,7 @@ def test_notes_come_in_order_whatever_the_number_of_workers(folder):
 @pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     monkeypatch.setattr(grading, "GRACE_SECONDS", 0.0)
-    hurried = Settings("arrow-tilde", note_seconds=2.0)
+    hurried = Settings("arrow-tilde", note_seconds=5.0)
 
     def strike(fraction):
         if fraction == 1 / 4:
@@ -68,7 +69,7 @@ def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     graded = eom.check_files(notes, hurried, workers=1, progress=strike)
     assert statuses(graded) == ["nothing wrong", "unusable", "nothing wrong", "nothing wrong"]
     assert graded[1].name == str(notes[1])
-    words = "died" if sent == signal.SIGKILL else "no answer within 2 s"
+    words = "died" if sent == signal.SIGKILL else "no answer within 5 s"
     assert words in graded[1].error
     assert mp.active_children() == []
 
@@ -199,7 +200,45 @@ def test_text_tells_everything_and_nothing_that_a_terminal_acts_on():
     ):
         assert part in shown, part
     at = lines.index(next(line for line in lines if "^" in line))
-    assert lines[at - 1][lines[at].index("^") - 2 :].startswith("=  [31mb$$")
+    assert lines[at - 1] == "    $$a =  [31mb$$"
+    assert lines[at] == "          ^^^^^^^"
+
+
+def carets(source, span, *places):
+    return [text(line) for line in shown(source, span, places)]
+
+
+def test_carets_stand_under_every_place_of_a_formula():
+    source = Source("$$a = b\n + c$$ x")
+    span = Span(2, 12)
+    assert carets(source, span) == ["    $$a = b", "     + c$$ x"]
+    assert carets(source, span, Span(2, 3), Span(6, 7), Span(11, 12)) == [
+        "    $$a = b",
+        "      ^   ^",
+        "     + c$$ x",
+        "       ^",
+    ]
+    assert carets(source, span, Span(7, 7))[1] == "           ^"
+    assert carets(source, span, Span(2, 12))[1] == "      ^^^^^"
+
+
+def test_of_a_long_line_or_formula_what_is_near_the_place_is_shown():
+    source = Source("a" * 500 + "=b")
+    line, marks = carets(source, Span(0, 502), Span(501, 502))
+    assert len(line) < 80
+    assert line[marks.index("^")] == "b"
+    many = Source("\n".join(f"+ a_{{{k}}}" for k in range(400)))
+    place = Span(many.text.index("a_{300}"), many.text.index("a_{300}") + 7)
+    lines = carets(many, Span(0, len(many.text)), place)
+    assert len(lines) < 40
+    assert lines[lines.index("    + a_{300}") + 1] == "      ^^^^^^^"
+
+
+def test_a_wrong_formula_in_a_line_of_prose_is_marked():
+    graded = grade(Text("So $\\vec H_C = 2 I_C\\vec\\omega$ holds."), ARROWS)
+    lines = [text(line) for line in told(graded)]
+    at = next(k for k, line in enumerate(lines) if "^" in line)
+    assert lines[at].count("^") == len("\\vec H_C = 2 I_C\\vec\\omega")
 
 
 def test_only_and_quiet_leave_out():
