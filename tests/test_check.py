@@ -241,6 +241,10 @@ def test_colours_are_for_terminals_without_no_color(check):
         (["a=b", "--seconds", "0"], "Invalid value for '--seconds'"),
         (["a=b", "--jobs", "-1"], "Invalid value for '--jobs'"),
         ([], "Missing argument"),
+        (["a=b", "--code", "x.py:f"], "one of them"),
+        (["--code", "x.py:f"], "code is checked against a system"),
+        (["--code", "x.py:f", "--system", "t-handle"], "cannot be read"),
+        (["a=b", "--system", "t-hadle"], "did you mean t-handle"),
         (["a=b", "--table", "{tmp}/no/table.csv"], "No such file"),
         (["a=b", "--html", "{tmp}/empty"], "a file, for one note"),
         (["a=b", "c=d", "--html", "{tmp}/b.md"], "a folder, for several notes"),
@@ -285,3 +289,24 @@ print(sorted({"sympy", "numpy", "scipy", "rich"} & set(sys.modules)))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+CODE = """def f(t, y, p):
+    w1, w2, w3 = y
+    I1, I2, I3 = p
+    return [{0}(I2 - I3) / I1 * w2 * w3, (I3 - I1) / I2 * w3 * w1, (I1 - I2) / I3 * w1 * w2]
+"""
+
+
+@pytest.mark.parametrize(("sign", "status", "said"), [("", 0, "right"), ("-", 1, "in output 0")])
+def test_code_is_checked_against_a_system(check, tmp_path, sign, status, said):
+    (tmp_path / "rates.py").write_text(CODE.format(sign))
+    done = check("--code", tmp_path / "rates.py:f", "--system", "free-rigid-body")
+    assert done.exit_code == status
+    assert said in done.output
+
+
+def test_a_scalar_line_is_about_the_system_that_is_named(check):
+    line = r"\dot\omega_1 = \frac{I_2-I_3}{I_1}\omega_2\omega_%s"
+    assert check(line % 3, "--system", "free-rigid-body").exit_code == 0
+    assert check(line % 1, "--system", "free-rigid-body").exit_code == 1

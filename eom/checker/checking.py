@@ -11,11 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from eom.checker.documents import Document
 from eom.checker.graded import Graded
 from eom.checker.inputs import Note, document_of, name_of, note_of
 from eom.checker.judge import UNDECIDED, UNDER, WRONG
+from eom.checker.lexicon_files import about
 from eom.checker.notes import Understood, understand
 from eom.checker.origins import Meanings, meanings
 from eom.checker.places import NOWHERE, ReadingError, Span, printable
@@ -26,6 +28,10 @@ from eom.checker.verdicts import NONE, Judged, Verdict, verdict
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
 from eom.worlds import closure
+
+if TYPE_CHECKING:
+    from eom.scene import Scene
+    from eom.system import System
 
 MAX_SETS = 24
 """Sets of assumptions that are told at most of one formula."""
@@ -54,19 +60,20 @@ def check(
     lexicon: str | Path = "",
     given: Iterable[str] = GIVEN,
     kind: str = "",
+    system: str | System | Scene | None = None,
     seconds: float = FORMULA_SECONDS,
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
-    ``note``: a `Path`, the name of a file (see `eom.checker.inputs.is_file`), else a text. ``notation``,
-    ``lexicon``, ``given``, ``kind``, ``seconds``: see `Settings`. Without notation and lexicon those of
-    the note are taken, and if it has none a draft from its words, as ``Report.lexicon`` tells.
+    ``note``: a `Path`, the name of a file (see `eom.checker.inputs.is_file`), else a text. All others:
+    see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a draft
+    from its words, as ``Report.lexicon`` tells.
     Raises `InputError` for a note that cannot be read and for settings that cannot be used.
 
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
     'holds under'
     """
-    settings = Settings(notation, str(lexicon), tuple(given), kind, seconds)
+    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds)
     return check_note(note_of(note), settings)
 
 
@@ -77,6 +84,8 @@ def check_note(note: Note, settings: Settings) -> Report:
     path = note if isinstance(note, Path) else None
     with deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
+        if settings.system is not None:
+            known = replace(known, lexicon=about(known.lexicon, settings.system))
         found = tuple(_found(document, known, settings))
         for add in PASSES:
             found = _added(add, found, settings)

@@ -212,16 +212,17 @@ def _entries_of(
 
 
 def about(
-    lexicon: Lexicon, system: System | Scene, symbols: Mapping[str, str] | None = None
+    lexicon: Lexicon, system: str | System | Scene, symbols: Mapping[str, str] | None = None
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 
-    Raises `InputError` for names that the system has not.
+    ``system``: the name of one, a scene file, or an object. Raises `InputError` for those that are not
+    known and for names that the system has not.
     """
-    from eom.checker.model import model_of
+    from eom.checker.model import model_from
 
     given = {"symbols": dict(symbols or {})}
-    model, spelt = _entries_of(model_of(system), given, lexicon.notation, "symbols")
+    model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
     plain = lexicon.without_system()
     return replace(plain, layers=(*plain.layers[:1], *spelt, *plain.layers[1:]), system=model)
 

@@ -213,6 +213,14 @@ def printed(q: Quantity) -> str:
 # -- by name -----------------------------------------------------------------------------------------
 
 
+def model_from(system: str | System | Scene | Model) -> Model:
+    """Return the model of a system, a scene, the name of one, or a scene file (it ends in .toml)."""
+    if not isinstance(system, str):
+        return model_of(system)
+    path = Path(system)
+    return load_model(path.name, path.parent) if path.suffix == ".toml" else load_model(system)
+
+
 def load_model(
     name: str,
     folder: Path | None = None,

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from eom.scene import Scene
+    from eom.system import System
 
 GIVEN = ("constant_mass",)
 """What is assumed without being said, unless something else is given."""
@@ -16,6 +21,7 @@ class Settings:
 
     ``notation``: a preset, ``lexicon``: a TOML file, "" for neither; ``given``: assumptions made without
     being said; ``kind``: of texts that are no files, see `read_document`, "" for what they look like;
+    ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
     ``seconds``: for the meaning of a formula, and again for its judgement; ``note_seconds``: for a note.
     """
 
@@ -23,5 +29,6 @@ class Settings:
     lexicon: str = ""
     given: tuple[str, ...] = GIVEN
     kind: str = ""
+    system: str | System | Scene | None = None
     seconds: float = FORMULA_SECONDS
     note_seconds: float = NOTE_SECONDS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -39,7 +39,7 @@ def _assumptions() -> Rows:
 
 
 @click.command(cls=WithTable, title="Assumptions for --given", rows=_assumptions)
-@click.argument("notes", metavar="NOTE...", nargs=-1, required=True)
+@click.argument("notes", metavar="NOTE...", nargs=-1)
 @click.option(
     "--notation",
     default="",
@@ -48,6 +48,18 @@ def _assumptions() -> Rows:
     "schaub-junkins, hughes or physics-bold.",
 )
 @click.option("--lexicon", default="", metavar="FILE", help="Meanings of symbols: a TOML file.")
+@click.option(
+    "--system",
+    metavar="SCENE",
+    default=None,
+    help="What scalar lines are about: a ready scene, a builtin system, a solid, or a scene file.",
+)
+@click.option(
+    "--code",
+    metavar="FILE:FUNCTION",
+    default="",
+    help="Check code for the rates of --system instead: FILE.py or FILE.c with f(t, y, p).",
+)
 @click.option(
     "--propose", is_flag=True, help="Print a draft of the note's lexicon as TOML; judge nothing."
 )
@@ -99,7 +111,7 @@ def _assumptions() -> Rows:
     show_default=True,
     help="For a note.",
 )
-def check(notes: tuple[str, ...], propose: bool, **options: Any) -> None:
+def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> None:
     r"""Check hand derivations: which line is wrong, which holds, and under which assumptions.
 
     NOTE is a file (Markdown, LaTeX, notebook), a folder with such files, - for standard input, or a
@@ -111,8 +123,16 @@ def check(notes: tuple[str, ...], propose: bool, **options: Any) -> None:
     matter between lines of +++, NAME.lexicon.toml, NAME.toml or lexicon.toml beside it; else from a draft
     made of the note's words, which the output says.
 
+    With --code a function for the rates of --system is run apart and compared: f(t, y, p) in Python,
+    void f(double t, const double *y, const double *p, double *dy) in C; what is wrong is named by its
+    terms.
+
     Exit status: 0 nothing wrong, 1 a line is wrong or ill-formed, 2 unusable input.
     """
+    if bool(notes) == bool(code):
+        raise click.UsageError("Missing argument 'NOTE...' (or --code), one of them.")
+    if code:
+        _code(code, options["system"], options["as_json"])
     if propose:
         _propose(notes, options["kind"])
         return
@@ -132,11 +152,23 @@ def check(notes: tuple[str, ...], propose: bool, **options: Any) -> None:
     sys.exit(_status(graded))
 
 
+def _code(target: str, system: str | None, as_json: bool) -> NoReturn:
+    """Check code for the rates of a system, print what was found, and end."""
+    from eom.commands.code_checking import run
+
+    if system is None:
+        raise InputError("code is checked against a system", got=target, expected="--system SCENE")
+    text, status = run(target, system, as_json)
+    click.echo(text)
+    sys.exit(status)
+
+
 def _settings(
     notation: str,
     lexicon: str,
     given: tuple[str, ...],
     kind: str,
+    system: str | None,
     seconds: float,
     note_seconds: float,
     **_: Any,
@@ -152,7 +184,7 @@ def _settings(
         raise InputError("--given none excludes others", got=", ".join(given))
     assumed = () if given == ("none",) else given or GIVEN
     closure(assumed)
-    return Settings(notation, lexicon, assumed, kind, seconds, note_seconds)
+    return Settings(notation, lexicon, assumed, kind, system, seconds, note_seconds)
 
 
 def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:

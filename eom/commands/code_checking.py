@@ -63,10 +63,10 @@ def check_code(target: str, system: Any, *, seconds: int = SECONDS, seed: int = 
     for code that cannot be run, and for systems that are not known.
     """
     from eom.checker.code import compare, points
-    from eom.checker.model import load_model, model_of
+    from eom.checker.model import model_from
 
     file, name = _parsed(target)
-    model = load_model(*_named(system)) if isinstance(system, str) else model_of(system)
+    model = model_from(system)
     at = points(model, seed=seed)
     if file.suffix == ".c":
         return compare(model, at, _from_c(file, name, at, seconds))
@@ -75,11 +75,6 @@ def check_code(target: str, system: Any, *, seconds: int = SECONDS, seed: int = 
         at = points(model, seed=seed, fixed=_built_in(model))
         rows, _ = _from_python(file, name, at, seconds)
     return compare(model, at, rows)
-
-
-def _named(system: str) -> tuple[str, Path | None]:
-    path = Path(system)
-    return (path.name, path.parent) if system.endswith(".toml") else (system, None)
 
 
 def _built_in(model: Model) -> dict[str, float]:
