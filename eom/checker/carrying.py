@@ -7,15 +7,20 @@ follows from what the note assumes by a formula is not wrong at all.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 
-from eom.checker.claims import Claim
-from eom.checker.consequences import follows
+import sympy as sp
+
+from eom.checker.claims import STATEMENT, Claim
+from eom.checker.consequences import follows, parts
 from eom.checker.context import Context
 from eom.checker.judge import UNDER, WRONG, Judgement
+from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
-from eom.terms import nodes
+from eom.series import Singular
+from eom.terms import Term, expr, nodes
 from eom.worlds import ASSUMPTIONS, closure
 
 MAX_EARLIER = 4
@@ -78,7 +83,7 @@ def _source(
             assumed = worlds_of(_ordered(stated), context)
         except InputError:
             continue
-        if follows(judged.claim, (other.claim,), assumed):
+        if follows(judged.claim, (other.claim,), assumed, simple=True):
             return number
     return None
 
@@ -99,6 +104,9 @@ def _quantities(claim: Claim) -> frozenset[str]:
     return frozenset(str(n.data[0]) for n in atoms if n.data[0] not in {"unit", "identity"})
 
 
+_STAGES = (16, 80)
+"""Multiples of premises that are tried: first a few."""
+
 # -- premises -----------------------------------------------------------------------------------------
 
 
@@ -109,18 +117,64 @@ def resting(
 
     Its sets are what has to be assumed besides; a claim that is refuted and does not follow is wrong.
     """
-    premises = [p for s in context.at(number) for p in s.premises if not s.names]
+    premises = [p for s in context.premises(number) for p in s.premises]
     premises = [p for p in premises if _related(p, judged.claim)]
-    if not premises or not _refuted(judged):
+    if not premises:
         return None
     base = closure([*given, *judged.judgement.context])
     assumed = worlds_of(_ordered(context.names(number)), base)
-    if not follows(judged.claim, premises, assumed):
+    most = next((n for n in _STAGES if follows(judged.claim, premises, assumed, n)), 0)
+    if not most:
         return None
     for name in reversed([n for n in ASSUMPTIONS if n in assumed - base]):
         fewer = frozenset(n for n in assumed if name not in closure([n]))
-        if name in assumed and base <= fewer and follows(judged.claim, premises, fewer):
+        if name in assumed and base <= fewer and follows(judged.claim, premises, fewer, most):
             assumed = fewer
     needed = {n for name in assumed for n in closure([name]) - {name}}
     names = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
     return Judgement(UNDER, (names,), judged.judgement.context)
+
+
+# -- terms that vanish --------------------------------------------------------------------------------
+
+SPECIAL_MOTION = frozenset(
+    {"symmetric", "torque_free", "thin_rod", "C_at_rest", "no_torque_2", "no_torque_3"}
+)
+"""Assumptions about special bodies and motions, under which terms of equations vanish."""
+
+
+def vanishing(claim: Claim, names: Iterable[str]) -> bool:
+    """Whether a term of a claim, written down by its author, is zero under special assumptions alone.
+
+    A member that says that it is zero is no such term.
+    """
+    names = tuple(names)
+    plain = [n for n in names if n not in SPECIAL_MOTION]
+    silent = claim.kind != STATEMENT or any(m.is_zero for m in claim.members)
+    if silent or len(plain) == len(names):
+        return False
+    try:
+        special, general = closure([*names, *USUAL]), closure([*plain, *USUAL])
+        return any(
+            not any(v) and any(w)
+            for m in claim.members
+            for t in _addends(m.term)
+            for v, w in [(_value(t, claim, special), _value(t, claim, general))]
+        )
+    except (InputError, Singular):
+        return False
+
+
+def _addends(term: Term) -> Iterator[Term]:
+    if term.head == "add":
+        for a in term.args:
+            yield from _addends(a)
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
+    else:
+        yield term
+
+
+def _value(term: Term, claim: Claim, assumed: frozenset[str]) -> tuple[int, ...]:
+    value = Value(term, term.kind)
+    return parts(replace(claim, members=(value,), relations=()), assumed)[0]

@@ -25,10 +25,10 @@ from eom.errors import InputError
 from eom.evaluate import Env, Evaluator
 from eom.generators import world
 from eom.series import PRIME, Series, Singular
-from eom.terms import INDICES, Equation, Term, nodes
+from eom.terms import INDICES, Equation, Term, labels_of, nodes
 from eom.vocabulary import omega, position, quantity
 
-MAX_UNKNOWNS = 120
+MAX_UNKNOWNS = 80
 """Multiples that are tried at most, the simplest first."""
 SPARE = 8
 """Equations beyond the number of unknowns."""
@@ -36,8 +36,14 @@ MAX_WORLDS = 120
 _ORDERS = 2
 """Derivatives of a premise that are tried."""
 
+_SIMPLE = frozenset(
+    sign * n * pow(d, -1, PRIME) % PRIME for sign in (1, -1) for n in range(5) for d in (1, 2, 4)
+)
+"""Constants that steps by hand bring: whole numbers up to four, halves and quarters."""
+
 Measured = tuple[Dimension | None, tuple[Series, ...]]
 """Some components with their dimension, None where it is unknown."""
+Factor = tuple[Dimension | None, Series]
 
 
 def follows(
@@ -45,15 +51,17 @@ def follows(
     premises: Sequence[Claim],
     assumed: frozenset[str],
     unknowns: int = MAX_UNKNOWNS,
+    simple: bool = False,
 ) -> bool:
     """Tell whether a claim is a sum of multiples of premises in the worlds of a closed set.
 
-    ``unknowns``: multiples that are tried at most, the simplest first. What a claim says by itself
+    ``unknowns``: multiples that are tried at most, the simplest first; ``simple``: whether their
+    constants have to be simple fractions, as steps by hand bring them. What a claim says by itself
     follows from anything. False where nothing was found, or a claim has no value in these worlds.
     """
     try:
         said = _Said(claim, tuple(premises))
-        return bool(said.right) and _solvable(said, assumed, unknowns)
+        return bool(said.right) and _solvable(said, assumed, unknowns, simple=simple)
     except InputError:
         return False
 
@@ -85,6 +93,7 @@ class _Said:
     claim: Claim
     premises: tuple[Claim, ...]
     right: tuple[Equation, ...] = field(init=False)
+    chosen: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.right = equations(self.claim)
@@ -105,11 +114,21 @@ class _Said:
             for node in nodes(term):
                 if node.head == "expr":
                     found.update((e, d) for e, d in self._parts(node.data[0]))
-                elif node.head == "atom" and not INDICES & set(node.data[1:]):
+                elif node.head == "atom" and not INDICES & labels_of(node):
                     found[node] = of_quantity(node.data[0])
         if any("body" in n.data or n.data[:1] == ("inertia",) for n in found if n.data):
             found |= {omega(): RATE, quantity("inertia", "C"): of_quantity("inertia")}
         return tuple((d, t) for t, d in found.items() if t.data[:1] not in _PLAIN)
+
+    def distinct(self, factors: Sequence[Factor]) -> list[Factor]:
+        """Return factors without zeros, constants and repetitions, the same ones in all worlds."""
+        if not self.chosen:
+            kept: dict[tuple[Any, ...], int] = {}
+            for n, (_, s) in enumerate(factors):
+                if any(s.coefficients) and s.coefficients[:2] != (1, 0):
+                    kept.setdefault(s.coefficients, n)
+            self.chosen = list(kept.values())
+        return [factors[n] for n in self.chosen]
 
     def _terms(self) -> Iterator[Term]:
         for c in (self.claim, *self.premises):
@@ -146,7 +165,7 @@ def _measure(claim: Claim) -> Dimension | None:
     return next(known, None)
 
 
-def _solvable(said: _Said, assumed: frozenset[str], unknowns: int) -> bool:
+def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bool) -> bool:
     """Tell whether the equations of enough worlds have a solution."""
     rows = _Rows()
     for seed in range(MAX_WORLDS):
@@ -158,7 +177,7 @@ def _solvable(said: _Said, assumed: frozenset[str], unknowns: int) -> bool:
             if not rows.add(*row):
                 return False
             if rows.count >= rows.width + SPARE:
-                return True
+                return not simple or all(c in _SIMPLE for c in rows.solution())
     return False
 
 
@@ -170,7 +189,7 @@ def _sample(
     wanted = _measure(said.claim)
     env: Env = next(e.numberings(_free(e, said.claim)), {})
     differences = tuple(s for q in said.right for s in _difference(e, q, env))
-    factors = [(d, s) for d, t in said.factors for s in _components(e, t, {})]
+    factors = said.distinct([(d, s) for d, t in said.factors for s in _components(e, t, {})])
     given = [g for p in said.premises for g in _derivatives(_given(e, p, env))]
     return differences, list(islice(_multiples(wanted, given, factors), unknowns))
 
@@ -252,7 +271,7 @@ def _rate(now: Measured) -> Measured:
 def _multiples(
     wanted: Dimension | None,
     given: Sequence[tuple[int, Measured]],
-    factors: Sequence[tuple[Dimension | None, Series]],
+    factors: Sequence[Factor],
 ) -> Iterator[Series]:
     """Yield the multiples of the right dimension: by numbers, by one factor, by two."""
     given = sorted(given, key=lambda g: g[0])
@@ -299,6 +318,16 @@ class _Rows:
     rows: dict[int, list[Any]] = field(default_factory=dict)
     width: int = -1
     count: int = 0
+
+    def solution(self) -> Iterator[int]:
+        """Yield the constants of all right sides; those that are free are zero."""
+        sides = len(next(iter(self.rows.values()), [0] * self.width)) - self.width
+        for side in range(self.width, self.width + sides):
+            known: dict[int, int] = {}
+            for place in sorted(self.rows, reverse=True):
+                row = self.rows[place]
+                known[place] = (row[side] - sum(row[k] * c for k, c in known.items())) % PRIME
+            yield from known.values()
 
     def add(self, left: list[Any], right: list[Any]) -> bool:
         """Take in an equation; return False where it contradicts the others."""

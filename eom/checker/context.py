@@ -73,7 +73,8 @@ class Context:
 
     def at(self, number: int) -> tuple[Stated, ...]:
         """Return what has been stated where a formula stands, in order; itself left out."""
-        return tuple(s for s in self.stated if self._other(s, number, earlier=True))
+        place = self.places[number]
+        return tuple(s for s in self.stated if s.holds_at(place) and s.start != place)
 
     def later(self, number: int) -> tuple[Stated, ...]:
         """Return what is stated behind a formula."""
@@ -83,8 +84,9 @@ class Context:
         """Return the assumptions that have been stated where a formula stands, and what they need."""
         return implied(n for s in self.at(number) for n in s.names)
 
-    def _other(self, s: Stated, number: int, *, earlier: bool) -> bool:
-        return s.holds_at(self.places[number]) is earlier and s.start != self.places[number]
+    def premises(self, number: int) -> tuple[Stated, ...]:
+        """Return the formulas among what has been stated that match no assumption of the table."""
+        return tuple(s for s in self.at(number) if s.premises and not s.names)
 
 
 def implied(names: Iterable[str]) -> frozenset[str]:

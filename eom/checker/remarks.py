@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+from eom.checker.carrying import SPECIAL_MOTION, vanishing
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.consequences import labels, parts
 from eom.checker.context import Context, Stated, implied
@@ -31,6 +32,7 @@ KINDS: dict[str, str] = {
     "contradicts assumption": "cannot stand together with the assumption of line {line}",
     "repeats": "repeats line {line}",
     "carried": "carries the slip of line {line} forward",
+    "vanishing term": "holds only where a term of it vanishes, with {what}, which the note does not state",
     "approximate": "does not hold exactly; line {line} speaks of an approximation",
 }
 """Kinds of remarks, and their words."""
@@ -94,7 +96,8 @@ def remarks(
     found = []
     for number, verdict in enumerate(verdicts):
         known = context.names(number) | implied(given)
-        new = [*_needs(verdict, number, lines[number], context, known, told)]
+        new = [*_hollow(verdict, context, given)]
+        new = new or [*_needs(verdict, number, lines[number], context, known, told)]
         new += _spare(verdict, verdicts, number, context)
         new += before.take(verdict, number)
         found.append(tuple(dict.fromkeys(new)))
@@ -125,6 +128,16 @@ def _needs(
     absent = [noun(n) for n, stated in later if stated is None]
     if absent:
         yield remark("not stated", what=_listed(absent))
+
+
+def _hollow(verdict: Verdict, context: Context, given: tuple[str, ...]) -> Iterator[Remark]:
+    """Yield that a claim holds only because a term of it vanishes by what the note never states."""
+    everywhere = implied(n for s in context.stated for n in s.names)
+    for judged in verdict.claims:
+        sets = judged.judgement.sets if judged.verdict == UNDER else ()
+        absent = [[n for n in s if n in SPECIAL_MOTION - everywhere] for s in sets]
+        if absent and all(absent) and all(vanishing(judged.claim, (*given, *s)) for s in sets):
+            yield remark("vanishing term", what=_listed([noun(n) for n in absent[0]]))
 
 
 def _first(name: str, number: int, context: Context) -> Stated | None:

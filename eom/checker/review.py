@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.carrying import carried, resting
-from eom.checker.context import Context, assumed
+from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
-from eom.checker.judge import UNDECIDED, UNDER, WRONG
+from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
 from eom.checker.notes import Understood
 from eom.checker.phrases import Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
@@ -39,8 +39,9 @@ def review(
 ) -> tuple[Reviewed, ...]:
     """Return every formula of a note as it stands in the note; ``verdicts``: if they are known already.
 
-    A verdict differs from that on the formula alone where a wrong claim rests on what the note assumes:
-    then it holds under that. Where the note speaks of an approximation, it is undecided.
+    A verdict differs from that on the formula alone where a claim rests on what the note assumes by a
+    formula: then it holds under that; and where a wrong claim stands beside words of an approximation:
+    then it is undecided.
     """
     given = tuple(given)
     alone = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
@@ -86,16 +87,19 @@ def _claim(
     found: list[Remark],
 ) -> Judged:
     """Return a claim with its verdict in its place; ``found`` takes why it differs."""
-    if judged.verdict != WRONG or judged.judgement.verdict != WRONG or judged.claim.verdict:
+    if judged.verdict not in {WRONG, UNDER} or judged.claim.verdict:
         return judged
-    try:
-        rested = resting(judged, number, context, given)
-    except InputError:
-        rested = None
-    if rested is not None:
-        lines = {s.line for s in context.at(number) if s.premises and not s.names}
-        found += [remark("rests on", max(lines))]
-        return replace(judged, judgement=rested, verdict=UNDER, reason="", chain=None)
+    known = context.names(number) | implied(given)
+    best = [len(implied(s) - known) for s in ranked(judged.judgement.sets, known)[:1]]
+    if judged.verdict == UNDER and 0 in best:
+        return judged
+    rested = _rested(judged, number, context, given)
+    if rested is not None and not (best and len(implied(rested.sets[0]) - known) >= best[0]):
+        found.append(remark("rests on", max(s.line for s in context.premises(number))))
+        judgement = replace(rested, sets=(*rested.sets, *judged.judgement.sets))
+        return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
+    if judged.verdict == UNDER:
+        return judged
     place = context.places[number]
     near = [s for s in loose if s.start <= place and place[0] < s.stop]
     if near:
@@ -103,3 +107,12 @@ def _claim(
         reason = "not exactly true; the note speaks of an approximation"
         return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
     return judged
+
+
+def _rested(
+    judged: Judged, number: int, context: Context, given: tuple[str, ...]
+) -> Judgement | None:
+    try:
+        return resting(judged, number, context, given)
+    except InputError:
+        return None
