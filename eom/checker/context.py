@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from eom.checker.claims import SAME_POINT, Claim
 from eom.checker.consequences import follows
@@ -16,6 +17,7 @@ from eom.checker.documents import Document, Piece
 from eom.checker.judge import HOLDS, UNDER
 from eom.checker.notes import Understood
 from eom.checker.phrases import (
+    MAX_BEFORE,
     NOTE,
     PARAGRAPH,
     Limits,
@@ -66,10 +68,11 @@ class Stated:
 
 @dataclass(frozen=True)
 class Context:
-    """What a note states, and where each of its formulas stands."""
+    """What a note states, and where each of its formulas stands: place and source."""
 
     stated: tuple[Stated, ...]
     places: tuple[Place, ...]
+    sources: tuple[Source, ...]
 
     def at(self, number: int) -> tuple[Stated, ...]:
         """Return what has been stated where a formula stands, in order; itself left out."""
@@ -91,7 +94,12 @@ class Context:
 
 def implied(names: Iterable[str]) -> frozenset[str]:
     """Return assumptions with what each of them needs; they need not stand together."""
-    return frozenset().union(*(closure([n]) for n in names))
+    return frozenset().union(*(_closed(n) for n in set(names)))
+
+
+@cache
+def _closed(name: str) -> frozenset[str]:
+    return closure([name])
 
 
 def assumed(
@@ -108,7 +116,8 @@ def assumed(
     ]
     for place, one, verdict in zip(places, understood, verdicts, strict=True):
         found += _formulas(place, one, verdict, leads.get(place[0], ""), limits)
-    return Context(tuple(sorted(found, key=lambda s: s.start)), places)
+    sources = tuple(document.pieces[k].source for k in numbers)
+    return Context(tuple(sorted(found, key=lambda s: s.start)), places, sources)
 
 
 def _leads(pieces: Sequence[Piece]) -> Mapping[int, str]:
@@ -117,10 +126,10 @@ def _leads(pieces: Sequence[Piece]) -> Mapping[int, str]:
     for sentence in sentences(pieces):
         for n, (k, _) in enumerate(sentence.places):
             if n and k != sentence.places[n - 1][0]:
-                found[k] = sentence.text[:n]
+                found[k] = sentence.text[max(0, n - MAX_BEFORE) : n]
         behind = sentence.places[-1][0] + 1
         if behind < len(pieces) and pieces[behind].kind == "display":
-            found[behind] = sentence.text
+            found[behind] = sentence.text[-MAX_BEFORE:]
     return found
 
 

@@ -100,6 +100,13 @@ _END = re.compile(
     r"[.!?;](?=\s+\S)(?<!\be\.g\.)(?<!\beg\.)(?<!\bi\.e\.)(?<!\bEq\.)|\n[ \t]*\n|:(?=\s*$)"
 )
 
+MAX_RUN = 20_000
+"""Characters of prose that are looked at together; longer runs are cut."""
+MAX_BEFORE = 400
+"""Characters in front of a phrase or formula that are looked at."""
+MAX_SAID = 1000
+"""Phrases that are kept, the first ones."""
+
 Place = tuple[int, int]
 """Number of a piece, and an offset in its source."""
 
@@ -135,21 +142,41 @@ class _Sentence:
 
 
 def said(pieces: Sequence[Piece]) -> tuple[Said, ...]:
-    """Return the assumptions that words state, in order."""
+    """Return the assumptions that words state, in order; what holds already is not said again."""
     limits = Limits(pieces)
-    found = []
+    found: list[Said] = []
+    known: set[tuple[tuple[str, ...], int]] = set()
     for sentence in sentences(pieces):
         for names, start, stop in _matches(sentence.text):
-            scope = SECTION if sentence.heading else scope_of(sentence.text[:start])
-            place = sentence.places[start]
-            text = sentence.text[start:stop].strip()
-            until = limits.stop(place[0], scope)
-            pointed = not sentence.heading and (
-                scope != NOTE or _SAID_OF.search(sentence.text[:start]) is not None
-            )
-            source = pieces[place[0]].source
-            found.append(Said(names, text, source, place, until, scope, pointed))
+            one = _said(pieces, sentence, names, (start, stop), limits)
+            if one.pointed or (names, one.stop) not in known:
+                known.add((names, one.stop))
+                found.append(one)
+        if len(found) >= MAX_SAID:
+            break
     return tuple(sorted(found, key=lambda s: s.start))
+
+
+def _said(
+    pieces: Sequence[Piece],
+    sentence: _Sentence,
+    names: tuple[str, ...],
+    span: tuple[int, int],
+    limits: Limits,
+) -> Said:
+    before = sentence.text[: span[0]]
+    scope = SECTION if sentence.heading else scope_of(before)
+    place = sentence.places[span[0]]
+    of_something = _SAID_OF.search(before[-60:]) is not None
+    return Said(
+        names,
+        sentence.text[slice(*span)].strip(),
+        pieces[place[0]].source,
+        place,
+        limits.stop(place[0], scope),
+        scope,
+        not sentence.heading and (scope != NOTE or of_something),
+    )
 
 
 def approximate(pieces: Sequence[Piece]) -> tuple[Said, ...]:
@@ -166,14 +193,17 @@ def approximate(pieces: Sequence[Piece]) -> tuple[Said, ...]:
 
 
 def _matches(text: str) -> Iterator[tuple[tuple[str, ...], int, int]]:
+    """Yield the first place of every pattern in a sentence where it is not denied."""
     for pattern, names in _COMPILED:
         for match in pattern.finditer(text):
-            if not _DENIED.search(text[: match.start()]):
+            if not _DENIED.search(text[max(0, match.start() - 60) : match.start()]):
                 yield names, match.start(), match.end()
+                break
 
 
 def scope_of(before: str) -> str:
     """Return how far what stands behind some words reaches: the last lead counts."""
+    before = before[-MAX_BEFORE:]
     ends = [(m.end(), scope) for p, scope in _LEADS for m in p.finditer(before)]
     return max(ends)[1] if ends else NOTE
 
@@ -198,9 +228,14 @@ def sentences(pieces: Sequence[Piece]) -> Iterator[_Sentence]:
             yield _Sentence(body, tuple((k, piece.span.start + n) for n in range(len(body))), True)
         else:
             body = _plain(piece.body) if piece.kind == "prose" else f" {letters(piece.body)} "
-            wide = piece.kind == "prose"
-            text += body
-            places += [(k, piece.span.start + (n if wide else 0)) for n in range(len(body))]
+            wide = int(piece.kind == "prose")
+            for first in range(0, len(body), MAX_RUN):
+                if len(text) >= MAX_RUN:
+                    yield from _split(text, places)
+                    text, places = "", []
+                part = body[first : first + MAX_RUN]
+                text += part
+                places += [(k, piece.span.start + wide * (first + n)) for n in range(len(part))]
     yield from _split(text, places)
 
 

@@ -25,6 +25,7 @@ from eom.worlds import ASSUMPTIONS, closure
 
 KINDS: dict[str, str] = {
     "stated later": "needs {what}, stated {distance} later",
+    "stated elsewhere": "needs {what}, stated only later, in {distance}",
     "not stated": "needs {what}, which the note does not state",
     "not needed": "{what}, stated in line {line}, is not needed here",
     "rests on": "rests on the assumption of line {line}",
@@ -122,9 +123,11 @@ def _needs(
     told.update(new)
     later = [(n, _first(n, number, context)) for n in new]
     for name, stated in later:
-        if stated is not None:
-            distance = stated.line - line
-            yield remark("stated later", stated.line, noun(name), _lines(distance))
+        if stated is not None and stated.source is context.sources[number]:
+            yield remark("stated later", stated.line, noun(name), _lines(stated.line - line))
+        elif stated is not None:
+            where = stated.source.name or "another part"
+            yield remark("stated elsewhere", stated.line, noun(name), where)
     absent = [noun(n) for n, stated in later if stated is None]
     if absent:
         yield remark("not stated", what=_listed(absent))

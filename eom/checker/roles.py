@@ -1,8 +1,8 @@
 """The part that a formula plays in its sentence, from the words around it.
 
 "If", "assume", "let", "consider the case with" make it an assumption; "where", "we call" a definition;
-"since", "noting that" recall what is known; what follows "then" or "we have" is a claim, and so is
-everything else. Words are English, and knowledge is the tables here.
+"since", "noting that" recall what is known; "is given by" brings in a quantity; what follows "then" or
+"we have" is a claim, and so is everything else. Words are English, and knowledge is the tables here.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from eom.checker.documents import Piece
 
 CLAIM, ASSUMPTION, DEFINITION, RECALLED = "claim", "assumption", "definition", "recalled"
+INTRODUCED = "introduced"
+"""Given to the reader: a definition where it holds by what the words mean, else judged as it is."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ LEADS: dict[str, Lead] = {
     **dict.fromkeys(("such that", "with"), _NAMED),
     **dict.fromkeys(("since", "because", "b/c", "as", "using", "noting", "noting that"), _SINCE),
     **dict.fromkeys(("note that", "recall", "recalling", "recall that", "knowing", "by"), _SINCE),
+    **dict.fromkeys(("given by", "provided by", "defined by"), Lead(INTRODUCED)),
     **dict.fromkeys(("then", "so", "thus", "hence", "therefore", "have", "has", "get"), _SO),
     **dict.fromkeys(("obtain", "find", "gives", "yields", "implies", "follows", "becomes"), _SO),
     **dict.fromkeys(("reduces", "satisfy", "satisfies", "must", "show", "shows", "prove"), _SO),

@@ -1,5 +1,7 @@
 """What a note has assumed, remarks on its lines, and slips that are carried forward."""
 
+import json
+
 import pytest
 
 from eom.checker.consequences import follows
@@ -10,6 +12,7 @@ from eom.checker.phrases import NOTE, PARAGRAPH, SECTION, letters, said
 from eom.checker.remarks import KINDS, NOUNS
 from eom.checker.review import review
 from eom.worlds import ASSUMPTIONS, closure
+from tests.clock import growth_within
 from tests.eom.checker.test_claims import claimed
 
 STEADY = ("constant_mass",)
@@ -350,3 +353,48 @@ def test_slips_of_scalar_lines_by_factors_and_rates():
 def test_a_review_is_the_same_twice():
     note = CARRIED.split("$$T_{rot}", maxsplit=1)[0]
     assert reviewed(note, ARROW) == reviewed(note, ARROW)
+
+
+# -- what is no claim, or a definition ------------------------------------------------------------------
+
+OTHERS = {
+    r"Let $N \to \infty$.": [],
+    r"Here $\vec\omega = \omega_1\hat b_1 + \omega_2\hat b_2 + \omega_3\hat b_3$.": ["holds"],
+    r"The energy is given by $T = \frac12\int_B\dot{\vec R}\cdot\dot{\vec R}\,dm$.": ["definition"],
+    r"The momentum is given by $\vec H_C = [I]\vec\omega$.": ["holds under"],
+    r"The momentum is given by $\vec H_C = 2[I]\vec\omega$.": ["wrong"],
+}
+
+
+@pytest.mark.parametrize("text", OTHERS)
+def test_limits_and_what_is_given(text):
+    assert [r.verdict.verdict for r in reviewed(text, ARROW) if r.verdict.claims] == OTHERS[text]
+
+
+@pytest.mark.parametrize("dot", ["", "2"])
+def test_a_vector_by_its_own_column_defines_the_column(dot):
+    lexicon = parse_lexicon("preset = 'underline-bullet'")
+    (found,) = reviewed(
+        rf"$$\underline{{\omega}} = {dot}\underline{{\mathcal F}}_B^T\underline{{\omega}}_B$$",
+        lexicon,
+    )
+    assert found.verdict.verdict == ("wrong" if dot else "definition")
+
+
+def test_a_notebook_tells_the_cell_where_something_is_stated():
+    cells = [r"$$\vec H_C = [I]\vec\omega$$", "B is a body frame."]
+    text = json.dumps({"cells": [{"cell_type": "markdown", "source": c} for c in cells]})
+    document = read_document(text, "notebook", "n.ipynb")
+    (found,) = review(document, understand(document, ARROW), STEADY)
+    assert [m.kind for m in found.remarks] == ["stated elsewhere"]
+    assert found.remarks[0].text.endswith("in n.ipynb, cell 2")
+
+
+@pytest.mark.parametrize(
+    "text", ["rigid ", "if no torque ", "$x$ rigid, ", "not fixed ", "O is a "]
+)
+def test_endless_prose_takes_time_in_proportion(text):
+    def work(count):
+        assert len(said(read_document(text * count).pieces)) <= 40
+
+    assert growth_within(16, work, 1000, 6000)

@@ -7,7 +7,7 @@ import pytest
 from eom.checker.documents import read_document
 from eom.checker.lexicon_files import parse_lexicon
 from eom.checker.notes import understand
-from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, RECALLED, roles
+from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, INTRODUCED, RECALLED, roles
 from eom.checker.verdicts import verdict
 
 SENTENCES = {
@@ -32,6 +32,7 @@ SENTENCES = {
         "We call this product $x = y$.",
         "It is measured from the point, such that $x = y$.",
     ],
+    INTRODUCED: ["The energy is given by $x = y$", "which is provided by $x = y$,"],
     RECALLED: ["Because $x = y$", "B/c $x = y$", "Noting that $x = y$ from above", "using $x = y$"],
     CLAIM: [
         "$x = y$",
