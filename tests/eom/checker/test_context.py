@@ -371,14 +371,14 @@ def test_limits_and_what_is_given(text):
     assert [r.verdict.verdict for r in reviewed(text, ARROW) if r.verdict.claims] == OTHERS[text]
 
 
-@pytest.mark.parametrize("dot", ["", "2"])
-def test_a_vector_by_its_own_column_defines_the_column(dot):
+@pytest.mark.parametrize("factor", ["", "2", "-", r"\frac12"])
+def test_a_vector_by_its_own_column_defines_the_column(factor):
     lexicon = parse_lexicon("preset = 'underline-bullet'")
     (found,) = reviewed(
-        rf"$$\underline{{\omega}} = {dot}\underline{{\mathcal F}}_B^T\underline{{\omega}}_B$$",
+        rf"$$\underline{{\omega}} = {factor}\underline{{\mathcal F}}_B^T\underline{{\omega}}_B$$",
         lexicon,
     )
-    assert found.verdict.verdict == ("wrong" if dot else "definition")
+    assert found.verdict.verdict == ("wrong" if factor else "definition")
 
 
 def test_a_notebook_tells_the_cell_where_something_is_stated():
