@@ -36,10 +36,12 @@ MAX_WORLDS = 120
 _ORDERS = 2
 """Derivatives of a premise that are tried."""
 
-_SIMPLE = frozenset(
-    sign * n * pow(d, -1, PRIME) % PRIME for sign in (1, -1) for n in range(5) for d in (1, 2, 4)
+_BY_HAND = tuple(
+    frozenset(sign * pow(d, -1, PRIME) % PRIME for sign in (1, -1) for d in (1, *more)) | {0}
+    for more in ((), (2,))
 )
-"""Constants that steps by hand bring: whole numbers up to four, halves and quarters."""
+"""Constants of steps by hand: with no factor the sign alone, since a line with the sign of a term
+changed and one without it differ by two; with a factor also the half of energies."""
 
 Measured = tuple[Dimension | None, tuple[Series, ...]]
 """Some components with their dimension, None where it is unknown."""
@@ -55,8 +57,8 @@ def follows(
 ) -> bool:
     """Tell whether a claim is a sum of multiples of premises in the worlds of a closed set.
 
-    ``unknowns``: multiples that are tried at most, the simplest first; ``simple``: whether their
-    constants have to be simple fractions, as steps by hand bring them. What a claim says by itself
+    ``unknowns``: multiples that are tried at most, the simplest first; ``simple``: whether they have to
+    be steps that are made by hand, one factor at most and simple fractions. What a claim says by itself
     follows from anything. False where nothing was found, or a claim has no value in these worlds.
     """
     try:
@@ -170,28 +172,32 @@ def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bo
     rows = _Rows()
     for seed in range(MAX_WORLDS):
         try:
-            sample = _sample(said, assumed, seed, unknowns)
+            differences, multiples = _sample(said, assumed, seed, unknowns, 1 if simple else 2)
         except Singular:
             continue
-        for row in _equations(*sample):
+        for row in _equations(differences, [s for _, s in multiples]):
             if not rows.add(*row):
                 return False
             if rows.count >= rows.width + SPARE:
-                return not simple or all(c in _SIMPLE for c in rows.solution())
+                by_hand = (c in _BY_HAND[multiples[n][0]] for n, c in rows.solution())
+                return not simple or all(by_hand)
     return False
 
 
 def _sample(
-    said: _Said, assumed: frozenset[str], seed: int, unknowns: int
-) -> tuple[tuple[Series, ...], list[Series]]:
-    """Return the differences of the claim, and all multiples of the premises, in one world."""
+    said: _Said, assumed: frozenset[str], seed: int, unknowns: int, degree: int
+) -> tuple[tuple[Series, ...], list[tuple[int, Series]]]:
+    """Return the differences of the claim, and all multiples of the premises, in one world.
+
+    With each multiple the number of its factors.
+    """
     e = Evaluator(world(assumed, seed), said.scalars)
     wanted = _measure(said.claim)
     env: Env = next(e.numberings(_free(e, said.claim)), {})
     differences = tuple(s for q in said.right for s in _difference(e, q, env))
     factors = said.distinct([(d, s) for d, t in said.factors for s in _components(e, t, {})])
     given = [g for p in said.premises for g in _derivatives(_given(e, p, env))]
-    return differences, list(islice(_multiples(wanted, given, factors), unknowns))
+    return differences, list(islice(_multiples(wanted, given, factors, degree), unknowns))
 
 
 def _free(e: Evaluator, claim: Claim) -> frozenset[str]:
@@ -272,15 +278,16 @@ def _multiples(
     wanted: Dimension | None,
     given: Sequence[tuple[int, Measured]],
     factors: Sequence[Factor],
-) -> Iterator[Series]:
-    """Yield the multiples of the right dimension: by numbers, by one factor, by two."""
+    degree: int,
+) -> Iterator[tuple[int, Series]]:
+    """Yield the multiples of the right dimension: by numbers, by one factor, up to ``degree``."""
     given = sorted(given, key=lambda g: g[0])
-    for count in range(3):
+    for count in range(degree + 1):
         for chosen in combinations_with_replacement(factors, count):
             for _, (measure, parts) in given:
                 if _fits(wanted, [measure, *(d for d, _ in chosen)], count):
                     for part in parts:
-                        yield _product([s for _, s in chosen], part)
+                        yield count, _product([s for _, s in chosen], part)
 
 
 def _fits(wanted: Dimension | None, factors: Sequence[Dimension | None], count: int) -> bool:
@@ -319,15 +326,15 @@ class _Rows:
     width: int = -1
     count: int = 0
 
-    def solution(self) -> Iterator[int]:
-        """Yield the constants of all right sides; those that are free are zero."""
+    def solution(self) -> Iterator[tuple[int, int]]:
+        """Yield places and constants for all right sides; those that are free are zero."""
         sides = len(next(iter(self.rows.values()), [0] * self.width)) - self.width
         for side in range(self.width, self.width + sides):
             known: dict[int, int] = {}
             for place in sorted(self.rows, reverse=True):
                 row = self.rows[place]
                 known[place] = (row[side] - sum(row[k] * c for k, c in known.items())) % PRIME
-            yield from known.values()
+            yield from known.items()
 
     def add(self, left: list[Any], right: list[Any]) -> bool:
         """Take in an equation; return False where it contradicts the others."""

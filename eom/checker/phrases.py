@@ -22,22 +22,25 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"rigid(?:ity|ly)?\b", ("rigid",)),
     (r"body[- ]fixed (?:reference )?(?:frame|axes|basis|coordinate)", ("body_frame",)),
     (r"(?:body axes|body frame|body coordinates|body basis)\b", ("body_frame",)),
-    ((r"(?:frame|axes|basis|coordinates?)(?: system)? (?:\w+ ){0,3}(?:fixed|attached) (?:in|to) "
-     r"(?:the|a|its) (?:rigid )?body"), ("body_frame",)),
+    (
+        (r"(?:frame|axes|basis|coordinates?|vectors)(?: system)? (?:\w+ ){0,3}(?:fixed|attached) "
+        r"(?:in|to) (?:it\b|(?:the|a|its) (?:rigid )?body)"),
+        ("body_frame",),
+    ),
     (rf"about (?:the|its|their)(?: common| own)? {_CENTRE}\b", ("about_centre",)),
     (rf"(?:from|relative to|with respect to) the {_CENTRE}\b", ("about_centre",)),
     (rf"{_POINT},? {_LIES} (?:the |its )?(?:body['’]s )?{_CENTRE}\b", ("about_centre",)),
     (rf"origin (?:\w+ ){{0,3}}at (?:the|its) {_CENTRE}\b", ("about_centre",)),
     (rf"{_POINT},? (?:is |be |which is )?(?:an? )?(?:inertially )?fixed in (?:inertial )?space",
      ("O_fixed_in_space",)),
-    (rf"{_POINT},? (?:is |be |which is )(?:an? )?(?:inertially )?fixed(?! (?:in|to) the body)",
+    (rf"{_POINT},? (?:is |be |which is )(?:an? )?(?:inertially )?fixed(?! (?:in|to|at|with)\b)",
      ("O_fixed_in_space",)),
-    (rf"{_POINT},? (?:is |be |which is )?fixed (?:in|to) the body", ("O_fixed_in_body",)),
+    (rf"{_POINT},? (?:is |be |which is )?fixed (?:in|to) (?:it\b|the body)", ("O_fixed_in_body",)),
     (r"inertially fixed point|(?:fixed|arbitrary) inertial point", ("O_fixed_in_space",)),
     (r"(?:rotat\w+|turn\w*|spin\w*|motion|mov\w+|pivot\w*) about a fixed (?:point|pivot)",
      ("O_fixed_in_body", "O_fixed_in_space")),
     (rf"{_CENTRE} (?:is|remains|stays|be) (?:at rest|fixed|stationary)", ("C_at_rest",)),
-    (r"principal (?:body[- ]fixed |body |inertia )?(?:axis|axes|frame|basis|coordinates|moments? of)",
+    (r"principal (?:body[- ]fixed |body |inertia )?(?:axis|axes|frame|basis|coordinates|moments?\b)",
      ("principal_axes",)),
     (r"axi[- ]?symmetric|axial(?:ly)?[- ]symmetr\w+|axis of (?:inertial )?symmetry|symmetry axis",
      ("symmetric",)),
@@ -68,10 +71,15 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
 NOTE, SECTION, PARAGRAPH = "note", "section", "paragraph"
 
 APPROXIMATE: tuple[tuple[str, str], ...] = (
-    ((r"small[- ](?:angle|displacement|deviation|oscillation|perturbation)s?|lineari[sz]|"
-     r"(?:is|are|remains?) small\b|to (?:the )?first order|first[- ]order (?:in|approx)"), SECTION),
-    (r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms", PARAGRAPH),
-)  # fmt: skip
+    (r"small[- ](?:angle|displacement|deviation|oscillation|perturbation)s?|lineari[sz]", SECTION),
+    (
+        (
+            r"(?:is|are|remains?) small\b|to (?:the )?first order|first[- ]order (?:in|approx)|"
+            r"\bapproximat(?:ely|ion|ed?)\b|negligib|neglect|higher[- ]order terms"
+        ),
+        PARAGRAPH,
+    ),
+)
 """Words after which an equation need not hold exactly, and how far they reach."""
 
 SCOPES: tuple[tuple[str, str], ...] = (
@@ -93,6 +101,8 @@ _GOING_ON = re.compile(
     r"(?:then|hence|thus|so|therefore|it follows|in (?:this|that|which) case|where|and|with|which)\b",
     re.IGNORECASE,
 )
+_OF_QUANTITY = re.compile(r"(?:about|from|relative to|with respect to) ", re.IGNORECASE)
+"""Phrases that say of which quantity it is, rather than what is assumed."""
 _SAID_OF = re.compile(r"\b(?:is|are|be|since|because|as)(?: \w+)?\s*$", re.IGNORECASE)
 _COMPILED = tuple((re.compile(p, re.IGNORECASE), names) for p, names in PHRASES)
 _LEADS = tuple((re.compile(p, re.IGNORECASE), scope) for p, scope in SCOPES)
@@ -167,6 +177,7 @@ def _said(
     before = sentence.text[: span[0]]
     scope = SECTION if sentence.heading else scope_of(before)
     place = sentence.places[span[0]]
+    quantity = _OF_QUANTITY.match(sentence.text, span[0]) is not None
     of_something = _SAID_OF.search(before[-60:]) is not None
     return Said(
         names,
@@ -175,7 +186,7 @@ def _said(
         place,
         limits.stop(place[0], scope),
         scope,
-        not sentence.heading and (scope != NOTE or of_something),
+        not sentence.heading and not quantity and (scope != NOTE or of_something),
     )
 
 

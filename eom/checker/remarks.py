@@ -14,7 +14,7 @@ from eom.checker.carrying import SPECIAL_MOTION, vanishing
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.consequences import labels, parts
 from eom.checker.context import Context, Stated, implied
-from eom.checker.judge import HOLDS, MENTIONS, UNDER, WRONG
+from eom.checker.judge import HOLDS, MENTIONS, MODELS, SPECIAL, UNDER, WRONG
 from eom.checker.phrases import PARAGRAPH
 from eom.checker.report import Remark
 from eom.checker.roles import ASSUMPTION
@@ -78,8 +78,16 @@ def noun(name: str) -> str:
 
 
 def ranked(sets: Iterable[tuple[str, ...]], names: frozenset[str]) -> tuple[tuple[str, ...], ...]:
-    """Return sets of assumptions, those first of which the least is missing in ``names``."""
-    return tuple(sorted(sets, key=lambda s: (len(implied(s) - names), len(s), s)))
+    """Return sets of assumptions, those first of which the least is missing in ``names``.
+
+    Models of special bodies come last, unless they are stated.
+    """
+
+    def order(chosen: tuple[str, ...]) -> tuple[Any, ...]:
+        missing = implied(chosen) - names
+        return (bool(missing & SPECIAL), len(missing), len(chosen), chosen)
+
+    return tuple(sorted(sets, key=order))
 
 
 def remark(kind: str, line: int = 0, what: str = "", distance: str = "") -> Remark:
@@ -168,7 +176,8 @@ def _spare(
 
     For this formula: under a condition, or said of something right in front of it.
     """
-    if verdict.verdict not in {HOLDS, UNDER} or not verdict.claims:
+    modelled = any(j.judgement.context in MODELS for j in verdict.claims)
+    if verdict.verdict not in {HOLDS, UNDER} or not verdict.claims or modelled:
         return
     used = implied(n for j in verdict.claims for s in j.judgement.sets for n in s)
     about = frozenset().union(*(labels(j.claim) for j in verdict.claims))

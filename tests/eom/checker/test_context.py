@@ -59,6 +59,8 @@ WORDS = {
     "Take moments about its center of mass.": ("about_centre",),
     "the point $O$ is the mass centre": ("about_centre",),
     "Let $O$ be fixed in space": ("O_fixed_in_space",),
+    "where $Q$ is fixed in it": ("O_fixed_in_body",),
+    "the point $O$ is inertially fixed, and": ("O_fixed_in_space",),
     "There is no external torque.": ("torque_free",),
     "torque-free motion": ("torque_free",),
     "in principal axes": ("principal_axes",),
@@ -70,6 +72,8 @@ WORDS = {
     "its mass is constant": ("constant_mass",),
     "a thin rod": ("thin_rod",),
     "It carries two reaction wheels.": ("rotors",),
+    "unit vectors fixed in it": ("body_frame",),
+    "its central principal moments": ("principal_axes",),
     # denied, or of something else
     "The body is not rigid.": (),
     "a non-rigid body": (),
@@ -343,6 +347,22 @@ $$I_1\omega_1\dot\omega_1 = (I_3-I_2)\omega_1\omega_2\omega_3 + N_1\omega_1$$
 
 $$I_1\ddot\omega_1 = (I_3-I_2)(\dot\omega_2\omega_3 + \omega_2\dot\omega_3) + \dot N_1$$
 """
+
+
+OWN = r"""
+$$\frac{{}^B d}{dt}\vec H_C = \dot{\vec H}_C$$
+
+$$\dot{\vec H}_C = \frac{{}^B d}{dt}\vec H_C - \vec\omega\times\vec H_C$$
+
+$$\dot{\hat b}_2 = \omega_3\hat b_1 - \omega_1\hat b_3$$
+
+$$I_{33}\dot\omega_3 = (I_{11} + I_{22})\omega_1\omega_2 + L_3$$
+"""
+
+
+def test_another_slip_of_the_same_term_is_not_carried():
+    found = reviewed("The axes are principal axes.\n" + OWN, ARROW)
+    assert [(r.verdict.verdict, r.carried) for r in found] == [("wrong", 0)] * 4
 
 
 def test_slips_of_scalar_lines_by_factors_and_rates():
