@@ -294,10 +294,14 @@ _TIDY: dict[str, Callable[[Term, tuple[Term, ...]], Term]] = {
 }
 
 
+NAMED = frozenset({"scalar", "vector", "fixed_vector", "dyadic", "angle"})
+"""Quantities whose first label is a name of their own, even where it looks like an index."""
+
+
 def labels_of(term: Term) -> frozenset[str]:
-    """Return the free labels of a term: bound indices left out."""
+    """Return the free labels of a term: bound indices and names left out."""
     if term.head == "atom":
-        return frozenset(term.data[1:])
+        return frozenset(term.data[1 + (term.data[0] in NAMED) :])
     inside = frozenset().union(*(labels_of(a) for a in term.args))
     return inside - {term.data[0]} if term.head in {"sum", "integral"} else inside
 
@@ -305,7 +309,8 @@ def labels_of(term: Term) -> frozenset[str]:
 def relabel(term: Term, names: Mapping[str, str]) -> Term:
     """Exchange free labels of atoms; a sum whose index would catch a new label takes another one."""
     if term.head == "atom":
-        data = (term.data[0], *(names.get(label, label) for label in term.data[1:]))
+        kept = 1 + (term.data[0] in NAMED)
+        data = (*term.data[:kept], *(names.get(label, label) for label in term.data[kept:]))
         return Term("atom", (), data, term.kind)
     if term.head not in {"sum", "integral"}:
         return rebuild(term, (relabel(a, names) for a in term.args))

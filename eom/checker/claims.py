@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
+LIMITS = frozenset({"to"})
+"""Signs of what is approached, which claim nothing: N to infinity."""
 STATEMENT, DEFINITION, CONSTANT, SAME_POINT = "statement", "definition", "constant", "same point"
 
 
@@ -147,6 +149,8 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     """Return what a chain says."""
     signs = tuple(sign.name for sign in s.signs)
     unknown = next((g for g in s.signs if g.name not in EQUALITIES | COMPARISONS), None)
+    if unknown is not None and unknown.name in LIMITS:
+        return []
     if unknown is not None:
         finding = Finding(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
         return [Claim((), findings=(finding,), span=s.span)]

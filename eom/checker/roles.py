@@ -1,8 +1,8 @@
 """The part that a formula plays in its sentence, from the words around it.
 
 "If", "assume", "let", "consider the case with" make it an assumption; "where", "we call" a definition;
-"since", "noting that" recall what is known; what follows "then" or "we have" is a claim, and so is
-everything else. Words are English, and knowledge is the tables here.
+"since", "noting that" recall what is known; "is given by" brings in a quantity; what follows "then" or
+"we have" is a claim, and so is everything else. Words are English, and knowledge is the tables here.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from eom.checker.documents import Piece
 
 CLAIM, ASSUMPTION, DEFINITION, RECALLED = "claim", "assumption", "definition", "recalled"
+INTRODUCED = "introduced"
+"""Given to the reader: a definition where it holds by what the words mean, else judged as it is."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ LEADS: dict[str, Lead] = {
     **dict.fromkeys(("such that", "with"), _NAMED),
     **dict.fromkeys(("since", "because", "b/c", "as", "using", "noting", "noting that"), _SINCE),
     **dict.fromkeys(("note that", "recall", "recalling", "recall that", "knowing", "by"), _SINCE),
+    **dict.fromkeys(("given by", "provided by", "defined by"), Lead(INTRODUCED)),
     **dict.fromkeys(("then", "so", "thus", "hence", "therefore", "have", "has", "get"), _SO),
     **dict.fromkeys(("obtain", "find", "gives", "yields", "implies", "follows", "becomes"), _SO),
     **dict.fromkeys(("reduces", "satisfy", "satisfies", "must", "show", "shows", "prove"), _SO),
@@ -104,17 +107,24 @@ _MOST = 6
 
 
 def roles(pieces: Sequence[Piece]) -> tuple[str, ...]:
-    """Return the role of every piece: of inline formulas by the words around them, else "claim"."""
+    """Return the role of every piece: of formulas by the words around them, else "claim".
+
+    A display is an assumption where the words right in front of it say so, and a claim otherwise.
+    """
     found: list[str] = []
-    text, lead = "", NO_LEAD
+    text, above, lead, shown = "", "", NO_LEAD, NO_LEAD
     for k, piece in enumerate(pieces):
         found.append(CLAIM)
         if k and piece.source is not pieces[k - 1].source:
-            text = ""
+            text, above, shown = "", "", NO_LEAD
         if piece.kind == "prose":
-            text = re.split(r"\n[ \t]*\n", text + _plain(piece.body))[-1][-_REACH:]
+            parts = re.split(r"\n[ \t]*\n", text + _plain(piece.body))
+            text, above = parts[-1][-_REACH:], [above, *parts][-2][-_REACH:]
+        elif piece.kind == "display":
+            shown = _display((text.strip() or above.strip()), shown)
+            found[-1], text, above = shown.role, "", ""
         elif piece.kind != "inline":
-            text = ""
+            text, above, shown = "", "", NO_LEAD
         elif _RELATIONS.search(piece.body):
             lead = _lead(text.strip(), lead)
             after = _plain(pieces[k + 1].body[:_REACH]) if k + 1 < len(pieces) else ""
@@ -123,6 +133,35 @@ def roles(pieces: Sequence[Piece]) -> tuple[str, ...]:
         else:
             text = f"{text} {_NOUN} "[-_REACH:]
     return tuple(found)
+
+
+_AND = re.compile(r"(?:and(?: also| that)?|as well as|or|&)\s*:?$", re.IGNORECASE)
+_ORDERED = frozenset("suppose assume let impose require postulate demand".split())
+"""Verbs that a display may complete from afar: "suppose that the torque is"."""
+
+
+def _display(text: str, last: Lead) -> Lead:
+    """Return what the words in front of a display make of it; ``last``: of the display before.
+
+    The lead has to be the last word but for fillers and nouns: what stands behind a colon, a comma or
+    a verb is what follows from the words ("assuming principal axes, we have").
+    """
+    if _AND.fullmatch(text):
+        return last
+    words = [w.lower() for w in _WORD.findall(text.rstrip(" :"))]
+    closed = text.endswith(":")
+    distance = 0
+    for end in range(len(words), 0, -1):
+        lead = _ending(words[:end])
+        if lead is not None:
+            near = not distance or (lead.far and not closed and words[end - 1] in _ORDERED)
+            return lead if near and lead.role == ASSUMPTION else NO_LEAD
+        word = words[end - 1]
+        clause = word in _VERBS and end < len(words)
+        if clause or distance == _MOST or not (word[0].isalpha() or word == _NOUN):
+            break
+        distance += word not in _FILLERS
+    return NO_LEAD
 
 
 def _plain(text: str) -> str:

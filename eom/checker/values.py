@@ -270,7 +270,11 @@ def _vectrix_column(a: Value, b: Value) -> Value:
     """Return the vector whose components stand in a column."""
     _inner_frames(a, b)
     frame = a.frames[0]
-    parts = (mul(inner(b.term, basis(k)), unit(frame, k)) for k in (1, 2, 3))
+    factors = a.term.args if a.term.head == "mul" else (a.term,)
+    if factors[-1] != unit(frame, 1):
+        raise refuse(UNDECIDED, "a sum of unit vectors in a column", a.span)
+    scale = factors[:-1]
+    parts = (mul(*scale, inner(b.term, basis(k)), unit(frame, k)) for k in (1, 2, 3))
     return _made(add(*parts), VECTOR, a, b)
 
 

@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from eom.checker.chains import Chain, judge_chain
-from eom.checker.claims import DEFINITION, EQUALITIES, Claim
+from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.notes import Understood
-from eom.checker.roles import ASSUMPTION, CONDITIONS, RECALLED
+from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, RECALLED
 from eom.checker.values import AMBIGUOUS, ILL_FORMED
+from eom.terms import VECTOR, nodes
 
 GRAVE = frozenset({WRONG, ILL_FORMED})
 """Findings that settle a claim without worlds."""
@@ -81,14 +82,27 @@ def _played(role: str, claim: Claim, found: Judgement) -> str:
     """Return the verdict on a claim that was judged and that plays a role.
 
     An assumption need not be true. A definition of what is known already may be wrong. What is
-    recalled is judged, but for a law, which is one of the assumptions.
+    recalled is judged, but for a law, which is one of the assumptions. What gives a vector by its own
+    components defines those.
     """
     equation = EQUALITIES.issuperset(claim.relations)
     if role == ASSUMPTION or (role == DEFINITION and not equation):
         return ASSUMPTION
-    if role == RECALLED and found.sets and set(found.sets) <= set(LAWS):
+    if found.verdict == HOLDS and (role == INTRODUCED or _resolves(claim)):
+        return DEFINITION
+    if role in {RECALLED, INTRODUCED} and found.sets and set(found.sets) <= set(LAWS):
         return ASSUMPTION
     return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
+
+
+def _resolves(claim: Claim) -> bool:
+    """Whether an equation gives a vector by its own column of components and unit vectors."""
+    if claim.kind != STATEMENT or len(claim.members) != 2:
+        return False
+    left, right = (m.term for m in claim.members)
+    columns = {n.args[0] for n in nodes(right) if n.head == "column"}
+    atoms = {n for n in nodes(right) if n.head == "atom" and n.data[0] != "unit"}
+    return left.head == "atom" and left.kind == VECTOR and columns == atoms == {left}
 
 
 def _why(claim: Claim) -> str:

@@ -7,7 +7,7 @@ import pytest
 from eom.checker.documents import read_document
 from eom.checker.lexicon_files import parse_lexicon
 from eom.checker.notes import understand
-from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, RECALLED, roles
+from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, INTRODUCED, RECALLED, roles
 from eom.checker.verdicts import verdict
 
 SENTENCES = {
@@ -32,6 +32,7 @@ SENTENCES = {
         "We call this product $x = y$.",
         "It is measured from the point, such that $x = y$.",
     ],
+    INTRODUCED: ["The energy is given by $x = y$", "which is provided by $x = y$,"],
     RECALLED: ["Because $x = y$", "B/c $x = y$", "Noting that $x = y$ from above", "using $x = y$"],
     CLAIM: [
         "$x = y$",
@@ -117,3 +118,38 @@ preset = 'arrow-tilde'
 def test_an_assumption_is_not_called_wrong_and_a_wrong_definition_is(text, expected):
     (found,) = understand(read_document(text), parse_lexicon(LEXICON))
     assert verdict(found).verdict == expected
+
+
+DISPLAYS = {
+    ASSUMPTION: [
+        "Suppose that\n\n$$x = 0$$",
+        "Assume:\n$$x = 0$$",
+        "Let\n$$x = 0$$",
+        "Now suppose the torque on the body is\n\n$$x = -k y$$",
+        "It stays so, provided that\n$$x = 0$$",
+    ],
+    CLAIM: [
+        "Assuming principal axes:\n\n$$x = y$$",
+        "Assuming $z = 0$ we have\n\n$$x = y$$",
+        "Suppose the body is symmetric, so that\n$$x = y$$",
+        "If the body is rigid,\n$$x = y$$",
+        "If $[I]$ is diagonal (principal coordinates):\n\n$$x = y$$",
+        "Assume it.\n\nWe get\n\n$$x = y$$",
+        "For a rigid body\n$$x = y$$",
+        "where\n$$x = y$$",
+        "Suppose that $z = 0$. Then\n\n$$x = y$$",
+    ],
+}
+
+
+@pytest.mark.parametrize(("role", "text"), [(r, t) for r, ts in DISPLAYS.items() for t in ts])
+def test_the_words_right_in_front_of_a_display_settle_its_role(role, text):
+    document = read_document("Before it, if any.\n\n" + text)
+    found = dict(zip((p.kind for p in document.pieces), roles(document.pieces), strict=True))
+    assert found["display"] == role
+
+
+def test_a_display_goes_on_with_the_assumption_before():
+    document = read_document("Suppose\n\n$$x = 0$$\n\nand\n\n$$y = 0$$\n\nThen\n\n$$z = 0$$\n")
+    found = zip(document.pieces, roles(document.pieces), strict=True)
+    assert [r for p, r in found if p.kind == "display"] == [ASSUMPTION, ASSUMPTION, CLAIM]

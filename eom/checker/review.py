@@ -1,0 +1,118 @@
+"""The verdicts on a note in the light of all that it says: context, remarks, slips carried forward."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from eom.checker.carrying import carried, resting
+from eom.checker.context import Context, assumed, implied
+from eom.checker.documents import Document
+from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.notes import Understood
+from eom.checker.phrases import Said, approximate
+from eom.checker.remarks import ranked, remark, remarks
+from eom.checker.report import Remark
+from eom.checker.verdicts import ORDER, Judged, Verdict, verdict
+from eom.errors import InputError
+
+
+@dataclass(frozen=True)
+class Reviewed:
+    """A formula with its verdict in the note.
+
+    Sets of assumptions of each claim are in order: first those of which the note has stated most.
+    ``carried``: line of the slip that it carries forward, 0 for none.
+    """
+
+    understood: Understood
+    verdict: Verdict
+    remarks: tuple[Remark, ...] = ()
+    carried: int = 0
+
+
+def review(
+    document: Document,
+    understood: Sequence[Understood],
+    given: Iterable[str] = (),
+    verdicts: Sequence[Verdict] | None = None,
+) -> tuple[Reviewed, ...]:
+    """Return every formula of a note as it stands in the note; ``verdicts``: if they are known already.
+
+    A verdict differs from that on the formula alone where a claim rests on what the note assumes by a
+    formula: then it holds under that; and where a wrong claim stands beside words of an approximation:
+    then it is undecided.
+    """
+    given = tuple(given)
+    alone = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
+    context = assumed(document, understood, alone)
+    loose = approximate(document.pieces)
+    placed = [_placed(v, k, context, loose, given) for k, v in enumerate(alone)]
+    settled = [v for v, _ in placed]
+    lines = [u.formula.piece.line for u in understood]
+    slips = carried(settled, context, given)
+    about = remarks(settled, lines, context, given)
+    found = []
+    for k, (one, (final, own)) in enumerate(zip(understood, placed, strict=True)):
+        line = lines[slips[k]] if k in slips else 0
+        more = (remark("carried", line),) if line else ()
+        found.append(Reviewed(one, final, (*own, *more, *about[k]), line))
+    return tuple(found)
+
+
+def _placed(
+    alone: Verdict, number: int, context: Context, loose: Sequence[Said], given: tuple[str, ...]
+) -> tuple[Verdict, tuple[Remark, ...]]:
+    """Return the verdict on a formula in its place, and why it differs."""
+    found: list[Remark] = []
+    claims = tuple(_claim(j, number, context, loose, given, found) for j in alone.claims)
+    known = context.names(number)
+    claims = tuple(
+        replace(j, judgement=replace(j.judgement, sets=ranked(j.judgement.sets, known)))
+        for j in claims
+    )
+    if not found:
+        return replace(alone, claims=claims), ()
+    reasons = {j.verdict: j.reason for j in reversed(claims)}
+    gravest = next(v for v in ORDER if v in reasons)
+    return Verdict(gravest, reasons[gravest], claims), tuple(dict.fromkeys(found))
+
+
+def _claim(
+    judged: Judged,
+    number: int,
+    context: Context,
+    loose: Sequence[Said],
+    given: tuple[str, ...],
+    found: list[Remark],
+) -> Judged:
+    """Return a claim with its verdict in its place; ``found`` takes why it differs."""
+    if judged.verdict not in {WRONG, UNDER} or judged.claim.verdict:
+        return judged
+    known = context.names(number) | implied(given)
+    best = [len(implied(s) - known) for s in ranked(judged.judgement.sets, known)[:1]]
+    if judged.verdict == UNDER and 0 in best:
+        return judged
+    rested = _rested(judged, number, context, given)
+    if rested is not None and not (best and len(implied(rested.sets[0]) - known) >= best[0]):
+        found.append(remark("rests on", max(s.line for s in context.premises(number))))
+        judgement = replace(rested, sets=(*rested.sets, *judged.judgement.sets))
+        return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
+    if judged.verdict == UNDER:
+        return judged
+    place = context.places[number]
+    near = [s for s in loose if s.start <= place and place[0] < s.stop]
+    if near:
+        found.append(remark("approximate", near[-1].line))
+        reason = "not exactly true; the note speaks of an approximation"
+        return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
+    return judged
+
+
+def _rested(
+    judged: Judged, number: int, context: Context, given: tuple[str, ...]
+) -> Judgement | None:
+    try:
+        return resting(judged, number, context, given)
+    except InputError:
+        return None
