@@ -243,7 +243,7 @@ def test_colours_are_for_terminals_without_no_color(check):
         ([], "Missing argument"),
         (["a=b", "--code", "x.py:f"], "one of them"),
         (["--code", "x.py:f"], "code is checked against a system"),
-        (["--code", "x.py:f", "--system", "t-handle"], "cannot be read"),
+        (["--code", "x.py:f", "--system", "t-handle"], "no such file"),
         (["a=b", "--system", "t-hadle"], "did you mean t-handle"),
         (["a=b", "--table", "{tmp}/no/table.csv"], "No such file"),
         (["a=b", "--html", "{tmp}/empty"], "a file, for one note"),
@@ -298,7 +298,9 @@ CODE = """def f(t, y, p):
 """
 
 
-@pytest.mark.parametrize(("sign", "status", "said"), [("", 0, "right"), ("-", 1, "in output 0")])
+@pytest.mark.parametrize(
+    ("sign", "status", "said"), [("", 0, "right"), ("-", 1, "output 0 has the wrong sign")]
+)
 def test_code_is_checked_against_a_system(check, tmp_path, sign, status, said):
     (tmp_path / "rates.py").write_text(CODE.format(sign))
     done = check("--code", tmp_path / "rates.py:f", "--system", "free-rigid-body")

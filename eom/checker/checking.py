@@ -22,6 +22,7 @@ from eom.checker.notes import Understood, understand
 from eom.checker.origins import Meanings, meanings
 from eom.checker.places import NOWHERE, ReadingError, Span, printable
 from eom.checker.report import Finding, Remark, Report
+from eom.checker.review import Reviewed, review
 from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.checker.values import ILL_FORMED
 from eom.checker.verdicts import NONE, Judged, Verdict, verdict
@@ -132,13 +133,26 @@ def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
 def _found(document: Document, known: Meanings, settings: Settings) -> Iterator[Found]:
     """Yield the formulas of a note that claim something, and all displays."""
     numbers: Counter[str] = Counter()
-    for one in understand(document, known.lexicon, settings.seconds):
-        piece = one.formula.piece
-        numbers[piece.kind] += 1
-        judged = _verdict(one, settings)
-        if piece.kind == "display" or one.formula.relational or judged.verdict != NONE:
-            told = finding(one, judged, numbers[piece.kind])
-            yield Found(one, judged, told if known.draft is None else _unconfirmed(told))
+    understood = understand(document, known.lexicon, settings.seconds)
+    for one in _reviewed(document, understood, settings):
+        formula = one.understood.formula
+        numbers[formula.piece.kind] += 1
+        if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
+            told = finding(one.understood, one.verdict, numbers[formula.piece.kind])
+            told = replace(told, remarks=one.remarks, carried=one.carried)
+            told = told if known.draft is None else _unconfirmed(told)
+            yield Found(one.understood, one.verdict, told)
+
+
+def _reviewed(
+    document: Document, understood: Sequence[Understood], settings: Settings
+) -> Sequence[Reviewed]:
+    """Return verdicts in the light of the whole note; each by itself if that takes too long."""
+    verdicts = [_verdict(one, settings) for one in understood]
+    try:
+        return review(document, understood, settings.given, verdicts)
+    except (Overdue, RecursionError):
+        return [Reviewed(u, v) for u, v in zip(understood, verdicts, strict=True)]
 
 
 def _unconfirmed(found: Finding) -> Finding:

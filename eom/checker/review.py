@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.carrying import carried, resting
+from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
@@ -13,6 +14,7 @@ from eom.checker.notes import Understood
 from eom.checker.phrases import Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
 from eom.checker.report import Remark
+from eom.checker.systems import mentions
 from eom.checker.verdicts import ORDER, Judged, Verdict, verdict
 from eom.errors import InputError
 
@@ -44,7 +46,24 @@ def review(
     then it is undecided.
     """
     given = tuple(given)
-    alone = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
+    first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
+    apart = {k for k, u in enumerate(understood) if any(map(_on_solutions, u.claims))}
+    worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
+    alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
+    found = _in_worlds(document, worldly, given, alone)
+    return tuple(
+        replace(r, understood=u, verdict=v) if k in apart else r
+        for k, (r, u, v) in enumerate(zip(found, understood, first, strict=True))
+    )
+
+
+def _in_worlds(
+    document: Document,
+    understood: Sequence[Understood],
+    given: tuple[str, ...],
+    alone: Sequence[Verdict],
+) -> Iterator[Reviewed]:
+    """Yield formulas whose claims have values in worlds, as they stand in the note."""
     context = assumed(document, understood, alone)
     loose = approximate(document.pieces)
     placed = [_placed(v, k, context, loose, given) for k, v in enumerate(alone)]
@@ -52,12 +71,15 @@ def review(
     lines = [u.formula.piece.line for u in understood]
     slips = carried(settled, context, given)
     about = remarks(settled, lines, context, given)
-    found = []
     for k, (one, (final, own)) in enumerate(zip(understood, placed, strict=True)):
         line = lines[slips[k]] if k in slips else 0
         more = (remark("carried", line),) if line else ()
-        found.append(Reviewed(one, final, (*own, *more, *about[k]), line))
-    return tuple(found)
+        yield Reviewed(one, final, (*own, *more, *about[k]), line)
+
+
+def _on_solutions(claim: Claim) -> bool:
+    """Whether a claim is about the system of its note: no worlds know it, and no other claim."""
+    return claim.model is not None and mentions(claim)
 
 
 def _placed(
