@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from eom import series
+from eom.attitudes import ANGLES
 from eom.errors import InputError
 from eom.series import Series
 from eom.terms import INDICES, Equation, Term, labels_of, nodes
@@ -85,16 +86,18 @@ class Evaluator:
         return self.scalars[symbol]
 
     def rotation(self, angle: Any) -> tuple[Series, Series]:
-        """Return sine and cosine of an integer combination of angles."""
+        """Return sine and cosine of a sum of angles, each an integer or half as often."""
         sine, cosine = self.world.constant(0), self.world.constant(1)
-        for part in sp.Add.make_args(angle):
+        for part in sp.Add.make_args(sp.expand(angle)):
             count, symbol = part.as_coeff_Mul()
-            meaning = self.meaning(symbol)
-            if not (count.is_Integer and meaning.data[:1] == ("angle",)):
+            meaning = self.scalars.get(symbol)
+            known = meaning is not None and meaning.head == "atom" and meaning.data[0] in ANGLES
+            if meaning is None or not known or count.q not in {1, 2}:
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
-            s, c = self.world.sine_cosine(meaning.data[1])
+            found = self.world.angle(*meaning.data)
+            s, c = found[1:3] if count.q == 1 else found[3:]
             s = s if count > 0 else -s
-            for _ in range(abs(int(count))):
+            for _ in range(abs(int(count.p))):
                 sine, cosine = sine * c + cosine * s, cosine * c - sine * s
         return sine, cosine
 
