@@ -33,13 +33,22 @@ def _principal_angle(world: World, frame: str, base: str) -> Angle:
     return found
 
 
+def axes_of(axes: str) -> str:
+    """Return the axes of turns in the order about moving ones: of "space123" they are "321"."""
+    digits = axes.removeprefix("space").removeprefix("body")
+    return digits[::-1] if axes.startswith("space") else digits
+
+
+def sequence_of(axes: str) -> str:
+    """Return the assumption of worlds by which the angles of a sequence exist."""
+    return f"sequence_{axes_of(axes)}"
+
+
 def _turn_angle(world: World, place: str, axes: str, frame: str, base: str) -> Angle:
     """Return an angle of a sequence; turns about fixed axes are those about moving ones backwards."""
     fixed = axes.startswith("space")
-    digits = axes.removeprefix("space").removeprefix("body")
-    wanted = digits[::-1] if fixed else digits
     turns = world.turn(frame, base).turns
-    if not turns or world.axes != wanted or place not in {"1", "2", "3"}:
+    if not turns or world.axes != axes_of(axes) or place not in {"1", "2", "3"}:
         got = f"angle {place} of {axes} from {base} to {frame}"
         raise InputError("there is no such angle in this world", got=got)
     return turns[3 - int(place) if fixed else int(place) - 1]
@@ -81,10 +90,7 @@ def _one(q: Quaternion) -> Series:
 
 
 PRIMITIVES: Mapping[str, Callable[..., Any]] = {
-    **{
-        kind: lambda w, *labels, kind=kind: w.angle(kind, *labels).value  # type: ignore[misc]
-        for kind in ANGLES
-    },
+    **{kind: lambda w, *labels, kind=kind: w.angle(kind, *labels).value for kind in ANGLES},
     "principal_axis": _principal_axis,
     "euler_parameter": lambda w, k, frame, base: w.turn(frame, base).quaternion[int(k)],
     "euler_vector": _parameters(_one),

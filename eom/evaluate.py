@@ -121,8 +121,9 @@ def _product(e: Evaluator, node: Any, env: Env) -> Series:
 
 
 def _tangent(e: Evaluator, node: Any, _: Env) -> Series:
-    sine, cosine = e.rotation(node.args[0])
-    return sine * cosine.reciprocal()
+    """Return sin 2a / (1 + cos 2a), which needs no sine of a itself."""
+    sine, cosine = e.rotation(2 * node.args[0])
+    return sine * (e.world.constant(1) + cosine).reciprocal()
 
 
 _EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = (
@@ -137,6 +138,9 @@ _EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = 
     (sp.sin, lambda e, n, _: e.rotation(n.args[0])[0]),
     (sp.cos, lambda e, n, _: e.rotation(n.args[0])[1]),
     (sp.tan, _tangent),
+    (sp.cot, lambda e, n, env: _tangent(e, n, env).reciprocal()),
+    (sp.sec, lambda e, n, _: e.rotation(n.args[0])[1].reciprocal()),
+    (sp.csc, lambda e, n, _: e.rotation(n.args[0])[0].reciprocal()),
 )
 """One rule a kind of SymPy expression."""
 
@@ -240,6 +244,11 @@ def _entries(e: Evaluator, term: Term, env: Env) -> Value:
     )
 
 
+def _table(e: Evaluator, term: Term, env: Env) -> Value:
+    values, columns = [e.value(a, env) for a in term.args], term.data[1]
+    return tuple(tuple(values[k : k + columns]) for k in range(0, len(values), columns))
+
+
 def _zero(e: Evaluator, term: Term, _: Env) -> Value:
     nought = e.world.constant(0)
     vector = (nought,) * 3
@@ -278,6 +287,7 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
     "inner": _inner,
     "outer_column": _outer,
     "entries": _entries,
+    "table": _table,
     "rows": lambda e, t, env: tuple(e.value(a, env) for a in t.args),
 }
 """One rule a head."""

@@ -94,7 +94,7 @@ def composed(first: Turned, second: Turned) -> Turned:
     """Return two rotations one after the other.
 
     The product of their Euler parameters is Hamilton's, the first one left: q = q1 q2 (Shuster,
-    J. Astronaut. Sci. 41, 1993, sect. 4, in the order of Hamilton).
+    J. Astronaut. Sci. 41 (1993) 439, whose own product has the factors in the other order).
     """
     (a, *u), (b, *v) = first.quaternion, second.quaternion
     p, q = (u[0], u[1], u[2]), (v[0], v[1], v[2])

@@ -12,13 +12,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from eom.attitudes import sequence_of
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.roots import squared
 from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import worlds
 from eom.series import Singular
 from eom.terms import Equation, nodes, zero
-from eom.worlds import ASSUMPTIONS, closure
+from eom.worlds import ASSUMPTIONS, SEQUENCES, closure
 
 WORLDS = 3
 TRIALS = 12
@@ -39,7 +41,7 @@ CONTEXTS: tuple[tuple[str, ...], ...] = (
 MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
 """Contexts that assume something of the body, which a claim about its masses rests on."""
 
-SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312"})
+SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
 MENTIONS: dict[str, frozenset[str]] = {
@@ -82,7 +84,7 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
         raise InputError("only equations are judged in worlds", got=others[0])
     start = 1 if claim.kind == DEFINITION else 0
     pairs = zip(terms[start:], terms[start + 1 :], strict=False)
-    return tuple(Equation(a, b) for a, b in pairs)
+    return tuple(squared(Equation(a, b)) for a, b in pairs)
 
 
 def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
@@ -138,7 +140,8 @@ class _Search:
     def context(self) -> tuple[str, ...] | None:
         """The first context in which every quantity has a value."""
         single = [("one_particle",)] if "P" in self.labels else []
-        for context in [*single, *CONTEXTS]:
+        for general in [*single, *CONTEXTS]:
+            context = (*self.sequences, *general)
             try:
                 self._true_in(closure([*self.given, *context]), 1)
             except InputError as error:
@@ -146,6 +149,14 @@ class _Search:
                 continue
             return context
         return None
+
+    @cached_property
+    def sequences(self) -> tuple[str, ...]:
+        """The assumptions by which the angles of the claim exist."""
+        terms = [t for q in self.equations for t in (q.left, q.right)]
+        terms += self.claim.scalars.values()
+        found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
+        return tuple(dict.fromkeys(sequence_of(axes) for axes in found))
 
     @cached_property
     def labels(self) -> frozenset[str]:

@@ -307,6 +307,7 @@ _SETTINGS: dict[str, type] = {
     "dyads": bool,
     "juxtaposed": bool,
     "resolved": bool,
+    "bracketed": bool,
     "alike": list,
 }
 
