@@ -8,6 +8,7 @@ import sympy as sp
 from eom.checker.documents import read_document
 from eom.checker.lexicon_files import PRESETS, parse_lexicon
 from eom.checker.notes import understand
+from eom.checker.propose import propose
 from eom.checker.verdicts import verdict
 from tests.eom.checker.attitudes import ANGLES, SCHAUB, STILL_TRUE, TRUE, mutants
 
@@ -196,3 +197,57 @@ def test_a_letter_that_means_something_is_no_abbreviation():
     assert judged(lexicon, r"c\theta = \cos\theta").verdict == "wrong"
     assert judged(lexicon, r"s_\theta = \sin\theta").verdict == "wrong"
     assert ANGLES in lexicon
+
+
+# -- drafts of lexica --------------------------------------------------------------------------------
+
+NOTE = r"""
+# Attitude of the satellite
+
+Let $\psi$, $\theta$ and $\phi$ be the 3-2-1 Euler angles of the body. The rotation matrix $C$ is
+$$C = C_1(\phi) C_2(\theta) C_3(\psi).$$
+The quaternion $\mathbf{q}$, scalar last, has
+$$q_4 = \cos\frac{\phi}{2}\cos\frac{\theta}{2}\cos\frac{\psi}{2} +
+\sin\frac{\phi}{2}\sin\frac{\theta}{2}\sin\frac{\psi}{2}$$
+$$q_4 = \cos\frac{\phi}{2}\cos\frac{\theta}{2}\cos\frac{\psi}{2} -
+\sin\frac{\phi}{2}\sin\frac{\theta}{2}\sin\frac{\psi}{2}$$
+The vector $\boldsymbol{\sigma}$ holds the modified Rodrigues parameters.
+$$\boldsymbol{\sigma}^T\boldsymbol{\sigma} = \frac{1 - q_4}{1 + q_4}$$
+"""
+
+
+def test_a_note_is_judged_by_the_lexicon_drafted_from_its_words():
+    document = read_document(NOTE)
+    lexicon = parse_lexicon(propose(document).toml)
+    found = [verdict(u) for u in understand(document, lexicon) if u.formula.piece.kind == "display"]
+    assert [v.verdict for v in found] == ["holds", "holds", "wrong", "holds"], [
+        v.reason for v in found
+    ]
+
+
+SAID = {
+    r"Let $\psi$, $\theta$, $\phi$ be the 3-1-3 Euler angles.": "313",
+    r"The body is reached by a 3-2-1 sequence of rotations through $(\psi,\theta,\phi)$.": "321",
+    r"The 123 angles $\psi,\theta,\phi$ turn the frame.": "123",
+    r"The angles $\psi$, $\theta$, and $\phi$ follow the $z$-axis.": None,
+    r"$\psi, \theta, \phi$ are the yaw, pitch and roll angles.": "321",
+    r"The yaw, pitch and roll $(\psi, \theta, \phi)$.": "321",
+    r"The space-fixed 1-2-3 angles $\psi$, $\theta$, $\phi$.": "space123",
+    r"The z-x-z angles $\psi$, then $\theta$, then $\phi$.": "313",
+    r"The angles $\psi$, $\theta$, $\phi$ of an unknown sequence.": None,
+    r"The 3-3-1 angles $\psi$, $\theta$, $\phi$.": None,
+    r"The 3-2-1 angles $\psi$ and $\theta$.": None,
+    r"Section 3-2-1 has masses $\psi$, $\theta$, $\phi$.": None,
+}
+
+
+@pytest.mark.parametrize("words", SAID)
+def test_a_sequence_is_read_where_words_name_it(words):
+    drafts = {d.latex: d.meaning for d in propose(read_document(words + "\n")).drafts}
+    axes = SAID[words]
+    wanted = {
+        name: f"turn_angle {k} {axes} B I"
+        for k, name in enumerate((r"\psi", r"\theta", r"\phi"), 1)
+    }
+    turned = {k: v for k, v in drafts.items() if v.startswith("turn_angle")}
+    assert turned == (wanted if axes else {})
