@@ -9,11 +9,21 @@ What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about onc
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from eom.attitudes import sequence_of
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.inequalities import (
+    ALWAYS,
+    BARELY,
+    NEVER,
+    ORDERS,
+    SOMETIMES,
+    Sign,
+    difference,
+    sign,
+)
 from eom.checker.roots import squared
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -92,6 +102,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
 
     A claim with findings is judged by what is left of it; without members it is undecided.
     """
+    if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
+        return _ordered(claim, tuple(given))
     try:
         search = _Search(claim, equations(claim), closure(given))
         context = search.context
@@ -114,6 +126,51 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     names = claim.kind == SAME_POINT or (not sets and search.free)
     verdict = DEFINITION if names else UNDER if sets else WRONG
     return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
+
+
+def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether a chain with signs of order holds: the worst of its links decides."""
+    links = [
+        replace(claim, members=claim.members[k : k + 2], relations=(relation,))
+        for k, relation in enumerate(claim.relations)
+    ]
+    judged = [_signed(c, given) if c.relations[0] in ORDERS else judge(c, given) for c in links]
+    return min(judged, key=lambda j: _WORST.index(j.verdict))
+
+
+_WORST = (WRONG, UNDECIDED, UNDER, HOLDS, DEFINITION)
+
+
+def _signed(link: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether one side is greater than the other in the worlds where both have a value."""
+    try:
+        term, strict = difference(link)
+        both = (Equation(term, zero(term.kind)),)
+        search = _Search(link, both, closure(given))
+        context = search.context
+        if context is None:
+            return Judgement(UNDECIDED, reason=search.reason or "no world has these quantities")
+        found = sign(term, strict, link.scalars, search.given | closure(context))
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    return _of_sign(found, context)
+
+
+def _of_sign(found: Sign, context: tuple[str, ...]) -> Judgement:
+    special = f" ({found.special})" if found.special else ""
+    if found.found == NEVER:
+        return Judgement(WRONG, (), context, found.where, True, "the opposite holds")
+    if found.found == SOMETIMES:
+        reason = f"a condition: it does not hold in all worlds{special}"
+        return Judgement(UNDECIDED, (), context, found.where, True, reason)
+    if found.found == BARELY and found.proved:
+        return Judgement(UNDER, (), context, found.where, True, f"zero in special cases{special}")
+    if found.found == ALWAYS and found.proved:
+        return Judgement(HOLDS, (), context)
+    reason = f"no counterexample in {found.tried} worlds" + (
+        f", but equality{special}" if found.found == BARELY else ""
+    )
+    return Judgement(UNDECIDED, (), context, None, True, reason)
 
 
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
