@@ -170,6 +170,22 @@ QUANTITIES: dict[str, Quantity] = {
     "shadow_rodrigues": Quantity(
         VECTOR, "shadow set of the modified Rodrigues parameters of the rotation from {1} to {0}"
     ),
+    "gravity_parameter": Quantity(SCALAR, "gravitational parameter of the attracting centre"),
+    "orbit_radius": Quantity(SCALAR, "distance from the attracting centre to the centre of mass"),
+    "orbit_direction": Quantity(
+        VECTOR, "unit vector from the attracting centre to the centre of mass"
+    ),
+    "orbit_position": Quantity(
+        VECTOR,
+        "position of the centre of mass from the attracting centre",
+        lambda: mul(quantity("orbit_radius"), quantity("orbit_direction")),
+    ),
+    "gravity_torque": Quantity(
+        VECTOR, "torque of gravity about the centre of mass, to second order in the body's size"
+    ),
+    "gravity_energy": Quantity(
+        SCALAR, "potential energy of gravity, to second order in the body's size"
+    ),
     "scalar": Quantity(SCALAR, "any number {0}"),
     "vector": Quantity(VECTOR, "any vector {0}"),
     "fixed_vector": Quantity(VECTOR, "any vector {0} that is fixed in frame {1}"),

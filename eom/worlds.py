@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eom import attitudes, series
+from eom import attitudes, gravitation, series
 from eom.errors import InputError, unknown_name
 from eom.series import LENGTH, Field, Matrix, Series, Vector
 from eom.turning import Angle, Turned, composed, reversed_
@@ -299,6 +299,7 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "identity_matrix": _identity,
     "rotation": lambda w, b, a: w.rotation(b, a),
     **attitudes.PRIMITIVES,
+    **gravitation.PRIMITIVES,
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
     "vector": _free_vector,
     "fixed_vector": _fixed_vector,

@@ -52,8 +52,9 @@ ALWAYS, NEVER, SOMETIMES, BARELY = "always", "never", "sometimes", "barely"
 class Sign:
     """What was found of ``term > 0`` or ``>= 0``.
 
-    ``found``: "always" (as far as was tried), "never" (the opposite is proved), "sometimes", or "barely" (never below zero, but
-    zero in special cases, against a strict sign); ``proved``: by its form; ``tried``: how many worlds;
+    ``found``: "always" (as far as was tried), "never" (the opposite is proved), "sometimes" or "barely"
+    (never below zero, but zero in special cases, against a strict sign); ``proved``: by its form;
+    ``tried``: how many worlds;
     ``where``: assumptions and seed of a world against it, and in words what is special there.
     """
 

@@ -251,3 +251,40 @@ def test_a_sequence_is_read_where_words_name_it(words):
     }
     turned = {k: v for k, v in drafts.items() if v.startswith("turn_angle")}
     assert turned == (wanted if axes else {})
+
+
+# -- gravity -----------------------------------------------------------------------------------------
+
+ORBIT = r"""
+preset = "hughes"
+[symbols]
+'\mu' = "gravity_parameter"
+'R' = "orbit_radius"
+'\mathbf{u}' = "orbit_direction in B"
+'u_{<k>}' = "orbit_direction in B component <k>"
+'\mathbf{R}_c' = "orbit_position in B"
+'\mathbf{g}_g' = "gravity_torque in B"
+'g_{g<k>}' = "gravity_torque in B component <k>"
+'V_g' = "gravity_energy"
+"""
+GRAVITY = {
+    r"\mathbf{g}_g = \frac{3\mu}{R^3}\mathbf{u}^\times\mathbf{I}\mathbf{u}": "holds",
+    r"\mathbf{g}_g = \frac{3\mu}{R^5}\mathbf{R}_c^\times\mathbf{I}\mathbf{R}_c": "holds",
+    r"\mathbf{u}^T\mathbf{g}_g = 0": "holds",
+    r"V_g = -\frac{\mu m}{R} - \frac{\mu}{2R^3}(\operatorname{tr}\mathbf{I}"
+    r" - 3\mathbf{u}^T\mathbf{I}\mathbf{u})": "holds",
+    r"\mathbf{g}_g = \frac{3\mu}{R^3}\mathbf{u}^\times\mathbf{J}\mathbf{u}": "holds under",
+    r"g_{g1} = \frac{3\mu}{R^3}(I_3 - I_2)u_2u_3": "holds under",
+    r"g_{g1} = \frac{3\mu}{R^3}(I_2 - I_3)u_2u_3": "wrong",
+    r"\mathbf{g}_g = -\frac{3\mu}{R^3}\mathbf{u}^\times\mathbf{I}\mathbf{u}": "wrong",
+    r"\mathbf{g}_g = \frac{2\mu}{R^3}\mathbf{u}^\times\mathbf{I}\mathbf{u}": "wrong",
+    r"\mathbf{g}_g = \frac{3\mu}{R^2}\mathbf{u}^\times\mathbf{I}\mathbf{u}": "wrong",
+    r"V_g = -\frac{\mu m}{R} - \frac{\mu}{2R^3}(\operatorname{tr}\mathbf{I}"
+    r" - \mathbf{u}^T\mathbf{I}\mathbf{u})": "wrong",
+}
+
+
+@pytest.mark.parametrize("latex", GRAVITY)
+def test_gravity_gradient(latex):
+    found = judged(ORBIT, latex, ["constant_mass"])
+    assert found.verdict == GRAVITY[latex], found.reason
