@@ -85,7 +85,8 @@ def _energy(world: World) -> Series:
         one, two = _power(Fraction(-1, 2), first, second)
         parts.append(mass * (world.constant(1) + one + two))
     near = world.primitive("orbit_radius", ()).reciprocal()
-    return -(world.primitive("gravity_parameter", ()) * near * series.total(parts))
+    whole: Series = world.primitive("gravity_parameter", ()) * near * series.total(parts)
+    return -whole
 
 
 PRIMITIVES: Mapping[str, Callable[..., Any]] = {
