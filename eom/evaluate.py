@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from eom import limits, series
+from eom.attitudes import ANGLES
 from eom.errors import InputError
 from eom.series import Series
 from eom.terms import INDICES, Equation, Term, labels_of, nodes
@@ -86,16 +87,18 @@ class Evaluator:
         return self.scalars[symbol]
 
     def rotation(self, angle: Any) -> tuple[Series, Series]:
-        """Return sine and cosine of an integer combination of angles."""
+        """Return sine and cosine of a sum of angles, each an integer or half as often."""
         sine, cosine = self.world.constant(0), self.world.constant(1)
-        for part in sp.Add.make_args(angle):
+        for part in sp.Add.make_args(sp.expand(angle)):
             count, symbol = part.as_coeff_Mul()
-            meaning = self.meaning(symbol)
-            if not (count.is_Integer and meaning.data[:1] == ("angle",)):
+            meaning = self.scalars.get(symbol)
+            known = meaning is not None and meaning.head == "atom" and meaning.data[0] in ANGLES
+            if meaning is None or not known or count.q not in {1, 2}:
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
-            s, c = self.world.sine_cosine(meaning.data[1])
+            found = self.world.angle(*meaning.data)
+            s, c = found[1:3] if count.q == 1 else found[3:]
             s = s if count > 0 else -s
-            for _ in range(abs(int(count))):
+            for _ in range(abs(int(count.p))):
                 sine, cosine = sine * c + cosine * s, cosine * c - sine * s
         return sine, cosine
 
@@ -119,8 +122,9 @@ def _product(e: Evaluator, node: Any, env: Env) -> Series:
 
 
 def _tangent(e: Evaluator, node: Any, _: Env) -> Series:
-    sine, cosine = e.rotation(node.args[0])
-    return sine * cosine.reciprocal()
+    """Return sin 2a / (1 + cos 2a), which needs no sine of a itself."""
+    sine, cosine = e.rotation(2 * node.args[0])
+    return sine * (e.world.constant(1) + cosine).reciprocal()
 
 
 _EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = (
@@ -135,6 +139,9 @@ _EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = 
     (sp.sin, lambda e, n, _: e.rotation(n.args[0])[0]),
     (sp.cos, lambda e, n, _: e.rotation(n.args[0])[1]),
     (sp.tan, _tangent),
+    (sp.cot, lambda e, n, env: _tangent(e, n, env).reciprocal()),
+    (sp.sec, lambda e, n, _: e.rotation(n.args[0])[1].reciprocal()),
+    (sp.csc, lambda e, n, _: e.rotation(n.args[0])[0].reciprocal()),
 )
 """One rule a kind of SymPy expression."""
 
@@ -238,6 +245,11 @@ def _entries(e: Evaluator, term: Term, env: Env) -> Value:
     )
 
 
+def _table(e: Evaluator, term: Term, env: Env) -> Value:
+    values, columns = [e.value(a, env) for a in term.args], term.data[1]
+    return tuple(tuple(values[k : k + columns]) for k in range(0, len(values), columns))
+
+
 def _zero(e: Evaluator, term: Term, _: Env) -> Value:
     nought = e.world.constant(0)
     vector = (nought,) * 3
@@ -282,6 +294,7 @@ _RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
     "inner": _inner,
     "outer_column": _outer,
     "entries": _entries,
+    "table": _table,
     "rows": lambda e, t, env: tuple(e.value(a, env) for a in t.args),
 }
 """One rule a head."""

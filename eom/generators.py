@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from eom import series
-from eom.motions import Angles, Body, Turns, elementary, free_attitude, spin_312, viscous_pair
+from eom.motions import (
+    Angles,
+    Body,
+    Turns,
+    any_turn,
+    fixed_turn,
+    free_attitude,
+    spin_312,
+    viscous_pair,
+)
 from eom.series import LENGTH, PRIME, Field, Series, Singular, Vector
 from eom.shapes import Draw, Point, Weighted, along, any_body, central, mirrored, shape
-from eom.worlds import Rotor, Slug, World, closure
+from eom.turning import Build, Turned, about_axis, composed, elementary, reversed_, sequence
+from eom.worlds import SEQUENCES, Rotor, Slug, World, closure
 
 
 @dataclass(frozen=True)
 class Stage:
-    """What forces and reference points are added to: masses and places, frames and angles."""
+    """What forces and reference points are added to: masses and places, frames and angles.
+
+    ``frames``: those turned from I; ``relative``: other rotations that were drawn, from the second
+    frame to the first.
+    """
 
     masses: tuple[Series, ...]
     places: tuple[Vector, ...]
@@ -25,6 +39,25 @@ class Stage:
     points: dict[str, Vector]
     rotors: tuple[Rotor, ...] = ()
     slug: Slug | None = None
+    relative: Mapping[tuple[str, str], Turned] = field(default_factory=dict)
+
+
+def _build_of(assumed: frozenset[str]) -> Build:
+    """Return how the frame B turns: by a sequence that is assumed, or about any axis."""
+    axes = next((a for name, a in SEQUENCES.items() if name in assumed), "")
+    return sequence(axes) if axes else about_axis
+
+
+def _frames(
+    draw: Draw, assumed: frozenset[str], B: Turned | None = None
+) -> tuple[Turns, dict[tuple[str, str], Turned]]:
+    """Return the frames A and B; by a sequence, B is turned from I, and from A, by other angles."""
+    build = _build_of(assumed)
+    B = B or any_turn(draw, build)
+    if build is about_axis:
+        return {"A": any_turn(draw), "B": B}, {}
+    from_A = any_turn(draw, build)
+    return {"A": composed(B, reversed_(from_A)), "B": B}, {("B", "A"): from_A}
 
 
 def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
@@ -34,9 +67,9 @@ def _particles(draw: Draw, assumed: frozenset[str]) -> Stage:
         masses = tuple(series.constant(draw.field, draw.mass(), LENGTH) for _ in range(n))
     else:
         masses = tuple(draw.changing_mass() for _ in range(n))
-    frames = {name: draw.rotation() for name in ("A", "B")}
+    frames, relative = _frames(draw, assumed)
     places, points = _settled(draw, assumed, masses, [draw.vector() for _ in range(n)])
-    return Stage(masses, places, frames, {}, points)
+    return Stage(masses, places, frames, {}, points, relative=relative)
 
 
 def _settled(
@@ -61,20 +94,20 @@ def _settled(
 def _rigid(draw: Draw, assumed: frozenset[str]) -> Stage:
     """One rigid body; its frame is B, or C for the 3-1-2 sequence, or unknown."""
     points = tuple(shape(draw, assumed))
-    frames: Turns = {"A": draw.rotation(), "B": draw.rotation()}
     angles: Angles = {}
+    free = free_attitude(draw, points, _build_of(assumed)) if "torque_free" in assumed else None
+    frames, relative = _frames(draw, assumed, free)
+    attitude = draw.rotation()
     if "spin_312" in assumed:
         frames, angles = spin_312(draw, points, assumed)
-        body = Body(points, frames["C"])
-    elif "torque_free" in assumed:
-        body = Body(points, free_attitude(draw, points))
-    else:
-        body = Body(points, draw.rotation())
-    if "body_frame" in assumed:
-        frames["B"] = body.attitude
+        attitude = frames["C"].matrix
+    elif "body_frame" in assumed:
+        attitude = frames["B"].matrix
     if "A_fixed_in_body" in assumed:
-        frames["A"] = series.product(draw.fixed_rotation(), body.attitude)
-    return _placed(draw, assumed, body, frames, angles)
+        frames["A"] = composed(frames["B"], fixed_turn(draw))
+        relative = {}
+    stage = _placed(draw, assumed, Body(points, attitude), frames, angles)
+    return replace(stage, relative=relative)
 
 
 def _placed(
@@ -110,7 +143,8 @@ def _placed(
 
 def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
     """A carrier that is fixed in B, and rotors of four or eight masses each."""
-    B = draw.rotation()
+    frames, relative = _frames(draw, assumed)
+    B = frames["B"].matrix
     weighted = [(m, draw.fixed(p)) for m, p in any_body(draw)]
     rotors = []
     for _ in range(draw.generator.randint(1, 3)):
@@ -129,7 +163,7 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in weighted)
     moving = [series.add(path, series.apply(to_I, p)) for _, p in weighted]
     places, points = _settled(draw, assumed, masses, moving)
-    return Stage(masses, places, {"A": draw.rotation(), "B": B}, {}, points, tuple(rotors))
+    return Stage(masses, places, frames, {}, points, tuple(rotors), relative=relative)
 
 
 def _with_slug(draw: Draw, assumed: frozenset[str]) -> Stage:
@@ -142,14 +176,14 @@ def _with_slug(draw: Draw, assumed: frozenset[str]) -> Stage:
     path = draw.vector()
     moving = [
         series.add(path, series.apply(series.transpose(C), draw.fixed(p)))
-        for part, C in ((body, B), (slug, S))
+        for part, C in ((body, B.matrix), (slug, S.matrix))
         for _, p in part
     ]
     masses = tuple(series.constant(draw.field, m, LENGTH) for m, _ in (*body, *slug))
     places, points = _settled(draw, assumed, masses, moving)
     inertia = draw.field.reduce(4 * mass * a * a)
     members = tuple(range(len(body), len(body) + len(slug)))
-    frames = {"A": draw.rotation(), "B": B, "S": S}
+    frames = {"A": any_turn(draw), "B": B, "S": S}
     return Stage(masses, places, frames, {}, points, slug=Slug(inertia, damping, members))
 
 
@@ -227,7 +261,7 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
     return World(
         draw.field,
         seed,
-        {"I": identity, **stage.frames},
+        {"I": identity, **{name: turn.matrix for name, turn in stage.frames.items()}},
         {"OI": origin, **stage.points},
         stage.masses,
         stage.places,
@@ -236,6 +270,7 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
         stage.angles,
         stage.rotors,
         stage.slug,
+        {**{(name, "I"): turn for name, turn in stage.frames.items()}, **stage.relative},
     )
 
 

@@ -12,9 +12,10 @@ from typing import Any
 from eom import series
 from eom.series import LENGTH, Field, Matrix, Series, Vector
 from eom.shapes import Draw, Point, Weighted, along
+from eom.turning import Angle, Build, Turned, about_axis, angle, composed, turned
 
-Turns = dict[str, Matrix]
-Angles = dict[str, tuple[Series, Series, Series]]
+Turns = dict[str, Turned]
+Angles = dict[str, Angle]
 
 
 @dataclass(frozen=True)
@@ -87,28 +88,45 @@ def _with(s: Series, place: int, value: Any) -> Series:
     return Series(s.field, (*c[:place], value, *c[place + 1 :]))
 
 
-def free_attitude(draw: Draw, points: tuple[Weighted, ...]) -> Matrix:
+def any_turn(draw: Draw, build: Build = about_axis) -> Turned:
+    """Return a rotation from three random angles."""
+    return build([angle(draw.series(), draw.number()) for _ in range(3)])
+
+
+def fixed_turn(draw: Draw) -> Turned:
+    """Return a constant rotation."""
+    return about_axis([angle(draw.fixed(draw.point())[0], draw.number()) for _ in range(3)])
+
+
+def free_attitude(draw: Draw, points: tuple[Weighted, ...], build: Build = about_axis) -> Turned:
     """Return a rotation under which the masses need no torque."""
+    quarters = [draw.number() for _ in range(3)]
 
-    def residual(gibbs: Sequence[Series]) -> Sequence[Series]:
-        x, y, z = gibbs
-        return Body(points, series.cayley((x, y, z))).torque_about_centre(draw)
+    def attitude(motion: Sequence[Series]) -> Turned:
+        return build([angle(m, q) for m, q in zip(motion, quarters, strict=True)])
 
-    x, y, z = _solve_motion(draw, draw.vector(), residual)
-    return series.cayley((x, y, z))
+    def residual(motion: Sequence[Series]) -> Sequence[Series]:
+        return Body(points, attitude(motion).matrix).torque_about_centre(draw)
+
+    return attitude(_solve_motion(draw, draw.vector(), residual))
 
 
 def viscous_pair(
     draw: Draw, body: Sequence[Weighted], slug: Sequence[Weighted], damping: Any
-) -> tuple[Matrix, Matrix]:
+) -> tuple[Turned, Turned]:
     """Return the rotations of a body and of its slug under the viscous torque between them.
 
     The conditions: the momentum of both together is constant, and that of the slug changes by
     minus ``damping`` times its angular velocity relative to the body.
     """
+    quarters = [draw.number() for _ in range(6)]
 
-    def residual(gibbs: Sequence[Series]) -> Sequence[Series]:
-        B, S = (series.cayley((g[0], g[1], g[2])) for g in (gibbs[:3], gibbs[3:]))
+    def both(motion: Sequence[Series]) -> tuple[Turned, Turned]:
+        angles = [angle(m, q) for m, q in zip(motion, quarters, strict=True)]
+        return about_axis(angles[:3]), about_axis(angles[3:])
+
+    def residual(motion: Sequence[Series]) -> Sequence[Series]:
+        B, S = (turn.matrix for turn in both(motion))
         h_body, h_slug = (_momentum(draw, p, C) for p, C in ((body, B), (slug, S)))
         relative = series.angular_velocity(series.product(S, series.transpose(B)))
         torque = series.apply(series.transpose(S), relative)
@@ -116,8 +134,7 @@ def viscous_pair(
         balance = [rates[k] + torque[k].scaled(damping) for k in range(3)]
         return [*balance, *(h_body[k].derivative() + rates[k] for k in range(3))]
 
-    x = _solve_motion(draw, (*draw.vector(), *draw.vector()), residual)
-    return series.cayley((x[0], x[1], x[2])), series.cayley((x[3], x[4], x[5]))
+    return both(_solve_motion(draw, (*draw.vector(), *draw.vector()), residual))
 
 
 def _momentum(draw: Draw, points: Sequence[Weighted], C: Matrix) -> Vector:
@@ -131,32 +148,14 @@ _TURNS_312 = (("A", "I", 2, "psi"), ("B", "A", 0, "theta"), ("C", "B", 1, "phi")
 """Frame, the one before, axis (from 0), angle."""
 
 
-def elementary(axis: int, sine: Series, cosine: Series) -> Matrix:
-    """Return the passive rotation about one axis."""
-    one, zero = cosine.scaled(0), cosine.scaled(0)
-    one = Series(one.field, (1, *one.coefficients[1:]))
-    i, j = ((1, 2), (2, 0), (0, 1))[axis]
-    rows = [[zero, zero, zero] for _ in range(3)]
-    rows[axis][axis] = one
-    rows[i][i] = rows[j][j] = cosine
-    rows[i][j], rows[j][i] = sine, -sine
-    return tuple(tuple(row) for row in rows)
-
-
-def _sequence(draw: Draw, motion: Sequence[Series], start: Sequence[Any]) -> tuple[Turns, Angles]:
-    """Return the frames and angles of the 3-1-2 sequence; ``start``: tangents of half the angles."""
+def _spun(motion: Sequence[Series], start: Sequence[Any]) -> tuple[Turns, Angles]:
+    """Return the frames and angles of the 3-1-2 sequence; ``start``: tangents of their quarters."""
     frames: Turns = {}
     angles: Angles = {}
-    previous: Matrix | None = None
-    for (frame, _, axis, name), angle, tau in zip(_TURNS_312, motion, start, strict=True):
-        scale = draw.field.inverse(1 + tau * tau)
-        sine, cosine = series.sine_cosine(
-            angle, draw.field.reduce(2 * tau * scale), draw.field.reduce((1 - tau * tau) * scale)
-        )
-        turn = elementary(axis, sine, cosine)
-        previous = turn if previous is None else series.product(turn, previous)
-        frames[frame] = previous
-        angles[name] = (angle, sine, cosine)
+    for (frame, before, axis, name), value, quarter in zip(_TURNS_312, motion, start, strict=True):
+        angles[name] = angle(value, quarter)
+        turn = turned(axis, angles[name])
+        frames[frame] = composed(frames[before], turn) if before in frames else turn
     return frames, angles
 
 
@@ -172,12 +171,12 @@ def spin_312(
         trial = list(motion)
         for (place, _), value in zip(wanted, values, strict=True):
             trial[place] = value
-        frames, _ = _sequence(draw, trial, start)
-        torque = Body(points, frames["C"]).torque_about_centre(draw)
-        in_B = series.apply(frames["B"], torque)
+        frames, _ = _spun(trial, start)
+        torque = Body(points, frames["C"].matrix).torque_about_centre(draw)
+        in_B = series.apply(frames["B"].matrix, torque)
         return [in_B[axis] for _, axis in wanted]
 
     solved = _solve_motion(draw, [motion[place] for place, _ in wanted], residual)
     for (place, _), value in zip(wanted, solved, strict=True):
         motion[place] = value
-    return _sequence(draw, motion, start)
+    return _spun(motion, start)

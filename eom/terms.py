@@ -7,7 +7,7 @@ the frame in which it is taken. Scalars may hold SymPy expressions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +18,8 @@ from eom.errors import InputError
 Expr = Any
 
 SCALAR, VECTOR, DYADIC, COLUMN, MATRIX = "scalar", "vector", "dyadic", "column", "matrix"
+TABLE = "table"
+"""Rows and columns of scalars in any other number than three."""
 INDICES = frozenset({"i", "j", "k", "l", "n", "dm"})
 """Labels that stand for any particle, rotor or element of mass; all others name one thing."""
 INERTIAL = "I"
@@ -117,6 +119,7 @@ HEADS: dict[str, Callable[[tuple[str, ...]], str | None]] = {
         {3: COLUMN, 9: MATRIX}.get(len(kinds)) if set(kinds) == {SCALAR} else None
     ),
     "rows": _exactly(MATRIX, COLUMN, COLUMN, COLUMN),
+    "table": lambda kinds: TABLE if set(kinds) == {SCALAR} else None,
 }
 """Heads with arguments: from the kinds of the arguments to the kind of the term, or None."""
 
@@ -272,6 +275,11 @@ def entries(rows: Expr) -> Term:
     if isinstance(rows, sp.MatrixBase):
         rows = [[expr(e) for e in row] for row in rows.tolist()]
     return make("entries", (e for row in rows for e in row))
+
+
+def table(rows: Sequence[Sequence[Term]]) -> Term:
+    """Return rows of scalars as a table of any size."""
+    return make("table", (e for row in rows for e in row), (len(rows), len(rows[0])))
 
 
 def _tidy_product(build: Callable[[Term, Term], Term]) -> Callable[..., Term]:

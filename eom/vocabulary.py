@@ -145,6 +145,47 @@ QUANTITIES: dict[str, Quantity] = {
     "identity_matrix": Quantity(MATRIX, "unit matrix"),
     "rotation": Quantity(MATRIX, "rotation matrix from components in {1} to components in {0}"),
     "angle": Quantity(SCALAR, "angle {0}"),
+    "turn_angle": Quantity(
+        SCALAR, "angle {0} of the turns about axes {1} by which frame {2} is reached from {3}"
+    ),
+    "free_angle": Quantity(SCALAR, "any angle {0}"),
+    "principal_angle": Quantity(
+        SCALAR, "angle of the rotation from frame {1} to {0} about one axis"
+    ),
+    "principal_axis": Quantity(
+        VECTOR, "unit vector along the axis of the rotation from frame {1} to {0}"
+    ),
+    "euler_parameter": Quantity(
+        SCALAR, "Euler parameter {0} of the rotation from frame {2} to {1}; number 0 is the scalar"
+    ),
+    "euler_vector": Quantity(
+        VECTOR, "vector part of the Euler parameters of the rotation from frame {1} to {0}"
+    ),
+    "rodrigues": Quantity(
+        VECTOR, "Rodrigues parameters (Gibbs vector) of the rotation from frame {1} to {0}"
+    ),
+    "modified_rodrigues": Quantity(
+        VECTOR, "modified Rodrigues parameters of the rotation from frame {1} to {0}"
+    ),
+    "shadow_rodrigues": Quantity(
+        VECTOR, "shadow set of the modified Rodrigues parameters of the rotation from {1} to {0}"
+    ),
+    "gravity_parameter": Quantity(SCALAR, "gravitational parameter of the attracting centre"),
+    "orbit_radius": Quantity(SCALAR, "distance from the attracting centre to the centre of mass"),
+    "orbit_direction": Quantity(
+        VECTOR, "unit vector from the attracting centre to the centre of mass"
+    ),
+    "orbit_position": Quantity(
+        VECTOR,
+        "position of the centre of mass from the attracting centre",
+        lambda: mul(quantity("orbit_radius"), quantity("orbit_direction")),
+    ),
+    "gravity_torque": Quantity(
+        VECTOR, "torque of gravity about the centre of mass, to second order in the body's size"
+    ),
+    "gravity_energy": Quantity(
+        SCALAR, "potential energy of gravity, to second order in the body's size"
+    ),
     "scalar": Quantity(SCALAR, "any number {0}"),
     "vector": Quantity(VECTOR, "any vector {0}"),
     "fixed_vector": Quantity(VECTOR, "any vector {0} that is fixed in frame {1}"),

@@ -18,9 +18,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eom import series
+from eom import attitudes, gravitation, series
 from eom.errors import InputError, unknown_name
 from eom.series import LENGTH, Field, Matrix, Series, Vector
+from eom.turning import Angle, Turned, composed, reversed_
+
+SEQUENCES: dict[str, str] = {
+    f"sequence_{axes}": axes for axes in "121 123 131 132 212 213 231 232 312 313 321 323".split()
+}
+"""Assumptions that say by which turns B is reached, with their axes."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,15 @@ ASSUMPTIONS: dict[str, Restriction] = {
         ("constant_mass",),
         ("body_frame", "rigid"),
     ),
+    **{
+        name: Restriction(
+            f"B follows from I, and from A, by turns about axes {', '.join(axes)}, each of the frame "
+            "turned so far",
+            (),
+            ("spin_312", "viscous_slug", *(other for other in SEQUENCES if other != name)),
+        )
+        for name, axes in SEQUENCES.items()
+    },
 }
 """Every assumption that a generator knows."""
 
@@ -150,10 +165,16 @@ class World:
     places: tuple[Vector, ...]
     forces: tuple[Vector, ...]
     internal: tuple[tuple[Vector, ...], ...]
-    angles: Mapping[str, tuple[Series, Series, Series]]
+    angles: Mapping[str, Angle]
     rotors: tuple[Rotor, ...] = ()
     slug: Slug | None = None
+    turns: Mapping[tuple[str, str], Turned] = dataclasses.field(default_factory=dict)
     memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def axes(self) -> str:
+        """The axes of the sequence by which B is reached, or nothing."""
+        return next((t.axes for t in self.turns.values() if t.axes), "")
 
     def constant(self, value: Any) -> Series:
         """Return a series that does not change."""
@@ -186,15 +207,23 @@ class World:
             raise unknown_name("frame", name, self.frames)
         return self.frames[name]
 
-    def sine_cosine(self, angle: str) -> tuple[Series, Series]:
-        """Return sine and cosine of a named angle."""
-        return self.angle(angle)[1:]
+    def turn(self, frame: str, base: str) -> Turned:
+        """Return the rotation from one frame to another. Raises `InputError` for unknown frames."""
+        if (frame, base) in self.turns:
+            return self.turns[frame, base]
+        if (base, frame) in self.turns:
+            return reversed_(self.turns[base, frame])
+        for name in (frame, base):
+            self._frame(name)
+        return composed(reversed_(self.turns[base, "I"]), self.turns[frame, "I"])
 
-    def angle(self, name: str) -> tuple[Series, Series, Series]:
-        """Return an angle with its sine and cosine. Raises `InputError` for unknown ones."""
-        if name not in self.angles:
-            raise unknown_name("angle", name, self.angles, "worlds without a rotation sequence")
-        return self.angles[name]
+    def angle(self, kind: str, *labels: str) -> Angle:
+        """Return an angle by its quantity and labels. Raises `InputError` where there is none."""
+        key = (kind, *labels, "angle")
+        if key not in self.memo:
+            self.memo[key] = attitudes.ANGLES[kind](self, *labels)
+        result: Angle = self.memo[key]
+        return result
 
     def primitive(self, name: str, labels: Sequence[Any]) -> Any:
         """Return the value of a quantity that has no definition."""
@@ -269,7 +298,8 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "identity": _identity,
     "identity_matrix": _identity,
     "rotation": lambda w, b, a: w.rotation(b, a),
-    "angle": lambda w, name: w.angle(name)[0],
+    **attitudes.PRIMITIVES,
+    **gravitation.PRIMITIVES,
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
     "vector": _free_vector,
     "fixed_vector": _fixed_vector,

@@ -331,8 +331,9 @@ def _integral(writer: Writer, term: Term) -> Written:
 
 def _grid(writer: Writer, term: Term) -> Written:
     boxes = [writer.box(a) for a in term.args]
-    size = len(boxes) // 3
-    return Grid(tuple(tuple(boxes[size * k : size * (k + 1)]) for k in range(3))), ATOM
+    count = term.data[0] if term.head == "table" else 3
+    size = len(boxes) // count
+    return Grid(tuple(tuple(boxes[size * k : size * (k + 1)]) for k in range(count))), ATOM
 
 
 def _rows(writer: Writer, term: Term) -> Written:
@@ -398,6 +399,7 @@ RULES: dict[str, Callable[[Writer, Term], Written]] = {
     "inner": _inner,
     "outer_column": _outer_column,
     "entries": _grid,
+    "table": _grid,
     "rows": _rows,
 }
 """How each head is written."""

@@ -10,10 +10,11 @@ from typing import Any
 import sympy as sp
 
 from eom import terms
+from eom.checker.arrays import assembled
 from eom.checker.dimensions import LENGTH, MASS
 from eom.checker.elaborator import Elaborator, number
 from eom.checker.looks import labels
-from eom.checker.operations import determinant, overdot, rate, skew, trace
+from eom.checker.operations import determinant, overdot, rate, skew, trace, transposed
 from eom.checker.places import Span
 from eom.checker.symbols import powered, pure
 from eom.checker.syntax import (
@@ -34,8 +35,10 @@ from eom.checker.values import (
     ANY,
     ILL_FORMED,
     ROW,
+    TABLES,
     UNDECIDED,
     Value,
+    mixed,
     negative,
     refuse,
     total,
@@ -211,8 +214,11 @@ def root(e: Elaborator, node: Root) -> Value:
 
 
 def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
-    """Return three numbers in brackets: round ones stand for a column, square ones for a row."""
+    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row."""
     values = [e.value(item) for item in body.items]
+    if node.open in {"(", "["} and (len(values) > 3 or any(v.shape != SCALAR for v in values)):
+        upright = _blocks(e, [[v] for v in values], node.span)
+        return upright if node.open == "(" else transposed(e.lexicon.notation, upright, node.span)
     if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
         raise refuse(UNDECIDED, "a list without a meaning", node.span)
     return _line(e, values, node.span, COLUMN if node.open == "(" else ROW)
@@ -259,8 +265,25 @@ def matrix(e: Elaborator, node: Matrix) -> Value:
         stacked = _stacked(e, flat, node.span)
         frames = (stacked.frames[1], stacked.frames[0])
         return replace(stacked, term=terms.transpose(stacked.term), frames=frames)
-    shape = " x ".join(map(str, size))
-    raise refuse(UNDECIDED, "a table without a meaning", node.span, shape, "3 x 3, 3 x 1, 1 x 3")
+    return _blocks(e, cells, node.span)
+
+
+def _blocks(e: Elaborator, given: list[list[Value]], span: Span) -> Value:
+    """Return a table of blocks: of numbers, columns, rows, matrices and tables.
+
+    Its dimension is that of all entries, or unknown where they differ, as those of a state may.
+    """
+    blocks = [[mixed(e.lexicon.notation, v) for v in row] for row in given]
+    known = [v.dimension for row in blocks for v in row if not v.is_zero]
+    shapes = {v.shape for row in blocks for v in row}
+    if not shapes <= {SCALAR, *TABLES}:
+        raise refuse(UNDECIDED, "a table without a meaning", span, ", ".join(sorted(shapes)))
+    one = known[0] if len(set(known)) == 1 else None
+    like = Value(blocks[0][0].term, SCALAR, one)
+    found = assembled(blocks, like) if len({len(row) for row in blocks}) == 1 else None
+    if found is None:
+        raise refuse(ILL_FORMED, "the parts of a table do not fit together", span)
+    return replace(found, span=span)
 
 
 def _square(e: Elaborator, cells: list[list[Value]], span: Span) -> Value:

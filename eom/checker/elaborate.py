@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker import calculus
+from eom.checker import arrays, calculus
 from eom.checker.elaborator import Elaborator, Rule, number, quotient
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import DOTS, Look, labels, seen
@@ -47,6 +47,7 @@ from eom.checker.syntax import (
     Symbol,
     Words,
 )
+from eom.checker.turns import TURNS, abbreviated, between_frames, subscripted, turn
 from eom.checker.values import (
     AMBIGUOUS,
     ILL_FORMED,
@@ -61,7 +62,7 @@ from eom.checker.values import (
     tensored,
     total,
 )
-from eom.terms import MATRIX, SCALAR, VECTOR, expr, inner
+from eom.terms import MATRIX, SCALAR, TABLE, VECTOR, expr, inner
 from eom.terms import dot as dot_product
 
 MAX_DIGITS = 40
@@ -130,15 +131,32 @@ def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
     k = 0
     while k < len(nodes):
         following = nodes[k + 1] if k + 1 < len(nodes) else None
-        if isinstance(following, Group) and following.open == "(":
-            applied = _applied(e, nodes[k], following)
+        argument, above = _argument(following)
+        if argument is not None:
+            applied = _applied(e, nodes[k], argument)
             if applied is not None:
-                values.append(applied)
+                values.append(
+                    applied if above is None else raised(e, applied, above, argument.span)
+                )
                 k += 2
                 continue
+        short = abbreviated(e, nodes[k], following)
+        if short is not None:
+            values.append(e.value(short))
+            k += 2
+            continue
         values.append(e.value(nodes[k]))
         k += 1
     return values
+
+
+def _argument(node: Node | None) -> tuple[Group | None, Node | None]:
+    """Return round brackets and what stands above them; no brackets in case of anything else."""
+    raised_only = isinstance(node, Scripts) and (node.sub or node.presub or node.presup) is None
+    inside, above = (
+        (node.base, node.sup) if isinstance(node, Scripts) and raised_only else (node, None)
+    )
+    return (inside, above) if isinstance(inside, Group) and inside.open == "(" else (None, None)
 
 
 def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
@@ -152,6 +170,8 @@ def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
     entry = e.lexicon.find(given.look, e.indices)
     if entry is not None and entry.meaning.quantity == "skew":
         return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
+    if entry is not None and entry.meaning.quantity in TURNS:
+        return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
     time = isinstance(argument.body, Symbol) and argument.body.name == "t"
     if time or (entry is not None and entry.meaning.function):
         return e.value(node)
@@ -184,6 +204,9 @@ def _fraction(e: Elaborator, node: Fraction) -> Value:
 def _group(e: Elaborator, node: Group) -> Value:
     if isinstance(node.body, Sequence):
         return calculus.tuple_value(e, node, node.body)
+    rotation = between_frames(e, node)
+    if rotation is not None:
+        return rotation
     value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
     if node.open in {"|", "||"}:
         return _size(e, value, node.span)
@@ -198,9 +221,12 @@ def _size(e: Elaborator, value: Value, span: Span) -> Value:
         return determinant(value, span)
     if value.shape == SCALAR:
         return replace(value, term=expr(sp.Abs(e.expression(value.term))), span=span)
-    if value.shape not in {VECTOR, "column", "row"}:
+    if value.shape == TABLE:
+        square = arrays.square(value)
+    elif value.shape not in {VECTOR, "column", "row"}:
         raise refuse(ILL_FORMED, "this has no magnitude", span, value.words)
-    square = (dot_product if value.shape == VECTOR else inner)(value.term, value.term)
+    else:
+        square = (dot_product if value.shape == VECTOR else inner)(value.term, value.term)
     return Value(expr(sp.sqrt(e.name("size^2", square))), SCALAR, value.dimension, span=span)
 
 
@@ -216,6 +242,9 @@ def _crossing(e: Elaborator, node: Section) -> Value:
 
 
 def _scripts(e: Elaborator, node: Scripts) -> Value:
+    short = subscripted(e, node)
+    if short is not None:
+        return e.value(short)
     if seen(node) is not None:
         return symbol_value(e, node)
     value = _lowered(e, node)

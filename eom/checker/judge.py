@@ -9,19 +9,31 @@ What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about onc
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
+from eom.attitudes import sequence_of
 from eom.checker import systems
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.inequalities import (
+    ALWAYS,
+    BARELY,
+    NEVER,
+    ORDERS,
+    SOMETIMES,
+    Sign,
+    difference,
+    sign,
+)
+from eom.checker.roots import squared
 from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import worlds
 from eom.limits import Overdue
 from eom.series import Singular
 from eom.terms import Equation, nodes, zero
-from eom.worlds import ASSUMPTIONS, closure
+from eom.worlds import ASSUMPTIONS, SEQUENCES, closure
 
 if TYPE_CHECKING:
     from eom.checker.model import Model
@@ -45,7 +57,7 @@ CONTEXTS: tuple[tuple[str, ...], ...] = (
 MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
 """Contexts that assume something of the body, which a claim about its masses rests on."""
 
-SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312"})
+SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
 """Assumptions that belong to a context, or to a family of degenerate bodies."""
 
 MENTIONS: dict[str, frozenset[str]] = {
@@ -88,7 +100,7 @@ def equations(claim: Claim) -> tuple[Equation, ...]:
         raise InputError("only equations are judged in worlds", got=others[0])
     start = 1 if claim.kind == DEFINITION else 0
     pairs = zip(terms[start:], terms[start + 1 :], strict=False)
-    return tuple(Equation(a, b) for a, b in pairs)
+    return tuple(squared(Equation(a, b)) for a, b in pairs)
 
 
 def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
@@ -101,6 +113,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     given = tuple(given)
     if claim.model is not None and systems.mentions(claim):
         return _on_solutions(claim, claim.model, given)
+    if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
+        return _ordered(claim, given)
     try:
         search = _Search(claim, equations(claim), closure(given))
         context = search.context
@@ -133,6 +147,51 @@ def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement
     return Judgement(verdict, found.sets, reason=found.reason)
 
 
+def _ordered(claim: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether a chain with signs of order holds: the worst of its links decides."""
+    links = [
+        replace(claim, members=claim.members[k : k + 2], relations=(relation,))
+        for k, relation in enumerate(claim.relations)
+    ]
+    judged = [_signed(c, given) if c.relations[0] in ORDERS else judge(c, given) for c in links]
+    return min(judged, key=lambda j: _WORST.index(j.verdict))
+
+
+_WORST = (WRONG, UNDECIDED, UNDER, HOLDS, DEFINITION)
+
+
+def _signed(link: Claim, given: tuple[str, ...]) -> Judgement:
+    """Return whether one side is greater than the other in the worlds where both have a value."""
+    try:
+        term, strict = difference(link)
+        both = (Equation(term, zero(term.kind)),)
+        search = _Search(link, both, closure(given))
+        context = search.context
+        if context is None:
+            return Judgement(UNDECIDED, reason=search.reason or "no world has these quantities")
+        found = sign(term, strict, link.scalars, search.given | closure(context))
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    return _of_sign(found, context)
+
+
+def _of_sign(found: Sign, context: tuple[str, ...]) -> Judgement:
+    special = f" ({found.special})" if found.special else ""
+    if found.found == NEVER:
+        return Judgement(WRONG, (), context, found.where, True, "the opposite holds")
+    if found.found == SOMETIMES:
+        reason = f"a condition: it does not hold in all worlds{special}"
+        return Judgement(UNDECIDED, (), context, found.where, True, reason)
+    if found.found == BARELY and found.proved:
+        return Judgement(UNDER, (), context, found.where, True, f"zero in special cases{special}")
+    if found.found == ALWAYS and found.proved:
+        return Judgement(HOLDS, (), context)
+    reason = f"no counterexample in {found.tried} worlds" + (
+        f", but equality{special}" if found.found == BARELY else ""
+    )
+    return Judgement(UNDECIDED, (), context, None, True, reason)
+
+
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
     """Return a set without what its other members need, in the order of the table."""
     needed = {n for name in names for n in _needed(name) - {name}}
@@ -158,7 +217,8 @@ class _Search:
     def context(self) -> tuple[str, ...] | None:
         """The first context in which every quantity has a value."""
         single = [("one_particle",)] if "P" in self.labels else []
-        for context in [*single, *CONTEXTS]:
+        for general in [*single, *CONTEXTS]:
+            context = (*self.sequences, *general)
             try:
                 self._true_in(closure([*self.given, *context]), 1)
             except InputError as error:
@@ -166,6 +226,14 @@ class _Search:
                 continue
             return context
         return None
+
+    @cached_property
+    def sequences(self) -> tuple[str, ...]:
+        """The assumptions by which the angles of the claim exist."""
+        terms = [t for q in self.equations for t in (q.left, q.right)]
+        terms += self.claim.scalars.values()
+        found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
+        return tuple(dict.fromkeys(sequence_of(axes) for axes in found))
 
     @cached_property
     def labels(self) -> frozenset[str]:

@@ -45,7 +45,8 @@ class Notation:
     whose components vectors may stand beside columns and matrices ("": nowhere); ``skew``: accents
     that make a skew matrix; ``dyads``: vectors side by side are a dyadic; ``juxtaposed``: a dyadic
     acts on a vector beside it without a dot; ``resolved``: a frame as last label below a vector is
-    that of its components; ``marks``: raised marks that are derivatives, with their frames;
+    that of its components; ``bracketed``: two frames in square brackets are the rotation of components
+    from the second to the first; ``marks``: raised marks that are derivatives, with their frames;
     ``alike``: (style, accents) that mean the same, the first stands for all.
     """
 
@@ -55,6 +56,7 @@ class Notation:
     dyads: bool = False
     juxtaposed: bool = False
     resolved: bool = False
+    bracketed: bool = False
     marks: Mapping[str, str] = field(default_factory=dict)
     alike: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...] = ()
 

@@ -344,6 +344,7 @@ _SETTINGS: dict[str, type] = {
     "dyads": bool,
     "juxtaposed": bool,
     "resolved": bool,
+    "bracketed": bool,
     "alike": list,
 }
 

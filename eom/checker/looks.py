@@ -150,13 +150,21 @@ def _terms(node: Addition) -> Labels:
     return tuple(w for sign, term in pairs for w in ((sign,) if sign else ()) + labels(term))
 
 
+def _factors(node: Product) -> Labels:
+    """Return the words of factors; a cross between them is one, as in 3 x 3."""
+    words: Labels = labels(node.factors[0])
+    for factor in node.factors[1:]:
+        words += (("times",) if node.operator == "cross" else ()) + labels(factor)
+    return words
+
+
 _LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
     (Symbol, _letter),
     (Number, lambda n: tuple(n.text)),
     (Words, lambda n: tuple(n.text.replace(" ", ""))),
     (Marks, lambda n: n.names),
     (Group, lambda n: labels(n.body) if n.open == "" else (n.open, *labels(n.body), n.close)),
-    (Product, lambda n: tuple(w for f in n.factors for w in labels(f))),
+    (Product, _factors),
     (Quotient, lambda n: (*labels(n.left), "/", *labels(n.right))),
     (Sequence, lambda n: tuple(w for i in n.items for w in labels(i))),
     (Scripts, _with_scripts),

@@ -14,7 +14,7 @@ from typing import Any
 
 from eom.checker.dimensions import dimension
 from eom.errors import InputError, unknown_name
-from eom.terms import DYADIC, SCALAR, VECTOR
+from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR
 from eom.vocabulary import QUANTITIES
 
 OWN: dict[str, int] = {
@@ -24,12 +24,19 @@ OWN: dict[str, int] = {
     "time": 0,
     "skew": 0,
     "system": 1,
+    "turn": 1,
+    "active_turn": 1,
+    "quaternion": 2,
+    "quaternion_last": 2,
 }
 """Meanings of the checker alone, with their number of labels.
 
 ``defined``: by the first equation of the note that has it alone on one side; ``equals``: what a
 formula says; ``vectrix``: the column of the unit vectors of a frame; ``skew``: a function, S(a);
-``system``: a quantity of the system that the note is about, by its name.
+``system``: a quantity of the system that the note is about, by its name;
+``turn``: a function, the rotation of components that turning the frame about an axis brings,
+``active_turn``: its inverse; ``quaternion``, ``quaternion_last``: the column of the Euler parameters of
+a frame in another one, the scalar first or last.
 """
 
 MAX_FORMULA = 1000
@@ -172,9 +179,10 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
 
 def _check_components(found: Meaning, kind: str, where: str) -> None:
     count = {VECTOR: 1, DYADIC: 2}.get(kind, 0)
+    bare = kind == MATRIX and len(found.component) == 2
     if found.frame and not count:
         raise InputError(f"{found.quantity} has no components in a frame", where=where, got=kind)
-    if found.component and (len(found.component) != count or not found.frame):
+    if found.component and not bare and (len(found.component) != count or not found.frame):
         raise InputError(
             f"wrong components of {found.quantity}",
             where=where,

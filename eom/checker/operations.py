@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
+from eom.checker import arrays
 from eom.checker.dimensions import RATE
 from eom.checker.lexicon import Notation
 from eom.checker.places import Span
@@ -26,6 +27,7 @@ from eom.terms import (
     DYADIC,
     MATRIX,
     SCALAR,
+    TABLE,
     VECTOR,
     Term,
     add,
@@ -57,6 +59,8 @@ def transposed(notation: Notation, value: Value, span: Span) -> Value:
     value = mixed(notation, value)
     if value.shape == SCALAR:
         return replace(value, span=span)
+    if value.shape == TABLE:
+        return replace(arrays.transposed(value), span=span)
     if value.shape == MATRIX:
         frames = (value.frames[1], value.frames[0])
         return replace(value, term=transpose(value.term), frames=frames, span=span)

@@ -12,6 +12,8 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from eom.checker import attitude_words
+from eom.checker.attitude_words import angles, components
 from eom.checker.claims import claims
 from eom.checker.documents import Document
 from eom.checker.elaborate import elaborator
@@ -22,6 +24,7 @@ from eom.checker.looks import Labels, Look, seen
 from eom.checker.places import printable
 from eom.checker.reading import Formula, read
 from eom.checker.statements import Statement
+from eom.checker.symbols import FUNCTIONS
 from eom.checker.syntax import Accent, Derivative, Differential, Integral, Node, Number, Symbol
 from eom.checker.trees import children
 from eom.checker.values import Refusal
@@ -85,12 +88,15 @@ def propose(document: Document) -> Proposal:
     base = preset(name)
     sayings = _sayings(formulas)
     new = _defined(formulas, base)
-    drafts: dict[Look, Draft] = {}
+    drafts = _attitude(formulas, base)
     for given, said, line in sayings:
         look = base.notation.plain(given)
         draft = _draft(look, said, line)
         if draft is not None and not _names(base, look, draft.table):
             drafts.setdefault(look, draft)
+            for part, means in components(look, draft.meaning):
+                more = replace(draft, latex=latex_of(part), meaning=means)
+                drafts.setdefault(part, more)
     unknown: dict[Look, int] = {}
     for node, line in symbols:
         bare = _bare(node)
@@ -104,6 +110,15 @@ def propose(document: Document) -> Proposal:
         tuple((latex_of(k), n) for k, n in new.items() if k not in drafts),
         tuple((latex_of(k), n) for k, n in unknown.items() if k not in new),
     )
+
+
+def _attitude(formulas: tuple[Formula, ...], base: Lexicon) -> dict[Look, Draft]:
+    """Return the angles of sequences that the note names, which go before what a preset says."""
+    drafts: dict[Look, Draft] = {}
+    for given, means, said, line in angles(formulas):
+        look = base.notation.plain(given)
+        drafts.setdefault(look, Draft("symbols", latex_of(look), means, said[-70:], line))
+    return drafts
 
 
 # -- symbols -------------------------------------------------------------------------------------
@@ -161,6 +176,9 @@ def _known(lexicon: Lexicon, node: Node) -> bool:
     look = _bare(node)
     names = {**lexicon.frames, **lexicon.points}
     if look is not None and (_as_label(look) in names or look.name in {"infty", "bullet"}):
+        return True
+    found = None if look is None else lexicon.find(look)
+    if found is not None and found.meaning.quantity in FUNCTIONS:
         return True
     try:
         elaborator(lexicon).value(node)
@@ -220,15 +238,19 @@ def _sayings(formulas: tuple[Formula, ...]) -> Iterator[tuple[Look, tuple[str, s
 
 def _prose(text: str, before: bool) -> str:
     """Return the words up to the end of the sentence, in one line; formulas become a blank."""
-    text = text.strip("$\\() ")
-    text = re.sub(r"\$[^$]*\$?|\\\(.*?\\\)", " … ", text.replace("\n\n", ". "))
+    text = text.strip("$\\() ").replace("\n\n", ". ")
+    turned = text[::-1] if before else text  # from the symbol on: a window may end within a formula
+    turned = re.sub(r"\$[^$]*\$?", " … ", re.sub(r"\$\$[^$]*(?:\$\$)?", " ‡ ", turned))
+    text = turned[::-1] if before else turned
+    text = re.sub(r"‡\s*(?=[A-Z])", "…. ", text).replace("‡", "…")
+    text = re.sub(r"\\\(.*?\\\)", " … ", text)
     text = re.sub(r"[*_`]|\s+", " ", text)
     parts = re.split(r"[.;:!?](?=\s|$)", text)
     return (parts[-1] if before else parts[0]).strip()
 
 
 _IS = re.compile(
-    r"^(?:\(?here\)?\s*)?(?:is|are|be|denotes?|represents?|stands? for|means|points?)\b\s*"
+    r"^(?:\(?here\)?\s*)?(?:is|are|be|holds?|denotes?|represents?|stands? for|means|points?)\b\s*"
     r"(?:the|an?|its|our)?\s*(?P<what>.+)$",
     re.IGNORECASE,
 )
@@ -243,6 +265,7 @@ _CENTRE = (
 PHRASES: tuple[tuple[str, str, str], ...] = (
     ("frames", r"inertial (?:reference )?frame|space(?:-fixed)? frame|newtonian frame", "I"),
     ("frames", r"body(?:-fixed)? (?:reference )?frame|frame (?:that is )?(?:fixed|attached)", "B"),
+    *attitude_words.PHRASES,
     ("symbols", r"angular velocity", "angular_velocity B I"),
     ("symbols", rf"from {_CENTRE} to", "position dm C"),
     ("symbols", rf"relative to {_CENTRE}|with respect to {_CENTRE}", "position dm C"),
@@ -291,7 +314,8 @@ def _draft(look: Look, said: tuple[str, str], line: int) -> Draft | None:
                 continue
             if not _fits(look, table, meaning):
                 continue
-            slotted, filled = _indexed(look, meaning.format(name=look.name))
+            means = attitude_words.ordered(meaning, f"{left} {right}")
+            slotted, filled = _indexed(look, means.format(name=look.name))
             return Draft(table, slotted, filled, words.strip(" ,…")[:70], line)
     return None
 
@@ -321,9 +345,10 @@ def _fits(look: Look, table: str, meaning: str) -> bool:
     marked = bool(look.accents) or look.style == "bold"
     if table != "symbols":
         return not look.accents and look.style in {"", "calligraphic", "fraktur"}
-    if quantity in _SCALARS:
+    if quantity in _SCALARS | attitude_words.SCALARS:
         return not marked
-    return marked or quantity in _TABLES or look.name in {"omega", "tau", "alpha", "rho"}
+    tables = _TABLES | attitude_words.COLUMNS
+    return marked or quantity in tables or look.name in {"omega", "tau", "alpha", "rho"}
 
 
 # -- LaTeX ---------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.arrays import made
 from eom.checker.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
 from eom.checker.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.grammar import read_formula
@@ -25,11 +26,12 @@ from eom.checker.values import (
     WRONG,
     Refusal,
     Value,
+    basis,
     components,
     refuse,
 )
 from eom.errors import InputError
-from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR, Term, atom, dot, expr, inverse
+from eom.terms import DYADIC, MATRIX, SCALAR, VECTOR, Term, atom, dot, expr, inner, inverse, matmul
 from eom.vocabulary import quantity, unit
 
 PER_VOLUME = LENGTH.power(-3)
@@ -37,6 +39,20 @@ MAX_POWER = 12
 MAX_EXPONENT = 64
 MAX_BITS = 2000
 TRANSPOSED = frozenset({"T", "top", "intercal", "t", "mathsf T"})
+
+ALIKE = frozenset(
+    {"principal_axis", "euler_vector", "rodrigues", "modified_rodrigues", "shadow_rodrigues"}
+)
+"""Vectors along the axis of a rotation: their components before and after it are the same."""
+
+FUNCTIONS = frozenset({"skew", "turn", "active_turn"})
+"""Meanings that take an argument in brackets."""
+
+QUATERNIONS: dict[str, tuple[str, ...]] = {
+    "quaternion": ("0", "1", "2", "3"),
+    "quaternion_last": ("1", "2", "3", "0"),
+}
+"""Columns of the Euler parameters, the scalar first or last."""
 
 _ATOMS = frozenset({"mass", "total_mass", "kinetic_energy", "rotational_energy"})
 """Scalars that stay terms; all others are symbols of SymPy with a meaning."""
@@ -137,9 +153,21 @@ def meant(e: Elaborator, found: Found, span: Span) -> Value:
         return Value(unit(meaning.labels[0], 1), VECTRIX, NONE, (meaning.labels[0], ""), span=span)
     if meaning.quantity == "time":
         return Value(expr(sp.Symbol("t", real=True)), SCALAR, TIME, span=span)
-    if meaning.quantity == "skew":
+    if meaning.quantity in QUATERNIONS:
+        return quaternion(e, meaning, span)
+    if meaning.quantity in FUNCTIONS:
         raise refuse(UNDECIDED, "a function without an argument", span, found.look.text)
     return _quantity(e, found, span)
+
+
+def quaternion(e: Elaborator, meaning: Meaning, span: Span) -> Value:
+    """Return the column of the Euler parameters."""
+    cells = [[_parameter(e, k, meaning)] for k in QUATERNIONS[meaning.quantity]]
+    return made(cells, Value(cells[0][0], SCALAR, NONE, span=span))
+
+
+def _parameter(e: Elaborator, k: str, meaning: Meaning) -> Term:
+    return expr(e.name(f"q_{k}", quantity("euler_parameter", k, *meaning.labels)))
 
 
 def _formula(e: Elaborator, found: Found, span: Span) -> Value:
@@ -182,6 +210,8 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
         value = replace(value, term=_component(term, meaning), shape=SCALAR)
     elif meaning.frame:
         value = components(value, meaning.frame)
+        if meaning.quantity in ALIKE and meaning.frame in meaning.labels:
+            value = replace(value, frames=ANY)
     if value.shape == MATRIX and meaning.quantity == "rotation":
         value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
     if value.shape == SCALAR and meaning.quantity not in _ATOMS:
@@ -190,6 +220,9 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
 
 
 def _component(term: Term, meaning: Meaning) -> Term:
+    if term.kind == MATRIX:
+        row, place = (basis(int(c)) for c in meaning.component)
+        return inner(row, matmul(term, place))
     axes = [unit(meaning.frame, int(c)) for c in meaning.component]
     if term.kind == VECTOR:
         return dot(axes[0], term)

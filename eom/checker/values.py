@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
+from eom.checker import arrays
 from eom.checker.dimensions import NONE, Dimension
 from eom.checker.lexicon import Notation
 from eom.checker.places import NOWHERE, Span
@@ -19,6 +20,7 @@ from eom.terms import (
     DYADIC,
     MATRIX,
     SCALAR,
+    TABLE,
     VECTOR,
     Term,
     add,
@@ -169,6 +171,9 @@ def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
         return _zero_like(a, b), _zero_like(b, a)
     if a.shape != b.shape:
         raise refuse(ILL_FORMED, "these are of different kinds", b.span, b.words, a.words)
+    if a.shape == TABLE and arrays.size(a) != arrays.size(b):
+        sizes = ("{} x {}".format(*arrays.size(v)) for v in (b, a))
+        raise refuse(ILL_FORMED, "tables of different sizes", b.span, *sizes)
     frames = _agree(a, b)
     if a.density != b.density:
         raise refuse(ILL_FORMED, "one of these is for each unit of volume", b.span)
@@ -182,6 +187,8 @@ def _zero_like(a: Value, other: Value) -> Value:
     """Return a zero in the shape of another value; what is no zero stays."""
     if not a.is_zero or other.is_zero:
         return a
+    if other.shape == TABLE:
+        return replace(other, term=arrays.nought(other), span=a.span)
     kind = COLUMN if other.shape == ROW else other.shape
     term = Term("zero", (), (kind,), kind) if kind != SCALAR else number(0)
     return replace(other, term=term, span=a.span)
@@ -216,6 +223,8 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
         return _made(outer(a.term, b.term), DYADIC, a, b)
     if {a.shape, b.shape} != {VECTOR}:
         a, b = mixed(notation, a), mixed(notation, b)
+    if TABLE in (a.shape, b.shape) and {a.shape, b.shape} <= TABLES:
+        return _table_product(a, b)
     rule = _BESIDE.get((a.shape, b.shape))
     if rule is None:
         raise refuse(
@@ -230,6 +239,17 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
 def _scaled(a: Value, b: Value) -> Value:
     rest = b if a.shape == SCALAR else a
     return _made(mul(a.term, b.term), rest.shape, a, b, rest.frames)
+
+
+def _table_product(a: Value, b: Value) -> Value:
+    found = arrays.product(a, b, _made(a.term, a.shape, a, b))
+    if found is None:
+        sizes = "{} x {} beside {} x {}".format(*arrays.size(a), *arrays.size(b))
+        raise refuse(ILL_FORMED, "sizes of tables do not fit", a.span.join(b.span), sizes)
+    return found
+
+
+TABLES = frozenset({TABLE, COLUMN, ROW, MATRIX})
 
 
 def _inner_frames(a: Value, b: Value) -> None:

@@ -141,7 +141,7 @@ def test_the_rate_of_a_sine(turning):
         (sp.sqrt(x), "roots"),
         (sp.Symbol("q"), "meaning"),
         (sp.sin(x), "angles"),
-        (sp.sin(psi / 2), "angles"),
+        (sp.sin(psi / 3), "angles"),
         (sp.exp(x), "no value"),
         (sp.pi, "no value"),
     ],

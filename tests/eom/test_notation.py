@@ -44,6 +44,7 @@ from eom.terms import (
     number,
     outer,
     outer_column,
+    table,
     tilde,
     total,
     transpose,
@@ -235,6 +236,7 @@ PRECEDENCE = {
     "C_BA^T": transpose(quantity("rotation", "B", "A")),
     "C_BA^(-1)": inverse(quantity("rotation", "B", "A")),
     "[[s], [t], [0]]": entries([[S], [T], [number(0)]]),
+    "[[s, t], [0, s]]": table([[S, T], [number(0), S]]),
 }
 
 
@@ -281,6 +283,7 @@ EXAMPLES = {
     "inner": inner(W_B, W_B),
     "outer_column": outer_column(W_B, W_B),
     "entries": entries(sp.eye(3)),
+    "table": table([[S, number(0)], [T, S], [S, S], [S, T]]),
     "rows": make("rows", (W_B, W_B, TORQUE_B)),
     "expr": expr(sp.Symbol("x")),
     "zero": zero(VECTOR),

@@ -32,6 +32,7 @@ from eom.terms import (
     rebuild,
     relabel,
     replace,
+    table,
     tilde,
     total,
     transpose,
@@ -96,13 +97,16 @@ def test_operations_take_their_kinds_and_no_others(head):
 
 
 def test_every_head_is_tried():
-    assert {*KINDS, *ONE, "entries", "rows"} == set(HEADS)
+    assert {*KINDS, *ONE, "entries", "rows", "table"} == set(HEADS)
 
 
 def test_entries_and_rows():
     assert entries(sp.eye(3)).kind == "matrix"
     assert entries([[S], [S], [S]]).kind == "column"
     assert make("rows", [COLUMN] * 3).kind == "matrix"
+    assert table([[S, S], [S, S]]).kind == "table"
+    with pytest.raises(InputError, match="table"):
+        table([[S, A]])
     for wrong in ([S] * 2, [S] * 6, [S, S, A], []):
         with pytest.raises(InputError, match="entries"):
             make("entries", wrong)

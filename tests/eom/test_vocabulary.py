@@ -28,8 +28,16 @@ LABELS = {
     "mass": ["i"], "position": ["i", "O"], "force": ["i"], "internal_force": ["i", "j"],
     "angular_velocity": ["B", "I"], "unit": ["B", "2"], "rotation": ["B", "A"], "scalar": ["s"],
     "vector": ["v"], "fixed_vector": ["v", "B"], "dyadic": ["d"], "inertia": ["O"], "angle": ["psi"],
+    "turn_angle": ["2", "321", "B", "I"], "free_angle": ["psi"], "principal_angle": ["B", "I"],
+    "principal_axis": ["B", "I"], "euler_parameter": ["0", "B", "I"], "euler_vector": ["B", "I"],
+    "rodrigues": ["B", "I"], "modified_rodrigues": ["B", "I"], "shadow_rodrigues": ["B", "I"],
 }  # fmt: skip
-WORLD_OF = {"angle": ["spin_312"], "rotor": ["rotors"], "slug": ["viscous_slug"]}
+WORLD_OF = {
+    "angle": ["spin_312"],
+    "turn": ["sequence_321"],
+    "rotor": ["rotors"],
+    "slug": ["viscous_slug"],
+}
 
 
 def labels_for(name):

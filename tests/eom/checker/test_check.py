@@ -163,10 +163,10 @@ def test_front_matter_of_a_notebook_and_of_others():
 
 
 DRAFTED = r"""
-The angular velocity, $\mathbf{q}$, of the body. Let $\mathbf{z}$ be free.
+The angular velocity, $\mathbf{y}$, of the body. Let $\mathbf{z}$ be free.
 
-$$\mathbf{q} + \mathbf{z} = 0$$
-$$\mathbf{q} = m$$
+$$\mathbf{y} + \mathbf{z} = 0$$
+$$\mathbf{y} = m$$
 """
 
 

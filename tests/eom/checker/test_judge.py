@@ -46,7 +46,8 @@ VERDICTS = {
     r"I_{11}\dot\omega_1 = (I_{33} - I_{22})\omega_2\omega_3 + L_1": (WRONG, None),
     r"x^2 + y^2 = 1": (DEFINITION, set()),
     r"x > 0": (UNDECIDED, set()),
-    r"|\vec a + \vec b| = |\vec a|": (UNDECIDED, set()),
+    r"|\vec a + \vec b| = |\vec a|": (WRONG, set()),
+    r"|\vec a + \vec b| = x|\vec a|": (UNDECIDED, set()),
 }
 
 
