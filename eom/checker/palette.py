@@ -1,0 +1,134 @@
+"""What a note writes with: symbols, labels and marks that may have been meant at a place of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from eom.checker.grammar import read_formula
+from eom.checker.lexicon import AXES, Lexicon
+from eom.checker.lines import Line
+from eom.checker.looks import Labels, labels, seen
+from eom.checker.notes import Understood
+from eom.checker.paths import at, operands
+from eom.checker.slips import Palette
+from eom.checker.syntax import Call, Derivative, Group, Node, Number, Product, Quotient, Scripts, Symbol
+from eom.checker.trees import children, walk
+from eom.errors import InputError
+from eom.terms import INDICES
+
+SYMBOLS = 40
+"""Symbols of the note that are tried at most."""
+
+
+def palette(understood: Understood, line: Line) -> Palette:
+    """Return what may have been meant in a line."""
+    lexicon = understood.lexicon
+    trees = list(_near(understood))
+    symbols = list(dict.fromkeys(n for t in trees for n in _symbols(t)))
+    own = [at(line.tree, m.path) for m in line.members if m.path is not None]
+    factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
+    return Palette(
+        symbols=tuple(n for n in symbols if _is_quantity(n))[:SYMBOLS],
+        factors=tuple(factors)[:12],
+        labels=tuple(_rows(lexicon, trees)),
+        frames=tuple(_frames(lexicon, trees)),
+        marks=tuple(m for m in lexicon.notation.marks if m != "times"),
+        skew=lexicon.notation.skew,
+    )
+
+
+def _near(understood: Understood) -> Iterator[Node]:
+    """Yield the trees of a note, the closest first, the line's own before all."""
+    around = understood.around
+    if understood.formula.reading is not None:
+        yield understood.formula.reading.tree
+    numbered = sorted(enumerate(around.trees), key=lambda kt: (abs(kt[0] - around.number), kt[0]))
+    yield from (t for _, t in numbered[:40])
+    for layer in understood.lexicon.layers:
+        for entry in layer:
+            if not entry.slots:
+                try:
+                    yield read_formula(entry.latex).tree
+                except InputError:
+                    continue
+
+
+def _symbols(tree: Node) -> Iterator[Node]:
+    """Yield symbols with their accents and scripts, the outermost alone."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        if seen(node) is not None:
+            yield node
+        else:
+            below = children(node) if not isinstance(node, Scripts | Derivative) else _inside(node)
+            stack += reversed(below)
+
+
+def _inside(node: Node) -> tuple[Node, ...]:
+    return tuple(n for _, n in operands(node))
+
+
+def _is_quantity(node: Node) -> bool:
+    given = seen(node)
+    return given is not None and given.look.name.isalpha() and not isinstance(node, Group)
+
+
+def _factors(tree: Node) -> Iterator[Node]:
+    """Yield what stands as a factor: symbols, numbers apart, functions, derivatives, brackets."""
+    for node in walk(tree):
+        if isinstance(node, Product | Quotient):
+            parts = node.factors if isinstance(node, Product) else (node.left, node.right)
+            yield from (p for p in parts if _is_factor(p))
+    yield from (n for n in _symbols(tree) if _is_quantity(n))
+
+
+def _is_factor(node: Node) -> bool:
+    return (_is_quantity(node) or isinstance(node, Call | Group | Derivative)) and not isinstance(
+        node, Number
+    )
+
+
+# -- labels --------------------------------------------------------------------------------------
+
+
+def _rows(lexicon: Lexicon, trees: Iterable[Node]) -> Iterator[tuple[Node, ...]]:
+    """Yield the labels of scripts that the note uses, those of one kind together."""
+    leaves = dict.fromkeys(n for t in trees for n in _leaves(t))
+    for belongs in (
+        lambda n: labels(n) in lexicon.points,
+        lambda n: labels(n) in lexicon.frames,
+        lambda n: "".join(labels(n)) in INDICES - {"dm"},
+        lambda n: "".join(labels(n)) in set(AXES) - {"1", "2", "3"},
+    ):
+        row = tuple(n for n in leaves if belongs(n))
+        if len(row) > 1:
+            yield row
+
+
+def _leaves(tree: Node) -> Iterator[Node]:
+    for node in walk(tree):
+        if isinstance(node, Scripts):
+            scripts = (node.sub, node.sup, node.presub, node.presup)
+            for script in (s for s in scripts if s is not None):
+                yield script
+                yield from (n for n in walk(script) if isinstance(n, Symbol))
+
+
+def _frames(lexicon: Lexicon, trees: list[Node]) -> list[Node]:
+    """Return a label for each frame, as the note writes it: of derivatives first."""
+    written = [n.frame for t in trees for n in walk(t) if isinstance(n, Derivative) and n.frame]
+    written += [n for t in trees for n in _leaves(t)]
+    return list(_named(lexicon.frames, written).values())[:4]
+
+
+def _named(frames: Mapping[Labels, str], written: Iterable[Node]) -> dict[str, Node]:
+    found: dict[str, Node] = {}
+    for node in written:
+        name = frames.get(labels(node))
+        if name is not None:
+            found.setdefault(name, node)
+    for given, name in frames.items():
+        if name not in found and len(given) == 1 and given[0].isalpha():
+            found[name] = Symbol(given[0])
+    return found

@@ -1,0 +1,577 @@
+r"""Known slips of the pen and of scans, each as a small edit that undoes it.
+
+A row of `SLIPS` looks at one node and offers what may have been meant instead. ``weight``: the larger,
+the less plausible; an offer may add to it. Rules are blind to meaning: an edit that gives no value, or
+a false line, is dropped by those who apply them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+from eom.checker.looks import DOTS, seen
+from eom.checker.paths import NOTHING, Path, at, places, put, tidied
+from eom.checker.syntax import (
+    Accent,
+    Addition,
+    Call,
+    Derivative,
+    Fraction,
+    Group,
+    Integral,
+    Marks,
+    Matrix,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Root,
+    Scripts,
+    Section,
+    Symbol,
+)
+
+Offer = tuple[Node, float]
+"""What may have been meant, and what is added to the weight of the slip."""
+
+
+@dataclass(frozen=True)
+class Palette:
+    """What a note writes with: symbols and labels that may have been meant, the closest first.
+
+    ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
+    labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
+    ``factors``: of the line itself.
+    """
+
+    symbols: tuple[Node, ...] = ()
+    factors: tuple[Node, ...] = ()
+    labels: tuple[tuple[Node, ...], ...] = ()
+    frames: tuple[Node, ...] = ()
+    marks: tuple[str, ...] = ()
+    skew: tuple[str, ...] = ()
+
+
+Rule = Callable[[Node, Palette], Iterable[Offer]]
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A row: name, what was done in words, weight, rule; ``uniform``: often done all over a line."""
+
+    name: str
+    words: str
+    weight: float
+    rule: Rule
+    uniform: bool = False
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A slip undone at some places of a tree: the new tree, what stood there and what stands now."""
+
+    slip: Slip
+    weight: float
+    tree: Node
+    old: Node
+    new: Node
+    paths: tuple[Path, ...] = field(default=())
+
+
+# -- dots and other derivatives --------------------------------------------------------------------
+
+_MORE = {"dot": "ddot", "ddot": "dddot"}
+_LESS = {more: less for less, more in _MORE.items()}
+
+
+def dotted(node: Node) -> Node | None:
+    """Return a symbol with one overdot more, or a sum with one on each of its terms."""
+    if isinstance(node, Accent) and node.mark in DOTS:
+        return replace(node, mark=_MORE[node.mark]) if node.mark in _MORE else None
+    if isinstance(node, Group) and isinstance(node.body, Addition):
+        terms = [dotted(t) for t in node.body.terms]
+        if any(t is None for t in terms):
+            return None
+        kept = tuple(t for t in terms if t is not None)
+        return replace(node, body=replace(node.body, terms=kept))
+    if isinstance(node, Scripts) and seen(node) is not None:
+        base = dotted(node.base)
+        return None if base is None else replace(node, base=base)
+    given = seen(node)
+    if given is None or not given.look.name.isalpha():
+        return None
+    return Accent("dot", node, span=node.span)
+
+
+def _more_dots(node: Node, palette: Palette) -> Iterator[Offer]:
+    new = dotted(node)
+    if new is not None:
+        yield new, 0.0
+    given = seen(node)
+    if given is not None and not given.raised:
+        bare = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        for mark in palette.marks:
+            if mark != "prime" or given.look.name.isalpha():
+                yield replace(bare, sup=Marks((mark,), span=node.span)), 0.3
+    if isinstance(node, Scripts) and isinstance(node.sup, Marks) and node.sup.names:
+        if set(node.sup.names) <= set(palette.marks):
+            yield replace(node, sup=replace(node.sup, names=(*node.sup.names, node.sup.names[-1]))), 0.1
+
+
+def _fewer_dots(node: Node, palette: Palette) -> Iterator[Offer]:
+    if isinstance(node, Accent) and node.mark in DOTS:
+        yield (replace(node, mark=_LESS[node.mark]) if node.mark in _LESS else node.base), 0.0
+    if isinstance(node, Scripts) and seen(node) is not None:
+        for base, extra in _fewer_dots(node.base, palette):
+            yield replace(node, base=base), extra
+        if isinstance(node.sup, Marks) and set(node.sup.names) <= set(palette.marks):
+            left = node.sup.names[:-1]
+            new = replace(node, sup=replace(node.sup, names=left) if left else None)
+            yield (new if left or new.sub or new.presup or new.presub else new.base), 0.0
+    if isinstance(node, Derivative) and node.operand is not None:
+        yield node.operand, 0.2
+
+
+def _derived(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a derivative in a frame before a symbol: the frame cannot be told by a dot."""
+    given = seen(node)
+    if given is not None and given.look.name.isalpha() and not given.dots:
+        for frame in palette.frames[:3]:
+            time = (Symbol("t"),)
+            yield Derivative(node, time, frame=frame, form="before", span=node.span), 0.0
+
+
+def _frame_of_derivative(node: Node, palette: Palette) -> Iterator[Offer]:
+    if isinstance(node, Derivative):
+        for frame in palette.frames:
+            if frame != node.frame:
+                yield replace(node, frame=frame), 0.0
+        if node.frame is not None:
+            yield replace(node, frame=None), 0.2
+
+
+def _other_mark(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Exchange raised marks, and overdots for them."""
+    if not isinstance(node, Scripts) or not isinstance(node.sup, Marks):
+        given = seen(node)
+        if given is not None and given.dots and not given.raised:
+            for bare, extra in _fewer_dots(node, palette):
+                body = bare if isinstance(bare, Scripts) else Scripts(bare, span=node.span)
+                for mark in palette.marks:
+                    yield replace(body, sup=Marks((mark,), span=node.span)), extra
+        return
+    names = node.sup.names
+    for k, name in enumerate(names):
+        if name in palette.marks:
+            for other in palette.marks:
+                if other != name:
+                    new = (*names[:k], other, *names[k + 1 :])
+                    yield replace(node, sup=replace(node.sup, names=new)), 0.0
+
+
+def _raised_dot(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Read a dot on the line as a mark that was raised: of a x b . c make a x b^bullet c."""
+    if not isinstance(node, Product) or node.operator != "dot" or len(node.factors) != 2:
+        return
+    left, right = node.factors
+    for path, here in places(left):
+        if seen(here) is not None and not isinstance(here, Accent | Scripts):
+            continue
+    last = _last_symbol(left)
+    if last is None:
+        return
+    for new, _ in _more_dots(at(left, last), replace(palette, skew=())):
+        yield Product((Group(put(left, last, new)), right), span=node.span), 0.0
+
+
+def _last_symbol(node: Node) -> Path | None:
+    symbols = [path for path, here in places(node) if seen(here) is not None]
+    return symbols[-1] if symbols else None
+
+
+# -- accents, transposes, brackets -----------------------------------------------------------------
+
+
+def _more_skew(node: Node, palette: Palette) -> Iterator[Offer]:
+    given = seen(node)
+    if given is None or not given.look.name.isalpha():
+        return
+    for mark in palette.skew:
+        if mark not in given.look.accents:
+            yield _accented(node, mark), 0.0
+        if given.dots:
+            for bare, _ in _fewer_dots(node, palette):
+                yield _accented(bare, mark), 0.2
+    if not given.raised:
+        bare = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        yield replace(bare, sup=Marks(("times",), span=node.span)), 0.0 if not palette.skew else 0.6
+
+
+def _accented(node: Node, mark: str) -> Node:
+    if isinstance(node, Scripts):
+        return replace(node, base=_accented(node.base, mark))
+    return Accent(mark, node, span=node.span)
+
+
+def _fewer_skew(node: Node, palette: Palette) -> Iterator[Offer]:
+    if isinstance(node, Accent) and node.mark in palette.skew:
+        yield node.base, 0.0
+        yield replace(node, mark="dot"), 0.2
+    if isinstance(node, Scripts):
+        if seen(node) is not None:
+            for base, extra in _fewer_skew(node.base, palette):
+                yield replace(node, base=base), extra
+        if node.sup == Marks(("times",)):
+            yield _without_sup(node), 0.0
+
+
+def _without_sup(node: Scripts) -> Node:
+    left = replace(node, sup=None)
+    return left if left.sub or left.presub or left.presup else left.base
+
+
+_T = Symbol("T")
+_TRANSPOSES = frozenset({"T", "top", "intercal"})
+
+
+def _transpose(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Scripts) and isinstance(node.sup, Symbol) and node.sup.name in _TRANSPOSES:
+        yield _without_sup(node), 0.0
+        return
+    given = seen(node)
+    if isinstance(node, Scripts) and node.sup is not None:
+        return
+    if (given is not None and not given.dots) or (isinstance(node, Group) and node.open in "(["):
+        if isinstance(node, Scripts):
+            yield replace(node, sup=_T), 0.0
+        elif not isinstance(node, Number):
+            yield Scripts(node, None, _T, span=node.span), 0.0
+
+
+# -- signs, numbers, powers ------------------------------------------------------------------------
+
+
+def _signs(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Addition):
+        for k, sign in enumerate(node.signs):
+            new = "-" if sign in {"", "+"} else "+" if k else ""
+            yield replace(node, signs=(*node.signs[:k], new, *node.signs[k + 1 :])), 0.0
+    if isinstance(node, Matrix):
+        for r, row in enumerate(node.rows):
+            for c, cell in enumerate(row):
+                if not isinstance(cell, Addition) and cell != Number("0"):
+                    minus = Addition((cell,), ("-",), span=cell.span)
+                    new_row = (*row[:c], minus, *row[c + 1 :])
+                    yield replace(node, rows=(*node.rows[:r], new_row, *node.rows[r + 1 :])), 0.0
+
+
+HALF = Fraction(Number("1"), Number("2"))
+_FACTORS: tuple[tuple[Node, float], ...] = ((HALF, 0.0), (Number("2"), 0.0), (Number("3"), 0.5))
+
+
+def _missing_number(node: Node, _: Palette) -> Iterator[Offer]:
+    plain = isinstance(node, Product) and not isinstance(node.factors[0], Number | Fraction)
+    other = isinstance(node, Integral | Derivative) or seen(node) is not None
+    if plain or (other and not isinstance(node, Number)):
+        for factor, extra in _FACTORS:
+            loose = isinstance(node, Product) and node.operator
+            body = (factor, node) if not loose else (factor, *_first_of(node))
+            if loose and isinstance(node, Product):
+                yield replace(node, factors=(Product(body[:2]), *node.factors[1:])), extra
+            else:
+                yield Product(body, span=node.span), extra
+
+
+def _first_of(node: Node) -> tuple[Node, ...]:
+    return node.factors[:1] if isinstance(node, Product) else (node,)
+
+
+_SWAPPED = {"1": ("2", "0"), "2": ("1", "3"), "3": ("1", "2"), "4": ("2",), "0": ("1",)}
+
+
+def _other_number(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Number):
+        for text in _SWAPPED.get(node.text, ()):
+            yield replace(node, text=text), 0.2
+    if isinstance(node, Fraction) and isinstance(node.above, Number):
+        if isinstance(node.below, Number):
+            yield Number(node.below.text, span=node.span), 0.1
+
+
+def _exponent(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Scripts) and isinstance(node.sup, Number):
+        for text in {"2": ("3", "4"), "3": ("2", "4", "5"), "5": ("3", "4"), "4": ("2", "3")}.get(node.sup.text, ()):
+            yield replace(node, sup=Number(text, span=node.sup.span)), 0.0
+        yield _without_sup(node), 0.0
+        return
+    bare = seen(node) is not None and not (isinstance(node, Scripts) and node.sup is not None)
+    if (bare or (isinstance(node, Group) and node.open == "(")) and not isinstance(node, Number):
+        base = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        yield replace(base, sup=Number("2")), 0.0
+    if isinstance(node, Call):
+        if node.sup is None:
+            yield replace(node, sup=Number("2")), 0.0
+        elif node.sup == Number("2"):
+            yield replace(node, sup=None), 0.0
+    if isinstance(node, Root):
+        yield node.body, 0.2
+
+
+_TRIG = {"sin": ("cos",), "cos": ("sin",), "tan": ("sin", "cos", "cot")}
+
+
+def _functions(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Call):
+        for name in _TRIG.get(node.function, ()):
+            yield replace(node, function=name), 0.0
+
+
+# -- terms and factors -----------------------------------------------------------------------------
+
+
+def _superfluous_term(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Addition) and len(node.terms) > 1:
+        for k in range(len(node.terms)):
+            yield replace(node, terms=(*node.terms[:k], NOTHING, *node.terms[k + 1 :])), 0.0
+
+
+def _superfluous_factor(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Product):
+        for k in range(len(node.factors)):
+            yield replace(node, factors=(*node.factors[:k], NOTHING, *node.factors[k + 1 :])), 0.0
+    if isinstance(node, Fraction):
+        yield node.above, 0.3
+    if isinstance(node, Call) and isinstance(node.argument, Node):
+        yield NOTHING, 0.4
+
+
+def _missing_factor(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a factor of the line before, between or behind those of a product."""
+    if isinstance(node, Number | Addition | Matrix):
+        return
+    juxtaposed = isinstance(node, Product) and not node.operator
+    if not juxtaposed and (isinstance(node, Product) or not _factor_like(node)):
+        return
+    factors = node.factors if isinstance(node, Product) else (node,)
+    for new in palette.factors:
+        for k in range(len(factors) + 1):
+            yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.0
+
+
+def _factor_like(node: Node) -> bool:
+    return seen(node) is not None or isinstance(node, Group | Call | Derivative | Integral)
+
+
+def _missing_cross(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put ``omega x`` of the line before a vector."""
+    if seen(node) is not None or isinstance(node, Group):
+        for new in palette.factors:
+            if new != node and not isinstance(new, Number | Call):
+                yield Product((new, node), "cross", span=node.span), 0.0
+                yield Group(Product((new, node), "cross"), span=node.span), 0.1
+
+
+def _order(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Product) and node.operator in {"", "cross", "tensor"}:
+        for k in range(len(node.factors) - 1):
+            a, b = node.factors[k : k + 2]
+            yield replace(node, factors=(*node.factors[:k], b, a, *node.factors[k + 2 :])), 0.0
+
+
+def _operator(node: Node, _: Palette) -> Iterator[Offer]:
+    swapped = {"dot": ("cross", ""), "cross": ("dot", ""), "": ()}
+    if isinstance(node, Product):
+        for other in swapped.get(node.operator, ()):
+            yield replace(node, operator=other), 0.2 if not other else 0.0
+        if not node.operator and len(node.factors) >= 2:
+            for k in range(1, len(node.factors)):
+                left, right = (_joined(p) for p in (node.factors[:k], node.factors[k:]))
+                for operator in ("cross", "dot"):
+                    yield Product((left, right), operator, span=node.span), 0.1
+    if isinstance(node, Section):
+        yield node.operand, 0.0
+    if isinstance(node, Group) and node.open == "[" and not isinstance(node.body, Section):
+        yield replace(node, body=Section(node.body, "cross", span=node.body.span)), 0.0
+
+
+def _joined(factors: tuple[Node, ...]) -> Node:
+    return factors[0] if len(factors) == 1 else Product(factors)
+
+
+def _upside_down(node: Node, _: Palette) -> Iterator[Offer]:
+    if isinstance(node, Fraction):
+        yield replace(node, above=node.below, below=node.above), 0.0
+    if isinstance(node, Quotient):
+        yield replace(node, left=node.right, right=node.left), 0.0
+
+
+# -- labels and letters ----------------------------------------------------------------------------
+
+
+def _labels(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Exchange one label of a symbol by another of its kind."""
+    if not isinstance(node, Scripts | Accent) or seen(node) is None:
+        return
+    if isinstance(node, Accent):
+        for base, extra in _labels(node.base, palette):
+            yield replace(node, base=base), extra
+        return
+    for base, extra in _labels(node.base, palette):
+        yield replace(node, base=base), extra
+    for corner in ("sub", "sup", "presub", "presup"):
+        script = getattr(node, corner)
+        if script is not None and not isinstance(script, Marks):
+            for new in _relabelled(script, palette):
+                yield replace(node, **{corner: new}), 0.0
+
+
+def _relabelled(script: Node, palette: Palette) -> Iterator[Node]:
+    if isinstance(script, Number) and script.text.isdigit():
+        for k, digit in enumerate(script.text):
+            for other in "123":
+                if digit in "123" and other != digit:
+                    yield replace(script, text=script.text[:k] + other + script.text[k + 1 :])
+        if len(script.text) == 2:
+            yield replace(script, text=script.text[::-1])
+    for row in palette.labels:
+        if script in row:
+            yield from (other for other in row if other != script)
+    if isinstance(script, Product | Quotient):
+        parts = script.factors if isinstance(script, Product) else (script.left, script.right)
+        for k, part in enumerate(parts):
+            for new in _relabelled(part, palette):
+                yield _reparted(script, (*parts[:k], new, *parts[k + 1 :]))
+        if len(parts) == 2:
+            yield _reparted(script, (parts[1], parts[0]))
+
+
+def _reparted(script: Node, parts: tuple[Node, ...]) -> Node:
+    if isinstance(script, Quotient):
+        return replace(script, left=parts[0], right=parts[1])
+    return Product(parts, span=script.span)
+
+
+NEIGHBOURS: tuple[frozenset[str], ...] = tuple(
+    frozenset(row.split())
+    for row in (
+        "phi varphi psi theta vartheta Phi",
+        "omega Omega w",
+        "rho r p",
+        "tau T t",
+        "alpha a",
+        "v nu u",
+        "sigma delta",
+        "epsilon varepsilon e",
+        "h H n",
+        "I l L J",
+        "M m",
+        "C G c",
+    )
+)
+"""Letters that are taken for each other."""
+
+
+def _letters(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put another symbol of the note in place of one."""
+    given = seen(node)
+    if given is None or not given.look.name.isalpha():
+        return
+    for rank, other in enumerate(palette.symbols):
+        if other == node:
+            continue
+        new = seen(other)
+        if new is not None:
+            yield other, _distance(given.look.name, new.look.name) + min(0.4, 0.01 * rank)
+
+
+def _distance(old: str, new: str) -> float:
+    if old == new:
+        return -0.3
+    near = any({old, new} <= row for row in NEIGHBOURS) or old.casefold() == new.casefold()
+    return -0.3 if near else 0.2
+
+
+# -- the table -------------------------------------------------------------------------------------
+
+SLIPS: tuple[Slip, ...] = (
+    Slip("lost dot", "a dot was lost", 1.0, _more_dots, uniform=True),
+    Slip("superfluous dot", "a dot is too much", 1.0, _fewer_dots, uniform=True),
+    Slip("lost tilde", "a tilde or cross was lost", 1.0, _more_skew, uniform=True),
+    Slip("superfluous tilde", "a tilde or cross is too much", 1.1, _fewer_skew, uniform=True),
+    Slip("transpose", "a transpose was lost or is too much", 1.0, _transpose, uniform=True),
+    Slip("sign", "a sign", 1.0, _signs),
+    Slip("sine or cosine", "sine and cosine exchanged", 1.0, _functions, uniform=True),
+    Slip("index", "another label: index, point or frame", 1.05, _labels, uniform=True),
+    Slip("factor", "a number as a factor was lost", 1.1, _missing_number),
+    Slip("number", "another number", 1.1, _other_number),
+    Slip("exponent", "another exponent", 1.15, _exponent, uniform=True),
+    Slip("frame of the derivative", "the frame of a derivative", 1.05, _frame_of_derivative),
+    Slip("mark of the derivative", "the mark of a derivative", 1.1, _other_mark, uniform=True),
+    Slip("order", "factors in another order", 1.1, _order),
+    Slip("operator", "another product", 1.2, _operator),
+    Slip("superfluous term", "a term is too much", 1.6, _superfluous_term),
+    Slip("superfluous factor", "a factor is too much", 1.4, _superfluous_factor),
+    Slip("lost factor", "a factor was lost", 1.4, _missing_factor),
+    Slip("lost cross product", "omega times was lost", 1.4, _missing_cross),
+    Slip("lost derivative", "a derivative was lost", 1.4, _derived),
+    Slip("raised dot", "a dot on the line that was raised", 1.5, _raised_dot),
+    Slip("upside down", "a fraction upside down", 1.3, _upside_down),
+    Slip("symbol", "another symbol", 1.6, _letters, uniform=True),
+)
+"""Every slip, with its weight."""
+
+TERM = Slip("sign", "a sign", 1.0, lambda _, __: ())
+DROPPED = Slip("superfluous term", "a term is too much", 1.6, lambda _, __: ())
+LOST = Slip("lost term", "a term was lost", 1.5, lambda _, __: ())
+"""Slips of a whole term of a line."""
+
+ALL_OVER = 0.35
+"""What the same slip weighs at each place beyond the first."""
+MAX_EDITS = 600
+"""Edits of one term that are tried at most."""
+
+
+def edits(node: Node, palette: Palette) -> list[Edit]:
+    """Return the slips undone in a tree, one each, and those of one kind at all equal places."""
+    found: dict[Node, Edit] = {}
+    for path, here in places(node):
+        for slip in SLIPS:
+            for new, extra in slip.rule(here, palette):
+                tree = tidied(put(node, path, new))
+                edit = Edit(slip, slip.weight + extra, tree, here, new, (path,))
+                _keep(found, edit, node)
+                if len(found) >= MAX_EDITS:
+                    return _sorted(found)
+    for edit in _everywhere(node, list(found.values())):
+        _keep(found, edit, node)
+    return _sorted(found)
+
+
+def _sorted(found: dict[Node, Edit]) -> list[Edit]:
+    return sorted(found.values(), key=lambda e: e.weight)
+
+
+def _keep(found: dict[Node, Edit], edit: Edit, before: Node) -> None:
+    known = found.get(edit.tree)
+    if edit.tree != before and (known is None or edit.weight < known.weight):
+        found[edit.tree] = edit
+
+
+def _everywhere(node: Node, single: list[Edit]) -> Iterator[Edit]:
+    """Yield what was done at one place done at all places where the same stands."""
+    done: set[tuple[str, Node, Node]] = set()
+    standing: dict[Node, list[Path]] = {}
+    for path, here in places(node):
+        standing.setdefault(here, []).append(path)
+    for edit in single:
+        paths = standing.get(edit.old, [])
+        key = (edit.slip.name, edit.old, edit.new)
+        if not edit.slip.uniform or len(paths) < 2 or key in done:
+            continue
+        done.add(key)
+        tree = node
+        for path in paths:
+            tree = put(tree, path, edit.new)
+        weight = edit.weight + ALL_OVER * (len(paths) - 1)
+        yield replace(edit, tree=tidied(tree), weight=weight, paths=tuple(paths))
