@@ -10,31 +10,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from eom.checker.lines import Addend, Line, Member, Place, Signature, signature, valued
-from eom.checker.paths import NOTHING, Path, at, put, tidied
-from eom.checker.slips import ALL_OVER, DROPPED, TERM, Edit, Palette, Slip, edits
+from eom.checker.lines import Addend, Line, Member, Place, Signature, signature
+from eom.checker.lost import Pools, entry_terms, lost_terms
+from eom.checker.options import Option
+from eom.checker.paths import Path, at, put, tidied
+from eom.checker.slips import ALL_OVER, LOST
 from eom.checker.syntax import Addition, Node
-from eom.checker.values import Value
+from eom.checker.values import COLUMN, GEOMETRIC, MATRIX, Value, components
 from eom.series import PRIME
-from eom.terms import Term
 
 MANY = 40
 """Repairs of one line that are kept at most in one world."""
-
-
-@dataclass(frozen=True)
-class Option:
-    """What may stand for a term: another node, the other sign, or nothing; with its value."""
-
-    addend: Addend
-    slip: Slip
-    weight: float
-    old: Node
-    new: Node
-    node: Node
-    sign: int
-    term: Term | None = None
-    signature: Signature | None = None
 
 
 @dataclass(frozen=True)
@@ -53,43 +39,6 @@ class _Group:
     offers: tuple[tuple[int, Option], ...]
 
 
-def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
-    """Return what may stand for a term and has a value, the most plausible first."""
-    found = []
-    value = valued(line.elaborator, addend.node)
-    member = next(m for m in line.members if m.number == addend.member)
-    if value is not None:
-        own = (value.term, signature(value))
-        found.append(_option(addend, TERM, addend.node, addend.node, -addend.sign, *own))
-    if len(member.addends) > 1:
-        found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
-    for edit in edits(addend.node, palette):
-        new = valued(line.elaborator, edit.tree)
-        if new is not None and not (value is not None and new.term == value.term):
-            found.append(_edited(addend, edit, new))
-    return sorted(found, key=lambda o: o.weight)
-
-
-def _option(
-    addend: Addend, slip: Slip, old: Node, new: Node, sign: int, term: Term | None, kind: Signature | None
-) -> Option:
-    return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
-
-
-def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
-    return Option(
-        addend,
-        edit.slip,
-        edit.weight,
-        edit.old,
-        edit.new,
-        edit.tree,
-        addend.sign,
-        value.term,
-        signature(value),
-    )
-
-
 # -- the search ----------------------------------------------------------------------------------
 
 
@@ -100,6 +49,7 @@ class Workshop:
     line: Line
     offers: Mapping[Addend, list[Option]]
     values: Mapping[Addend, Value | None]
+    pools: Pools
 
     def candidates(self, place: Place) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""
@@ -114,6 +64,8 @@ class Workshop:
     def _both(self, place: Place) -> list[Candidate]:
         left, right = self.line.members
         found: list[Candidate] = []
+        for a, b in ((left, right), (right, left)):
+            found += self._entries(place, a, b)
         for kind in self._kinds(place, self.line.members):
             target = 0
             groups: list[_Group] = []
@@ -122,7 +74,58 @@ class Workshop:
                     target -= side * (place.number(member.value.term) or 0)
                 groups += self._groups(place, member, kind, side)
             found += _combined(groups, target % PRIME)
+            if all(g.value is not None for g in groups):
+                need = (target - sum(g.value or 0 for g in groups)) % PRIME
+                found += self._lost(place, kind, need)
         return _best(found)
+
+    def _lost(self, place: Place, kind: Signature, need: int) -> Iterator[Candidate]:
+        """Yield lost terms of one of two members; ``need``: of the left less the right side."""
+        left, right = self.line.members
+        member, side = (right, -1) if right.path is not None else (left, 1)
+        if self._is_zero(right) and left.path is not None:
+            member, side = left, 1
+        yield from self._lost_in(place, member, kind, side * need % PRIME)
+
+    def _lost_in(
+        self, place: Place, member: Member, kind: Signature, need: int
+    ) -> Iterator[Candidate]:
+        if need:
+            for option in lost_terms(self.pools, place, member, kind, need):
+                yield Candidate((option,), option.weight)
+
+    def _entries(self, place: Place, reference: Member, member: Member) -> Iterator[Candidate]:
+        """Yield a table that has lost terms in some entries, against what it should be."""
+        if len(member.addends) != 1 or member.path is None:
+            return
+        own = self.values[member.addends[0]]
+        if own is None or own.shape not in {COLUMN, MATRIX}:
+            return
+        wanted = self._components(place, reference, own.frames[0])
+        standing = self._components(place, member, own.frames[0])
+        if wanted is None or standing is None or len(wanted) != len(standing):
+            return
+        sign = member.addends[0].sign
+        need = [sign * (a - b) % PRIME for a, b in zip(wanted, standing, strict=True)]
+        for option in entry_terms(self.pools, place, member.addends[0], need):
+            yield Candidate((option,), option.weight)
+
+    def _components(self, place: Place, member: Member, frame: str) -> list[int] | None:
+        """Return the components of a member in a frame."""
+        found: list[int] = []
+        parts = [(1, member.value)] if member.value is not None else []
+        parts += [(a.sign, self.values[a]) for a in member.addends]
+        for sign, value in parts:
+            if value is None:
+                return None
+            if value.shape in GEOMETRIC and frame:
+                value = components(value, frame)
+            numbers = place.values(value.term)
+            if numbers is None:
+                return None
+            signed = [sign * n for n in numbers]
+            found = [a + b for a, b in zip(found, signed, strict=False)] if found else signed
+        return found
 
     def _kinds(self, place: Place, members: Iterable[Member]) -> list[Signature]:
         """Return the signatures of terms, in order, those with a dimension alone if there are any."""
@@ -175,6 +178,10 @@ class Workshop:
             repairs = [
                 c for k in kinds for c in _combined(self._groups(place, member, k, 1), target)
             ]
+            own = self._total(place, member)
+            if own is not None and kind is not None and own[0] == kind:
+                repairs += self._lost_in(place, member, kind, (target - own[1]) % PRIME)
+            repairs += self._entries(place, reference, member)
             found = [_together(a, b) for a in found[:6] for b in _best(repairs)[:8]]
         return [c for c in found if c.options]
 
@@ -313,6 +320,8 @@ def repaired(line: Line, candidate: Candidate) -> Node:
 
 
 def _apply(tree: Node, path: Path, option: Option) -> Node:
+    if option.slip is LOST and option.node is option.new:
+        return _appended(tree, path, option)
     flipped = option.sign != option.addend.sign
     if not flipped:
         return put(tree, path, option.node)
@@ -324,3 +333,15 @@ def _apply(tree: Node, path: Path, option: Option) -> Node:
     signs = (*parent.signs[:k], sign, *parent.signs[k + 1 :])
     terms = (*parent.terms[:k], option.node, *parent.terms[k + 1 :])
     return put(tree, path[:-1], replace(parent, signs=signs, terms=terms))
+
+
+def _appended(tree: Node, path: Path, option: Option) -> Node:
+    """Put a lost term behind the last one of a sum, or of a single term."""
+    sign = "-" if option.sign < 0 else "+"
+    if option.addend.summed:
+        parent = at(tree, path[:-1])
+        assert isinstance(parent, Addition)
+        terms, signs = (*parent.terms, option.node), (*parent.signs, sign)
+        return put(tree, path[:-1], replace(parent, terms=terms, signs=signs))
+    here = at(tree, path)
+    return put(tree, path, Addition((here, option.node), ("", sign), span=here.span))

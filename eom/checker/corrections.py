@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from eom.checker.candidates import Candidate, Option, Workshop, options, repaired
+from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.claims import Claim
 from eom.checker.explanation import UNEXPLAINED, Correction, Explanation
 from eom.checker.judge import DEFINITION, HOLDS, UNDER, Judgement, judge
 from eom.checker.levels import penalty, places
 from eom.checker.lines import Line, Place, line, valued
+from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
+from eom.checker.options import Option, options
 from eom.checker.palette import palette
 from eom.checker.paths import at
 from eom.checker.slips import DROPPED
@@ -86,7 +88,8 @@ def workshop(understood: Understood, wrong: Line) -> Workshop:
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: valued(wrong.elaborator, a.node) for a in addends}
-    return Workshop(wrong, {a: options(wrong, a, have) for a in addends}, values)
+    offers = {a: options(wrong, a, have) for a in addends}
+    return Workshop(wrong, offers, values, Pools(wrong, values))
 
 
 def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | None]:
@@ -95,6 +98,11 @@ def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | No
     totals: list[int | None] = []
     for member in shop.line.members:
         parts = [] if member.value is None else [place.number(member.value.term)]
+        lost = [o for o in candidate.options if o.addend.member == member.number]
+        lost = [o for o in lost if o.addend not in member.addends and o.term is not None]
+        for option in lost:
+            number = None if option.term is None else place.number(option.term)
+            parts.append(None if number is None else option.sign * number)
         for addend in member.addends:
             option = put.get(addend)
             value = shop.values.get(addend)

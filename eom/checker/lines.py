@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim, _single
 from eom.checker.dimensions import Dimension
@@ -80,6 +80,10 @@ def line(understood: Understood, claim: Claim) -> Line | None:
     scalars = dict(claim.scalars)
     e = elaborator(understood.lexicon, understood.around.definitions)
     e.scalars.update(scalars)
+    notation = understood.lexicon.notation
+    members = tuple(
+        m if m.value is None else replace(m, value=mixed(notation, m.value)) for m in members
+    )
     return Line(reading.tree, members, claim, number, e)
 
 

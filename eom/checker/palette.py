@@ -11,7 +11,7 @@ from eom.checker.looks import Labels, labels, seen
 from eom.checker.notes import Understood
 from eom.checker.paths import at, operands
 from eom.checker.slips import Palette
-from eom.checker.syntax import Call, Derivative, Group, Node, Number, Product, Quotient, Scripts, Symbol
+from eom.checker.syntax import Call, Derivative, Group, Marks, Node, Number, Product, Quotient, Scripts, Symbol
 from eom.checker.trees import children, walk
 from eom.errors import InputError
 from eom.terms import INDICES
@@ -32,7 +32,7 @@ def palette(understood: Understood, line: Line) -> Palette:
         factors=tuple(factors)[:12],
         labels=tuple(_rows(lexicon, trees)),
         frames=tuple(_frames(lexicon, trees)),
-        marks=tuple(m for m in lexicon.notation.marks if m != "times"),
+        marks=_marks(lexicon, trees),
         skew=lexicon.notation.skew,
     )
 
@@ -87,6 +87,12 @@ def _is_factor(node: Node) -> bool:
     return (_is_quantity(node) or isinstance(node, Call | Group | Derivative)) and not isinstance(
         node, Number
     )
+
+
+def _marks(lexicon: Lexicon, trees: Iterable[Node]) -> tuple[str, ...]:
+    """Return the raised marks of derivatives that the note uses."""
+    used = {m for t in trees for n in walk(t) if isinstance(n, Marks) for m in n.names}
+    return tuple(m for m in lexicon.notation.marks if m in used)
 
 
 # -- labels --------------------------------------------------------------------------------------

@@ -441,7 +441,8 @@ def _relabelled(script: Node, palette: Palette) -> Iterator[Node]:
         parts = script.factors if isinstance(script, Product) else (script.left, script.right)
         for k, part in enumerate(parts):
             for new in _relabelled(part, palette):
-                yield _reparted(script, (*parts[:k], new, *parts[k + 1 :]))
+                if new not in parts:
+                    yield _reparted(script, (*parts[:k], new, *parts[k + 1 :]))
         if len(parts) == 2:
             yield _reparted(script, (parts[1], parts[0]))
 
@@ -482,7 +483,11 @@ def _letters(node: Node, palette: Palette) -> Iterator[Offer]:
             continue
         new = seen(other)
         if new is not None:
-            yield other, _distance(given.look.name, new.look.name) + min(0.4, 0.01 * rank)
+            extra = _distance(given.look.name, new.look.name) + min(0.4, 0.01 * rank)
+            yield other, extra
+            more = dotted(other)
+            if more is not None and not new.dots:
+                yield more, extra + (0.1 if given.dots else 0.4)
 
 
 def _distance(old: str, new: str) -> float:

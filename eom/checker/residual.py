@@ -1,0 +1,254 @@
+"""What is left over in a wrong line, in the writer's own symbols: short sums of products of its factors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction as Ratio
+from itertools import combinations, combinations_with_replacement
+
+from eom.checker.dimensions import Dimension
+from eom.checker.lines import Addend, Line, Place, Signature, signature, valued
+from eom.checker.looks import seen
+from eom.checker.paths import at, operands
+from eom.checker.slips import dotted
+from eom.checker.syntax import Addition, Call, Derivative, Fraction, Group, Node, Number, Product, Scripts
+from eom.checker.trees import children
+from eom.checker.values import COLUMN, MATRIX, ROW, Value
+from eom.series import PRIME
+from eom.terms import DYADIC, SCALAR, VECTOR, Term
+
+COEFFICIENTS: tuple[Ratio, ...] = tuple(
+    sign * Ratio(c) for c in ("1", "2", "1/2", "3", "3/2", "1/3", "4", "1/4") for sign in (1, -1)
+)
+"""Numbers before a product that are tried."""
+ATOMS = 14
+DEGREE = 4
+MOST = 900
+"""Products that are tried at most."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """A product of factors of a line: tree, term, signature."""
+
+    node: Node
+    term: Term
+    signature: Signature
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A product with its number before it."""
+
+    coefficient: Ratio
+    item: Item
+
+
+def items(line: Line, roots: Iterable[Node], kind: Signature) -> list[Item]:
+    """Return products of the factors below some nodes that have a signature, the simplest first."""
+    atoms = _atoms(line, roots)
+    found: dict[Term, Item] = {}
+    for k, node in enumerate(_products(atoms, kind)):
+        if k == MOST:
+            break
+        value = valued(line.elaborator, node)
+        if value is not None and not value.is_zero and signature(value) == kind:
+            found.setdefault(value.term, Item(node, value.term, kind))
+    return list(found.values())
+
+
+_Atom = tuple[Node, Value]
+
+
+def _atoms(line: Line, roots: Iterable[Node]) -> list[_Atom]:
+    """Return factors with values: as they stand, then with a dot more; the outermost symbols alone."""
+    standing = list(dict.fromkeys(n for root in roots for n in _factors(root)))[:ATOMS]
+    more = [d for n in standing for d in [dotted(n)] if d is not None]
+    less = [b for n in standing for b in _bare(n)]
+    found: dict[Node, _Atom] = {}
+    for node in (*standing, *less, *more):
+        value = valued(line.elaborator, node)
+        if value is not None and not value.is_zero:
+            found.setdefault(node, (node, value))
+    return list(found.values())
+
+
+def _bare(node: Node) -> Iterator[Node]:
+    given = seen(node)
+    base = getattr(node, "base", None)
+    if given is not None and given.dots and isinstance(base, Node):
+        yield base
+
+
+def _factors(root: Node) -> Iterator[Node]:
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        given = seen(node)
+        bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
+        if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
+            yield node
+            continue
+        if isinstance(node, Derivative) and node.operand is not None and seen(node.operand):
+            yield node
+        below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
+        stack += reversed(below)
+
+
+# -- products ------------------------------------------------------------------------------------
+
+_VECTORS, _DYADICS = frozenset({VECTOR, COLUMN}), frozenset({DYADIC, MATRIX})
+
+
+def _dimension(parts: Sequence[_Atom]) -> Dimension | None:
+    total: Dimension | None = None
+    for k, (_, value) in enumerate(parts):
+        if value.dimension is None:
+            return None
+        total = value.dimension if k == 0 or total is None else total.times(value.dimension)
+    return total
+
+
+def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
+    """Yield products with the right dimension; shapes are sorted out by elaboration."""
+    rows = {
+        "scalar": [a for a in atoms if a[1].shape == SCALAR],
+        "vector": [a for a in atoms if a[1].shape in _VECTORS],
+        "dyadic": [a for a in atoms if a[1].shape in _DYADICS],
+    }
+    shapes = _SHAPES.get(kind[0], ())
+    for scalars in range(DEGREE + 1):
+        for shape, join in shapes:
+            if len(shape) + scalars > DEGREE or len(shape) + scalars == 0:
+                continue
+            for numbers in combinations_with_replacement(rows["scalar"], scalars):
+                for rest in _choices([rows[s] for s in shape]):
+                    parts = (*numbers, *rest)
+                    if _dimension(parts) == kind[2]:
+                        yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
+
+
+def _choices(rows: list[list[_Atom]]) -> Iterator[tuple[_Atom, ...]]:
+    if not rows:
+        yield ()
+        return
+    for first in rows[0]:
+        for rest in _choices(rows[1:]):
+            yield (first, *rest)
+
+
+def _joined(numbers: list[Node], rest: Node | None) -> Node:
+    parts: list[Node] = []
+    for node in numbers:
+        parts.append(node)
+    if rest is None:
+        return parts[0] if len(parts) == 1 else Product(_powers(parts))
+    if not parts:
+        return rest
+    if isinstance(rest, Product) and rest.operator == "cross":
+        return Product((*_powers(parts), Group(rest)))
+    return Product((*_powers(parts), rest))
+
+
+def _powers(parts: list[Node]) -> tuple[Node, ...]:
+    """Return equal factors as powers."""
+    found: list[Node] = []
+    for node in dict.fromkeys(parts):
+        count = parts.count(node)
+        plain = not isinstance(node, Call | Scripts) or (isinstance(node, Scripts) and node.sup is None)
+        if count > 1 and plain and not isinstance(node, Call):
+            base = node if isinstance(node, Scripts) else Scripts(node)
+            found.append(replace(base, sup=Number(str(count))))
+        elif count > 1 and isinstance(node, Call) and node.sup is None:
+            found.append(replace(node, sup=Number(str(count))))
+        else:
+            found += [node] * count
+    return tuple(found)
+
+
+def _cross(parts: list[Node]) -> Node:
+    return Product(tuple(parts), "cross")
+
+
+_SHAPES: dict[str, tuple[tuple[tuple[str, ...], object], ...]] = {
+    SCALAR: (
+        ((), lambda _: None),
+        (("vector", "vector"), lambda p: Product(tuple(p), "dot")),
+        (("vector", "dyadic", "vector"), lambda p: Product(tuple(p), "dot")),
+    ),
+    VECTOR: (
+        (("vector",), lambda p: p[0]),
+        (("vector", "vector"), _cross),
+        (("dyadic", "vector"), lambda p: Product(tuple(p), "dot")),
+        (("vector", "dyadic", "vector"), lambda p: _cross([p[0], Group(Product((p[1], p[2]), "dot"))])),
+        (("vector", "vector", "vector"), lambda p: _cross([p[0], Group(_cross(p[1:]))])),
+    ),
+    COLUMN: (
+        (("vector",), lambda p: p[0]),
+        (("vector", "vector"), _cross),
+        (("dyadic", "vector"), lambda p: Product(tuple(p))),
+        (("vector", "dyadic", "vector"), lambda p: _cross([p[0], Product((p[1], p[2]))])),
+        (("vector", "vector", "vector"), lambda p: _cross([p[0], Group(_cross(p[1:]))])),
+        (("dyadic", "dyadic", "vector"), lambda p: Product(tuple(p))),
+    ),
+    MATRIX: (
+        (("dyadic",), lambda p: p[0]),
+        (("dyadic", "dyadic"), lambda p: Product(tuple(p))),
+    ),
+    DYADIC: ((("dyadic",), lambda p: p[0]),),
+    ROW: (),
+}
+"""Products of each shape: of what, and how they are joined."""
+
+
+# -- fits ----------------------------------------------------------------------------------------
+
+
+def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piece, ...]]:
+    """Yield single products, then sums of two, that have a number in a world."""
+    numbers = [(place.number(i.term), i) for i in pool]
+    known = [(n, i) for n, i in numbers if n]
+    scaled: dict[int, Piece] = {}
+    for coefficient in COEFFICIENTS:
+        factor = _modulo(coefficient)
+        for number, item in known:
+            scaled.setdefault(factor * number % PRIME, Piece(coefficient, item))
+    if wanted % PRIME in scaled:
+        yield (scaled[wanted % PRIME],)
+    for number, item in known[:300]:
+        for sign in (1, -1):
+            other = scaled.get((wanted - sign * number) % PRIME)
+            if other is not None and other.item.term != item.term:
+                yield Piece(Ratio(sign), item), other
+                return
+
+
+def _modulo(ratio: Ratio) -> int:
+    return ratio.numerator * pow(ratio.denominator, -1, PRIME)
+
+
+def scaled(piece: Piece) -> tuple[str, Node]:
+    """Return a product with its number as a sign and a tree."""
+    size = abs(piece.coefficient)
+    sign = "-" if piece.coefficient < 0 else "+"
+    node = piece.item.node
+    if size == 1:
+        return sign, node
+    number: Node = Number(str(size.numerator))
+    if size.denominator > 1:
+        number = Fraction(number, Number(str(size.denominator)))
+    loose = isinstance(node, Product) and node.operator
+    parts = (Group(node),) if loose or isinstance(node, Addition) else (node,)
+    if isinstance(node, Product) and not node.operator:
+        parts = node.factors
+    return sign, Product((number, *parts))
+
+
+def total(pieces: Iterable[Piece]) -> Node:
+    """Return a sum of products as a tree."""
+    pairs = [scaled(p) for p in pieces]
+    signs = ["" if k == 0 and s == "+" else s for k, (s, _) in enumerate(pairs)]
+    if len(pairs) == 1 and not signs[0]:
+        return pairs[0][1]
+    return Addition(tuple(n for _, n in pairs), tuple(signs))
