@@ -13,7 +13,7 @@ from itertools import combinations
 from eom.checker.lines import Addend, Line, Member, Place, Signature, signature
 from eom.checker.lost import Pools, entry_terms, lost_terms
 from eom.checker.options import Option
-from eom.checker.paths import Path, at, put, tidied
+from eom.checker.paths import Path, at, put
 from eom.checker.slips import ALL_OVER, LOST
 from eom.checker.syntax import Addition, Node
 from eom.checker.values import COLUMN, GEOMETRIC, MATRIX, Value, components
@@ -316,7 +316,7 @@ def repaired(line: Line, candidate: Candidate) -> Node:
     paths = {m.number: m.path for m in line.members}
     for option in candidate.options:
         tree = _apply(tree, (*(paths[option.addend.member] or ()), *option.addend.path), option)
-    return tidied(tree)
+    return tree
 
 
 def _apply(tree: Node, path: Path, option: Option) -> Node:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.claims import Claim
 from eom.checker.explanation import UNEXPLAINED, Correction, Explanation
-from eom.checker.judge import DEFINITION, HOLDS, UNDER, Judgement, judge
+from eom.checker.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.levels import penalty, places
 from eom.checker.lines import Line, Place, line, valued
 from eom.checker.lost import Pools
@@ -33,11 +33,12 @@ ENOUGH = 1.0
 
 @dataclass(frozen=True)
 class Ranked:
-    """A repair with its tree, and what it weighs with its assumptions so far as they are known."""
+    """A repair with its tree, what it weighs so far as is known, and where it was found to hold."""
 
     candidate: Candidate
     tree: Node
     cost: float
+    names: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def _ranked(understood: Understood, wrong: Line, given: tuple[str, ...]) -> list
             tree = repaired(wrong, candidate)
             extra = 0.0 if _holds_in(shop, free, candidate) else 0.6 + 0.5 * number
             if tree not in found and not trivial(wrong, tree, shop, free, candidate):
-                found[tree] = Ranked(candidate, tree, candidate.weight + extra)
+                found[tree] = Ranked(candidate, tree, candidate.weight + extra, there.names)
     return sorted(found.values(), key=lambda r: r.cost)
 
 
@@ -145,8 +146,8 @@ def verified(
     claim = claims[wrong.number]
     if claim.verdict or claim.kind != wrong.claim.kind:
         return None
-    found = judge(claim, given)
-    if found.verdict not in {HOLDS, UNDER, DEFINITION}:
+    found = judge_within(claim, ranked.names, given)
+    if found.verdict not in {HOLDS, UNDER}:
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
     cost = ranked.candidate.weight + needed + (0.5 if needed else 0.0)

@@ -114,6 +114,29 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     return Judgement(verdict, sets, context, refuted, search.tests < MAX_TESTS)
 
 
+def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) -> Judgement:
+    """Return whether a claim holds where much is assumed, with one smallest set of what it needs of that.
+
+    ``names``: all that is assumed; a claim that fails under them is wrong here.
+    """
+    try:
+        search = _Search(claim, equations(claim), closure(given))
+        names = closure(names)
+        context = search.context
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    if context is None or not search.equations:
+        return Judgement(UNDECIDED, reason=search.reason or "no world has these quantities")
+    base = search.given | closure(context)
+    own = frozenset(context if context in MODELS and search.about_masses else ())
+    if search.holds(base):
+        return Judgement(UNDER if own else HOLDS, (_shown(own),) if own else (), context)
+    if not base <= names or not search.holds(names):
+        return Judgement(WRONG, context=context, complete=False)
+    needed = search.shrunk(names, base) - base
+    return Judgement(UNDER, (_shown(needed | own),), context, complete=False)
+
+
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
     """Return a set without what its other members need, in the order of the table."""
     needed = {n for name in names for n in closure([name]) - {name}}
@@ -216,12 +239,12 @@ class _Search:
         if inside is None:
             if not self.holds(names):
                 return
-            inside = self._shrunk(names, base)
+            inside = self.shrunk(names, base)
             self.found.add(inside)
         for name in sorted(inside - base):
             self._below(_without(names, name), base)
 
-    def _shrunk(self, names: frozenset[str], base: frozenset[str]) -> frozenset[str]:
+    def shrunk(self, names: frozenset[str], base: frozenset[str]) -> frozenset[str]:
         """Leave out what is not needed, the most special first."""
         for name in reversed([n for n in ASSUMPTIONS if n in names - base]):
             fewer = _without(names, name)

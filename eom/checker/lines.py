@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim, _single
 from eom.checker.dimensions import Dimension
-from eom.checker.elaborate import elaborator
+from eom.checker.elaborate import RULES
 from eom.checker.elaborator import Elaborator
 from eom.checker.notes import Understood
 from eom.checker.paths import Path, find
@@ -31,6 +31,28 @@ Signature = tuple[str, int, Dimension | None]
 _WEIGHTS = tuple(random.Random("weights").randrange(1, PRIME) for _ in range(64))  # noqa: S311
 NUMBERINGS = 3
 """How many ways to number free indices are looked at."""
+
+
+@dataclass(frozen=True)
+class Remembering(Elaborator):
+    """An elaborator that works out every node once; trees that differ in one place share all others."""
+
+    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = field(
+        default_factory=dict, repr=False
+    )
+
+    def value(self, node: Node) -> Value:
+        """Return the typed value of a node. Raises `Refusal`."""
+        key = (id(node), self.depth, tuple(self.indices.items()))
+        if key not in self.worked:
+            try:
+                self.worked[key] = (node, super().value(node))
+            except Refusal as refusal:
+                self.worked[key] = (node, refusal)
+        found = self.worked[key][1]
+        if isinstance(found, Refusal):
+            raise found
+        return found
 
 
 @dataclass(frozen=True)
@@ -78,8 +100,7 @@ def line(understood: Understood, claim: Claim) -> Line | None:
     if len(members) < 2 or all(m.path is None for m in members):
         return None
     scalars = dict(claim.scalars)
-    e = elaborator(understood.lexicon, understood.around.definitions)
-    e.scalars.update(scalars)
+    e = Remembering(understood.lexicon, RULES, understood.around.definitions, scalars=scalars)
     notation = understood.lexicon.notation
     members = tuple(
         m if m.value is None else replace(m, value=mixed(notation, m.value)) for m in members

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from eom.checker.lines import Addend, Line, Member, Place, Signature, signature, valued
 from eom.checker.options import Option
-from eom.checker.paths import Path, at, operands, places, put, tidied
+from eom.checker.paths import Path, at, operands, places, put
 from eom.checker.residual import Item, Piece, fits, items, scaled, total
 from eom.checker.slips import LOST, NOTHING
 from eom.checker.syntax import Addition, Matrix, Node, Number
@@ -93,7 +93,7 @@ def entry_terms(pools: Pools, place: Place, addend: Addend, need: Sequence[int])
             return
         tree, last = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces)), pieces
         cost += weight(pieces)
-    node = tidied(put(addend.node, path, tree))
+    node = put(addend.node, path, tree)
     value = valued(pools.line.elaborator, node)
     if value is not None and last is not None:
         shown = total(last)

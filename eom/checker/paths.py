@@ -8,7 +8,6 @@ from typing import Any
 
 from eom.checker.looks import seen
 from eom.checker.syntax import Addition, Missing, Node, Number, Product
-from eom.checker.trees import transform
 
 Step = tuple[str, tuple[int, ...]]
 Path = tuple[Step, ...]
@@ -74,12 +73,12 @@ def at(node: Node, path: Path) -> Node:
 
 
 def put(node: Node, path: Path, new: Node) -> Node:
-    """Return a tree with another node at the end of a path."""
+    """Return a tree with another node at the end of a path, tidied on the way."""
     if not path:
-        return new
+        return _tidy(new)
     (name, numbers), rest = path[0], path[1:]
     field = _put(getattr(node, name), numbers, rest, new)
-    return replace(node, **{name: field})
+    return _tidy(replace(node, **{name: field}))
 
 
 def _put(value: Any, numbers: tuple[int, ...], rest: Path, new: Node) -> Any:
@@ -113,15 +112,11 @@ def common(paths: list[Path]) -> Path:
 # -- tidying -------------------------------------------------------------------------------------
 
 NOTHING = Missing()
-"""Stands where a term or factor has been left out, until the tree is tidied."""
-
-
-def tidied(node: Node) -> Node:
-    """Return a tree without what was left out, without doubled signs and nested plain products."""
-    return transform(node, _tidy)
+"""Stands where a term or factor is left out; it goes when it is put into a tree."""
 
 
 def _tidy(node: Node) -> Node:
+    """Leave out what stands for nothing, double signs and plain products within one another."""
     if isinstance(node, Addition):
         return _tidy_sum(node)
     if isinstance(node, Product):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations_with_replacement, product
 
-from eom.checker.dimensions import Dimension
+from eom.checker.dimensions import NONE, Dimension
 from eom.checker.lines import Addend, Line, Place, Signature, signature, valued
 from eom.checker.looks import seen
 from eom.checker.paths import at, operands
@@ -101,41 +101,45 @@ def _factors(root: Node) -> Iterator[Node]:
 _VECTORS, _DYADICS = frozenset({VECTOR, COLUMN}), frozenset({DYADIC, MATRIX})
 
 
-def _dimension(parts: Sequence[_Atom]) -> Dimension | None:
-    total: Dimension | None = None
-    for k, (_, value) in enumerate(parts):
-        if value.dimension is None:
-            return None
-        total = value.dimension if k == 0 or total is None else total.times(value.dimension)
-    return total
-
-
 def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
     """Yield products with the right dimension; shapes are sorted out by elaboration."""
     rows = {
-        "scalar": [a for a in atoms if a[1].shape == SCALAR],
-        "vector": [a for a in atoms if a[1].shape in _VECTORS],
-        "dyadic": [a for a in atoms if a[1].shape in _DYADICS],
+        "scalar": _row(atoms, frozenset({SCALAR})),
+        "vector": _row(atoms, frozenset({VECTOR, COLUMN})),
+        "dyadic": _row(atoms, frozenset({DYADIC, MATRIX})),
     }
-    shapes = _SHAPES.get(kind[0], ())
+    wanted = _exponents(kind[2])
     for scalars in range(DEGREE + 1):
-        for shape, join in shapes:
-            if len(shape) + scalars > DEGREE or len(shape) + scalars == 0:
+        for shape, join in _SHAPES.get(kind[0], ()):
+            if not 0 < len(shape) + scalars <= DEGREE:
                 continue
             for numbers in combinations_with_replacement(rows["scalar"], scalars):
-                for rest in _choices([rows[s] for s in shape]):
-                    parts = (*numbers, *rest)
-                    if _dimension(parts) == kind[2]:
+                for rest in product(*(rows[s] for s in shape)):
+                    if _sum(numbers, rest) == wanted:
                         yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
 
 
-def _choices(rows: list[list[_Atom]]) -> Iterator[tuple[_Atom, ...]]:
-    if not rows:
-        yield ()
-        return
-    for first in rows[0]:
-        for rest in _choices(rows[1:]):
-            yield (first, *rest)
+_Exponents = tuple[int, int, int]
+_Sized = tuple[Node, _Exponents]
+
+
+def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
+    """Return the atoms of some shapes with their dimensions, those of none left out."""
+    fitting = [(n, v.dimension) for n, v in atoms if v.shape in shapes]
+    return [(n, _exponents(d)) for n, d in fitting if d is not None]
+
+
+def _exponents(dimension: Dimension | None) -> _Exponents:
+    """Return a dimension in twelfths, which whole numbers hold."""
+    mass, length, time = (int(12 * e) for e in dimension or NONE)
+    return mass, length, time
+
+
+def _sum(numbers: tuple[_Sized, ...], rest: tuple[_Sized, ...]) -> _Exponents:
+    mass = length = time = 0
+    for _, (m, k, t) in (*numbers, *rest):
+        mass, length, time = mass + m, length + k, time + t
+    return mass, length, time
 
 
 def _joined(numbers: list[Node], rest: Node | None) -> Node:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from eom.checker.looks import DOTS, seen
-from eom.checker.paths import NOTHING, Path, at, places, put, tidied
+from eom.checker.paths import NOTHING, Path, at, places, put
 from eom.checker.syntax import (
     Accent,
     Addition,
@@ -543,7 +543,7 @@ def edits(node: Node, palette: Palette) -> list[Edit]:
     for path, here in places(node):
         for slip in SLIPS:
             for new, extra in slip.rule(here, palette):
-                tree = tidied(put(node, path, new))
+                tree = put(node, path, new)
                 edit = Edit(slip, slip.weight + extra, tree, here, new, (path,))
                 _keep(found, edit, node)
                 if len(found) >= MAX_EDITS:
@@ -579,4 +579,4 @@ def _everywhere(node: Node, single: list[Edit]) -> Iterator[Edit]:
         for path in paths:
             tree = put(tree, path, edit.new)
         weight = edit.weight + ALL_OVER * (len(paths) - 1)
-        yield replace(edit, tree=tidied(tree), weight=weight, paths=tuple(paths))
+        yield replace(edit, tree=tree, weight=weight, paths=tuple(paths))
