@@ -110,6 +110,19 @@ class Workshop:
         for option in entry_terms(self.pools, place, member.addends[0], need):
             yield Candidate((option,), option.weight)
 
+    def difference(
+        self, place: Place, left: Member, right: Member
+    ) -> tuple[Node, list[int]] | None:
+        """Return a member that is one table of entries, and the left less the right side by entries."""
+        for member in (right, left):
+            own = self.values.get(member.addends[0]) if len(member.addends) == 1 else None
+            if own is not None and own.shape in {COLUMN, MATRIX} and member.path is not None:
+                both = [self._components(place, m, own.frames[0]) for m in (left, right)]
+                if both[0] is not None and both[1] is not None and len(both[0]) == len(both[1]):
+                    pairs = zip(both[0], both[1], strict=True)
+                    return member.addends[0].node, [(a - b) % PRIME for a, b in pairs]
+        return None
+
     def _components(self, place: Place, member: Member, frame: str) -> list[int] | None:
         """Return the components of a member in a frame."""
         found: list[int] = []
@@ -162,11 +175,11 @@ class Workshop:
 
     def _against(self, place: Place, reference: Member) -> list[Candidate]:
         """Return repairs of the members that differ from one that is taken for right."""
-        total = self._total(place, reference)
+        total = self.total(place, reference)
         if total is None:
             return []
         kind, target = total
-        others = [m for m in self.line.members if self._total(place, m) != total]
+        others = [m for m in self.line.members if self.total(place, m) != total]
         zero = [m for m in others if self._is_zero(m)]
         if target == 0 and kind is not None:
             others = [m for m in others if m not in zero]
@@ -178,7 +191,7 @@ class Workshop:
             repairs = [
                 c for k in kinds for c in _combined(self._groups(place, member, k, 1), target)
             ]
-            own = self._total(place, member)
+            own = self.total(place, member)
             if own is not None and kind is not None and own[0] == kind:
                 repairs += self._lost_in(place, member, kind, (target - own[1]) % PRIME)
             repairs += self._entries(place, reference, member)
@@ -189,7 +202,7 @@ class Workshop:
         values = [member.value, *(self.values[a] for a in member.addends)]
         return all(v.is_zero for v in values if v is not None)
 
-    def _total(self, place: Place, member: Member) -> tuple[Signature | None, int] | None:
+    def total(self, place: Place, member: Member) -> tuple[Signature | None, int] | None:
         """Return signature and number of a member as it stands, None where it has none."""
         values = [(1, member.value)] if member.value is not None else []
         values += [(a.sign, self.values[a]) for a in member.addends]

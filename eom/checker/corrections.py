@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.claims import Claim
-from eom.checker.explanation import UNEXPLAINED, Correction, Explanation
 from eom.checker.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.levels import penalty, places
-from eom.checker.lines import Line, Place, line, valued
+from eom.checker.lines import Line, Place, valued
 from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
 from eom.checker.options import Option, options
 from eom.checker.palette import palette
 from eom.checker.paths import at
-from eom.checker.slips import DROPPED
 from eom.checker.syntax import Node
-from eom.checker.values import ILL_FORMED, WRONG
-from eom.checker.verdicts import Judged
-from eom.checker.writing import latex
 from eom.series import PRIME
+from eom.terms import Term
 
 SHOWN = 3
 """Corrections that are shown at most."""
@@ -38,7 +34,7 @@ class Ranked:
     candidate: Candidate
     tree: Node
     cost: float
-    names: frozenset[str]
+    place: Place
 
 
 @dataclass(frozen=True)
@@ -52,14 +48,14 @@ class Verified:
 
 
 def corrections(
-    understood: Understood, wrong: Line, given: Iterable[str] = (), stated: Iterable[str] = ()
+    understood: Understood, shop: Workshop, given: Iterable[str] = (), stated: Iterable[str] = ()
 ) -> list[Verified]:
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
-    ranked = _ranked(understood, wrong, given)
+    ranked = _ranked(shop, given)
     found: list[Verified] = []
     for one in ranked[:JUDGED]:
-        made = verified(understood, wrong, one, given, stated)
+        made = verified(understood, shop.line, one, given, stated)
         if made is not None:
             found.append(made)
         if len(found) == SHOWN:
@@ -67,20 +63,27 @@ def corrections(
     return sorted(found, key=lambda v: v.cost)
 
 
-def _ranked(understood: Understood, wrong: Line, given: tuple[str, ...]) -> list[Ranked]:
-    """Return what holds in some world, by weight and by whether it holds without assumptions."""
-    shop = workshop(understood, wrong)
+def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
+    """Yield worlds for a line: without more than is given, and one of each level."""
     terms = [v.term for v in shop.values.values() if v is not None]
-    terms += [m.value.term for m in wrong.members if m.value is not None]
-    found: dict[Node, Ranked] = {}
-    for number, (free, there) in enumerate(places(given, wrong.elaborator.scalars, terms)):
+    terms += [m.value.term for m in shop.line.members if m.value is not None]
+    return places(given, shop.line.elaborator.scalars, terms)
+
+
+def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
+    """Return what holds in some world, by weight and by whether it holds without assumptions."""
+    found: dict[object, Ranked] = {}
+    wrong = shop.line
+    for number, (free, there) in enumerate(levels(shop, given)):
         if found and min(r.cost for r in found.values()) < 1.0 + number * ENOUGH:
             break
         for candidate in shop.candidates(there):
             tree = repaired(wrong, candidate)
             extra = 0.0 if _holds_in(shop, free, candidate) else 0.6 + 0.5 * number
-            if tree not in found and not trivial(wrong, tree, shop, free, candidate):
-                found[tree] = Ranked(candidate, tree, candidate.weight + extra, there.names)
+            key = _alike(shop, free, candidate) or tree
+            better = key not in found or found[key].cost > candidate.weight + extra
+            if better and not trivial(wrong, tree, shop, free, candidate):
+                found[key] = Ranked(candidate, tree, candidate.weight + extra, there)
     return sorted(found.values(), key=lambda r: r.cost)
 
 
@@ -93,30 +96,47 @@ def workshop(understood: Understood, wrong: Line) -> Workshop:
     return Workshop(wrong, offers, values, Pools(wrong, values))
 
 
-def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | None]:
-    """Return the numbers of all members with a repair put in; None where one has none."""
-    put: dict[object, Option] = {o.addend: o for o in candidate.options}
-    totals: list[int | None] = []
+def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:
+    """Return the numbers of the terms of all members with a repair put in; None where one has none."""
+    chosen = {o.addend: o for o in candidate.options}
+    own = {a for m in shop.line.members for a in m.addends}
+    found = []
     for member in shop.line.members:
         parts = [] if member.value is None else [place.number(member.value.term)]
-        lost = [o for o in candidate.options if o.addend.member == member.number]
-        lost = [o for o in lost if o.addend not in member.addends and o.term is not None]
-        for option in lost:
-            number = None if option.term is None else place.number(option.term)
-            parts.append(None if number is None else option.sign * number)
         for addend in member.addends:
-            option = put.get(addend)
-            value = shop.values.get(addend)
+            option, value = chosen.get(addend), shop.values.get(addend)
             if option is not None:
-                number = 0 if option.term is None else place.number(option.term)
-                parts.append(None if number is None else option.sign * number)
-            elif value is not None:
-                number = place.number(value.term)
-                parts.append(None if number is None else addend.sign * number)
+                parts.append(_number(place, option.sign, option.term, 0))
             else:
-                parts.append(None)
-        totals.append(None if None in parts else sum(p for p in parts if p is not None) % PRIME)
-    return totals
+                parts.append(_number(place, addend.sign, value.term if value else None, None))
+        lost = [o for a, o in chosen.items() if a not in own and a.member == member.number]
+        found.append([*parts, *(_number(place, o.sign, o.term, None) for o in lost)])
+    return found
+
+
+def _number(place: Place, sign: int, term: Term | None, otherwise: int | None) -> int | None:
+    number = otherwise if term is None else place.number(term)
+    return None if number is None else sign * number
+
+
+def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | None]:
+    """Return the numbers of all members with a repair put in; None where one has none."""
+    rows = _parts(shop, place, candidate)
+    return [None if None in r else sum(p for p in r if p is not None) % PRIME for r in rows]
+
+
+def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...] | None:
+    """Return the terms after a repair as numbers up to a factor: the same for repairs that say the same."""
+    numbers: list[int] = []
+    for parts in _parts(shop, place, candidate):
+        if None in parts:
+            return None
+        numbers += [p % PRIME for p in parts if p is not None]
+    first = next((n for n in numbers if n), 0)
+    if not first:
+        return None
+    scale = pow(first, -1, PRIME)
+    return tuple(n * scale % PRIME for n in numbers)
 
 
 def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:
@@ -146,7 +166,7 @@ def verified(
     claim = claims[wrong.number]
     if claim.verdict or claim.kind != wrong.claim.kind:
         return None
-    found = judge_within(claim, ranked.names, given)
+    found = judge_within(claim, ranked.place.names, given)
     if found.verdict not in {HOLDS, UNDER}:
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)

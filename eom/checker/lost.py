@@ -101,6 +101,24 @@ def entry_terms(pools: Pools, place: Place, addend: Addend, need: Sequence[int])
         yield Option(addend, *kept)
 
 
+def entry_residual(pools: Pools, place: Place, node: Node, numbers: Sequence[int]) -> Node | None:
+    """Return a table of what entries have too much, by factors of the same entries; None for none."""
+    found = _table(node)
+    if found is None:
+        return None
+    _, table = found
+    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
+    if len(cells) != len(numbers):
+        return None
+    tree: Node = table
+    for cell, number in zip(cells, numbers, strict=True):
+        pieces = _entry(pools, place, table, cell, number) if number % PRIME else ()
+        if pieces is None:
+            return None
+        tree = put(tree, (("rows", cell),), total(pieces) if pieces else Number("0"))
+    return tree
+
+
 def _table(node: Node) -> tuple[Path, Matrix] | None:
     for path, here in places(node):
         if isinstance(here, Matrix) and sum(map(len, here.rows)) in {3, 9}:

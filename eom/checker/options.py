@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eom.checker.lines import Addend, Line, Signature, signature, valued
+from eom.checker.paths import Path
 from eom.checker.slips import DROPPED, NOTHING, TERM, Edit, Palette, Slip, edits
 from eom.checker.syntax import Node
 from eom.checker.values import Value
@@ -13,7 +14,10 @@ from eom.terms import Term
 
 @dataclass(frozen=True)
 class Option:
-    """What may stand for a term: another node, the other sign, or nothing; with its value."""
+    """What may stand for a term: another node, the other sign, or nothing; with its value.
+
+    ``old``, ``new``: what changes within the term, at ``paths``.
+    """
 
     addend: Addend
     slip: Slip
@@ -24,6 +28,7 @@ class Option:
     sign: int
     term: Term | None = None
     signature: Signature | None = None
+    paths: tuple[Path, ...] = ((),)
 
 
 def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
@@ -60,4 +65,5 @@ def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
         addend.sign,
         value.term,
         signature(value),
+        edit.paths,
     )

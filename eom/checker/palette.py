@@ -24,11 +24,11 @@ def palette(understood: Understood, line: Line) -> Palette:
     """Return what may have been meant in a line."""
     lexicon = understood.lexicon
     trees = list(_near(understood))
-    symbols = list(dict.fromkeys(n for t in trees for n in _symbols(t)))
+    known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
     own = [at(line.tree, m.path) for m in line.members if m.path is not None]
     factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
     return Palette(
-        symbols=tuple(n for n in symbols if _is_quantity(n))[:SYMBOLS],
+        symbols=tuple(n for n in known if _is_quantity(n))[:SYMBOLS],
         factors=tuple(factors)[:12],
         labels=tuple(_rows(lexicon, trees)),
         frames=tuple(_frames(lexicon, trees)),
@@ -53,7 +53,7 @@ def _near(understood: Understood) -> Iterator[Node]:
                     continue
 
 
-def _symbols(tree: Node) -> Iterator[Node]:
+def symbols(tree: Node) -> Iterator[Node]:
     """Yield symbols with their accents and scripts, the outermost alone."""
     stack = [tree]
     while stack:
@@ -80,7 +80,7 @@ def _factors(tree: Node) -> Iterator[Node]:
         if isinstance(node, Product | Quotient):
             parts = node.factors if isinstance(node, Product) else (node.left, node.right)
             yield from (p for p in parts if _is_factor(p))
-    yield from (n for n in _symbols(tree) if _is_quantity(n))
+    yield from (n for n in symbols(tree) if _is_quantity(n))
 
 
 def _is_factor(node: Node) -> bool:
