@@ -19,7 +19,7 @@ from eom.checker.leftover import pair
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
 from eom.checker.paths import at
-from eom.checker.syntax import Differential, Integral, Node, Symbol
+from eom.checker.syntax import Derivative, Differential, Integral, Node, Symbol
 from eom.checker.trees import walk
 from eom.checker.writing import latex
 from eom.errors import InputError
@@ -176,19 +176,30 @@ def _values(
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     if any(isinstance(n, Integral) for r in roots for n in walk(r)):
         masses = [_number(m.coefficients[0]) for m in evaluator.world.masses]
-        yield latex(Differential(Symbol("m"))), ",\\ ".join(masses)
-    for node in list(dict.fromkeys(n for r in roots for n in symbols(r)))[:SHOWN]:
+        yield latex(Differential(Symbol("m"))), ",\\ ".join(m for m in masses if m != "0")
+    for node in list(dict.fromkeys(n for r in roots for n in _quantities(r)))[:SHOWN]:
         value = valued(shop.line.elaborator, node)
         if value is not None and not value.is_zero:
             yield latex(node), _numbers(evaluator, value.term)
 
 
+def _quantities(root: Node) -> Iterator[Node]:
+    """Yield the symbols of a member, and the derivatives that stand there."""
+    yield from symbols(root)
+    yield from (n for n in walk(root) if isinstance(n, Derivative) and n.operand is not None)
+
+
 def _numbers(evaluator: Evaluator, term: Term) -> str:
-    """Return a value at t = 0: a number, a row of components, rows of a matrix; for every numbering."""
+    """Return a value at t = 0: a number, a row of components, rows of a matrix.
+
+    One for each mass where it depends on one; those without mass are left out.
+    """
     found: list[str] = []
     for env in evaluator.numberings(evaluator.labels(term)):
-        found.append(_written(evaluator.value(term, env)))
-    return ",\\ ".join(dict.fromkeys(found)) if len(set(found)) == 1 else ",\\ ".join(found)
+        masses = evaluator.world.masses
+        if all(masses[n].coefficients[0] != 0 for n in env.values() if n < len(masses)):
+            found.append(_written(evaluator.value(term, env)))
+    return ",\\ ".join(found[:1] if len(set(found)) == 1 else found)
 
 
 def _written(value: Any) -> str:

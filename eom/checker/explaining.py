@@ -12,7 +12,7 @@ from eom.checker.leftover import leftover
 from eom.checker.lines import Line, line
 from eom.checker.notes import Understood
 from eom.checker.options import Option
-from eom.checker.rewriting import blamed, rewritten
+from eom.checker.rewriting import blamed, rewritten, tight
 from eom.checker.slips import LOST
 from eom.checker.syntax import Missing
 from eom.checker.verdicts import GRAVE, Judged
@@ -59,8 +59,8 @@ def _correction(understood: Understood, wrong: Line, found: Verified) -> Correct
 
 def _words(option: Option) -> str:
     """Say what was undone: the slip, what stands there and what may have been meant."""
-    if option.slip is LOST:
-        return f"{option.slip.words}: ${'-' if option.sign < 0 else '+'} {latex(option.new)}$"
+    if option.slip is LOST and option.node is option.new:
+        return f"{option.slip.words}: ${'-' if option.sign < 0 else '+'} {tight(option.new)}$"
     if isinstance(option.new, Missing):
         return f"{option.slip.words}: ${latex(option.addend.node)}$"
     if option.sign != option.addend.sign:

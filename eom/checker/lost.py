@@ -84,21 +84,23 @@ def entry_terms(pools: Pools, place: Place, addend: Addend, need: Sequence[int])
     if len(cells) != len(need):
         return
     tree: Node = table
-    cost, last = 0.0, None
+    cost, changed = 0.0, list[tuple[int, int]]()
     for cell, wanted in zip(cells, need, strict=True):
         if wanted % PRIME == 0:
             continue
         pieces = _entry(pools, place, table, cell, wanted)
         if pieces is None:
             return
-        tree, last = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces)), pieces
+        tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
+        changed.append(cell)
         cost += weight(pieces)
     node = put(addend.node, path, tree)
     value = valued(pools.line.elaborator, node)
-    if value is not None and last is not None:
-        shown = total(last)
-        kept = (LOST, cost, NOTHING, shown, node, addend.sign, value.term, signature(value))
-        yield Option(addend, *kept)
+    if value is not None and changed:
+        inside: Path = (("rows", changed[0]),) if len(changed) == 1 else ()
+        old, new = at(table, inside), at(tree, inside)
+        kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
+        yield Option(addend, *kept, paths=((*path, *inside),))
 
 
 def entry_residual(pools: Pools, place: Place, node: Node, numbers: Sequence[int]) -> Node | None:

@@ -11,7 +11,21 @@ from eom.checker.looks import Labels, labels, seen
 from eom.checker.notes import Understood
 from eom.checker.paths import at, operands
 from eom.checker.slips import Palette
-from eom.checker.syntax import Call, Derivative, Group, Marks, Node, Number, Product, Quotient, Scripts, Symbol
+from eom.checker.syntax import (
+    BigOperator,
+    Call,
+    Derivative,
+    Differential,
+    Group,
+    Integral,
+    Marks,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Scripts,
+    Symbol,
+)
 from eom.checker.trees import children, walk
 from eom.errors import InputError
 from eom.terms import INDICES
@@ -61,7 +75,8 @@ def symbols(tree: Node) -> Iterator[Node]:
         if seen(node) is not None:
             yield node
         else:
-            below = children(node) if not isinstance(node, Scripts | Derivative) else _inside(node)
+            bound = isinstance(node, Scripts | Derivative | Integral | BigOperator | Differential)
+            below = _inside(node) if bound else children(node)
             stack += reversed(below)
 
 

@@ -75,10 +75,10 @@ def at(node: Node, path: Path) -> Node:
 def put(node: Node, path: Path, new: Node) -> Node:
     """Return a tree with another node at the end of a path, tidied on the way."""
     if not path:
-        return _tidy(new)
+        return tidy(new)
     (name, numbers), rest = path[0], path[1:]
     field = _put(getattr(node, name), numbers, rest, new)
-    return _tidy(replace(node, **{name: field}))
+    return tidy(replace(node, **{name: field}))
 
 
 def _put(value: Any, numbers: tuple[int, ...], rest: Path, new: Node) -> Any:
@@ -115,7 +115,7 @@ NOTHING = Missing()
 """Stands where a term or factor is left out; it goes when it is put into a tree."""
 
 
-def _tidy(node: Node) -> Node:
+def tidy(node: Node) -> Node:
     """Leave out what stands for nothing, double signs and plain products within one another."""
     if isinstance(node, Addition):
         return _tidy_sum(node)

@@ -57,7 +57,7 @@ def _changes(line: Line, option: Option, source: str) -> Iterator[Change]:
     if option.slip is LOST and option.node is option.new:
         here = at(line.tree, base)
         sign = "-" if option.sign < 0 else "+"
-        yield Span(here.span.stop, here.span.stop), f" {sign} {_tight(option.new)}"
+        yield Span(here.span.stop, here.span.stop), f" {sign} {tight(option.new)}"
         return
     if option.node is NOTHING:
         yield from _dropped(line, base)
@@ -67,11 +67,11 @@ def _changes(line: Line, option: Option, source: str) -> Iterator[Change]:
         return
     for path in option.paths:
         old = at(line.tree, (*base, *path))
-        new = at(option.node, path) if len(option.paths) == 1 and not path else option.new
-        yield old.span, "" if isinstance(new, Missing) else _like(old, new)
+        yield old.span, "" if isinstance(option.new, Missing) else _like(old, option.new)
 
 
-def _tight(node: Node) -> str:
+def tight(node: Node) -> str:
+    """Return the LaTeX of a term behind a sign."""
     text = latex(node)
     return rf"\left( {text} \right)" if isinstance(node, Addition) else text
 

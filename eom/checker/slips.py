@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from eom.checker.looks import DOTS, seen
-from eom.checker.paths import NOTHING, Path, at, places, put
+from eom.checker.paths import NOTHING, Path, at, places, put, tidy
 from eom.checker.syntax import (
     Accent,
     Addition,
@@ -544,7 +544,7 @@ def edits(node: Node, palette: Palette) -> list[Edit]:
         for slip in SLIPS:
             for new, extra in slip.rule(here, palette):
                 tree = put(node, path, new)
-                edit = Edit(slip, slip.weight + extra, tree, here, new, (path,))
+                edit = Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
                 _keep(found, edit, node)
                 if len(found) >= MAX_EDITS:
                     return _sorted(found)
