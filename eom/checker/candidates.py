@@ -13,7 +13,7 @@ from itertools import combinations
 from eom.checker.lines import Addend, Line, Member, Place, Signature, signature
 from eom.checker.lost import Pools, entry_terms, lost_terms
 from eom.checker.options import Option
-from eom.checker.paths import Path, at, put
+from eom.checker.paths import Path, at, put, set_down
 from eom.checker.slips import ALL_OVER, LOST
 from eom.checker.syntax import Addition, Node
 from eom.checker.values import COLUMN, GEOMETRIC, MATRIX, Value, components
@@ -327,8 +327,11 @@ def repaired(line: Line, candidate: Candidate) -> Node:
     """Return the tree of the whole formula with the options put in."""
     tree = line.tree
     paths = {m.number: m.path for m in line.members}
-    for option in candidate.options:
-        tree = _apply(tree, (*(paths[option.addend.member] or ()), *option.addend.path), option)
+    whole = [(o, (*(paths[o.addend.member] or ()), *o.addend.path)) for o in candidate.options]
+    for option, path in whole:
+        tree = _apply(tree, path, option)
+    for path in {p[:-1] for o, p in whole if o.addend.summed}:
+        tree = put(tree, path, at(tree, path))
     return tree
 
 
@@ -337,15 +340,15 @@ def _apply(tree: Node, path: Path, option: Option) -> Node:
         return _appended(tree, path, option)
     flipped = option.sign != option.addend.sign
     if not flipped:
-        return put(tree, path, option.node)
+        return set_down(tree, path, option.node)
     if not option.addend.summed:
-        return put(tree, path, Addition((option.node,), ("-",), span=option.addend.node.span))
+        return set_down(tree, path, Addition((option.node,), ("-",), span=option.addend.node.span))
     parent, k = at(tree, path[:-1]), path[-1][1][0]
     assert isinstance(parent, Addition)
     sign = "-" if option.sign < 0 else "+" if k else ""
     signs = (*parent.signs[:k], sign, *parent.signs[k + 1 :])
     terms = (*parent.terms[:k], option.node, *parent.terms[k + 1 :])
-    return put(tree, path[:-1], replace(parent, signs=signs, terms=terms))
+    return set_down(tree, path[:-1], replace(parent, signs=signs, terms=terms))
 
 
 def _appended(tree: Node, path: Path, option: Option) -> Node:
@@ -355,6 +358,6 @@ def _appended(tree: Node, path: Path, option: Option) -> Node:
         parent = at(tree, path[:-1])
         assert isinstance(parent, Addition)
         terms, signs = (*parent.terms, option.node), (*parent.signs, sign)
-        return put(tree, path[:-1], replace(parent, terms=terms, signs=signs))
+        return set_down(tree, path[:-1], replace(parent, terms=terms, signs=signs))
     here = at(tree, path)
-    return put(tree, path, Addition((here, option.node), ("", sign), span=here.span))
+    return set_down(tree, path, Addition((here, option.node), ("", sign), span=here.span))

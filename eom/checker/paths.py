@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -74,18 +74,27 @@ def at(node: Node, path: Path) -> Node:
 
 def put(node: Node, path: Path, new: Node) -> Node:
     """Return a tree with another node at the end of a path, tidied on the way."""
+    return _put(node, path, new, tidy)
+
+
+def set_down(node: Node, path: Path, new: Node) -> Node:
+    """Return a tree with another node at the end of a path; all other paths stay as they are."""
+    return _put(node, path, new, lambda n: n)
+
+
+def _put(node: Node, path: Path, new: Node, finish: Callable[[Node], Node]) -> Node:
     if not path:
-        return tidy(new)
+        return finish(new)
     (name, numbers), rest = path[0], path[1:]
-    field = _put(getattr(node, name), numbers, rest, new)
-    return tidy(replace(node, **{name: field}))
+    field = _within(getattr(node, name), numbers, lambda n: _put(n, rest, new, finish))
+    return finish(replace(node, **{name: field}))
 
 
-def _put(value: Any, numbers: tuple[int, ...], rest: Path, new: Node) -> Any:
+def _within(value: Any, numbers: tuple[int, ...], change: Callable[[Any], Any]) -> Any:
     if not numbers:
-        return put(value, rest, new)
+        return change(value)
     k = numbers[0]
-    return (*value[:k], _put(value[k], numbers[1:], rest, new), *value[k + 1 :])
+    return (*value[:k], _within(value[k], numbers[1:], change), *value[k + 1 :])
 
 
 def find(root: Node, wanted: Node) -> Path | None:

@@ -103,7 +103,7 @@ NOTES = (
         SCHAUB,
         (
             r"[\dot{C}] = -[\tilde{\boldsymbol{\omega}}][C]",
-            r"[C][C]^T = [C]^T[C]",
+            r"[C]^T[\dot{C}] = -[C]^T[\tilde{\boldsymbol{\omega}}][C]",
             r"\mathbf{H}_c = [I]\boldsymbol{\omega}",
             r"[I]\dot{\boldsymbol{\omega}} = -[\tilde{\boldsymbol{\omega}}][I]\boldsymbol{\omega} + \mathbf{L}_c",
             r"T_{rot} = \frac{1}{2} \boldsymbol{\omega}^T [I] \boldsymbol{\omega}",
