@@ -45,6 +45,10 @@ def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
     kind = left[0] or right[0]
     if kind is None or (left[0] and right[0] and left[0] != right[0]):
         return ""
-    for pieces in fits(place, shop.pools.pool(shop.pools.roots, kind), (left[1] - right[1]) % PRIME):
+    number = (left[1] - right[1]) % PRIME
+    for pieces in fits(place, shop.pools.own(kind), number):
+        if len(pieces) == 1:
+            return latex(total(pieces))
+    for pieces in fits(place, shop.pools.pool(shop.pools.roots, kind), number):
         return latex(total(pieces))
     return ""

@@ -6,7 +6,6 @@ whatever the others do. So slips in several terms are found by adding numbers.
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -28,7 +27,7 @@ from eom.terms import Term
 Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
 
-_WEIGHTS = tuple(random.Random("weights").randrange(1, PRIME) for _ in range(64))  # noqa: S311
+_WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
 NUMBERINGS = 3
 """How many ways to number free indices are looked at."""
 

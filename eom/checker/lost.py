@@ -25,16 +25,21 @@ class Pools:
     made: dict[tuple[tuple[Node, ...], Signature], list[Item]] = field(default_factory=dict)
 
     def pool(self, roots: Sequence[Node], kind: Signature) -> list[Item]:
-        """Return products of the factors below some nodes, behind the terms of the line themselves."""
+        """Return products of the factors below some nodes, but for what stands in the line as a term."""
         key = (tuple(roots), kind)
         if key not in self.made:
-            own = [
-                Item(a.node, v.term, kind)
-                for a, v in self.values.items()
-                if v is not None and not v.is_zero and signature(v) == kind
-            ]
-            self.made[key] = [*own, *items(self.line, roots, kind)]
+            standing = {i.term for i in self.own(kind)}
+            made = items(self.line, roots, kind)
+            self.made[key] = [i for i in made if i.term not in standing]
         return self.made[key]
+
+    def own(self, kind: Signature) -> list[Item]:
+        """Return the terms of the line."""
+        return [
+            Item(a.node, v.term, kind)
+            for a, v in self.values.items()
+            if v is not None and not v.is_zero and signature(v) == kind
+        ]
 
     @property
     def roots(self) -> list[Node]:

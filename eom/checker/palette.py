@@ -44,6 +44,7 @@ def palette(understood: Understood, line: Line) -> Palette:
     return Palette(
         symbols=tuple(n for n in known if _is_quantity(n))[:SYMBOLS],
         factors=tuple(factors)[:12],
+        omegas=tuple(n for n in known if _is_omega(lexicon, n))[:3],
         labels=tuple(_rows(lexicon, trees)),
         frames=tuple(_frames(lexicon, trees)),
         marks=_marks(lexicon, trees),
@@ -87,6 +88,19 @@ def _inside(node: Node) -> tuple[Node, ...]:
 def _is_quantity(node: Node) -> bool:
     given = seen(node)
     return given is not None and given.look.name.isalpha() and not isinstance(node, Group)
+
+
+def _is_omega(lexicon: Lexicon, node: Node) -> bool:
+    """Tell whether a symbol is an angular velocity as a vector, without dots."""
+    given = seen(node)
+    if given is None or given.dots:
+        return False
+    for look in (given.with_label(), given.look):
+        found = lexicon.find(look) if look is not None else None
+        if found is not None:
+            whole = not found.meaning.component
+            return found.meaning.quantity == "angular_velocity" and whole
+    return False
 
 
 def _factors(tree: Node) -> Iterator[Node]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from eom.checker.candidates import Candidate
@@ -67,7 +68,23 @@ def _changes(line: Line, option: Option, source: str) -> Iterator[Change]:
         return
     for path in option.paths:
         old = at(line.tree, (*base, *path))
-        yield old.span, "" if isinstance(option.new, Missing) else _like(old, option.new)
+        text = "" if isinstance(option.new, Missing) else _like(old, option.new)
+        yield _with_font(old.span, source), text
+
+
+_FONT = re.compile(r"\\(?:boldsymbol|math[a-z]+|bm|mathbf|boldmath)\s*(\{?)\s*\Z")
+
+
+def _with_font(span: Span, source: str) -> Span:
+    """Return a place with the command for the font of a letter around it."""
+    before = _FONT.search(source[max(0, span.start - 20) : span.start])
+    if before is None:
+        return span
+    start = span.start - (len(before[0]))
+    if not before[1]:
+        return Span(start, span.stop)
+    end = span.stop + len(source[span.stop :]) - len(source[span.stop :].lstrip())
+    return Span(start, end + 1) if source[end : end + 1] == "}" else span
 
 
 def tight(node: Node) -> str:

@@ -42,11 +42,12 @@ class Palette:
 
     ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
     labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
-    ``factors``: of the line itself.
+    ``factors``: of the line itself; ``omegas``: angular velocities.
     """
 
     symbols: tuple[Node, ...] = ()
     factors: tuple[Node, ...] = ()
+    omegas: tuple[Node, ...] = ()
     labels: tuple[tuple[Node, ...], ...] = ()
     frames: tuple[Node, ...] = ()
     marks: tuple[str, ...] = ()
@@ -365,9 +366,10 @@ def _factor_like(node: Node) -> bool:
 
 def _missing_cross(node: Node, palette: Palette) -> Iterator[Offer]:
     """Put ``omega x`` of the line before a vector."""
-    if seen(node) is not None or isinstance(node, Group):
-        for new in palette.factors:
-            if new != node and not isinstance(new, Number | Call):
+    whole = isinstance(node, Product) and not node.operator
+    if seen(node) is not None or isinstance(node, Group) or whole:
+        for new in palette.omegas:
+            if new != node:
                 yield Product((new, node), "cross", span=node.span), 0.0
                 yield Group(Product((new, node), "cross"), span=node.span), 0.1
 
