@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import click
 
@@ -98,8 +98,8 @@ class Result:
 def explained(understood: Understood) -> tuple[Explanation, float]:
     """Return why a formula is wrong: of its first wrong claim."""
     judged = next(j for j in verdict(understood, GIVEN).claims if j.verdict in GRAVE)
-    start = perf_counter()
-    return explain(understood, judged, GIVEN), perf_counter() - start
+    start = process_time()
+    return explain(understood, judged, GIVEN), process_time() - start
 
 
 def rank(understood: Understood, found: Explanation, wanted: str) -> int:
@@ -154,7 +154,11 @@ MUTATIONS: tuple[tuple[str, str, str], ...] = (
     ("exponent", r"\^2", ""),
     ("operator", r"\\times", r"\\cdot"),
     ("operator", r"\\cdot", r"\\times"),
-    ("order", r"(\\\w+(?:\{[^{}]*\})?(?:_\w)?) \\times (\\\w+(?:\{[^{}]*\})?(?:_\w)?)", r"\2 \\times \1"),
+    (
+        "order",
+        r"(\\\w+(?:\{[^{}]*\})?(?:_\w)?) \\times (\\\w+(?:\{[^{}]*\})?(?:_\w)?)",
+        r"\2 \\times \1",
+    ),
     ("lost cross product", r"\\(?:vec|mathbf|boldsymbol|underline)\{\\omega\} \\times ", ""),
     ("point", r"_C", "_O"),
     ("point", r"_G", "_O"),
@@ -269,7 +273,7 @@ def mutants_command(count: int, seed: int, failures: bool) -> None:
 def _times(seconds: Sequence[float]) -> None:
     if seconds:
         words = (statistics.median(seconds), max(seconds), sum(seconds))
-        click.echo("time: median {}, worst {}, all {}".format(*map(time_text, words)))
+        click.echo("processor time: median {}, worst {}, all {}".format(*map(time_text, words)))
 
 
 if __name__ == "__main__":

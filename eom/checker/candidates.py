@@ -83,7 +83,7 @@ class Workshop:
         """Yield lost terms of one of two members; ``need``: of the left less the right side."""
         left, right = self.line.members
         member, side = (right, -1) if right.path is not None else (left, 1)
-        if self._is_zero(right) and left.path is not None:
+        if self.is_zero(right) and left.path is not None:
             member, side = left, 1
         yield from self._lost_in(place, member, kind, side * need % PRIME)
 
@@ -180,7 +180,7 @@ class Workshop:
             return []
         kind, target = total
         others = [m for m in self.line.members if self.total(place, m) != total]
-        zero = [m for m in others if self._is_zero(m)]
+        zero = [m for m in others if self.is_zero(m)]
         if target == 0 and kind is not None:
             others = [m for m in others if m not in zero]
         found: list[Candidate] = [Candidate((), 0.0)]
@@ -198,7 +198,8 @@ class Workshop:
             found = [_together(a, b) for a in found[:6] for b in _best(repairs)[:8]]
         return [c for c in found if c.options]
 
-    def _is_zero(self, member: Member) -> bool:
+    def is_zero(self, member: Member) -> bool:
+        """Tell whether a member is written as zero."""
         values = [member.value, *(self.values[a] for a in member.addends)]
         return all(v.is_zero for v in values if v is not None)
 
@@ -309,7 +310,9 @@ def _together(a: Candidate, b: Candidate) -> Candidate:
 def _best(found: Iterable[Candidate]) -> list[Candidate]:
     unique: dict[tuple[Node, ...], Candidate] = {}
     for candidate in sorted(found, key=lambda c: c.weight):
-        key = tuple(o.node for o in candidate.options) + tuple(o.addend.node for o in candidate.options)
+        key = tuple(o.node for o in candidate.options) + tuple(
+            o.addend.node for o in candidate.options
+        )
         unique.setdefault((*key, *(_signed(o) for o in candidate.options)), candidate)
         if len(unique) == MANY:
             break

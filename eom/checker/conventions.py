@@ -89,7 +89,11 @@ def other_convention(understood: Understood, number: int, given: Iterable[str] =
         before = understood.claims[number]
         if claim is None or claim.verdict or claim.kind != before.kind:
             continue
-        if not before.verdict and claim.members == before.members and claim.scalars == before.scalars:
+        if (
+            not before.verdict
+            and claim.members == before.members
+            and claim.scalars == before.scalars
+        ):
             continue
         found = judge(claim, given)
         least = min((penalty(s, frozenset(given)) for s in found.sets), default=0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.claims import Claim
@@ -23,6 +23,8 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
+NEAR = 12
+"""Symbols around a line that are tried in lost terms, if its own do not help."""
 ENOUGH = 1.0
 """A repair found is enough if a special level could only add some that weigh this much more."""
 
@@ -52,7 +54,7 @@ def corrections(
 ) -> list[Verified]:
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
-    ranked = _ranked(shop, given)
+    ranked = _ranked(shop, given) or _ranked(_widened(shop), given)
     found: list[Verified] = []
     for one in ranked[:JUDGED]:
         made = verified(understood, shop.line, one, given, stated)
@@ -61,6 +63,10 @@ def corrections(
         if len(found) == SHOWN:
             break
     return sorted(found, key=lambda v: v.cost)
+
+
+def _widened(shop: Workshop) -> Workshop:
+    return replace(shop, pools=replace(shop.pools, wide=True, made={}))
 
 
 def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
@@ -82,7 +88,7 @@ def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
             extra = 0.0 if _holds_in(shop, free, candidate) else 0.6 + 0.5 * number
             key = _alike(shop, free, candidate) or tree
             better = key not in found or found[key].cost > candidate.weight + extra
-            if better and not trivial(wrong, tree, shop, free, candidate):
+            if better and not trivial(shop, tree, (free, there), candidate):
                 found[key] = Ranked(candidate, tree, candidate.weight + extra, there)
     return sorted(found.values(), key=lambda r: r.cost)
 
@@ -93,7 +99,7 @@ def workshop(understood: Understood, wrong: Line) -> Workshop:
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: valued(wrong.elaborator, a.node) for a in addends}
     offers = {a: options(wrong, a, have) for a in addends}
-    return Workshop(wrong, offers, values, Pools(wrong, values))
+    return Workshop(wrong, offers, values, Pools(wrong, values, have.symbols[:NEAR]))
 
 
 def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:
@@ -144,12 +150,20 @@ def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:
     return None not in totals and len(set(totals)) == 1
 
 
-def trivial(wrong: Line, tree: Node, shop: Workshop, free: Place, candidate: Candidate) -> bool:
-    """Tell whether a repair says nothing: two members alike, or all of them zero anyway."""
-    nodes = [at(tree, m.path) for m in wrong.members if m.path is not None]
+def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate) -> bool:
+    """Tell whether a repair says nothing: two members alike, or all of them zero anyway.
+
+    ``there``: the worlds where least and where most is assumed; a line that says itself that something
+    is zero may do so where much is assumed.
+    """
+    members = shop.line.members
+    nodes = [at(tree, m.path) for m in members if m.path is not None]
     if len(set(nodes)) < len(nodes):
         return True
-    return all(t == 0 for t in _totals(shop, free, candidate))
+    says = any(shop.is_zero(m) for m in members)
+    return any(
+        all(t == 0 for t in _totals(shop, place, candidate)) for place in there[: 1 if says else 2]
+    )
 
 
 def verified(

@@ -36,8 +36,8 @@ NUMBERINGS = 3
 class Remembering(Elaborator):
     """An elaborator that works out every node once; trees that differ in one place share all others."""
 
-    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = field(
-        default_factory=dict, repr=False
+    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = (
+        field(default_factory=dict, repr=False)
     )
 
     def value(self, node: Node) -> Value:
@@ -214,7 +214,9 @@ def _flat(value: object) -> list[Series]:
     return [s for part in value for s in _flat(part)]  # type: ignore[attr-defined]
 
 
-def place(names: frozenset[str], scalars: Mapping[object, Term], terms: Iterable[Term]) -> Place | None:
+def place(
+    names: frozenset[str], scalars: Mapping[object, Term], terms: Iterable[Term]
+) -> Place | None:
     """Return the first world under some assumptions where all terms have a value, or None."""
     terms = list(terms)
     for seed in range(4):

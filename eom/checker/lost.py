@@ -18,10 +18,15 @@ from eom.terms import expr
 
 @dataclass
 class Pools:
-    """Products of the factors of a line by signature, made once."""
+    """Products of the factors of a line by signature, made once.
+
+    ``near``: symbols that stand around the line, factors as well where ``wide``.
+    """
 
     line: Line
     values: Mapping[Addend, Value | None]
+    near: tuple[Node, ...] = ()
+    wide: bool = False
     made: dict[tuple[tuple[Node, ...], Signature], list[Item]] = field(default_factory=dict)
 
     def pool(self, roots: Sequence[Node], kind: Signature) -> list[Item]:
@@ -44,7 +49,8 @@ class Pools:
     @property
     def roots(self) -> list[Node]:
         """The members that stand in the line."""
-        return [at(self.line.tree, m.path) for m in self.line.members if m.path is not None]
+        own = [at(self.line.tree, m.path) for m in self.line.members if m.path is not None]
+        return [*own, *self.near] if self.wide else own
 
 
 def weight(pieces: Sequence[Piece]) -> float:
@@ -76,7 +82,9 @@ def lost_terms(
 # -- by entries ------------------------------------------------------------------------------------
 
 
-def entry_terms(pools: Pools, place: Place, addend: Addend, need: Sequence[int]) -> Iterator[Option]:
+def entry_terms(
+    pools: Pools, place: Place, addend: Addend, need: Sequence[int]
+) -> Iterator[Option]:
     """Yield a table of entries with terms added where its entries need some.
 
     ``need``: by how much its components must grow, one for each entry.
@@ -169,4 +177,6 @@ def _added(cell: Node, pieces: Sequence[Piece]) -> Node:
     own = (cell.terms, cell.signs) if isinstance(cell, Addition) else ((cell,), ("",))
     if cell == Number("0"):
         own = ((), ())
-    return Addition((*own[0], *(n for _, n in parts)), (*own[1], *(s for s, _ in parts)), span=cell.span)
+    return Addition(
+        (*own[0], *(n for _, n in parts)), (*own[1], *(s for s, _ in parts)), span=cell.span
+    )

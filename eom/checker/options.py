@@ -49,7 +49,13 @@ def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
 
 
 def _option(
-    addend: Addend, slip: Slip, old: Node, new: Node, sign: int, term: Term | None, kind: Signature | None
+    addend: Addend,
+    slip: Slip,
+    old: Node,
+    new: Node,
+    sign: int,
+    term: Term | None,
+    kind: Signature | None,
 ) -> Option:
     return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
 

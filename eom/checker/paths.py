@@ -149,7 +149,11 @@ def _tidy_sum(node: Addition) -> Node:
     if len(pairs) == 1 and not pairs[0][0]:
         return pairs[0][1]
     signs, terms = zip(*pairs, strict=True)
-    return node if terms == node.terms and signs == node.signs else replace(node, terms=terms, signs=signs)
+    return (
+        node
+        if terms == node.terms and signs == node.signs
+        else replace(node, terms=terms, signs=signs)
+    )
 
 
 def _tidy_product(node: Product) -> Node:

@@ -12,7 +12,17 @@ from eom.checker.lines import Addend, Line, Place, Signature, signature, valued
 from eom.checker.looks import seen
 from eom.checker.paths import at, operands
 from eom.checker.slips import dotted
-from eom.checker.syntax import Addition, Call, Derivative, Fraction, Group, Node, Number, Product, Scripts
+from eom.checker.syntax import (
+    Addition,
+    Call,
+    Derivative,
+    Fraction,
+    Group,
+    Node,
+    Number,
+    Product,
+    Scripts,
+)
 from eom.checker.trees import children
 from eom.checker.values import COLUMN, MATRIX, ROW, Value
 from eom.series import PRIME
@@ -26,6 +36,8 @@ ATOMS = 14
 DEGREE = 4
 MOST = 900
 """Products that are tried at most."""
+ALTERNATIVES = 3
+"""Products that are offered at most where several are the same in a world."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +172,9 @@ def _powers(parts: list[Node]) -> tuple[Node, ...]:
     found: list[Node] = []
     for node in dict.fromkeys(parts):
         count = parts.count(node)
-        plain = not isinstance(node, Call | Scripts) or (isinstance(node, Scripts) and node.sup is None)
+        plain = not isinstance(node, Call | Scripts) or (
+            isinstance(node, Scripts) and node.sup is None
+        )
         if count > 1 and plain and not isinstance(node, Call):
             base = node if isinstance(node, Scripts) else Scripts(node)
             found.append(replace(base, sup=Number(str(count))))
@@ -185,7 +199,10 @@ _SHAPES: dict[str, tuple[tuple[tuple[str, ...], object], ...]] = {
         (("vector",), lambda p: p[0]),
         (("vector", "vector"), _cross),
         (("dyadic", "vector"), lambda p: Product(tuple(p), "dot")),
-        (("vector", "dyadic", "vector"), lambda p: _cross([p[0], Group(Product((p[1], p[2]), "dot"))])),
+        (
+            ("vector", "dyadic", "vector"),
+            lambda p: _cross([p[0], Group(Product((p[1], p[2]), "dot"))]),
+        ),
         (("vector", "vector", "vector"), lambda p: _cross([p[0], Group(_cross(p[1:]))])),
     ),
     COLUMN: (
@@ -210,21 +227,23 @@ _SHAPES: dict[str, tuple[tuple[tuple[str, ...], object], ...]] = {
 
 
 def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piece, ...]]:
-    """Yield single products, then sums of two, that have a number in a world."""
+    """Yield single products that have a number in a world; without any, a sum of two."""
     numbers = [(place.number(i.term), i) for i in pool]
     known = [(n, i) for n, i in numbers if n]
-    scaled: dict[int, Piece] = {}
+    scaled: dict[int, list[Piece]] = {}
     for coefficient in COEFFICIENTS:
         factor = _modulo(coefficient)
         for number, item in known:
-            scaled.setdefault(factor * number % PRIME, Piece(coefficient, item))
-    if wanted % PRIME in scaled:
-        yield (scaled[wanted % PRIME],)
+            scaled.setdefault(factor * number % PRIME, []).append(Piece(coefficient, item))
+    single = scaled.get(wanted % PRIME, [])[:ALTERNATIVES]
+    yield from ((piece,) for piece in single)
+    if single:
+        return
     for number, item in known[:300]:
         for sign in (1, -1):
-            other = scaled.get((wanted - sign * number) % PRIME)
-            if other is not None and other.item.term != item.term:
-                yield Piece(Ratio(sign), item), other
+            others = scaled.get((wanted - sign * number) % PRIME, [])
+            if others and others[0].item.term != item.term:
+                yield Piece(Ratio(sign), item), others[0]
                 return
 
 

@@ -20,7 +20,9 @@ from eom.checker.writing import latex
 Change = tuple[Span, str]
 
 
-def rewritten(understood: Understood, line: Line, candidate: Candidate, tree: Node) -> tuple[str, Span, str]:
+def rewritten(
+    understood: Understood, line: Line, candidate: Candidate, tree: Node
+) -> tuple[str, Span, str]:
     """Return the whole line, the place of the note that changes, and what stands there then.
 
     The writer's own LaTeX stays where nothing changes, if it reads as the repaired tree; else the line
@@ -39,7 +41,11 @@ def rewritten(understood: Understood, line: Line, candidate: Candidate, tree: No
             end = len(text) - (len(body) - (span.stop - offset))
             return text.strip(), span, text[span.start - offset : end]
     whole = at(line.tree, common([m.path for m in line.members if m.path is not None]))
-    return latex(tree), whole.span, latex(at(tree, common([m.path for m in line.members if m.path])))
+    return (
+        latex(tree),
+        whole.span,
+        latex(at(tree, common([m.path for m in line.members if m.path]))),
+    )
 
 
 def _reads(understood: Understood, text: str) -> Node | None:

@@ -117,7 +117,10 @@ def _more_dots(node: Node, palette: Palette) -> Iterator[Offer]:
                 yield replace(bare, sup=Marks((mark,), span=node.span)), 0.3
     if isinstance(node, Scripts) and isinstance(node.sup, Marks) and node.sup.names:
         if set(node.sup.names) <= set(palette.marks):
-            yield replace(node, sup=replace(node.sup, names=(*node.sup.names, node.sup.names[-1]))), 0.1
+            yield (
+                replace(node, sup=replace(node.sup, names=(*node.sup.names, node.sup.names[-1]))),
+                0.1,
+            )
 
 
 def _fewer_dots(node: Node, palette: Palette) -> Iterator[Offer]:
@@ -302,7 +305,9 @@ def _other_number(node: Node, _: Palette) -> Iterator[Offer]:
 
 def _exponent(node: Node, _: Palette) -> Iterator[Offer]:
     if isinstance(node, Scripts) and isinstance(node.sup, Number):
-        for text in {"2": ("3", "4"), "3": ("2", "4", "5"), "5": ("3", "4"), "4": ("2", "3")}.get(node.sup.text, ()):
+        for text in {"2": ("3", "4"), "3": ("2", "4", "5"), "5": ("3", "4"), "4": ("2", "3")}.get(
+            node.sup.text, ()
+        ):
             yield replace(node, sup=Number(text, span=node.sup.span)), 0.0
         yield _without_sup(node), 0.0
         return
