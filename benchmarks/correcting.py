@@ -45,7 +45,7 @@ SHOWN = 3
 
 
 def same(understood: Understood, one: str, other: str) -> bool:
-    """Tell whether two lines in the place of a formula are equal: as trees, or member by member in worlds."""
+    """Tell whether two lines in the place of a formula are equal: as trees, or by members in worlds."""
     try:
         trees = [apply(read_formula(t).tree)[0] for t in (one, other)]
     except InputError:
@@ -206,14 +206,14 @@ def line_of(note: Sequence[str], k: int, text: str, lexicon: Lexicon) -> Underst
 def mutant_results(
     notes: Sequence[tuple[Lexicon, Sequence[str]]], count: int, seed: int = 0
 ) -> Iterator[Mutant]:
-    """Yield a number of mutants of the lines of notes, drawn evenly, that are called wrong or ill-formed."""
+    """Yield mutants of the lines of notes, drawn evenly, that are called wrong or ill-formed."""
     drawn = [
         (lexicon, note, k, kind, text)
         for lexicon, note in notes
         for k, line in enumerate(note)
         for kind, text in mutants(line)
     ]
-    random.Random(seed).shuffle(drawn)  # noqa: S311
+    random.Random(seed).shuffle(drawn)
     done = 0
     for lexicon, note, k, kind, text in drawn:
         if done == count:

@@ -16,8 +16,9 @@ from eom.checker.options import Option
 from eom.checker.paths import Path, at, put, set_down
 from eom.checker.slips import ALL_OVER, LOST
 from eom.checker.syntax import Addition, Node
-from eom.checker.values import COLUMN, GEOMETRIC, MATRIX, Value, components
+from eom.checker.values import GEOMETRIC, Value, components
 from eom.series import PRIME
+from eom.terms import COLUMN, MATRIX
 
 MANY = 40
 """Repairs of one line that are kept at most in one world."""
@@ -66,7 +67,7 @@ class Workshop:
         found: list[Candidate] = []
         for a, b in ((left, right), (right, left)):
             found += self._entries(place, a, b)
-        for kind in self._kinds(place, self.line.members):
+        for kind in self._kinds(self.line.members):
             target = 0
             groups: list[_Group] = []
             for member, side in ((left, 1), (right, -1)):
@@ -126,21 +127,22 @@ class Workshop:
     def _components(self, place: Place, member: Member, frame: str) -> list[int] | None:
         """Return the components of a member in a frame."""
         found: list[int] = []
-        parts = [(1, member.value)] if member.value is not None else []
+        parts: list[tuple[int, Value | None]] = []
+        if member.value is not None:
+            parts.append((1, member.value))
         parts += [(a.sign, self.values[a]) for a in member.addends]
         for sign, value in parts:
             if value is None:
                 return None
-            if value.shape in GEOMETRIC and frame:
-                value = components(value, frame)
-            numbers = place.values(value.term)
+            turned = components(value, frame) if value.shape in GEOMETRIC and frame else value
+            numbers = place.values(turned.term)
             if numbers is None:
                 return None
             signed = [sign * n for n in numbers]
             found = [a + b for a, b in zip(found, signed, strict=False)] if found else signed
         return found
 
-    def _kinds(self, place: Place, members: Iterable[Member]) -> list[Signature]:
+    def _kinds(self, members: Iterable[Member]) -> list[Signature]:
         """Return the signatures of terms, in order, those with a dimension alone if there are any."""
         kinds: dict[Signature, None] = {}
         for member in members:
@@ -187,7 +189,7 @@ class Workshop:
         for member in others:
             if member.path is None or not found:
                 return []
-            kinds = [kind] if kind is not None else self._kinds(place, [member])
+            kinds = [kind] if kind is not None else self._kinds([member])
             repairs = [
                 c for k in kinds for c in _combined(self._groups(place, member, k, 1), target)
             ]
@@ -205,7 +207,9 @@ class Workshop:
 
     def total(self, place: Place, member: Member) -> tuple[Signature | None, int] | None:
         """Return signature and number of a member as it stands, None where it has none."""
-        values = [(1, member.value)] if member.value is not None else []
+        values: list[tuple[int, Value | None]] = []
+        if member.value is not None:
+            values.append((1, member.value))
         values += [(a.sign, self.values[a]) for a in member.addends]
         kind: Signature | None = None
         total = 0

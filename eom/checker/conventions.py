@@ -1,4 +1,4 @@
-"""Lines that are right in another convention: what the symbols of attitude mean is exchanged in all of a line.
+"""Lines that are right in another convention: what symbols of attitude mean is exchanged all over.
 
 Three questions of convention are no errors: whether a rotation matrix turns frames or vectors, whether
 a sequence is one about moving or fixed axes, whether the scalar of a quaternion stands first or last.

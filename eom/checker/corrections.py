@@ -12,7 +12,7 @@ from eom.checker.levels import penalty, places
 from eom.checker.lines import Line, Place, valued
 from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
-from eom.checker.options import Option, options
+from eom.checker.options import options
 from eom.checker.palette import palette
 from eom.checker.paths import at
 from eom.checker.syntax import Node

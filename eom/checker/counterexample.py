@@ -47,7 +47,7 @@ class Chosen(Field):
     place: list[int] = field(default_factory=lambda: [0], compare=False)
     more: random.Random | None = field(default=None, compare=False)
 
-    def draw(self, generator: random.Random) -> Any:
+    def draw(self, generator: random.Random) -> Any:  # noqa: ARG002 - the list decides
         """Return the next number of the list."""
         k = self.place[0]
         self.place[0] += 1

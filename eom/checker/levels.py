@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from eom.checker.judge import CONTEXTS
+from eom.checker.lines import Place, place
 from eom.errors import InputError
 from eom.terms import Term
-from eom.checker.lines import Place, place
 from eom.worlds import closure
 
 LEVELS: tuple[tuple[str, ...], ...] = (

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field, replace
 
 from eom.checker.lines import Addend, Line, Member, Place, Signature, signature, valued
 from eom.checker.options import Option
-from eom.checker.paths import Path, at, operands, places, put
+from eom.checker.paths import NOTHING, Path, at, operands, places, put
 from eom.checker.residual import Item, Piece, fits, items, scaled, total
-from eom.checker.slips import LOST, NOTHING
+from eom.checker.slips import LOST
 from eom.checker.syntax import Addition, Matrix, Node, Number
-from eom.checker.values import COLUMN, MATRIX, Value
+from eom.checker.values import Value
 from eom.series import PRIME
-from eom.terms import expr
 
 
 @dataclass

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eom.checker.lines import Addend, Line, Signature, signature, valued
-from eom.checker.paths import Path
-from eom.checker.slips import DROPPED, NOTHING, TERM, Edit, Palette, Slip, edits
+from eom.checker.offers import Palette
+from eom.checker.paths import NOTHING, Path
+from eom.checker.slips import DROPPED, TERM, Edit, Slip, edits
 from eom.checker.syntax import Node
 from eom.checker.values import Value
 from eom.terms import Term

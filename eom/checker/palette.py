@@ -9,8 +9,8 @@ from eom.checker.lexicon import AXES, Lexicon
 from eom.checker.lines import Line
 from eom.checker.looks import Labels, labels, seen
 from eom.checker.notes import Understood
+from eom.checker.offers import Palette
 from eom.checker.paths import at, operands
-from eom.checker.slips import Palette
 from eom.checker.syntax import (
     BigOperator,
     Call,
@@ -130,13 +130,10 @@ def _marks(lexicon: Lexicon, trees: Iterable[Node]) -> tuple[str, ...]:
 def _rows(lexicon: Lexicon, trees: Iterable[Node]) -> Iterator[tuple[Node, ...]]:
     """Yield the labels of scripts that the note uses, those of one kind together."""
     leaves = dict.fromkeys(n for t in trees for n in _leaves(t))
-    for belongs in (
-        lambda n: labels(n) in lexicon.points,
-        lambda n: labels(n) in lexicon.frames,
-        lambda n: "".join(labels(n)) in INDICES - {"dm"},
-        lambda n: "".join(labels(n)) in set(AXES) - {"1", "2", "3"},
-    ):
-        row = tuple(n for n in leaves if belongs(n))
+    indices = {(name,): name for name in INDICES - {"dm"}}
+    axes = {(name,): name for name in set(AXES) - {"1", "2", "3"}}
+    for names in (lexicon.points, lexicon.frames, indices, axes):
+        row = tuple(n for n in leaves if labels(n) in names)
         if len(row) > 1:
             yield row
 

@@ -136,12 +136,11 @@ def tidy(node: Node) -> Node:
 def _tidy_sum(node: Addition) -> Node:
     pairs: list[tuple[str, Node]] = []
     for sign, term in zip(node.signs, node.terms, strict=True):
-        if isinstance(term, Missing):
-            continue
-        inner = isinstance(term, Addition) and sign in {"", "+"} and len(term.terms) == 1
-        if inner and isinstance(term, Addition):
-            sign, term = term.signs[0] or sign, term.terms[0]
-        pairs.append((sign, term))
+        single = isinstance(term, Addition) and sign in {"", "+"} and len(term.terms) == 1
+        if single and isinstance(term, Addition):
+            pairs.append((term.signs[0] or sign, term.terms[0]))
+        elif not isinstance(term, Missing):
+            pairs.append((sign, term))
     if not pairs:
         return Number("0", span=node.span)
     if pairs[0][0] == "+":

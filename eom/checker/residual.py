@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
 from itertools import combinations_with_replacement, product
 
 from eom.checker.dimensions import NONE, Dimension
-from eom.checker.lines import Addend, Line, Place, Signature, signature, valued
+from eom.checker.lines import Line, Place, Signature, signature, valued
 from eom.checker.looks import seen
-from eom.checker.paths import at, operands
-from eom.checker.slips import dotted
+from eom.checker.paths import operands
+from eom.checker.slips_marks import dotted
 from eom.checker.syntax import (
     Addition,
     Call,
@@ -24,9 +24,9 @@ from eom.checker.syntax import (
     Scripts,
 )
 from eom.checker.trees import children
-from eom.checker.values import COLUMN, MATRIX, ROW, Value
+from eom.checker.values import ROW, Value
 from eom.series import PRIME
-from eom.terms import DYADIC, SCALAR, VECTOR, Term
+from eom.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
 
 COEFFICIENTS: tuple[Ratio, ...] = tuple(
     sign * Ratio(c) for c in ("1", "2", "1/2", "3", "3/2", "1/3", "4", "1/4") for sign in (1, -1)
@@ -155,9 +155,7 @@ def _sum(numbers: tuple[_Sized, ...], rest: tuple[_Sized, ...]) -> _Exponents:
 
 
 def _joined(numbers: list[Node], rest: Node | None) -> Node:
-    parts: list[Node] = []
-    for node in numbers:
-        parts.append(node)
+    parts = list(numbers)
     if rest is None:
         return parts[0] if len(parts) == 1 else Product(_powers(parts))
     if not parts:
@@ -189,7 +187,8 @@ def _cross(parts: list[Node]) -> Node:
     return Product(tuple(parts), "cross")
 
 
-_SHAPES: dict[str, tuple[tuple[tuple[str, ...], object], ...]] = {
+_Join = Callable[[list[Node]], Node | None]
+_SHAPES: dict[str, tuple[tuple[tuple[str, ...], _Join], ...]] = {
     SCALAR: (
         ((), lambda _: None),
         (("vector", "vector"), lambda p: Product(tuple(p), "dot")),
@@ -262,7 +261,7 @@ def scaled(piece: Piece) -> tuple[str, Node]:
     if size.denominator > 1:
         number = Fraction(number, Number(str(size.denominator)))
     loose = isinstance(node, Product) and node.operator
-    parts = (Group(node),) if loose or isinstance(node, Addition) else (node,)
+    parts: tuple[Node, ...] = (Group(node),) if loose or isinstance(node, Addition) else (node,)
     if isinstance(node, Product) and not node.operator:
         parts = node.factors
     return sign, Product((number, *parts))
