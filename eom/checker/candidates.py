@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from eom.checker.lines import Addend, Line, Member, Place, Signature, signature
+from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature
 from eom.checker.lost import Pools, entry_terms, lost_terms
 from eom.checker.options import Option
 from eom.checker.paths import Path, at, put, set_down
@@ -158,7 +158,7 @@ class Workshop:
         for addend in member.addends:
             value = self.values[addend]
             own = None
-            if value is not None and fits(signature(value), kind):
+            if value is not None and agrees(signature(value), kind):
                 number = place.number(value.term)
                 own = None if number is None else side * addend.sign * number
             groups.append(_Group(own, tuple(self._offers(place, addend, kind, side))))
@@ -170,7 +170,7 @@ class Workshop:
         for option in self.offers[addend]:
             if option.term is None:
                 yield 0, option
-            elif fits(option.signature, kind):
+            elif agrees(option.signature, kind):
                 number = place.number(option.term)
                 if number is not None:
                     yield side * option.sign * number, option
@@ -218,7 +218,7 @@ class Workshop:
                 return None
             own = signature(value)
             if own is not None:
-                if kind is not None and not fits(own, kind):
+                if kind is not None and not agrees(own, kind):
                     return None
                 kind = own
             number = place.number(value.term)
@@ -226,14 +226,6 @@ class Workshop:
                 return None
             total += sign * number
         return kind, total % PRIME
-
-
-def fits(own: Signature | None, kind: Signature) -> bool:
-    """Tell whether what has one signature may stand beside what has another."""
-    if own is None:
-        return True
-    same = own[:2] == kind[:2]
-    return same and (own[2] is None or kind[2] is None or own[2] == kind[2])
 
 
 def _combined(groups: Sequence[_Group], target: int) -> list[Candidate]:

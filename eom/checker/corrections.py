@@ -66,7 +66,7 @@ def corrections(
 
 
 def _widened(shop: Workshop) -> Workshop:
-    return replace(shop, pools=replace(shop.pools, wide=True, made={}))
+    return replace(shop, pools=shop.pools.widened())
 
 
 def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
@@ -180,9 +180,21 @@ def verified(
     claim = claims[wrong.number]
     if claim.verdict or claim.kind != wrong.claim.kind:
         return None
+    if _tautology(claim, ranked.candidate):
+        return None
     found = judge_within(claim, ranked.place.names, given)
     if found.verdict not in {HOLDS, UNDER}:
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
     cost = ranked.candidate.weight + needed + (0.5 if needed else 0.0)
     return Verified(ranked, claim, found, cost)
+
+
+REPLACING = frozenset({"symbol", "index", "superfluous term", "superfluous factor"})
+"""Slips by which a line can be made to say that something is itself."""
+
+
+def _tautology(claim: Claim, candidate: Candidate) -> bool:
+    """Tell whether an equation has become one of a thing with itself, by other letters."""
+    same = len(claim.members) == 2 and claim.members[0].term == claim.members[1].term
+    return same and any(o.slip.name in REPLACING for o in candidate.options)

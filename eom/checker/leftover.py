@@ -49,6 +49,7 @@ def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
     for pieces in fits(place, shop.pools.own(kind), number):
         if len(pieces) == 1:
             return latex(total(pieces))
-    for pieces in fits(place, shop.pools.pool(shop.pools.roots, kind), number):
-        return latex(total(pieces))
+    for pools in (shop.pools, shop.pools.widened()):
+        for pieces in fits(place, pools.pool(pools.roots, kind), number):
+            return latex(total(pieces))
     return ""

@@ -156,6 +156,14 @@ def signature(value: Value) -> Signature | None:
     return value.shape, value.density, value.dimension
 
 
+def agrees(own: Signature | None, kind: Signature) -> bool:
+    """Tell whether what has one signature may stand beside what has another."""
+    if own is None:
+        return True
+    same = own[:2] == kind[:2]
+    return same and (own[2] is None or kind[2] is None or own[2] == kind[2])
+
+
 @dataclass
 class Place:
     """A world in which terms are numbers: all components and numberings mixed into one, modulo a prime.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from eom.checker.lines import Addend, Line, Member, Place, Signature, signature, valued
+from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature, valued
 from eom.checker.options import Option
 from eom.checker.paths import NOTHING, Path, at, operands, places, put
 from eom.checker.residual import Item, Piece, fits, items, scaled, total
@@ -37,12 +37,16 @@ class Pools:
             self.made[key] = [i for i in made if i.term not in standing]
         return self.made[key]
 
+    def widened(self) -> Pools:
+        """Return pools with the symbols around the line as factors as well."""
+        return replace(self, wide=True, made={})
+
     def own(self, kind: Signature) -> list[Item]:
         """Return the terms of the line."""
         return [
             Item(a.node, v.term, kind)
             for a, v in self.values.items()
-            if v is not None and not v.is_zero and signature(v) == kind
+            if v is not None and not v.is_zero and agrees(signature(v), kind)
         ]
 
     @property

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
 from itertools import combinations_with_replacement, product
 
-from eom.checker.dimensions import NONE, Dimension
-from eom.checker.lines import Line, Place, Signature, signature, valued
+from eom.checker.dimensions import Dimension
+from eom.checker.lines import Line, Place, Signature, agrees, signature, valued
 from eom.checker.looks import seen
 from eom.checker.paths import operands
 from eom.checker.slips_marks import dotted
@@ -65,7 +65,7 @@ def items(line: Line, roots: Iterable[Node], kind: Signature) -> list[Item]:
         if k == MOST:
             break
         value = valued(line.elaborator, node)
-        if value is not None and not value.is_zero and signature(value) == kind:
+        if value is not None and not value.is_zero and agrees(signature(value), kind):
             found.setdefault(value.term, Item(node, value.term, kind))
     return list(found.values())
 
@@ -127,31 +127,36 @@ def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
                 continue
             for numbers in combinations_with_replacement(rows["scalar"], scalars):
                 for rest in product(*(rows[s] for s in shape)):
-                    if _sum(numbers, rest) == wanted:
+                    if _fitting((*numbers, *rest), wanted):
                         yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
 
 
 _Exponents = tuple[int, int, int]
-_Sized = tuple[Node, _Exponents]
+_Sized = tuple[Node, _Exponents | None]
 
 
 def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
-    """Return the atoms of some shapes with their dimensions, those of none left out."""
-    fitting = [(n, v.dimension) for n, v in atoms if v.shape in shapes]
-    return [(n, _exponents(d)) for n, d in fitting if d is not None]
+    """Return the atoms of some shapes with their dimensions."""
+    return [(n, _exponents(v.dimension)) for n, v in atoms if v.shape in shapes]
 
 
-def _exponents(dimension: Dimension | None) -> _Exponents:
-    """Return a dimension in twelfths, which whole numbers hold."""
-    mass, length, time = (int(12 * e) for e in dimension or NONE)
+def _exponents(dimension: Dimension | None) -> _Exponents | None:
+    """Return a dimension in twelfths, which whole numbers hold; None where it is not known."""
+    if dimension is None:
+        return None
+    mass, length, time = (int(12 * e) for e in dimension)
     return mass, length, time
 
 
-def _sum(numbers: tuple[_Sized, ...], rest: tuple[_Sized, ...]) -> _Exponents:
+def _fitting(parts: Iterable[_Sized], wanted: _Exponents | None) -> bool:
+    """Tell whether a product may have a dimension: what has none that is known fits every one."""
     mass = length = time = 0
-    for _, (m, k, t) in (*numbers, *rest):
+    for _, exponents in parts:
+        if exponents is None:
+            return True
+        m, k, t = exponents
         mass, length, time = mass + m, length + k, time + t
-    return mass, length, time
+    return wanted is None or (mass, length, time) == wanted
 
 
 def _joined(numbers: list[Node], rest: Node | None) -> Node:
