@@ -20,6 +20,7 @@ from eom.checker.values import GEOMETRIC, Value, components
 from eom.series import PRIME
 from eom.terms import COLUMN, MATRIX
 
+LETTERS = frozenset({"symbol", "index"})
 MANY = 40
 """Repairs of one line that are kept at most in one world."""
 
@@ -288,13 +289,18 @@ def _more(flat: Sequence[_Flat], need: int, must: frozenset[int]) -> Iterator[Ca
 
 
 def weight(chosen: Iterable[Option]) -> float:
-    """Return how implausible slips are together; the same slip again weighs less."""
+    """Return how implausible slips are together; the same slip again weighs less.
+
+    Another letter or label is the same slip where it takes the place of the same.
+    """
     total = 0.0
-    seen: set[str] = set()
+    seen: set[tuple[object, ...]] = set()
     for option in sorted(chosen, key=lambda o: -o.weight):
-        again = option.slip.uniform and option.slip.name in seen
+        name = option.slip.name
+        key = (name, option.old, option.new) if name in LETTERS else (name,)
+        again = option.slip.uniform and key in seen
         total += option.weight * (ALL_OVER if again else 1.0)
-        seen.add(option.slip.name)
+        seen.add(key)
     return total
 
 

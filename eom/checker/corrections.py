@@ -23,6 +23,8 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
+WEAK = 3.0
+"""What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""
 ENOUGH = 1.0
@@ -54,9 +56,15 @@ def corrections(
 ) -> list[Verified]:
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
-    ranked = _ranked(shop, given) or _ranked(_widened(shop), given)
+    ranked = _ranked(shop, given)
+    if not ranked or ranked[0].cost > WEAK:
+        more = _ranked(_widened(shop), given)
+        ranked = sorted([*ranked, *more], key=lambda r: r.cost)
     found: list[Verified] = []
-    for one in ranked[:JUDGED]:
+    unique: dict[Node, Ranked] = {}
+    for one in ranked:
+        unique.setdefault(one.tree, one)
+    for one in list(unique.values())[:JUDGED]:
         made = verified(understood, shop.line, one, given, stated)
         if made is not None:
             found.append(made)
