@@ -246,6 +246,11 @@ def world(assumptions: frozenset[str], seed: int, prime: int = PRIME) -> World:
     raise AssertionError("no regular world in 100 draws")
 
 
+def built(assumptions: Iterable[str], draw: Draw) -> World:
+    """Return the world that a draw makes. Raises `Singular` for some draws."""
+    return _build(draw, closure(assumptions), draw.turn)
+
+
 def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
     make = _particles
     if "rigid" in assumed:

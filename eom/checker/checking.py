@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from eom.checker.documents import Document
+from eom.checker.explaining import explain
 from eom.checker.graded import Graded
 from eom.checker.inputs import Note, document_of, name_of, note_of
 from eom.checker.judge import UNDECIDED, UNDER, WRONG
@@ -25,7 +26,7 @@ from eom.checker.report import Finding, Remark, Report
 from eom.checker.review import Reviewed, review
 from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.checker.values import ILL_FORMED
-from eom.checker.verdicts import NONE, Judged, Verdict, verdict
+from eom.checker.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
 from eom.worlds import closure
@@ -40,18 +41,16 @@ MAX_SETS = 24
 
 @dataclass(frozen=True)
 class Found:
-    """A formula of a note with its verdict, and its finding so far."""
+    """A formula of a note with its verdict, its finding so far, and what has been assumed there."""
 
     understood: Understood
     verdict: Verdict
     finding: Finding
+    stated: frozenset[str] = frozenset()
 
 
 Pass = Callable[[Sequence[Found], Settings], Sequence[Found]]
 """Adds to the findings of a note; formulas and verdicts stay, in number and order."""
-
-PASSES: tuple[Pass, ...] = ()
-"""What is added to the findings, in this order."""
 
 
 def check(
@@ -127,6 +126,19 @@ def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
     return lambda found, settings: [changed(one, settings) for one in found]
 
 
+def _explained(found: Found, settings: Settings) -> Finding:
+    """Return the finding with why it is wrong; what carries a slip forward is not explained again."""
+    judged = next((j for j in found.verdict.claims if j.verdict == found.finding.verdict), None)
+    if judged is None or judged.verdict not in GRAVE or found.finding.carried:
+        return found.finding
+    explanation = explain(found.understood, judged, settings.given, found.stated)
+    return replace(found.finding, explanation=explanation)
+
+
+PASSES: tuple[Pass, ...] = (one_by_one(_explained),)
+"""What is added to the findings, in this order."""
+
+
 # -- findings ------------------------------------------------------------------------------------
 
 
@@ -141,7 +153,7 @@ def _found(document: Document, known: Meanings, settings: Settings) -> Iterator[
             told = finding(one.understood, one.verdict, numbers[formula.piece.kind])
             told = replace(told, remarks=one.remarks, carried=one.carried)
             told = told if known.draft is None else _unconfirmed(told)
-            yield Found(one.understood, one.verdict, told)
+            yield Found(one.understood, one.verdict, told, one.stated)
 
 
 def _reviewed(

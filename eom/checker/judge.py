@@ -8,7 +8,7 @@ What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about onc
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
@@ -32,7 +32,7 @@ from eom.evaluate import Evaluator
 from eom.generators import worlds
 from eom.limits import Overdue
 from eom.series import Singular
-from eom.terms import Equation, nodes, zero
+from eom.terms import Equation, Term, nodes, zero
 from eom.worlds import ASSUMPTIONS, SEQUENCES, closure
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     given = tuple(given)
-    if claim.model is not None and systems.mentions(claim):
+    if claim.model is not None and systems.on_solutions(claim):
         return _on_solutions(claim, claim.model, given)
     if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
@@ -192,6 +192,46 @@ def _of_sign(found: Sign, context: tuple[str, ...]) -> Judgement:
     return Judgement(UNDECIDED, (), context, None, True, reason)
 
 
+def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) -> Judgement:
+    """Return whether a claim holds where much is assumed, with one smallest set of what it needs of that.
+
+    ``names``: all that is assumed; a claim that fails under them is wrong here.
+    """
+    try:
+        search = _Search(claim, equations(claim), closure(given))
+        names = closure(names)
+        context = search.context
+    except InputError as error:
+        return Judgement(UNDECIDED, reason=str(error))
+    if context is None or not search.equations:
+        return Judgement(UNDECIDED, reason=search.reason or "no world has these quantities")
+    base = search.given | closure(context)
+    own = frozenset(context if context in MODELS and search.about_masses else ())
+    if search.holds(base):
+        return Judgement(UNDER if own else HOLDS, (_shown(own),) if own else (), context)
+    if not base <= names or not search.holds(names):
+        return Judgement(WRONG, context=context, complete=False)
+    needed = search.shrunk(names, base) - base
+    return Judgement(UNDER, (_shown(needed | own),), context, complete=False)
+
+
+def labels_in(terms: Iterable[Term]) -> frozenset[str]:
+    """Return every label of terms."""
+    return frozenset(str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str))
+
+
+def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
+    """Yield the contexts in which terms may have values, the simplest first.
+
+    Angles exist by the assumption of their sequence, a single particle by that of one.
+    """
+    found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
+    sequences = tuple(dict.fromkeys(map(sequence_of, found)))
+    single = [("one_particle",)] if "P" in labels_in(terms) else []
+    for general in [*single, *CONTEXTS]:
+        yield (*sequences, *general)
+
+
 def _shown(names: frozenset[str]) -> tuple[str, ...]:
     """Return a set without what its other members need, in the order of the table."""
     needed = {n for name in names for n in _needed(name) - {name}}
@@ -216,9 +256,7 @@ class _Search:
     @cached_property
     def context(self) -> tuple[str, ...] | None:
         """The first context in which every quantity has a value."""
-        single = [("one_particle",)] if "P" in self.labels else []
-        for general in [*single, *CONTEXTS]:
-            context = (*self.sequences, *general)
+        for context in contexts(self.terms):
             try:
                 self._true_in(closure([*self.given, *context]), 1)
             except InputError as error:
@@ -228,21 +266,15 @@ class _Search:
         return None
 
     @cached_property
-    def sequences(self) -> tuple[str, ...]:
-        """The assumptions by which the angles of the claim exist."""
+    def terms(self) -> list[Term]:
+        """Every term of the claim, and what its symbols stand for."""
         terms = [t for q in self.equations for t in (q.left, q.right)]
-        terms += self.claim.scalars.values()
-        found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
-        return tuple(dict.fromkeys(sequence_of(axes) for axes in found))
+        return [*terms, *self.claim.scalars.values()]
 
     @cached_property
     def labels(self) -> frozenset[str]:
-        """Every label of the claim and of what its symbols stand for."""
-        terms = [t for q in self.equations for t in (q.left, q.right)]
-        terms += self.claim.scalars.values()
-        return frozenset(
-            str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str)
-        )
+        """Every label of the terms."""
+        return labels_in(self.terms)
 
     @cached_property
     def about_masses(self) -> bool:
@@ -312,12 +344,12 @@ class _Search:
         if inside is None:
             if not self.holds(names):
                 return
-            inside = self._shrunk(names, base)
+            inside = self.shrunk(names, base)
             self.found.add(inside)
         for name in sorted(inside - base):
             self._below(_without(names, name), base)
 
-    def _shrunk(self, names: frozenset[str], base: frozenset[str]) -> frozenset[str]:
+    def shrunk(self, names: frozenset[str], base: frozenset[str]) -> frozenset[str]:
         """Leave out what is not needed, the most special first."""
         for name in reversed([n for n in ASSUMPTIONS if n in names - base]):
             fewer = _without(names, name)

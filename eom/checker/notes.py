@@ -8,8 +8,8 @@ what was read otherwise.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from math import inf
 
 from eom.checker.claims import Claim, claims, defined
@@ -22,10 +22,26 @@ from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.roles import CLAIM, roles
 from eom.checker.statements import Statement, split
+from eom.checker.syntax import Node
 from eom.checker.systems import covered
 from eom.checker.tokens import tokenize
 from eom.checker.values import UNDECIDED, WRONG, Finding, Value
 from eom.limits import Overdue, deadline
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a formula may refer to: what the note has defined before it, the display that it continues.
+
+    ``trees``: those of all formulas of the note, in order, so that what is written elsewhere can be
+    proposed; ``number``: which of them is the formula's own.
+    """
+
+    definitions: Mapping[Look, Value] = field(default_factory=dict)
+    before: tuple[Claim, ...] = ()
+    previous: tuple[Statement, ...] = ()
+    trees: tuple[Node, ...] = ()
+    number: int = 0
 
 
 @dataclass(frozen=True)
@@ -42,6 +58,7 @@ class Understood:
     headings: tuple[str, ...]
     repairs: tuple[Repair, ...] = ()
     role: str = CLAIM
+    around: Around = field(default_factory=Around, compare=False, repr=False)
 
 
 def understand(
@@ -68,13 +85,24 @@ def understand(
         titles = tuple(h[1] for h in headings)
         here = scoped.at(titles, piece.source, piece.span.start)
         formula = read_piece(piece, previous if display else ())
-        context = _Context(here, definitions, before if display else ())
+        known, earlier = dict(definitions), previous
+        context = _Context(here, known, before if display else ())
         new = _timely(formula, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
         definitions |= defined(new.claims)
-        found.append(replace(new, headings=titles, role=role))
-    return tuple(found)
+        around = Around(known, context.before, earlier if display else (), number=len(found))
+        found.append(replace(new, headings=titles, role=role, around=around))
+    trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
+    return tuple(replace(u, around=replace(u.around, trees=trees)) for u in found)
+
+
+def reread(understood: Understood, tree: Node) -> tuple[Claim, ...]:
+    """Return the claims of another tree that stands in the place of a formula."""
+    reading, around = understood.formula.reading, understood.around
+    tags = [text for text, _ in reading.tags] if reading is not None else []
+    context = _Context(understood.lexicon, dict(around.definitions), around.before)
+    return context.claims(split(tree, around.previous, tags))
 
 
 @dataclass(frozen=True)

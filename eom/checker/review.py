@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.carrying import carried, resting
-from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
@@ -14,7 +13,7 @@ from eom.checker.notes import Understood
 from eom.checker.phrases import Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
 from eom.checker.report import Remark
-from eom.checker.systems import mentions
+from eom.checker.systems import on_solutions
 from eom.checker.verdicts import ORDER, Judged, Verdict, verdict
 from eom.errors import InputError
 
@@ -24,13 +23,15 @@ class Reviewed:
     """A formula with its verdict in the note.
 
     Sets of assumptions of each claim are in order: first those of which the note has stated most.
-    ``carried``: line of the slip that it carries forward, 0 for none.
+    ``carried``: line of the slip that it carries forward, 0 for none; ``stated``: assumptions that the
+    note has stated there.
     """
 
     understood: Understood
     verdict: Verdict
     remarks: tuple[Remark, ...] = ()
     carried: int = 0
+    stated: frozenset[str] = frozenset()
 
 
 def review(
@@ -47,7 +48,7 @@ def review(
     """
     given = tuple(given)
     first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
-    apart = {k for k, u in enumerate(understood) if any(map(_on_solutions, u.claims))}
+    apart = {k for k, u in enumerate(understood) if any(map(on_solutions, u.claims))}
     worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
     alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
     found = _in_worlds(document, worldly, given, alone)
@@ -74,12 +75,7 @@ def _in_worlds(
     for k, (one, (final, own)) in enumerate(zip(understood, placed, strict=True)):
         line = lines[slips[k]] if k in slips else 0
         more = (remark("carried", line),) if line else ()
-        yield Reviewed(one, final, (*own, *more, *about[k]), line)
-
-
-def _on_solutions(claim: Claim) -> bool:
-    """Whether a claim is about the system of its note: no worlds know it, and no other claim."""
-    return claim.model is not None and mentions(claim)
+        yield Reviewed(one, final, (*own, *more, *about[k]), line, context.names(k))
 
 
 def _placed(

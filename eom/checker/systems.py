@@ -75,6 +75,11 @@ def mentions(claim: Claim) -> bool:
     return any(of_system(a) for a in _atoms(claim))
 
 
+def on_solutions(claim: Claim) -> bool:
+    """Whether a claim is judged on the solutions of the system of its note; no world has its values."""
+    return claim.model is not None and mentions(claim)
+
+
 def covered(claim: Claim) -> bool:
     """Whether a claim is a relation between scalars of the system alone."""
     atoms = list(_atoms(claim))

@@ -1,0 +1,280 @@
+r"""``python -m benchmarks.correcting truth FOLDER --lexica FOLDER``: corrections of wrong lines, measured.
+
+``truth``: of the displays that are wrong by ``truth.json`` (see `benchmarks.checking`), how many have the
+stored correction, or a line equal to it in all worlds, as the first one. ``mutants``: single edits in the
+LaTeX of true lines, made by regular expressions; of those that are called wrong or ill-formed, how many
+have the line itself, or one equal to it in all worlds, among the first three corrections. Lines are equal
+if their members are, up to one number for all.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import re
+import statistics
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import process_time
+
+import click
+
+from benchmarks.checking import GIVEN, LETTERS, read_truth
+from benchmarks.table import time_text
+from eom.checker.claims import Claim
+from eom.checker.documents import load, read_document
+from eom.checker.explaining import explain
+from eom.checker.explanation import Explanation
+from eom.checker.grammar import read_formula
+from eom.checker.judge import CONTEXTS
+from eom.checker.lexicon import Lexicon
+from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.lines import place
+from eom.checker.notes import Understood, reread, understand
+from eom.checker.repairs import apply
+from eom.checker.values import mixed
+from eom.checker.verdicts import GRAVE, verdict
+from eom.errors import InputError
+from eom.series import PRIME
+from eom.worlds import closure
+
+SHOWN = 3
+"""Corrections among which the right one should be."""
+
+
+def same(understood: Understood, one: str, other: str) -> bool:
+    """Tell whether two lines in the place of a formula are equal: as trees, or by members in worlds."""
+    try:
+        trees = [apply(read_formula(t).tree)[0] for t in (one, other)]
+    except InputError:
+        return False
+    if trees[0] == trees[1]:
+        return True
+    found = [reread(understood, tree) for tree in trees]
+    return len(found[0]) == len(found[1]) and all(
+        _alike(understood, a, b) for a, b in zip(*found, strict=True)
+    )
+
+
+def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
+    if a.verdict or b.verdict or len(a.members) != len(b.members) or a.kind != b.kind:
+        return a.verdict == b.verdict and a.verdict not in GRAVE and a.members == b.members
+    notation = understood.lexicon.notation
+    values = [[mixed(notation, m).term for m in c.members] for c in (a, b)]
+    for context in CONTEXTS:
+        names = closure([*GIVEN, *context])
+        places = [place(names, dict(c.scalars), v) for c, v in zip((a, b), values, strict=True)]
+        if places[0] is None or places[1] is None:
+            continue
+        rows = [[p.number(t) for t in v] for p, v in zip(places, values, strict=True) if p]
+        return _proportional(rows)
+    return False
+
+
+def _proportional(rows: Sequence[Sequence[int | None]]) -> bool:
+    """Tell whether two rows of numbers are equal up to one number that is not zero."""
+    pairs = [(x, y) for x, y in zip(*rows, strict=True) if x is not None and y is not None]
+    first = next((p for p in pairs if p[0] and p[1]), None)
+    if first is None or len(pairs) < len(rows[0]):
+        return False
+    return all((x * first[1] - y * first[0]) % PRIME == 0 for x, y in pairs)
+
+
+# -- the truth -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Result:
+    """A wrong line: its name, what was found, which correction is right (0: none), the time."""
+
+    name: str
+    found: Explanation
+    rank: int
+    seconds: float
+
+
+def explained(understood: Understood) -> tuple[Explanation, float]:
+    """Return why a formula is wrong: of its first wrong claim."""
+    judged = next(j for j in verdict(understood, GIVEN).claims if j.verdict in GRAVE)
+    start = process_time()
+    return explain(understood, judged, GIVEN), process_time() - start
+
+
+def rank(understood: Understood, found: Explanation, wanted: str) -> int:
+    """Return the number of the first correction that is as wanted, from 1; 0 for none."""
+    for k, correction in enumerate(found.corrections, 1):
+        if same(understood, correction.latex, wanted):
+            return k
+    return 0
+
+
+def truth_results(folder: Path, lexica: Path) -> Iterator[Result]:
+    """Yield a result for every display that is wrong by the truth and by the checker."""
+    entries = read_truth(folder / "truth.json")
+    rows = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    stored = {r["id"]: r.get("correction") for r in rows}
+    for name in sorted({e.split(":")[0] for e in entries}):
+        lexicon = parse_lexicon((lexica / f"{name}.toml").read_text(encoding="utf-8"), name)
+        numbers: Counter[str] = Counter()
+        for understood in understand(load(folder / f"{name}.md"), lexicon):
+            kind = understood.formula.piece.kind
+            numbers[kind] += 1
+            key = f"{name}:{LETTERS[kind]}{numbers[kind]}"
+            wrong = entries[key].verdict == "wrong" and kind == "display"
+            if wrong and verdict(understood, GIVEN).verdict in GRAVE:
+                found, seconds = explained(understood)
+                yield Result(key, found, rank(understood, found, stored[key]), seconds)
+
+
+# -- mutants -------------------------------------------------------------------------------------
+
+MUTATIONS: tuple[tuple[str, str, str], ...] = (
+    ("sign", r"(?<=[\s}\w)]) \+ ", " - "),
+    ("sign", r"(?<=[\s}\w)]) - ", " + "),
+    ("sign", r"= -", "= "),
+    ("lost dot", r"\\dot\{((?:[^{}]|\{[^{}]*\})*)\}", r"{\1}"),
+    ("lost dot", r"\\dot\\(\w+)", r"\\\1"),
+    ("lost dot", r"\\dot (\w)", r"\1"),
+    ("second dot", r"\\ddot", r"\\dot"),
+    ("lost tilde", r"\\tilde\{((?:[^{}]|\{[^{}]*\})*)\}", r"{\1}"),
+    ("lost mark", r"\^\{?\\(?:circ|bullet)\}?", ""),
+    ("lost cross", r"\^\{?\\times\}?", ""),
+    ("other mark", r"\^\{?\\circ\}?", r"^\\bullet"),
+    ("other mark", r"\^\{?\\bullet\}?", r"^\\circ"),
+    ("transpose", r"\^T\b", ""),
+    ("index", r"_1", "_2"),
+    ("index", r"_2", "_3"),
+    ("index", r"_3", "_1"),
+    ("sine", r"\\sin", r"\\cos"),
+    ("cosine", r"\\cos", r"\\sin"),
+    ("factor", r"\\frac\{1\}\{2\}", ""),
+    ("factor", r"\\frac12", ""),
+    ("exponent", r"\^2", ""),
+    ("operator", r"\\times", r"\\cdot"),
+    ("operator", r"\\cdot", r"\\times"),
+    (
+        "order",
+        r"(\\\w+(?:\{[^{}]*\})?(?:_\w)?) \\times (\\\w+(?:\{[^{}]*\})?(?:_\w)?)",
+        r"\2 \\times \1",
+    ),
+    ("lost cross product", r"\\(?:vec|mathbf|boldsymbol|underline)\{\\omega\} \\times ", ""),
+    ("point", r"_C", "_O"),
+    ("point", r"_G", "_O"),
+    ("frame", r"\^B", "^I"),
+    ("frame", r"\^N", "^B"),
+    ("frame", r"\^\{\\mathcal\{I\}\}", r"^{\\mathcal{B}}"),
+    ("letter", r"\\psi", r"\\phi"),
+    ("letter", r"\\theta", r"\\psi"),
+    ("letter", r"\\phi", r"\\theta"),
+    ("lost term", r" [+-] [^+=&\\-]*(?:\\(?!\\)[^+=&\\-]*)*(?= [+=-]|$)", ""),
+)
+"""Kind, what is sought, what is put in its place; each place makes one mutant."""
+
+
+def mutants(text: str) -> Iterator[tuple[str, str]]:
+    """Yield kinds and texts of the single edits of a line."""
+    seen = {text}
+    for kind, pattern, new in MUTATIONS:
+        for match in re.finditer(pattern, text):
+            other = text[: match.start()] + match.expand(new) + text[match.end() :]
+            if other not in seen:
+                seen.add(other)
+                yield kind, other
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A mutant that is called wrong, the line it was made of, and the rank of that line."""
+
+    kind: str
+    text: str
+    line: str
+    rank: int
+    found: Explanation
+    seconds: float
+
+
+def line_of(note: Sequence[str], k: int, text: str, lexicon: Lexicon) -> Understood:
+    """Return a line in the place of the k-th one of a note."""
+    lines = [*note[:k], text, *note[k + 1 :]]
+    found = understand(read_document("\n\n".join(f"$${t}$$" for t in lines)), lexicon)
+    return found[k]
+
+
+def mutant_results(
+    notes: Sequence[tuple[Lexicon, Sequence[str]]], count: int, seed: int = 0
+) -> Iterator[Mutant]:
+    """Yield mutants of the lines of notes, drawn evenly, that are called wrong or ill-formed."""
+    drawn = [
+        (lexicon, note, k, kind, text)
+        for lexicon, note in notes
+        for k, line in enumerate(note)
+        for kind, text in mutants(line)
+    ]
+    random.Random(seed).shuffle(drawn)
+    done = 0
+    for lexicon, note, k, kind, text in drawn:
+        if done == count:
+            return
+        understood = line_of(note, k, text, lexicon)
+        if len(understood.claims) and verdict(understood, GIVEN).verdict in GRAVE:
+            found, seconds = explained(understood)
+            right = rank(understood, replace(found, corrections=found.corrections[:SHOWN]), note[k])
+            done += 1
+            yield Mutant(kind, text, note[k], right, found, seconds)
+
+
+# -- output --------------------------------------------------------------------------------------
+
+
+@click.group()
+def main() -> None:
+    """Measure the corrections of wrong lines."""
+
+
+@main.command()
+@click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
+@click.option("--lexica", type=click.Path(path_type=Path, exists=True), required=True)
+def truth(folder: Path, lexica: Path) -> None:
+    """Compare with the corrections of judged notes."""
+    rows = list(truth_results(folder, lexica))
+    for r in rows:
+        first = r.found.corrections[0].change if r.found.corrections else "no correction"
+        click.echo(f"{r.name}: rank {r.rank or 'none'}, {time_text(r.seconds)}: {first}")
+    click.echo(f"first: {sum(r.rank == 1 for r in rows)} of {len(rows)}")
+    _times([r.seconds for r in rows])
+
+
+@main.command("mutants")
+@click.option("--count", default=200)
+@click.option("--seed", default=0)
+@click.option("--failures", is_flag=True)
+def mutants_command(count: int, seed: int, failures: bool) -> None:
+    """Make mutants of true lines in several notations, and explain them."""
+    from tests.eom.checker.true_lines import NOTES
+
+    rows = list(mutant_results(NOTES, count, seed))
+    for r in rows if failures else ():
+        if not r.rank:
+            click.echo(f"{r.kind}: {r.line}\n    as {r.text}")
+            for c in r.found.corrections:
+                click.echo(f"    {c.latex}   {c.slip} {c.sets}")
+    for kind in sorted({r.kind for r in rows}):
+        some = [r for r in rows if r.kind == kind]
+        click.echo(f"{kind}: {sum(r.rank > 0 for r in some)} of {len(some)}")
+    for n in (1, SHOWN):
+        share = sum(0 < r.rank <= n for r in rows) / max(len(rows), 1)
+        click.echo(f"the line itself among the first {n}: {share:.1%} of {len(rows)}")
+    _times([r.seconds for r in rows])
+
+
+def _times(seconds: Sequence[float]) -> None:
+    if seconds:
+        words = (statistics.median(seconds), max(seconds), sum(seconds))
+        click.echo("processor time: median {}, worst {}, all {}".format(*map(time_text, words)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""Lines that are right in another convention: what symbols of attitude mean is exchanged all over.
+
+Three questions of convention are no errors: whether a rotation matrix turns frames or vectors, whether
+a sequence is one about moving or fixed axes, whether the scalar of a quaternion stands first or last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+from eom.checker.judge import HOLDS, UNDER, judge
+from eom.checker.levels import penalty
+from eom.checker.lexicon import Lexicon
+from eom.checker.meanings import Meaning
+from eom.checker.notes import Understood, reread
+
+PLAUSIBLE = 1.5
+"""Most that the assumptions may weigh under which a line holds in another convention."""
+
+
+@dataclass(frozen=True)
+class Convention:
+    """Words for the other side of a convention, and what a meaning becomes there."""
+
+    words: str
+    change: Callable[[Meaning], Meaning]
+
+
+def _transposed(meaning: Meaning) -> Meaning:
+    """Exchange the frames of a rotation, and turns of frames and of vectors."""
+    if meaning.quantity == "rotation":
+        return replace(meaning, labels=meaning.labels[::-1])
+    return replace(meaning, quantity=_TURNS.get(meaning.quantity, meaning.quantity))
+
+
+_TURNS = {"turn": "active_turn", "active_turn": "turn"}
+
+
+def _order(meaning: Meaning) -> Meaning:
+    """Exchange turns about moving and fixed axes."""
+    if meaning.quantity != "turn_angle":
+        return meaning
+    place, axes, *frames = meaning.labels
+    fixed = axes.startswith("space")
+    other = axes.removeprefix("space") if fixed else "space" + axes.removeprefix("body")
+    return replace(meaning, labels=(place, other, *frames))
+
+
+_SCALARS = {"quaternion": "quaternion_last", "quaternion_last": "quaternion"}
+
+
+def _scalar(meaning: Meaning) -> Meaning:
+    """Exchange columns of Euler parameters with the scalar first and last."""
+    return replace(meaning, quantity=_SCALARS.get(meaning.quantity, meaning.quantity))
+
+
+CONVENTIONS: tuple[Convention, ...] = (
+    Convention("all rotation matrices transposed (active and passive exchanged)", _transposed),
+    Convention("turns about fixed and moving axes exchanged", _order),
+    Convention("the scalar of quaternions at the other end", _scalar),
+)
+"""Every convention, with what it changes."""
+
+
+def changed(lexicon: Lexicon, convention: Convention) -> Lexicon:
+    """Return a lexicon whose meanings are those of the other convention."""
+    layers = tuple(
+        tuple(replace(entry, meaning=convention.change(entry.meaning)) for entry in layer)
+        for layer in lexicon.layers
+    )
+    return lexicon if layers == lexicon.layers else replace(lexicon, layers=layers)
+
+
+def other_convention(understood: Understood, number: int, given: Iterable[str] = ()) -> str:
+    """Return in which other convention a wrong claim of a formula is right, "" for none.
+
+    ``number``: of the claim. What the note itself has defined stays as it was defined.
+    """
+    reading, given = understood.formula.reading, tuple(given)
+    if reading is None:
+        return ""
+    for convention in CONVENTIONS:
+        lexicon = changed(understood.lexicon, convention)
+        if lexicon is understood.lexicon:
+            continue
+        claims = reread(replace(understood, lexicon=lexicon), reading.tree)
+        claim = claims[number] if number < len(claims) else None
+        before = understood.claims[number]
+        if claim is None or claim.verdict or claim.kind != before.kind:
+            continue
+        if (
+            not before.verdict
+            and claim.members == before.members
+            and claim.scalars == before.scalars
+        ):
+            continue
+        found = judge(claim, given)
+        least = min((penalty(s, frozenset(given)) for s in found.sets), default=0.0)
+        if found.verdict == HOLDS or (found.verdict == UNDER and least <= PLAUSIBLE):
+            return f"right in the other convention: {convention.words}"
+    return ""

@@ -1,0 +1,239 @@
+"""A line as an equation between members that are sums: its terms, what they are worth in a world.
+
+The terms of both sides add up to the residual; a term with a slip in it changes the residual by itself,
+whatever the others do. So slips in several terms are found by adding numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim, _single
+from eom.checker.dimensions import Dimension
+from eom.checker.elaborate import RULES
+from eom.checker.elaborator import Elaborator
+from eom.checker.notes import Understood
+from eom.checker.paths import Path, find
+from eom.checker.statements import Statement
+from eom.checker.syntax import Addition, Boxed, Group, Node
+from eom.checker.values import Refusal, Value, mixed
+from eom.errors import InputError
+from eom.evaluate import Evaluator
+from eom.generators import world
+from eom.series import PRIME, Series, Singular
+from eom.terms import Term
+
+Signature = tuple[str, int, Dimension | None]
+"""Shape, density and dimension: what may be added has the same."""
+
+_WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
+NUMBERINGS = 3
+"""How many ways to number free indices are looked at."""
+
+
+@dataclass(frozen=True)
+class Remembering(Elaborator):
+    """An elaborator that works out every node once; trees that differ in one place share all others."""
+
+    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = (
+        field(default_factory=dict, repr=False)
+    )
+
+    def value(self, node: Node) -> Value:
+        """Return the typed value of a node. Raises `Refusal`."""
+        key = (id(node), self.depth, tuple(self.indices.items()))
+        if key not in self.worked:
+            try:
+                self.worked[key] = (node, super().value(node))
+            except Refusal as refusal:
+                self.worked[key] = (node, refusal)
+        found = self.worked[key][1]
+        if isinstance(found, Refusal):
+            raise found
+        return found
+
+
+@dataclass(frozen=True)
+class Addend:
+    """A term of a member: its sign, its place within the member, and whether a sum holds it."""
+
+    member: int
+    sign: int
+    node: Node
+    path: Path = ()
+    summed: bool = False
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member: its place in the tree of the formula, or the value of one that stands elsewhere."""
+
+    number: int
+    addends: tuple[Addend, ...] = ()
+    path: Path | None = None
+    value: Value | None = None
+
+
+@dataclass(frozen=True)
+class Line:
+    """The members of a wrong claim; ``claim`` and its number among those of the formula."""
+
+    tree: Node
+    members: tuple[Member, ...]
+    claim: Claim
+    number: int
+    elaborator: Elaborator
+
+
+def line(understood: Understood, claim: Claim) -> Line | None:
+    """Return the line of a claim, or None where it is no chain of equations that can be edited."""
+    reading = understood.formula.reading
+    if reading is None or claim.kind not in {STATEMENT, DEFINITION}:
+        return None
+    statement = _statement(understood, claim)
+    if statement is None or not {s.name for s in statement.signs} <= EQUALITIES:
+        return None
+    number = next(k for k, c in enumerate(understood.claims) if c is claim)
+    members = tuple(_members(reading.tree, statement, claim))
+    if len(members) < 2 or all(m.path is None for m in members):
+        return None
+    scalars = dict(claim.scalars)
+    e = Remembering(understood.lexicon, RULES, understood.around.definitions, scalars=scalars)
+    notation = understood.lexicon.notation
+    members = tuple(
+        m if m.value is None else replace(m, value=mixed(notation, m.value)) for m in members
+    )
+    return Line(reading.tree, members, claim, number, e)
+
+
+def _statement(understood: Understood, claim: Claim) -> Statement | None:
+    """Return the statement that a claim was made from: the one that stands where it stands."""
+    parts = [p for s in understood.formula.statements for p in (*(c for _, c in s.conditions), s)]
+    singles = [one for part in parts for one in _single(part) if one.span == claim.span]
+    same = [c for c in understood.claims if c.span == claim.span]
+    k = next((k for k, c in enumerate(same) if c is claim), 0)
+    return singles[min(k, len(singles) - 1)] if singles else None
+
+
+def _members(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]:
+    for k, node in enumerate(statement.members):
+        if k == 0 and claim.kind == DEFINITION:
+            continue
+        if k == 0 and statement.continues:
+            if claim.members:
+                yield Member(0, value=claim.members[0])
+            continue
+        path = find(tree, node)
+        yield Member(k, tuple(_addends(node, k)), path)
+
+
+def _addends(node: Node, member: int, path: Path = ()) -> Iterator[Addend]:
+    if isinstance(node, Boxed) or (isinstance(node, Group) and node.open == ""):
+        yield from _addends(node.body, member, (*path, ("body", ())))
+    elif isinstance(node, Addition) and set(node.signs) <= {"", "+", "-"}:
+        for k, (sign, term) in enumerate(zip(node.signs, node.terms, strict=True)):
+            yield Addend(member, -1 if sign == "-" else 1, term, (*path, ("terms", (k,))), True)
+    else:
+        yield Addend(member, 1, node, path)
+
+
+# -- values --------------------------------------------------------------------------------------
+
+
+def valued(e: Elaborator, node: Node) -> Value | None:
+    """Return the value of a node as it is compared, or None where it has none."""
+    try:
+        return mixed(e.lexicon.notation, e.value(node))
+    except Refusal:
+        return None
+
+
+def signature(value: Value) -> Signature | None:
+    """Return shape, density and dimension; None for a zero, which fits everywhere."""
+    if value.is_zero:
+        return None
+    return value.shape, value.density, value.dimension
+
+
+def agrees(own: Signature | None, kind: Signature) -> bool:
+    """Tell whether what has one signature may stand beside what has another."""
+    if own is None:
+        return True
+    same = own[:2] == kind[:2]
+    return same and (own[2] is None or kind[2] is None or own[2] == kind[2])
+
+
+@dataclass
+class Place:
+    """A world in which terms are numbers: all components and numberings mixed into one, modulo a prime.
+
+    ``names``: what is assumed there; ``labels``: free indices of the line.
+    """
+
+    names: frozenset[str]
+    evaluator: Evaluator
+    labels: frozenset[str]
+    known: dict[Term, int | None] = field(default_factory=dict)
+
+    def number(self, term: Term) -> int | None:
+        """Return the number of a term, None where it has none in this world."""
+        if term not in self.known:
+            self.known[term] = self._number(term)
+        return self.known[term]
+
+    def _number(self, term: Term) -> int | None:
+        values = self.values(term)
+        if values is None:
+            return None
+        return sum(w * v for w, v in zip(_WEIGHTS, values, strict=False)) % PRIME
+
+    def values(self, term: Term) -> list[int] | None:
+        """Return the components at t = 0, for each numbering of the free indices."""
+        if term.is_zero:
+            return [0]
+        if not self.evaluator.labels(term) <= self.labels | {"dm"} and self._indices(term):
+            return None
+        found: list[int] = []
+        try:
+            for k, env in enumerate(self.evaluator.numberings(self.labels)):
+                if k == NUMBERINGS:
+                    break
+                found += [_first(s) for s in _flat(self.evaluator.value(term, env))]
+        except (InputError, Singular, KeyError):
+            return None
+        return found
+
+    def _indices(self, term: Term) -> bool:
+        free = next(iter(self.evaluator.numberings(self.evaluator.labels(term) - self.labels)), {})
+        return bool(free)
+
+
+def _first(value: Series) -> int:
+    if not value.coefficients:
+        raise InputError("more derivatives than a world holds")
+    first: int = value.coefficients[0]
+    return first
+
+
+def _flat(value: object) -> list[Series]:
+    if isinstance(value, Series):
+        return [value]
+    return [s for part in value for s in _flat(part)]  # type: ignore[attr-defined]
+
+
+def place(
+    names: frozenset[str], scalars: Mapping[object, Term], terms: Iterable[Term]
+) -> Place | None:
+    """Return the first world under some assumptions where all terms have a value, or None."""
+    terms = list(terms)
+    for seed in range(4):
+        try:
+            evaluator = Evaluator(world(names, seed), scalars)
+            labels = frozenset().union(*(evaluator.labels(t) for t in terms))
+        except InputError:
+            return None
+        found = Place(names, evaluator, labels)
+        if all(found.number(t) is not None for t in terms):
+            return found
+    return None

@@ -1,0 +1,76 @@
+"""What may stand for a term of a line, with its value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from eom.checker.lines import Addend, Line, Signature, signature, valued
+from eom.checker.offers import Palette
+from eom.checker.paths import NOTHING, Path
+from eom.checker.slips import DROPPED, TERM, Edit, Slip, edits
+from eom.checker.syntax import Node
+from eom.checker.values import Value
+from eom.terms import Term
+
+
+@dataclass(frozen=True)
+class Option:
+    """What may stand for a term: another node, the other sign, or nothing; with its value.
+
+    ``old``, ``new``: what changes within the term, at ``paths``.
+    """
+
+    addend: Addend
+    slip: Slip
+    weight: float
+    old: Node
+    new: Node
+    node: Node
+    sign: int
+    term: Term | None = None
+    signature: Signature | None = None
+    paths: tuple[Path, ...] = ((),)
+
+
+def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
+    """Return what may stand for a term and has a value, the most plausible first."""
+    found = []
+    value = valued(line.elaborator, addend.node)
+    member = next(m for m in line.members if m.number == addend.member)
+    if value is not None:
+        own = (value.term, signature(value))
+        found.append(_option(addend, TERM, addend.node, addend.node, -addend.sign, *own))
+    if len(member.addends) > 1:
+        found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
+    for edit in edits(addend.node, palette):
+        new = valued(line.elaborator, edit.tree)
+        if new is not None and not (value is not None and new.term == value.term):
+            found.append(_edited(addend, edit, new))
+    return sorted(found, key=lambda o: o.weight)
+
+
+def _option(
+    addend: Addend,
+    slip: Slip,
+    old: Node,
+    new: Node,
+    sign: int,
+    term: Term | None,
+    kind: Signature | None,
+) -> Option:
+    return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
+
+
+def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
+    return Option(
+        addend,
+        edit.slip,
+        edit.weight,
+        edit.old,
+        edit.new,
+        edit.tree,
+        addend.sign,
+        value.term,
+        signature(value),
+        edit.paths,
+    )

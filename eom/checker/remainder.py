@@ -1,0 +1,55 @@
+"""The residual of a wrong line in the writer's symbols: what is too much on its left side."""
+
+from __future__ import annotations
+
+from eom.checker.candidates import Candidate, Workshop
+from eom.checker.lines import Member, Place
+from eom.checker.lost import entry_residual
+from eom.checker.residual import fits, total
+from eom.checker.writing import latex
+from eom.series import PRIME
+
+
+def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] | None:
+    """Return the two members that disagree: those of an equation, or one to blame and one that is not."""
+    members = shop.line.members
+    if len(members) == 2:
+        return members[0], members[1]
+    if candidate is None:
+        return None
+    edited = {o.addend.member for o in candidate.options}
+    wrong = next((m for m in members if m.number in edited), None)
+    right = next((m for m in members if m.number not in edited), None)
+    if wrong is None or right is None:
+        return None
+    return (wrong, right) if wrong.number < right.number else (right, wrong)
+
+
+def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
+    """Return the left less the right side as LaTeX, "" where no short sum of products is that.
+
+    It is what is left over under the assumptions of ``place``.
+    """
+    found = pair(shop, candidate)
+    if found is None:
+        return ""
+    left, right = (shop.total(place, m) for m in found)
+    tables = shop.difference(place, *found)
+    if tables is not None:
+        table, numbers = tables
+        node = entry_residual(shop.pools, place, table, numbers)
+        if node is not None:
+            return latex(node)
+    if left is None or right is None:
+        return ""
+    kind = left[0] or right[0]
+    if kind is None or (left[0] and right[0] and left[0] != right[0]):
+        return ""
+    number = (left[1] - right[1]) % PRIME
+    for pieces in fits(place, shop.pools.own(kind), number):
+        if len(pieces) == 1:
+            return latex(total(pieces))
+    for pools in (shop.pools, shop.pools.widened()):
+        for pieces in fits(place, pools.pool(pools.roots, kind), number):
+            return latex(total(pieces))
+    return ""
