@@ -1,4 +1,4 @@
-#define D @EVENT_DEGREE@
+#define D @EVENT_ROOM_DEGREE@ /* no polynomial of an event has a higher degree */
 
 @ROOTS@/* State and expressions of the events at t_old + theta h_old. */
 static void event_point(const @PREFIX@ *s, double theta, const double *u, double *y, double *g) {
@@ -7,35 +7,36 @@ static void event_point(const @PREFIX@ *s, double theta, const double *u, double
 @PROJECT_EVENT@    @NAME@_events(t, y, &s->constants, u, g);
 }
 
-@EVENT_POLYNOMIAL@
-/* Where the expression of event m is zero in truth, near a crossing of its polynomial b. */
-static double polished(const @PREFIX@ *s, int m, const double *b, double at, const double *u) {
+/* The polynomial of an event over a part of the last step. */
+typedef struct {
+    double b[D + 1], noise, from, length;
+    int degree;
+} piece;
+
+/* Where in the step the expression itself is zero, near a crossing of its polynomial. */
+static double polished(const @PREFIX@ *s, int m, const piece *p, double at, const double *u) {
     double y[N], g[E], slope, least = HUGE_VAL, best = at;
     for (int turn = 0; turn < 4; ++turn) {
-        event_point(s, at, u, y, g);
+        event_point(s, p->from + at * p->length, u, y, g);
         if (!(fabs(g[m]) < least)) break;
         least = fabs(g[m]);
         best = at;
-        value_at(b, D, at, &slope);
+        value_at(p->b, p->degree, at, &slope);
         at = at - g[m] / slope;
         if (!(at > 0.0 && at < 1.0) || at == best) break;
     }
-    return best;
+    return p->from + best * p->length;
 }
 
-/* Insert the roots of event m in the last step, which ends with its expression at end, by their places in
- * the step; t of each is that place until all are known. */
-static void roots_in_step(@PREFIX@ *s, int m, const double *end, size_t first, const double *u) {
-    double b[D + 1], noise;
+/* Insert the roots of event m in a part of the last step by their places in the step; t of each is that
+ * place until all are known. */
+static void insert_roots(@PREFIX@ *s, int m, const piece *p, size_t first, const double *u) {
     root found[2 * D + 4];
-    if (!polynomial(s, m, end, b, &noise)) {
-        s->event_before[m] = FAR;
-        return;
-    }
-    const int count = roots_of(b, noise, s->steps == 0, &s->event_before[m], found);
+    const int is_first = s->steps == 0 && p->from == 0.0;
+    const int count = roots_of(p->b, p->degree, p->noise, is_first, &s->event_before[m], found);
     for (int k = 0; k < count; ++k) {
         if (s->event_direction[m] != 0 && found[k].turn != s->event_direction[m]) continue;
-        const double at = found[k].simple ? polished(s, m, b, found[k].at, u) : found[k].at;
+        const double at = found[k].simple ? polished(s, m, p, found[k].at, u) : p->from + found[k].at * p->length;
         size_t place = s->found_count++;
         for (; place > first && s->found[place - 1].t > at; --place) s->found[place] = s->found[place - 1];
         s->found[place].t = at;
@@ -44,13 +45,72 @@ static void roots_in_step(@PREFIX@ *s, int m, const double *end, size_t first, c
     }
 }
 
+/* The polynomials of all events through their values at Chebyshev's points g of a part of the step. Whether
+ * they are right between these, as far as the tolerance asks for: at two more points. */
+static int through_values(const @PREFIX@ *s, double g[][E], piece *p, const int *wanted, const double *u) {
+    static const double matrix[][@EVENT_POINTS@] = {
+        @MATRIX@};
+    static const double further[] = {0.11, 0.73};
+    double y[N], more[2][E], slope;
+    for (int k = 0; k < 2; ++k) event_point(s, p->from + further[k] * p->length, u, y, more[k]);
+    int fits = 1;
+    for (int m = 0; m < E; ++m) {
+        double size = 0.0;
+        if (!wanted[m]) continue;
+        p[m].from = p->from, p[m].length = p->length, p[m].degree = @EVENT_POINTS@ - 1;
+        for (int k = 0; k < @EVENT_POINTS@; ++k) size = fmax(size, fabs(g[k][m])) + 0.0 * g[k][m];
+        for (int j = 0; j < @EVENT_POINTS@; ++j) {
+            p[m].b[j] = 0.0;
+            for (int k = 0; k < @EVENT_POINTS@; ++k) p[m].b[j] += matrix[j][k] * g[k][m];
+        }
+        p[m].b[0] = g[0][m], p[m].b[@EVENT_POINTS@ - 1] = g[@EVENT_POINTS@ - 1][m];
+        p[m].noise = 4.0 * DBL_EPSILON * @GROWTH@ * size; /* not finite where a value is not */
+        for (int k = 0; k < 2; ++k) {
+            const double off = fabs(value_at(p[m].b, p[m].degree, further[k], &slope) - more[k][m]);
+            if (off > (1e-11 + 10.0 * s->rtol) * size) fits = 0;
+        }
+    }
+    return fits;
+}
+
+/* Insert the roots of the events wanted in the last step, which ends with their values at end: the step is
+ * halved where an expression varies too much for one polynomial. */
+static void roots_by_values(@PREFIX@ *s, const int *wanted, const double *end, size_t first, const double *u) {
+    enum { HALVES = @EVENT_HALVES@ };
+    static const double node[] = {@NODES@};
+    double until[HALVES + 1], after[HALVES + 1][E], g[@EVENT_POINTS@][E], y[N];
+    piece p[E];
+    int top = 1;
+    until[0] = 1.0, p->from = 0.0;
+    for (int m = 0; m < E; ++m) g[0][m] = s->event_value[m], after[0][m] = end[m];
+    while (top > 0) {
+        const double from = p->from, to = until[top - 1];
+        p->length = to - from;
+        for (int m = 0; m < E; ++m) g[@EVENT_POINTS@ - 1][m] = after[top - 1][m];
+        for (int k = 1; k < @EVENT_POINTS@ - 1; ++k) event_point(s, from + node[k] * p->length, u, y, g[k]);
+        if (!through_values(s, g, p, wanted, u) && top <= HALVES) {
+            until[top] = from + node[@EVENT_POINTS@ / 2] * p->length;
+            for (int m = 0; m < E; ++m) after[top][m] = g[@EVENT_POINTS@ / 2][m];
+            ++top;
+            continue;
+        }
+        for (int m = 0; m < E; ++m) {
+            if (wanted[m] && isfinite(p[m].noise)) insert_roots(s, m, &p[m], first, u);
+            g[0][m] = after[top - 1][m];
+        }
+        p->from = to;
+        --top;
+    }
+}
+
+@EVENT_POLYNOMIAL@
 /* Report the events of the last step up to its place of stop, or to a terminal event: return which is
  * first, 2 for neither. Of several events at one time all are reported. */
 static double first_stop(@PREFIX@ *s, double place, double t_new, const double *x_new, const double *u) {
     const size_t first = s->found_count;
     double end[E], g[E];
     @NAME@_events(t_new, x_new, &s->constants, u, end);
-@EVENT_SAMPLES@    for (int m = 0; m < E; ++m) roots_in_step(s, m, end, first, u);
+    roots_in_step(s, end, first, u);
     for (size_t k = first; k < s->found_count; ++k) {
         @PREFIX@_event *event = &s->found[k];
         const double at = event->t;

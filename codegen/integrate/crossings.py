@@ -1,12 +1,13 @@
 """Events in generated C: zeros of the user's expressions, by isolating the roots of polynomials.
 
-In each step every expression is a polynomial: of its Taylor coefficients, which follow from those of the
-states by the same recurrences, or, where the states are polynomials of another kind, through its values
-at Chebyshev's points of the dense output. Both have the values of the expression itself at the ends of
-the step, so that the step before and the step after agree about signs there, and nothing is lost or
-found twice between them. Most steps are left at once, since the coefficients bound the polynomial (as
-in Biscani and Izzo, Monthly Notices of the RAS 504 (2021), sect. 2.3); the roots of the others are
-isolated in Bernstein form (`roots.c`), and crossings are taken to a zero of the expression itself.
+In each step every expression is a polynomial. Method taylor has its Taylor coefficients, by the same
+recurrences as those of the states; where these converge too slowly, and for other methods, it goes
+through values at Chebyshev's points of the dense output, over halves of the step, and halves of these,
+until it is right between the points. All polynomials have the values of the expression itself at both
+ends, so that the step before and the step after agree about signs there, and nothing is lost or found
+twice. With method taylor most steps are left at once, since the coefficients bound the polynomial (as
+Biscani and Izzo do, Monthly Notices of the RAS 504 (2021)); the roots of the others are isolated in
+Bernstein form (`roots.c`), and crossings are taken to a zero of the expression itself.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ from codegen.names import comment, identifier
 GROUP = "events"
 """Group of results of a program: the expressions of the events."""
 DEGREE = 10
-"""Of the polynomials through values at points of the dense output."""
+"""Of the polynomials through values of the dense output; it is even, so that one is in the middle."""
+HALVES = 8
+"""How often a step is halved at most where an expression varies too much for one polynomial."""
 NONE = dict.fromkeys(
     ("EVENT_STATUS", "EVENT_TYPE", "EVENT_FIELDS", "EVENT_USE", "EVENT_BEGIN", "CROSSINGS", "EVENT_START",
      "EVENT_ROOM", "EVENT_JET", "EVENT_DENSE", "STOP_BEGIN", "STOP_END"),
@@ -43,9 +46,9 @@ def count_of(layout: Layout) -> int:
     return len(layout.results.get(GROUP, ()))
 
 
-def most(layout: Layout, degree: int) -> int:
-    """Return how many roots a step may have: room for so many must be left."""
-    return count_of(layout) * (2 * degree + 2)
+def most(layout: Layout) -> int:
+    """Return for how many roots of a step there must be room; there are never more (`roots_of`)."""
+    return 2**HALVES * (2 * DEGREE + 2) * count_of(layout)
 
 
 # --- texts -----------------------------------------------------------------------------------------
@@ -55,31 +58,22 @@ def of_taylor(layout: Layout, prefix: str, order: int) -> dict[str, str]:
     """Return what the templates of method taylor need."""
     own = {
         "EVENT_POLYNOMIAL": _template("crossings_taylor.c"),
-        "EVENT_SAMPLES": "",
         "BINOMIALS": ", ".join(f"{math.comb(order, k)}.0" for k in range(order + 1)),
-        "EVENT_OWN": f"event_jet[{order}][{count_of(layout)}]; /* Taylor coefficients in the last step */",
+        "EVENT_OWN": f"    double event_jet[{order}][{count_of(layout)}]; /* Taylor coefficients */\n",
     }
-    return _texts(layout, prefix, order, own)
+    return _texts(layout, prefix, max(order, DEGREE), own)
 
 
-def of_samples(layout: Layout, prefix: str) -> dict[str, str]:
+def of_values(layout: Layout, prefix: str) -> dict[str, str]:
     """Return what the templates of methods with other dense output need."""
-    nodes, rows = interpolation(DEGREE)
-    matrix = ",\n    ".join(f"{{{', '.join(map(repr, row))}}}" for row in rows)
-    own = {
-        "EVENT_POLYNOMIAL": _template("crossings_sampled.c"),
-        "EVENT_SAMPLES": "    sample(s, end, u);\n",
-        "NODES": ", ".join(map(repr, nodes)),
-        "MATRIX": matrix,
-        "GROWTH": repr(max(sum(map(abs, row)) for row in rows)),
-        "EVENT_OWN": f"event_sample[{DEGREE + 1}][{count_of(layout)}]; /* values in the last step */",
-    }
+    own = {"EVENT_POLYNOMIAL": _template("crossings_values.c"), "EVENT_OWN": ""}
     return _texts(layout, prefix, DEGREE, own)
 
 
 def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> dict[str, str]:
     if not count_of(layout):
         return {**NONE, "STOPPED": f"{prefix.upper()}_SINGULAR"}
+    nodes, rows = interpolation(DEGREE)
     values = {
         **own,
         "NAME": identifier(layout.name),
@@ -87,8 +81,13 @@ def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> 
         "UPPER": prefix.upper(),
         "STATES": str(len(layout.states)),
         "EVENT_COUNT": str(count_of(layout)),
-        "EVENT_DEGREE": str(degree),
-        "EVENT_MOST": str(most(layout, degree)),
+        "EVENT_ROOM_DEGREE": str(degree),
+        "EVENT_POINTS": str(DEGREE + 1),
+        "EVENT_HALVES": str(HALVES),
+        "NODES": ", ".join(map(repr, nodes)),
+        "MATRIX": ",\n        ".join(f"{{{', '.join(map(repr, row))}}}" for row in rows),
+        "GROWTH": repr(max(sum(map(abs, row)) for row in rows)),
+        "EVENT_MOST": str(most(layout)),
         "EVENT_LIST": "\n".join(f" *   {k}: {comment(text)}" for k, text in
                                 enumerate(layout.results[GROUP])),
         "PROJECT_EVENT": "    project_point(s, t, y, u);\n" if "projection" in layout.results else "",
@@ -124,8 +123,7 @@ typedef struct {
     int event_direction[@EVENT_COUNT@];
     int event_before[@EVENT_COUNT@], stopped;
     double event_value[@EVENT_COUNT@]; /* of the expressions, where the next step starts */
-    double @EVENT_OWN@
-""",
+@EVENT_OWN@""",
     "EVENT_BEGIN": """\
 #define E @EVENT_COUNT@
 
@@ -151,9 +149,8 @@ static void start_events(@PREFIX@ *s, const double *u) {
 
 
 def _filled(text: str, values: Mapping[str, str]) -> str:
-    for key in ("EVENT_POLYNOMIAL", "EVENT_SAMPLES", *values):
-        if key in values:
-            text = text.replace(f"@{key}@", values[key])
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
     return text
 
 
@@ -172,7 +169,7 @@ def interpolation(degree: int) -> tuple[tuple[float, ...], tuple[tuple[float, ..
     exact inverse of that of the Bernstein polynomials at the points as they are rounded.
     """
     nodes = [(1 - math.cos(math.pi * k / degree)) / 2 for k in range(degree + 1)]
-    nodes[0], nodes[-1] = 0.0, 1.0
+    nodes[0], nodes[degree // 2], nodes[-1] = 0.0, 0.5, 1.0
     exact = [Fraction(x) for x in nodes]
     rows = [[math.comb(degree, j) * x**j * (1 - x) ** (degree - j) for j in range(degree + 1)]
             for x in exact]  # fmt: skip
@@ -198,7 +195,7 @@ def _inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
 
 
 def fields(count: int, rows: int) -> list[tuple[str, Any]]:
-    """Mirror the fields of the structure; ``rows`` of what the method itself keeps."""
+    """Mirror the fields of the structure; ``rows``: orders of Taylor coefficients that are kept."""
     if not count:
         return []
     double: Any = ctypes.c_double
@@ -212,7 +209,7 @@ def fields(count: int, rows: int) -> list[tuple[str, Any]]:
         ("event_before", integer * count),
         ("stopped", integer),
         ("event_value", double * count),
-        ("event_own", double * count * rows),
+        *([("event_jet", double * count * rows)] if rows else []),
     ]
 
 

@@ -1,8 +1,9 @@
-/* Bernstein coefficients of event m over the last step, and their rounding error; 0 if there is no root.
- * The coefficient of the last order makes the polynomial right at the end of the step. */
-static int polynomial(const @PREFIX@ *s, int m, const double *end, double *b, double *noise) {
+/* The polynomial of event m over the last step by its Taylor coefficients; that of the last order makes it
+ * right at the end of the step. 0 if it has no root, -1 if the last terms are too large. */
+static int by_coefficients(const @PREFIX@ *s, int m, const double *end, piece *p) {
     static const double binomial[] = {@BINOMIALS@};
-    double power = s->h_old, sum = 0.0, low = 0.0, high = 0.0;
+    double *b = p->b, power = s->h_old, sum = 0.0, low = 0.0, high = 0.0;
+    p->from = 0.0, p->length = 1.0, p->degree = P;
     b[0] = s->event_value[m];
     for (int k = 1; k < P; ++k) {
         b[k] = s->event_jet[k][m] * power;
@@ -14,11 +15,26 @@ static int polynomial(const @PREFIX@ *s, int m, const double *end, double *b, do
         if (b[k] < 0.0) low += b[k];
         else high += b[k];
     }
-    *noise = 32.0 * DBL_EPSILON * (fabs(b[0]) + (high - low));
-    if (!isfinite(*noise) || b[0] + low > *noise || b[0] + high < -*noise) return 0;
+    const double size = fabs(b[0]) + (high - low), rest = fabs(b[P]) + fabs(b[P - 1]);
+    p->noise = 32.0 * DBL_EPSILON * size;
+    if (b[0] + low > p->noise + rest || b[0] + high < -(p->noise + rest)) return 0;
+    if (!(rest <= (1e-11 + 10.0 * s->rtol) * size)) return -1;
     for (int k = 1; k < P; ++k) b[k] /= binomial[k];
     for (int k = 1; k <= P; ++k)
         for (int j = P; j >= k; --j) b[j] += b[j - 1];
     b[P] = end[m];
     return 1;
+}
+
+static void roots_in_step(@PREFIX@ *s, const double *end, size_t first, const double *u) {
+    int wanted[E], any = 0;
+    piece p;
+    for (int m = 0; m < E; ++m) {
+        const int found = by_coefficients(s, m, end, &p);
+        wanted[m] = found < 0;
+        any |= wanted[m];
+        if (found > 0) insert_roots(s, m, &p, first, u);
+        if (found == 0) s->event_before[m] = FAR;
+    }
+    if (any) roots_by_values(s, wanted, end, first, u);
 }

@@ -102,9 +102,9 @@ static int crossings(const double *b, int n, double noise, root *found, int *fla
     return count;
 }
 
-static int is_small(const double *b, double noise, double from, double to) {
+static int is_small(const double *b, int n, double noise, double from, double to) {
     double slope;
-    return fabs(value_at(b, D, 0.5 * (from + to), &slope)) <= noise;
+    return fabs(value_at(b, n, 0.5 * (from + to), &slope)) <= noise;
 }
 
 static void put(root *items, int *count, root item) {
@@ -114,41 +114,41 @@ static void put(root *items, int *count, root item) {
 }
 
 /* Crossings, stationary points within the noise of zero, and zeros at the ends, in order. */
-static int candidates(const double *b, double noise, int is_first, int before_start, root *items) {
+static int candidates(const double *b, int n, double noise, int is_first, int before_start, root *items) {
     root still[D + 1];
     double d[D], slope;
-    int flat, other, first, last, count = crossings(b, D, noise, items, &flat);
-    changes_of_sign(b, D, &first, &last);
-    if (flat || fabs(b[0]) <= noise || fabs(b[D]) <= noise) {
-        for (int j = 0; j < D; ++j) d[j] = b[j + 1] - b[j];
-        const int many = crossings(d, D - 1, noise, still, &other);
+    int flat, other, first, last, count = crossings(b, n, noise, items, &flat);
+    changes_of_sign(b, n, &first, &last);
+    if (flat || fabs(b[0]) <= noise || fabs(b[n]) <= noise) {
+        for (int j = 0; j < n; ++j) d[j] = b[j + 1] - b[j];
+        const int many = crossings(d, n - 1, noise, still, &other);
         for (int k = 0; k < many; ++k)
-            if (fabs(value_at(b, D, still[k].at, &slope)) <= noise) put(items, &count, (root){still[k].at, 0, 0});
+            if (fabs(value_at(b, n, still[k].at, &slope)) <= noise) put(items, &count, (root){still[k].at, 0, 0});
     }
     if (before_start == APPROACHED && sign_of(b[0]) * (b[1] - b[0]) > 0.0) put(items, &count, (root){0.0, 0, 0});
     if (is_first && b[0] == 0.0) put(items, &count, (root){0.0, first, 0});
-    if (b[D] == 0.0) put(items, &count, (root){1.0, fabs(b[D - 1]) > noise ? -last : 0, 0});
+    if (b[n] == 0.0) put(items, &count, (root){1.0, fabs(b[n - 1]) > noise ? -last : 0, 0});
     return count;
 }
 
-/* All roots in order, at most 2 D + 2: a zero at 1 is one, a zero at 0 only if is_first. Roots between
+/* All roots in order, at most 2 n + 2: a zero at 1 is one, a zero at 0 only if is_first. Roots between
  * which the polynomial is within the noise are one: a crossing if their number is odd, else a touch.
  * *before: how the last interval ended, FAR at first; it becomes how this one ends. */
-static int roots_of(const double *b, double noise, int is_first, int *before, root *found) {
+static int roots_of(const double *b, int n, double noise, int is_first, int *before, root *found) {
     root items[2 * D + 4];
-    const int at_start = fabs(b[0]) <= noise, at_end = fabs(b[D]) <= noise;
+    const int at_start = fabs(b[0]) <= noise, at_end = fabs(b[n]) <= noise;
     const int begun = at_start ? *before : FAR;
-    const double size = largest(b, D);
+    const double size = largest(b, n);
     int made = 0;
     *before = FAR;
     if (size == 0.0) {
         if (is_first) found[made++] = (root){0.0, 0, 0};
         return made;
     }
-    const int count = candidates(b, noise, is_first, begun, items);
+    const int count = candidates(b, n, noise, is_first, begun, items);
     for (int k = 0, end; k < count; k = end) {
         int crossed = items[k].turn != 0, turn = items[k].turn;
-        for (end = k + 1; end < count && is_small(b, noise, items[end - 1].at, items[end].at); ++end) {
+        for (end = k + 1; end < count && is_small(b, n, noise, items[end - 1].at, items[end].at); ++end) {
             crossed += items[end].turn != 0;
             if (turn == 0) turn = items[end].turn;
         }
@@ -161,11 +161,11 @@ static int roots_of(const double *b, double noise, int is_first, int *before, ro
             }
         }
         if (crossed % 2) one.turn = turn, one.simple = end == k + 1 && items[k].simple;
-        const int is_old = k == 0 && begun == REPORTED && one.turn == 0 && is_small(b, noise, 0.0, items[0].at);
+        const int is_old = k == 0 && begun == REPORTED && one.turn == 0 && is_small(b, n, noise, 0.0, items[0].at);
         if (!is_old) found[made++] = one;
     }
-    if (at_end && count > 0 && is_small(b, noise, items[count - 1].at, 1.0)) *before = REPORTED;
-    else if (at_end && sign_of(b[D]) * (b[D] - b[D - 1]) < 0.0) *before = APPROACHED;
+    if (at_end && count > 0 && is_small(b, n, noise, items[count - 1].at, 1.0)) *before = REPORTED;
+    else if (at_end && sign_of(b[n]) * (b[n] - b[n - 1]) < 0.0) *before = APPROACHED;
     return made;
 }
 

@@ -106,7 +106,7 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         **_further_stages(tableau, name),
         **_error(tableau),
         **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
-        **crossings.of_samples(layout, prefix),
+        **crossings.of_values(layout, prefix),
     }
 
 
@@ -175,7 +175,7 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
     state += [("constants", double * constants)]
-    state += crossings.fields(events, crossings.DEGREE + 1)
+    state += crossings.fields(events, 0)
     return structures(prefix, state)
 
 
@@ -218,7 +218,7 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
-    events, room = crossings.count_of(layout), crossings.most(layout, crossings.DEGREE)
+    events, room = crossings.count_of(layout), crossings.most(layout)
     terms = tableau.dense_terms
     state, output = _structures(prefix, n, max(1, singular), terms, constants, events)
     start, run, library = loaded(text, flags, prefix, state)

@@ -138,7 +138,7 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     state, output = _structures(prefix, n, max(1, singular), order, constants, events)
     start, run, library = runge_kutta.loaded(text, FLAGS, prefix, state)
-    room = crossings.most(layout, order)
+    room = crossings.most(layout)
     return NativeMethod(order, TaylorSolution, start, run, state, output, library, room)
 
 
