@@ -32,6 +32,28 @@ static double polished(const @PREFIX@ *s, int m, const piece *p, double at, cons
     return p->from + best * p->length;
 }
 
+/* The same where the polynomial is within its noise about the crossing: by halving. */
+static double halved(const @PREFIX@ *s, int m, const piece *p, double at, int turn, const double *u) {
+    double y[N], g[2 * E], low = at, high = at, apart = 1e-8;
+    for (int side = -1; side <= 1; side += 2, apart = 1e-8) {
+        do {
+            const double place = fmin(1.0, fmax(0.0, at + side * apart));
+            if (side < 0) low = place;
+            else high = place;
+            event_point(s, p->from + place * p->length, u, y, g);
+            apart *= 4.0;
+        } while (sign_of(g[m]) != side * turn && apart < 0.01);
+        if (sign_of(g[m]) != side * turn) return p->from + at * p->length;
+    }
+    for (int k = 0; k < 60; ++k) {
+        const double middle = 0.5 * (low + high);
+        event_point(s, p->from + middle * p->length, u, y, g);
+        if (sign_of(g[m]) == turn) high = middle;
+        else low = middle;
+    }
+    return p->from + high * p->length;
+}
+
 /* Insert the roots of event m in a part of the last step by their places in the step; t of each is that
  * place until all are known. */
 static void insert_roots(@PREFIX@ *s, int m, const piece *p, size_t first, const double *u) {
@@ -40,7 +62,10 @@ static void insert_roots(@PREFIX@ *s, int m, const piece *p, size_t first, const
     const int count = roots_of(p->b, p->degree, p->noise, is_first, &s->event_before[m], found);
     for (int k = 0; k < count; ++k) {
         if (s->event_direction[m] != 0 && found[k].turn != s->event_direction[m]) continue;
-        const double at = found[k].simple ? polished(s, m, p, found[k].at, u) : p->from + found[k].at * p->length;
+        const int turn = found[k].turn, inside = found[k].at > 0.0 && found[k].at < 1.0;
+        double at = p->from + found[k].at * p->length;
+        if (found[k].simple) at = polished(s, m, p, found[k].at, u);
+        else if (turn != 0 && inside) at = halved(s, m, p, found[k].at, turn, u);
         size_t place = s->found_count++;
         for (; place > first && s->found[place - 1].t > at; --place) s->found[place] = s->found[place - 1];
         s->found[place].t = at;

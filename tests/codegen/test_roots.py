@@ -78,7 +78,7 @@ def slope(power, x):
 places = st.integers(1, 997).map(lambda k: Fraction(k, 998))
 
 
-@settings(max_examples=120)
+@settings(max_examples=50)
 @given(
     st.lists(places, min_size=0, max_size=6, unique=True),
     st.integers(0, 2),
@@ -119,7 +119,7 @@ def real_roots(b):
     return inside, slopes, bool(near)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(st.lists(st.integers(-1000, 1000).map(lambda k: k / 1000), min_size=4, max_size=13))
 def test_random_coefficients_agree_with_mpmath(b):
     """In number, place and direction, where no two roots are nearly one."""
@@ -189,7 +189,7 @@ def in_two(power, cut):
 offsets = st.integers(1, 17).flatmap(lambda k: st.sampled_from([0.0, 10.0**-k, -(10.0**-k)]))
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(offsets, st.sampled_from([6, 12, 26]), st.sampled_from([1, -1]))
 def test_a_crossing_at_the_end_of_an_interval_is_found_once(offset, degree, sign):
     root = Fraction(2, 5)
@@ -199,7 +199,7 @@ def test_a_crossing_at_the_end_of_an_interval_is_found_once(offset, degree, sign
     assert found[0][0] == pytest.approx(0.4, abs=1e-15)
 
 
-@settings(max_examples=150)
+@settings(max_examples=80)
 @given(offsets, st.sampled_from([6, 12, 26]), st.sampled_from([1, -1]))
 def test_a_touch_at_the_end_of_an_interval_is_found_once(offset, degree, sign):
     """Rounding may put the computed value at the end on the other side: then it is crossed twice."""
