@@ -244,5 +244,5 @@ class Finder:
     def found(self) -> Found:
         """Return all that was found, in order of time."""
         rows = np.concatenate([self.room[:0], *self.parts])
-        x: Array = np.ascontiguousarray(rows["x"].reshape(len(rows), -1))
+        x: Array = np.ascontiguousarray(rows["x"])
         return Found(rows["t"].copy(), x, rows["which"].copy(), rows["direction"].copy())

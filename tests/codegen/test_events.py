@@ -474,3 +474,17 @@ def test_order_of_all_events_is_that_of_time(oscillator):
     events = [x, v, x - v, sp.sin(7 * x)]
     run = codegen.simulate(oscillator, [0.1, 1.0], (0, 100), None, "taylor", events=events)
     assert all(one < other for t in run.t_events for one, other in itertools.pairwise(t))
+
+
+@runs_c
+def test_runs_in_which_nothing_happens_and_one_state(method):
+    decay = System.from_rates("decay", {x: -x})
+    run = codegen.simulate(
+        decay, [1.0], (0, 5), None, method, events=[x - 2, x - sp.Rational(1, 2)]
+    )
+    assert [y.shape for y in run.y_events] == [(0, 1), (1, 1)]
+    assert run.t_events[1][0] == pytest.approx(np.log(2), abs=1e-9)
+    none = codegen.simulate(decay, [1.0], (0, 5), None, method, events=x - 2)
+    assert none.status == 0
+    assert [len(t) for t in none.t_events] == [0]
+    assert codegen.simulate(decay, [1.0], (0, 5), None, method).events == {}
