@@ -1,5 +1,5 @@
 /* The polynomial of event m over the last step by its Taylor coefficients; that of the last order makes it
- * right at the end of the step. 0 if it has no root, -1 if the last terms are too large. */
+ * right at the end of the step. 0 if it has no root, -1 if the last terms leave in doubt which it has. */
 static int by_coefficients(const @PREFIX@ *s, int m, const double *end, piece *p) {
     static const double binomial[] = {@BINOMIALS@};
     double *b = p->b, power = s->h_old, sum = 0.0, low = 0.0, high = 0.0;
@@ -18,11 +18,16 @@ static int by_coefficients(const @PREFIX@ *s, int m, const double *end, piece *p
     const double size = fabs(b[0]) + (high - low), rest = fabs(b[P]) + fabs(b[P - 1]);
     p->noise = RIGHT * size + 16.0 * DBL_EPSILON * fmax(s->event_value[E + m], end[E + m]);
     if (b[0] + low > p->noise + rest || b[0] + high < -(p->noise + rest)) return 0;
-    if (!(rest <= 0.25 * RIGHT * size)) return -1;
+    if (!(rest <= 1e-3 * size)) return -1;
     for (int k = 1; k < P; ++k) b[k] /= binomial[k];
     for (int k = 1; k <= P; ++k)
         for (int j = P; j >= k; --j) b[j] += b[j - 1];
     b[P] = end[m];
+    if (rest <= 0.25 * RIGHT * size) return 1;
+    int first, last; /* one crossing is no matter of small errors, and then goes to the zero of the expression */
+    if (changes_of_sign(b, P, &first, &last) > 1) return -1;
+    for (int k = 0; k <= P; ++k)
+        if (fabs(b[k]) <= p->noise + 4.0 * rest) return -1;
     return 1;
 }
 
