@@ -4,6 +4,7 @@ from codegen.accuracy import accuracy
 from codegen.card import Card
 from codegen.compiled import Compiled, compile
 from codegen.ensemble import Ensemble, ensemble
+from codegen.events import Event
 from codegen.exact import FreeMotion, free_body, free_motion
 from codegen.integrate.methods import METHODS
 from codegen.integrate.trajectory import Stop
@@ -20,6 +21,7 @@ __all__ = [
     "Compiled",
     "Drift",
     "Ensemble",
+    "Event",
     "FreeMotion",
     "Grid",
     "Linear",

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen import arguments, requested
+from codegen import events as looked_for
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.events import Event, Given, Occurrences
 from codegen.identity import SameObject
 from codegen.integrate import scipy_
 from codegen.integrate.methods import Task, integrator_of
@@ -60,8 +62,10 @@ class Result:
     """A trajectory, with SciPy's field names and what belongs to mechanics.
 
     ``t`` (N,), ``y`` (n, N), ``sol`` (dense output or None), ``nfev``, ``status`` (0: end reached;
-    1: stopped at a singular configuration; -1: stopped because numbers failed), ``message``,
-    ``success`` (status >= 0). ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
+    1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
+    failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
+    ``t_events`` and ``y_events``: the same in order, as SciPy has them.
+    ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
     where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
     the method was chosen and not given.
@@ -89,6 +93,7 @@ class Result:
     """States and constants of the motion that the requested outputs do not need."""
     changes: tuple[float, ...] = field(default=(), repr=False)
     """Times at which angles were handed over and taken back (`codegen.handover`)."""
+    events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         """Say how the run ended and what it holds."""
@@ -101,8 +106,18 @@ class Result:
 
     @property
     def success(self) -> bool:
-        """True if the end was reached or a singular configuration was located."""
+        """True if the end, a singular configuration or a terminal event was reached."""
         return self.status >= 0
+
+    @property
+    def t_events(self) -> list[Array]:
+        """Times (K,) of each event, in order."""
+        return [found.t for found in self.events.values()]
+
+    @property
+    def y_events(self) -> list[Array]:
+        """States (K, n) at each event, in order."""
+        return [found.y.T for found in self.events.values()]
 
     def __getitem__(self, name: str) -> Array:
         """Return the values of a state or output by name."""
@@ -132,6 +147,7 @@ def simulate(
     max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
     project: bool | str | Sequence[str] = False,
+    events: Given = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
@@ -144,12 +160,16 @@ def simulate(
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.integrate.projection`); all stored points lie on them. The
     dense output goes through the points of the steps, and off the invariants between them by its own
-    error. Methods that carry values of earlier steps along cannot project.
+    error. Methods that carry values of earlier steps along cannot project. ``events``: zeros of
+    expressions to find, `codegen.events.Event` or expressions, in order or by name; of the methods
+    that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
+    integrated with those that ``outputs`` need.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
     """
-    part, span = requested.part(_compiled(system), outputs), arguments.span(t_span)
+    found, span = looked_for.checked(events), arguments.span(t_span)
+    part = _part(_compiled(system), outputs, found)
     x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
     problem = Problem(
         x0=x0,
@@ -161,14 +181,21 @@ def simulate(
         margin=arguments.positive(margin, "margin"),
         singularities=len(part.compiled.layout.results[SINGULARITIES]),
         t_eval=None if t_eval is None else arguments.grid(t_eval, span),
-        dense_output=dense_output,
-        first_step=arguments.optional(first_step, "first_step"),
-        max_step=arguments.positive(max_step, "max_step"),
-        max_steps=arguments.count(max_steps),
+        dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
+        max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
         project=chosen(part.compiled.layout, project),
-        progress=progress,
-    )
-    return _run(part, problem, method, signals)
+        progress=progress, events=looked_for.filters(found),
+    )  # fmt: skip
+    return _run(part, problem, method, signals, found)
+
+
+def _part(
+    compiled: Compiled, outputs: Sequence[str] | None, events: Sequence[Event]
+) -> requested.Part:
+    """Return what the outputs, and the expressions of events, need of a system."""
+    if outputs is None:
+        return requested.part(compiled, None)
+    return requested.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
 
 
 def _numbers(
@@ -181,17 +208,25 @@ def _numbers(
 
 
 def _run(
-    part: requested.Part, problem: Problem, method: str, signals: scipy_.Inputs | None
+    part: requested.Part,
+    problem: Problem,
+    method: str,
+    signals: scipy_.Inputs | None,
+    events: tuple[Event, ...],
 ) -> Result:
     compiled = part.compiled
-    integrator, used = integrator_of(Task(compiled, problem, signals), method)
+    integrator, used = integrator_of(Task(compiled, problem, signals, events), method)
     began = time.perf_counter()
     trajectory = integrator(problem)
     seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
     problem.report(trajectory.stop.t)
     result = _result(compiled, problem, trajectory, signals)
+    if trajectory.stop.kind == "event":
+        at, label = f"t = {trajectory.stop.t:.9g} s", events[trajectory.stop.which].label
+        result = replace(result, message=f"stopped at {at}: event {label}")
     return replace(
         result,
+        events=looked_for.occurrences(events, trajectory.found),
         method=trajectory.method or used,
         why=trajectory.why,
         left_out=part.left_out,
@@ -266,7 +301,7 @@ def _result(
         y=trajectory.y,
         sol=trajectory.solution,
         nfev=trajectory.evaluations,
-        status={"end": 0, "singular": 1}.get(stop.kind, -1),
+        status={"end": 0, "singular": 1, "event": 2}.get(stop.kind, -1),
         message=_message(compiled, trajectory, problem.max_steps),
         outputs=outputs,
         drift=drift,

@@ -61,6 +61,8 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
 
     ``methods``: what prepares each by name.
     """
+    if task.events:
+        return _with_events(task, methods)
     found = None if task.signals is not None else closed_forms.find(task.compiled, task.problem)
     if found is not None:
         name = f"closed form: {found.name}"
@@ -76,6 +78,13 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
         chosen = Explicit("DOP853", f"{chosen.method}: {error.what}", stiffness.DOP853_REACH)
         run, name = methods[chosen.method](task)
     return _watched(task, methods, chosen, run, name), name
+
+
+def _with_events(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, str]:
+    """Return an explicit method: it finds events, which the closed forms and stiff methods do not."""
+    chosen = _explicit(task)
+    run, name = methods[chosen.method](task)
+    return _told(run, name, f"events are looked for, by explicit methods alone; {chosen.why}"), name
 
 
 def _told(run: Integrator, name: str, why: str) -> Integrator:

@@ -25,15 +25,17 @@ AT_ONCE = 8
 START = "start"
 
 
-def series(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
+def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple[list[str], int]:
     """Return the text of the functions ``head`` and ``head``_constants, and the number of constants.
 
-    ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``.
+    ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``. The last
+    ``further`` of the rates are those of no state: it has one more argument, where it puts their
+    coefficients from 0 to ``order`` - 1.
     """
     found = forms(prepared)
     whole = [whole_group(some, [found[n] for n in some])
              for some in wide(prepared, WIDTH, FEWEST_WHOLE)]  # fmt: skip
-    rules = _Rules(prepared, whole)
+    rules = _Rules(prepared, whole, further)
     order_of_work = steps(prepared, whole)
     single = {n: rules.lines(n) for n in order_of_work if not isinstance(n, Group)}
     vectors = _Vectors(rules, whole, part_groups(list(rules.sums)))
@@ -52,11 +54,12 @@ def series(prepared: Prepared, head: str, order: int) -> tuple[list[str], int]:
     ])  # fmt: skip
     texts, constants = c.kernels(rules.start(), START, f"{head}_start")
     texts = [text.replace(f"{head}_start_constants", f"{head}_constants") for text in texts]
+    more = ", double *e" if further else ""
     function = [
         *DECLARATIONS.splitlines(),
         "",
         "static void HEAD(double t, const double *x, ptrdiff_t xs, const double *c, const double *w,",
-        "    const double *u, ptrdiff_t us, double *y, ptrdiff_t ys) {",
+        f"    const double *u, ptrdiff_t us, double *y, ptrdiff_t ys{more}) {{",
         *(f"    {line}" for line in lines),
         "}",
         "",
@@ -77,10 +80,12 @@ def _inverses(order: int) -> list[str]:
 class _Rules(Order):
     """The rules as text of order k, and what they read: values of order 0, sums of lower orders."""
 
-    def __init__(self, prepared: Prepared, whole: Sequence[Group]) -> None:
+    def __init__(self, prepared: Prepared, whole: Sequence[Group], further: int = 0) -> None:
         self.prepared, self.varies = prepared, prepared.varies
         self.instructions = prepared.program.instructions
-        self.rates = prepared.program.results[RATES]
+        values = prepared.program.results[RATES]
+        self.rates = values[: len(values) - further]
+        self.further = values[len(self.rates) :]
         self.linear = linear_in_time(prepared)
         self.places = {n: (g, place) for g, group in enumerate(whole)
                        for place, n in enumerate(group.values)}  # fmt: skip
@@ -135,7 +140,8 @@ class _Rules(Order):
             f"HEAD_pack s{g} = {four([*texts, *zeros][:WIDTH])};" for g, texts in values.items()
         ]
         lines += [f"double x{i} = {self.first(rate)};" for i, rate in enumerate(self.rates)]
-        return lines + [f"y[{i} * ys] = x{i};" for i in range(len(self.rates))]
+        lines += [f"y[{i} * ys] = x{i};" for i in range(len(self.rates))]
+        return lines + [f"e[{m}] = {self.first(n)};" for m, n in enumerate(self.further)]
 
     def results(self) -> list[str]:
         """Return the lines of the next coefficients of the states."""
@@ -148,8 +154,9 @@ class _Rules(Order):
                 if place
                 else f"x{i} = {self.now(rate)} * next + {self.now(rate)} * next_rest;"
             )
+        lines += [f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))]
         return lines + [
-            f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))
+            f"e[{len(self.further)} * k + {m}] = {self.now(n)};" for m, n in enumerate(self.further)
         ]
 
     def start(self) -> Program:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from codegen import events
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
 from codegen.integrate import (
@@ -39,6 +40,7 @@ class Task:
     compiled: Compiled
     problem: Problem
     signals: scipy_.Inputs | None
+    events: tuple[events.Event, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -46,28 +48,42 @@ class Method:
     """A name, what it is, and what prepares the integrator and says what it is called in full.
 
     ``projects``: whether states can be brought back onto invariants after each step.
+    ``finds``: whether events are found.
     """
 
     name: str
     meaning: str
     prepare: Callable[[Task], tuple[Integrator, str]]
     projects: bool = False
+    finds: bool = False
+
+
+Further = tuple[tuple[str, ...], tuple[events.Event, ...]]
+"""What a loop does beside integrating: invariants to project onto, events."""
+
+
+def _further(task: Task) -> Further:
+    """Return that of a task; of its events what generated code depends on, the expressions."""
+    bare = tuple(events.Event(e.expression, name=e.label) for e in task.events)
+    return task.problem.project, bare
 
 
 @lru_cache(maxsize=64)
-def _extended_once(key: SameObject[Compiled], names: tuple[str, ...]) -> tuple[Program, Layout]:
-    """Return program and layout of the generated loop, with the projection onto ``names`` if any."""
+def _extended_once(key: SameObject[Compiled], further: Further) -> tuple[Program, Layout]:
+    """Return program and layout of the generated loop, with its projection and events if any."""
     compiled = key.value
-    if not names:
-        return compiled.program, compiled.layout
-    return projection.extended(compiled.program, compiled.layout, names, compiled.stable)
+    names, looked_for = further
+    found = compiled.program, compiled.layout
+    if names:
+        found = projection.extended(*found, names, compiled.stable)
+    return events.extended(*found, compiled, looked_for) if looked_for else found
 
 
 @lru_cache(maxsize=64)
 def _runge_kutta_once(
-    key: SameObject[Compiled], names: tuple[str, ...], tableau: Tableau
+    key: SameObject[Compiled], further: Further, tableau: Tableau
 ) -> runge_kutta.NativeMethod:
-    return runge_kutta.build(tableau, *_extended_once(key, names))
+    return runge_kutta.build(tableau, *_extended_once(key, further))
 
 
 @lru_cache(maxsize=64)
@@ -82,9 +98,9 @@ def _splitting_once(key: SameObject[Compiled]) -> tuple[runge_kutta.NativeMethod
 
 @lru_cache(maxsize=64)
 def _taylor_once(
-    key: SameObject[Compiled], names: tuple[str, ...], order: int
+    key: SameObject[Compiled], further: Further, order: int
 ) -> runge_kutta.NativeMethod:
-    return taylor.build(*_extended_once(key, names), order)
+    return taylor.build(*_extended_once(key, further), order)
 
 
 def _native(compiled: Compiled, method: runge_kutta.NativeMethod) -> Integrator:
@@ -107,8 +123,14 @@ def _runge_kutta(
     def prepare(task: Task) -> tuple[Integrator, str]:
         compiled = task.compiled
         if compiled.target == "c" and task.signals is None:
-            native = _runge_kutta_once(SameObject(compiled), task.problem.project, tableau)
+            native = _runge_kutta_once(SameObject(compiled), _further(task), tableau)
             return _native(compiled, native), f"{name} in generated C"
+        if task.events:
+            raise InputError(
+                f"method {name} finds events in generated C alone",
+                got="inputs that are Python functions" if task.signals else compiled.target,
+                expected="the target c, and inputs that are numbers",
+            )
         integrator, used = _scipy(elsewhere)(task)
         reason = " (inputs are Python functions)" if task.signals is not None else ""
         return integrator, used + reason
@@ -126,7 +148,7 @@ def _taylor(task: Task) -> tuple[Integrator, str]:
             hint="write them into the system as functions of time, or choose DOP853",
         )
     order = taylor.order_of(task.problem.rtol)
-    native = _taylor_once(SameObject(task.compiled), task.problem.project, order)
+    native = _taylor_once(SameObject(task.compiled), _further(task), order)
     return _native(task.compiled, native), f"Taylor series of order {order} in generated C"
 
 
@@ -176,15 +198,15 @@ def _sundials(kind: str) -> Callable[[Task], tuple[Integrator, str]]:
 
 ROWS: tuple[Method, ...] = (
     Method("auto", "closed form, Taylor series, DOP853 or a stiff method: see `choice`", _auto,
-           projects=True),
+           projects=True, finds=True),
     Method("DOP853", "explicit Runge-Kutta of order 8, loop in C beside the target c", _dop853,
-           projects=True),
+           projects=True, finds=True),
     Method("DP5", "explicit Runge-Kutta of order 5, of Dormand and Prince, loop in C likewise",
-           _runge_kutta(DP5, "DP5", "RK45"), projects=True),
+           _runge_kutta(DP5, "DP5", "RK45"), projects=True, finds=True),
     Method("Tsit5", "explicit Runge-Kutta of order 5, of Tsitouras, loop in C likewise",
-           _runge_kutta(TSIT5, "Tsit5", "Tsit5"), projects=True),
+           _runge_kutta(TSIT5, "Tsit5", "Tsit5"), projects=True, finds=True),
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor,
-           projects=True),
+           projects=True, finds=True),
     Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
     Method("splitting", "symplectic: exact free-body turns and kicks of torque, fixed step", _splitting),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m),
@@ -208,6 +230,13 @@ def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
         able = [row.name for row in ROWS if row.projects]
         raise InputError(
             f"method {method} cannot project its states onto invariants",
+            expected=f"one of {', '.join(able)}",
+        )
+    if task.events and not row.finds:
+        able = [row.name for row in ROWS if row.finds]
+        raise InputError(
+            f"method {method} finds no events",
+            got=", ".join(e.label for e in task.events),
             expected=f"one of {', '.join(able)}",
         )
     return row.prepare(task)

@@ -36,7 +36,7 @@ static double first_step(@PREFIX@ *s, const double *u, double direction) {
     return isfinite(h) ? h : h0;
 }
 
-int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
+@EVENT_BEGIN@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     s->t_low = 0.0;
     s->steps = s->rejected = 0;
@@ -49,7 +49,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     s->which = first_bad(s->f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
-    if (s->h <= 0.0) s->h = first_step(s, u, direction);
+@EVENT_START@    if (s->h <= 0.0) s->h = first_step(s, u, direction);
     return s->status = @UPPER@_PAUSED;
 }
 
@@ -74,7 +74,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     }
 }
 
-@EVENTS@@STEPS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
+@EVENTS@@STEPS@@CROSSINGS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
     long long attempts = 0;
@@ -83,7 +83,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
     while (s->t != s->t_end) {
         double h, t_new, t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
-        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
+@EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
         if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
 
         for (int i = 0; i < N; ++i) k[0][i] = s->f[i];
@@ -104,14 +104,14 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         if (is_rejected(s, h, error, bad >= 0 || isfinite(error) ? bad : first_bad(k[@LAST@]), x_new)) continue;
         const double factor = growth(s, error);
 @PROJECT@
-        const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
+        const int needs_dense = @EVENT_DENSE@o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
         double after[S + 1];
         const int possible = may_stop(s, t_new, x_new, u, after);
         if (needs_dense || possible) prepare_dense(s, k, h, x_new, u);
-        const double stop = place_of_stop(s, possible, after, u);
+        const double stop = @STOP_BEGIN@place_of_stop(s, possible, after, u)@STOP_END@;
         const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < N; ++i) {
             s->x_low[i] = stop <= 1.0 ? 0.0 : x_low[i];
@@ -119,7 +119,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         }
         s->h = fabs(h) * factor;
         end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, &s->dense[0][0], @DENSE_TERMS@ * N);
-        if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
+        if (stop <= 1.0) return s->status = @STOPPED@;
     }
     return s->status = @UPPER@_DONE;
 }

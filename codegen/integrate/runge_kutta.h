@@ -4,9 +4,9 @@
  * @PREFIX@_start once, then @PREFIX@_run until it returns neither FULL (empty the output, set its
  * count to 0) nor PAUSED (max_steps were tried; call again to go on). Integration may go backwards.
  * There are no globals and no allocation; @STACK@ bytes of stack are used.
- */
+@EVENT_USE@ */
 @INTERFACE@
-typedef struct {
+@EVENT_TYPE@typedef struct {
     double t, t_end, h, h_max, rtol, margin;
     double t_low, t_old, h_old;
     double atol[@STATES@], x[@STATES@], x_low[@STATES@], f[@STATES@], x_old[@STATES@];
@@ -15,7 +15,7 @@ typedef struct {
     long long steps, rejected, evaluations;
     int status, which, after_rejection;
     @NAME@_constants constants; /* what depends on the parameters alone */
-} @PREFIX@;
+@EVENT_FIELDS@} @PREFIX@;
 
 @OUTPUT@
 #ifdef __cplusplus

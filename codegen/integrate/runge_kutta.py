@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import native
-from codegen.integrate import projection
+from codegen.integrate import crossings, projection
 from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
@@ -25,7 +25,7 @@ from codegen.program import Program
 from codegen.stages import by_parameters
 from codegen.targets import c
 
-NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED = -2, -1, 0, 1, 2, 3
+NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED, EVENT = -2, -1, 0, 1, 2, 3, 5
 STEPS_A_CALL = 50_000
 FIRST_CAPACITY = 2_048
 
@@ -57,9 +57,13 @@ def fill(template: str, values: Mapping[str, str]) -> str:
     """Return a template of this folder with its keys replaced, those of the shared parts first."""
     text = _template(template)
     shared = {key: _template(file) for key, file in SHARED.items()}
-    for key, value in {**shared, **values}.items():
+    for key, value in {**shared, **_without_events(values), **values}.items():
         text = text.replace(f"@{key}@", value)
     return text
+
+
+def _without_events(values: Mapping[str, str]) -> dict[str, str]:
+    return {**crossings.NONE, "STOPPED": f"{values.get('UPPER', '')}_SINGULAR"}
 
 
 def _template(name: str) -> str:
@@ -102,6 +106,7 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         **_further_stages(tableau, name),
         **_error(tableau),
         **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
+        **crossings.of_values(layout, prefix),
     }
 
 
@@ -156,7 +161,7 @@ def _stage(tableau: Tableau, name: str, s: int) -> str:
 
 @cache
 def _structures(
-    prefix: str, n: int, room: int, terms: int, constants: int
+    prefix: str, n: int, room: int, terms: int, constants: int, events: int
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of runge_kutta.h."""
     double: Any = ctypes.c_double
@@ -170,6 +175,7 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
     state += [("constants", double * constants)]
+    state += crossings.fields(events, 0)
     return structures(prefix, state)
 
 
@@ -201,6 +207,8 @@ class NativeMethod:
     state: type[ctypes.Structure]
     output: type[ctypes.Structure]
     library: ctypes.CDLL
+    most_events: int = 0
+    """What a step may find, where there are events."""
 
 
 def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
@@ -210,9 +218,11 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
-    state, output = _structures(prefix, n, max(1, singular), tableau.dense_terms, constants)
+    events, room = crossings.count_of(layout), crossings.most(layout)
+    terms = tableau.dense_terms
+    state, output = _structures(prefix, n, max(1, singular), terms, constants, events)
     start, run, library = loaded(text, flags, prefix, state)
-    return NativeMethod(tableau.dense_terms, DenseSolution, start, run, state, output, library)
+    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room)
 
 
 def loaded(
@@ -238,6 +248,7 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
     p, u = _pointer(problem.parameters), _pointer(problem.inputs)
     store, clock = _Store(method, problem), _Clock()
+    store.finder.attach(s, method.most_events)
     status = clock.timed(method.start, ctypes.addressof(s), p, u)
     output = ctypes.addressof(store.output)
     look = problem.watch_every if problem.watch else problem.max_steps
@@ -245,6 +256,7 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
         left = problem.max_steps - s.steps - s.rejected
         if left <= 0:
             break
+        store.finder.empty(s)
         if not store.make_room():
             return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
         attempts = min(STEPS_A_CALL, left, look - s.steps - s.rejected)
@@ -274,6 +286,7 @@ class _Clock:
 _STOPS = {
     DONE: "end",
     SINGULAR: "singular",
+    EVENT: "event",
     NOT_FINITE: "not finite",
     STEP_TOO_SMALL: "step",
     PAUSED: "max_steps",
@@ -295,7 +308,7 @@ class _Store:
     """Growing arrays of times, states and, where asked for, interpolants."""
 
     def __init__(self, method: NativeMethod, problem: Problem) -> None:
-        self.n = len(problem.x0)
+        self.n, self.finder = len(problem.x0), crossings.Finder(problem)
         self.terms, self.solution = method.terms, method.solution
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
@@ -331,6 +344,7 @@ class _Store:
     def trajectory(self, s: Any, stop: Stop, problem: Problem, seconds: float) -> Trajectory:
         """Return what was stored; without a grid the start is the first point."""
         count = self.output.count
+        self.finder.empty(s)
         t, x = self.t[:count], self.x[:count]
         solution = None
         if self.grid is None:
@@ -357,6 +371,7 @@ class _Store:
             rejected=s.rejected,
             solution=solution,
             seconds=seconds,
+            found=self.finder.found() if problem.events else None,
         )
 
 

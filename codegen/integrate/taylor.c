@@ -100,7 +100,7 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
 }
 
-@EVENTS@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
+@EVENTS@@EVENT_BEGIN@@CROSSINGS@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     double f[N];
     s->t_low = 0.0;
     s->steps = s->rejected = 0;
@@ -119,7 +119,7 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     s->which = first_bad(f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
-    return s->status = @UPPER@_PAUSED;
+@EVENT_START@    return s->status = @UPPER@_PAUSED;
 }
 
 int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
@@ -131,8 +131,8 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
     while (s->t != s->t_end) {
         const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
-        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1);
+@EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
+        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1@EVENT_JET@);
         s->evaluations += P;
         double h_abs = smaller(step_length(s), s->h_max);
         if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, larger(s->h, smallest));
@@ -163,11 +163,11 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         s->h_old = h;
         double after[S + 1];
         const int possible = may_stop(s, t_new, x_new, u, after);
-        const double stop = place_of_stop(s, possible, after, u);
+        const double stop = @STOP_BEGIN@place_of_stop(s, possible, after, u)@STOP_END@;
         const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < N; ++i) s->x_low[i] = stop <= 1.0 ? 0.0 : x_low[i];
         end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, &s->jet[0][0], P * N);
-        if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
+        if (stop <= 1.0) return s->status = @STOPPED@;
     }
     return s->status = @UPPER@_DONE;
 }

@@ -4,9 +4,9 @@
  * @PREFIX@_start once, then @PREFIX@_run until it returns neither FULL (empty the output, set its
  * count to 0) nor PAUSED (max_steps were made; call again to go on). Integration may go backwards.
  * There are no globals and no allocation; @STACK@ bytes of stack are used.
- */
+@EVENT_USE@ */
 @INTERFACE@
-typedef struct {
+@EVENT_TYPE@typedef struct {
     double t, t_end, h, h_max, rtol, margin;
     double t_low, t_old, h_old, reach; /* reach: log2 of a step over the radius of convergence */
     double atol[@STATES@], x[@STATES@], x_low[@STATES@], x_old[@STATES@];
@@ -18,7 +18,7 @@ typedef struct {
     int status, which;
     @NAME@_constants constants; /* what depends on the parameters alone, for the rates */
     double series_constants[@SERIES_CONSTANTS@];
-} @PREFIX@;
+@EVENT_FIELDS@} @PREFIX@;
 
 @OUTPUT@
 #ifdef __cplusplus

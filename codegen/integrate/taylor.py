@@ -5,13 +5,14 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.integrate import projection, runge_kutta
+from codegen.integrate import crossings, projection, runge_kutta
 from codegen.integrate.jets import series
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.stepwise import Stepwise
@@ -48,7 +49,7 @@ def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
 
     Raises `InputError` for a value that changes with time and has no Taylor series.
     """
-    prepared = prepare(program, RATES, layout)
+    prepared = _prepared(program, layout)
     values = _values(prepared, layout, order)
     return {
         f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"taylor.{kind}", values)
@@ -64,10 +65,20 @@ def single_text(program: Program, layout: Layout, order: int) -> str:
     return c.single_text(program, layout) + rest.replace(f'#include "{name}_taylor.h"\n', "")
 
 
+def _prepared(program: Program, layout: Layout) -> Prepared:
+    """Return the rates, and the expressions of events behind them, with the partners of their rules."""
+    count = crossings.count_of(layout)
+    rates, events = program.results[RATES], program.results.get(crossings.GROUP, ())[:count]
+    if events:
+        program = replace(program, results={RATES: (*rates, *events)})
+    return prepare(program, RATES, layout)
+
+
 def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
     name = identifier(layout.name)
     prefix = f"{name}_taylor"
-    functions, constants = series(prepared, f"{prefix}_series", order)
+    further = crossings.count_of(layout)
+    functions, constants = series(prepared, f"{prefix}_series", order, further)
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     return {
         "TITLE": comment(layout.title),
@@ -89,12 +100,13 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "SERIES_CONSTANTS": str(max(1, constants)),
         "SERIES": "\n".join(functions),
         **projection.texts(layout, prefix, projection.TAYLOR),
+        **crossings.of_taylor(layout, prefix, order),
     }
 
 
 @cache
 def _structures(
-    prefix: str, n: int, room: int, order: int, constants: tuple[int, int]
+    prefix: str, n: int, room: int, order: int, constants: tuple[int, int], events: int
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of taylor.h."""
     double: Any = ctypes.c_double
@@ -108,6 +120,7 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which")]
     state += [("constants", double * constants[0]), ("series_constants", double * constants[1])]
+    state += crossings.fields(events, order)
     return runge_kutta.structures(prefix, state)
 
 
@@ -116,16 +129,18 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
 
     Raises `CompilerError` if that fails, and `InputError` where a value has no Taylor series.
     """
-    prepared = prepare(program, RATES, layout)
+    prepared = _prepared(program, layout)
     text = single_text(program, layout, order)
     prefix = f"{identifier(layout.name)}_taylor"
-    _, of_series = series(prepared, f"{prefix}_series", order)
+    events = crossings.count_of(layout)
+    _, of_series = series(prepared, f"{prefix}_series", order, events)
     of_rates = len(by_parameters(program, layout.sizes).values)
     constants = (max(1, of_rates), max(1, of_series))
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
-    state, output = _structures(prefix, n, max(1, singular), order, constants)
+    state, output = _structures(prefix, n, max(1, singular), order, constants, events)
     start, run, library = runge_kutta.loaded(text, FLAGS, prefix, state)
-    return NativeMethod(order, TaylorSolution, start, run, state, output, library)
+    room = crossings.most(layout)
+    return NativeMethod(order, TaylorSolution, start, run, state, output, library, room)
 
 
 class TaylorSolution(Stepwise):

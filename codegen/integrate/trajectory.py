@@ -18,6 +18,30 @@ MAX_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
+class Filter:
+    """Which zeros of an expression count: those of ``direction`` 1 up, -1 down, 0 all.
+
+    At the ``terminal``-th of them the run ends, never if that is 0.
+    """
+
+    direction: int = 0
+    terminal: int = 0
+
+
+@dataclass(frozen=True)
+class Found:
+    """Zeros of the expressions of events, in order: times (K,), states (K, n), ``which`` (K,) event.
+
+    ``direction`` (K,): 1 up, -1 down, 0 where zero is touched, in the direction of integration.
+    """
+
+    t: Array
+    x: Array
+    which: NDArray[np.int32]
+    direction: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
 class Problem:
     """An initial value problem with everything checked.
 
@@ -45,6 +69,8 @@ class Problem:
     progress: Callable[[float], None] | None = None
     watch: Callable[[float, Array, float], bool] | None = None
     watch_every: int = 1
+    events: tuple[Filter, ...] = ()
+    """What is looked for at zeros of expressions: by number, as their loop has them."""
 
     def report(self, t: float) -> None:
         """Tell the progress at time ``t``."""
@@ -55,10 +81,10 @@ class Problem:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when a run stopped: end, singular, not finite, step, max_steps, memory, left.
+    """Why and when a run stopped: end, singular, event, not finite, step, max_steps, memory, left.
 
-    ``which``: number of the singularity, or of the state that is not finite. A run is left where
-    its ``watch`` says so.
+    ``which``: number of the singularity, of the event, or of the state that is not finite.
+    A run is left where its ``watch`` says so.
     """
 
     kind: str
@@ -88,3 +114,5 @@ class Trajectory:
     """What integrated, where that was found out on the way."""
     why: str = ""
     """Why that was chosen."""
+    found: Found | None = None
+    """Events, where a problem has some."""
