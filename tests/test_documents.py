@@ -40,12 +40,21 @@ def test_the_scene_of_the_readme_runs(tmp_path):
 
 def test_readme_gives_set_up_main_job_and_test_command():
     lines = [line for block in blocks("bash") for line in block.splitlines()]
-    assert len(lines) == 6
+    assert len(lines) == 7
     assert lines[0].startswith("python3 -m venv")
     assert "eom run" in lines[2]
     assert "eom accuracy" in lines[3]
     assert "eom derive" in lines[4]
-    assert "pytest" in lines[5]
+    assert "eom check" in lines[5]
+    assert "pytest" in lines[6]
+
+
+def test_the_report_that_the_readme_shows_is_that_of_the_checker():
+    (shown,) = blocks("text")
+    formula = r"I_1\dot\omega_1 = (I_3 - I_2)\omega_2\omega_3 + T_1"
+    done = CliRunner().invoke(main, ["check", formula, "--notation", "kane"])
+    assert done.exit_code == 1
+    assert shown.strip() in done.output
 
 
 @pytest.mark.parametrize(
