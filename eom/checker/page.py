@@ -7,6 +7,7 @@ brings along is escaped. Details open by click or key.
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from importlib import resources
@@ -166,7 +167,7 @@ def _brief(finding: Finding) -> str:
         return f"carries on the slip of line {finding.carried}"
     first = next(iter(finding.explanation.corrections), None)
     if first is not None:
-        return html.escape(first.change)
+        return _worded(first.change)
     return html.escape(finding.reason.split("\n")[0])
 
 
@@ -207,12 +208,20 @@ def _display(latex: str, label: str, blamed: Iterable[Span] = ()) -> str:
     return f'<span class="display" tabindex="0" role="group" aria-label="{label}">{math}</span>'
 
 
+_SCROLLS = ' tabindex="0"'
+"""Formulas may be wider than the screen; then they scroll, by keys as well."""
+
+
 def _below(finding: Finding | None) -> str:
     """Return the card of a finding."""
     if finding is None:
         return ""
     tone, sign = SIGNS[finding.verdict]
-    details = "".join(f"<dt>{term}</dt><dd>{text}</dd>" for term, text in _details(finding) if text)
+    details = "".join(
+        f"<dt>{term}</dt><dd{_SCROLLS if '<math' in text else ''}>{text}</dd>"
+        for term, text in _details(finding)
+        if text
+    )
     head = (
         f'<span class="verdict">{sign} {html.escape(finding.verdict)}</span> '
         f"<small>{_title(finding)}</small>"
@@ -234,7 +243,7 @@ def _details(finding: Finding) -> Iterator[tuple[str, str]]:
         f'<span class="reason">{html.escape(finding.reason)}</span>' * bool(finding.reason),
     )
     yield "Carries on", carried
-    yield "Too much on the left", mathml(explanation.residual) if explanation.residual else ""
+    yield "Left side minus right side", mathml(explanation.residual) if explanation.residual else ""
     yield "Convention", html.escape(explanation.convention)
     yield "What would make it right", _list(map(_correction, explanation.corrections), "ol")
     yield "Fails for", _counterexample(explanation.counterexample)
@@ -249,7 +258,13 @@ def _list(items: Iterable[str], tag: str) -> str:
 
 def _correction(correction: Correction) -> str:
     under = f" It then holds under: {_sets(correction.sets)}" if correction.sets else ""
-    return f"{html.escape(correction.change)}{_display(correction.latex, 'corrected')}{under}"
+    return f"{_worded(correction.change)}{_display(correction.latex, 'corrected')}{under}"
+
+
+def _worded(words: str) -> str:
+    """Return words with formulas between dollars."""
+    parts = re.split(r"\$([^$]*)\$", words)
+    return "".join(mathml(p) if k % 2 else html.escape(p) for k, p in enumerate(parts))
 
 
 def _counterexample(example: Counterexample | None) -> str:
