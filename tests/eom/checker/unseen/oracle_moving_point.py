@@ -41,7 +41,9 @@ CASES = {
         (der(H), M + der(Q).cross(m * der(G))), corrected=[(der(H), M - der(Q).cross(m * der(G)))]
     ),
     "E6": case((der(h), M - m * arm.cross(Q.diff(t, 2)))),
-    "i9": case((der(any_.momentum(G)), any_.torque(G)), (der(any_.momentum(0 * Q)), any_.torque(0 * Q))),
+    "i9": case(
+        (der(any_.momentum(G)), any_.torque(G)), (der(any_.momentum(0 * Q)), any_.torque(0 * Q))
+    ),
     "E7": case(
         (M, any_.torque(G) + any_.outer.cross(arm)),
         corrected=[(M, any_.torque(G) + arm.cross(any_.outer))],

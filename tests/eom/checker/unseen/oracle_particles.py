@@ -2,7 +2,15 @@
 
 import sympy as sp
 
-from tests.eom.checker.unseen.motions import Masses, case, draw, function, number, path, t
+from tests.eom.checker.unseen.motions import (
+    Masses,
+    case,
+    draw,
+    function,
+    number,
+    path,
+    t,
+)
 
 _rng = draw("particles")
 N = range(3)

@@ -2,7 +2,13 @@
 
 import sympy as sp
 
-from tests.eom.checker.unseen.motions import Masses, attitude, case, draw, number
+from tests.eom.checker.unseen.motions import (
+    Masses,
+    attitude,
+    case,
+    draw,
+    number,
+)
 
 _rng = draw("solids")
 a, b, c, h, R, rho, L = (abs(number(_rng)) for _ in range(7))
@@ -31,9 +37,7 @@ rod = sp.integrate(m / L * x**2, (x, -L / 2, L / 2))
 end = sp.integrate(m / L * x**2, (x, 0, L))
 steiner = m * L**2 / 12 + m * (L / 2) ** 2
 mass = _cylinder * disc(0) * h
-Ixx, Iyy, Izz = (
-    _box * box(f, a, b, c) for f in (y**2 + z**2, x**2 + z**2, x**2 + y**2)
-)
+Ixx, Iyy, Izz = (_box * box(f, a, b, c) for f in (y**2 + z**2, x**2 + z**2, x**2 + y**2))
 about_z = rho * box(x**2 + y**2, a, b, c)
 
 _points = [sp.Matrix([number(_rng) for _ in range(3)]) for _ in range(4)]
@@ -46,7 +50,9 @@ moved = I_.inertia(I_.centre)
 unit = sp.eye(3)
 
 CASES = {
-    "E1": case((about_z, sp.integrate(rho * c * (x**2 + y**2), (y, -b / 2, b / 2), (x, -a / 2, a / 2)))),
+    "E1": case(
+        (about_z, sp.integrate(rho * c * (x**2 + y**2), (y, -b / 2, b / 2), (x, -a / 2, a / 2)))
+    ),
     "E2": case((rod, m * L**2 / 12)),
     "E3": case(
         (end, steiner), (end, m * L**2 / 4), corrected=[(end, steiner), (end, m * L**2 / 3)]
@@ -66,7 +72,9 @@ CASES = {
         (3 * rho * _discs, 2 * rho * sp.integrate(4 * sp.pi * r**4, (r, 0, R))),
         (3 * rho * _discs, sp.Rational(8, 5) * sp.pi * rho * R**5),
     ),
-    "i13": case((rho * sp.integrate(sp.pi * (R**2 - z**2), (z, -R, R)), 4 * sp.pi * rho * R**3 / 3)),
+    "i13": case(
+        (rho * sp.integrate(sp.pi * (R**2 - z**2), (z, -R, R)), 4 * sp.pi * rho * R**3 / 3)
+    ),
     "E9": case(
         (_sphere * _discs, 2 * m * R**2 / 3), corrected=[(_sphere * _discs, 2 * m * R**2 / 5)]
     ),

@@ -2,7 +2,17 @@
 
 import sympy as sp
 
-from tests.eom.checker.unseen.motions import attitude, case, der, draw, number, omega, path, skew, t
+from tests.eom.checker.unseen.motions import (
+    attitude,
+    case,
+    der,
+    draw,
+    number,
+    omega,
+    path,
+    skew,
+    t,
+)
 
 _rng = draw("transport")
 C = attitude(_rng)
