@@ -119,20 +119,26 @@ def results(folder: Path, lexica: Path | None = None) -> Iterator[Result]:
     The time of a formula is that of judging it; reading and elaboration of the note is shared out.
     """
     truth = read_truth(folder / "truth.json")
-    accepted = {v for e in truth.values() for v in e.accept}
     for name in sorted({e.split(":")[0] for e in truth}):
+        yield from of_note(folder, name, lexica)
+
+
+def of_note(folder: Path, name: str, lexica: Path | None = None) -> Iterator[Result]:
+    """Yield the results of one note of a folder, as `results` does. Raises `InputError`."""
+    truth = read_truth(folder / "truth.json")
+    accepted = {v for e in truth.values() for v in e.accept}
+    start = perf_counter()
+    path = note(folder, name)
+    found = understand(load(path), lexicon_of(path, lexica))
+    share = (perf_counter() - start) / max(len(found), 1)
+    for entry, understood in _paired(name, found, truth):
         start = perf_counter()
-        path = note(folder, name)
-        found = understand(load(path), lexicon_of(path, lexica))
-        share = (perf_counter() - start) / max(len(found), 1)
-        for entry, understood in _paired(name, found, truth):
-            start = perf_counter()
-            ours = verdict(understood, GIVEN)
-            seconds = perf_counter() - start + share
-            word = counted(ours.verdict, accepted)
-            kind = understood.formula.piece.kind
-            if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
-                yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
+        ours = verdict(understood, GIVEN)
+        seconds = perf_counter() - start + share
+        word = counted(ours.verdict, accepted)
+        kind = understood.formula.piece.kind
+        if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
+            yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
 
 
 def _paired(

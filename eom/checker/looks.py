@@ -145,6 +145,14 @@ def _with_scripts(node: Scripts) -> Labels:
     return (*base[:-1], base[-1] + tail) if base else (tail,)
 
 
+def _factors(node: Product) -> Labels:
+    """Return the words of all factors; a cross stays between them, as in the size of a matrix."""
+    words = [labels(f) for f in node.factors]
+    if node.operator != "cross":
+        return tuple(w for part in words for w in part)
+    return tuple(w for k, part in enumerate(words) for w in (("times", *part) if k else part))
+
+
 def _terms(node: Addition) -> Labels:
     pairs = zip(node.signs, node.terms, strict=True)
     return tuple(w for sign, term in pairs for w in ((sign,) if sign else ()) + labels(term))
@@ -156,7 +164,7 @@ _LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
     (Words, lambda n: tuple(n.text.replace(" ", ""))),
     (Marks, lambda n: n.names),
     (Group, lambda n: labels(n.body) if n.open == "" else (n.open, *labels(n.body), n.close)),
-    (Product, lambda n: tuple(w for f in n.factors for w in labels(f))),
+    (Product, _factors),
     (Quotient, lambda n: (*labels(n.left), "/", *labels(n.right))),
     (Sequence, lambda n: tuple(w for i in n.items for w in labels(i))),
     (Scripts, _with_scripts),

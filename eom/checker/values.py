@@ -152,7 +152,13 @@ def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
 
 
 def _agree(a: Value, b: Value) -> tuple[str, str]:
-    """Return the frames that two values share."""
+    """Return the frames that two values share.
+
+    A rotation matrix and its transpose may be added and compared: I + C, C + C^T and C - C^T say what
+    axis and angle are. Their sum is between no two frames.
+    """
+    if a.frames == b.frames[::-1] and a.shape == b.shape == MATRIX and "" not in a.frames:
+        return a.frames if a.frames == b.frames else ANY
     for x, y in zip(a.frames, b.frames, strict=True):
         if x and y and x != y:
             raise refuse(

@@ -6,10 +6,12 @@
 
 import importlib
 import json
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
 
+from benchmarks.checking import of_note
 from tests.eom.checker.unseen.motions import FALSE, TRUE, distance
 
 FOLDER = Path(__file__).with_name("unseen")
@@ -35,3 +37,39 @@ def test_the_truth_is_that_of_explicit_motions(name):
             assert rows[key]["correction"] != rows[key]["latex"]
         else:
             assert as_written < TRUE, key
+
+
+REACHED = {
+    "euler_rates": 4,
+    "gravity_gradient": 8,
+    "gyrostat": 12,
+    "heavy_top": 16,
+    "kane": 16,
+    "moving_point": 14,
+    "particles": 16,
+    "quaternions": 2,
+    "rodrigues": 4,
+    "solids": 3,
+    "transport": 13,
+}
+"""How many equations of each note have been judged rightly; no change may make them fewer."""
+
+
+@lru_cache
+def judged(name):
+    return tuple(of_note(FOLDER, name))
+
+
+@pytest.mark.parametrize("name", NOTES)
+def test_no_true_line_is_called_wrong_and_no_fewer_are_decided(name):
+    rows = judged(name)
+    assert [r.entry.name for r in rows if r.false_alarm] == []
+    undecided = [
+        f"{r.entry.name}: {r.ours}: {r.reason.splitlines()[:1]}" for r in rows if not r.right
+    ]
+    assert sum(r.right for r in rows) >= REACHED[name], "\n".join(undecided)
+
+
+def test_no_wrong_line_is_said_to_hold_always():
+    rows = [r for name in NOTES for r in judged(name) if r.entry.verdict == "wrong"]
+    assert [r.entry.name for r in rows if r.ours in {"holds", "definition"}] == []

@@ -57,7 +57,11 @@ def rounded(c):
 
 def constant(x):
     """The value at the instant, as a number or a matrix of numbers."""
-    return x.applyfunc(constant) if isinstance(x, sp.MatrixBase) else rounded(x.xreplace({t: sp.Integer(0)}))
+    return (
+        x.applyfunc(constant)
+        if isinstance(x, sp.MatrixBase)
+        else rounded(x.xreplace({t: sp.Integer(0)}))
+    )
 
 
 def cos(angle):
@@ -110,7 +114,9 @@ def omega(C):
 def value(x):
     """Numbers with many digits at the instant."""
     parts = x if isinstance(x, sp.MatrixBase) else sp.Matrix([sp.sympify(x)])
-    return sp.Matrix(parts).applyfunc(lambda e: sp.sympify(e).xreplace({t: sp.Integer(0)}).evalf(DIGITS))
+    return sp.Matrix(parts).applyfunc(
+        lambda e: sp.sympify(e).xreplace({t: sp.Integer(0)}).evalf(DIGITS)
+    )
 
 
 def distance(pairs):
