@@ -1,10 +1,11 @@
 """``python -m benchmarks.edits``: every single edit of the true equations of judged notes, judged.
 
-Each edit changes one node of a formula: a sign, a factor, a term or factor less, operands exchanged, another
-index, a dot, a tilde or a transpose lost, another frame, sine for cosine. Whether an edit is true is
-decided without the checker's worlds: by 60-digit numerics on smooth motions (`tests.eom.oracle`), under the
-assumptions that the equation needed before the edit. An edit that is false there may be true under others,
-which the checker then names; these are looked at in the same way, and counted apart.
+Each edit changes one node of a formula: a sign, a factor, a term or factor less, operands exchanged,
+another index, a dot, a tilde or a transpose lost, another frame, sine for cosine. Whether an edit is
+true is decided without the checker's worlds: by 60-digit numerics on smooth motions
+(`tests.eom.oracle`), under the assumptions that the equation needed before the edit. An edit that is
+false there may be true under others, which the checker then names; these are looked at in the same way,
+and counted apart.
 
 The command fails where a true edit is called wrong, or less than 98 % of the false ones are called wrong
 or ill-formed. Of an edit that is caught, what was there before the edit should be among the first three
@@ -17,7 +18,7 @@ import importlib.util
 import random
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -140,10 +141,11 @@ def _indices(node: Node) -> Iterator[Node]:
         for k, digit in enumerate(inside.text):
             for new in "123".replace(digit, ""):
                 text = inside.text[:k] + new + inside.text[k + 1 :]
-                yield replace(node, sub=replace(inside, text=text))  # type: ignore[call-arg]
+                yield replace(node, sub=replace(inside, text=text))
+        if len(set(inside.text)) == 2:
+            yield replace(node, sub=replace(inside, text=inside.text[::-1]))
     if isinstance(inside, Product) and len(inside.factors) == 2:
-        turned = replace(inside, factors=inside.factors[::-1])
-        yield replace(node, sub=turned)  # type: ignore[call-arg]
+        yield replace(node, sub=replace(inside, factors=inside.factors[::-1]))
 
 
 EDITS: dict[str, Callable[[Node], Iterator[Node]]] = {
@@ -216,10 +218,13 @@ class Original:
         return replace(self.understood, formula=edited, claims=tuple(found))
 
 
-def originals(folder: Path, lexica: Path | None = None) -> Iterator[Original]:
-    """Yield the displays of all judged notes that are true by the truth and by the checker."""
+def originals(
+    folder: Path, lexica: Path | None = None, only: Container[str] = ()
+) -> Iterator[Original]:
+    """Yield the displays of judged notes, all or ``only`` some, that are true and judged so."""
     truth = read_truth(folder / "truth.json")
-    for name in sorted({key.split(":")[0] for key in truth}):
+    names = sorted({key.split(":")[0] for key in truth})
+    for name in (n for n in names if not only or n in only):
         path = note(folder, name)
         yield from _of_note(name, understand(load(path), lexicon_of(path, lexica)), truth)
 
@@ -405,16 +410,22 @@ def run(found: list[Original], most: int | None, seed: int, explain: Any = None)
 @click.command()
 @click.argument("folders", nargs=-1, type=click.Path(path_type=Path, exists=True))
 @click.option("--lexica", type=click.Path(path_type=Path, exists=True), help="Of the first folder.")
+@click.option("--note", "only", multiple=True, help="Name of a note; all by default.")
 @click.option("--most", type=int, help="Judge at most so many edits, at random.")
 @click.option("--seed", default=0, show_default=True)
 @click.option("--corrections", is_flag=True, help="Look for corrections, too.")
 def main(
-    folders: tuple[Path, ...], lexica: Path | None, most: int | None, seed: int, corrections: bool
+    folders: tuple[Path, ...],
+    lexica: Path | None,
+    only: tuple[str, ...],
+    most: int | None,
+    seed: int,
+    corrections: bool,
 ) -> None:
     """Judge edits of the true equations of FOLDERS, by default of our own notes."""
     found = list[Original]()
     for folder in folders or (OWN,):
-        found += originals(folder, lexica if folder in folders[:1] else None)
+        found += originals(folder, lexica if folder in folders[:1] else None, only)
     count = run(found, most, seed, explainer() if corrections else None)
     for line in report(count):
         click.echo(line)

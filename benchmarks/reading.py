@@ -83,10 +83,14 @@ def spliced(rng: random.Random) -> str:
     return a[: rng.randrange(len(a) + 1)] + b[rng.randrange(len(b) + 1) :]
 
 
+def pieces(text: str) -> list[str]:
+    """Return the tokens of a formula as texts."""
+    return [spelling([t]) for t in tokenize(Source(""), text)[:-1]]
+
+
 def edited(rng: random.Random) -> str:
     """Return a good formula with tokens lost, doubled, exchanged or replaced."""
-    tokens = tokenize(Source(""), rng.choice(GOOD))[:-1]
-    parts = [spelling([t]) + " " for t in tokens]
+    parts = [part + " " for part in pieces(rng.choice(GOOD))]
     for _ in range(rng.randint(1, 3)):
         k = rng.randrange(len(parts))
         how = rng.randrange(4)
