@@ -11,6 +11,7 @@ LEXICON = parse_lexicon(r"""
 preset = "schaub-junkins"
 [symbols]
 '\mathbf{u}' = "vector u"
+'I_{3\times3}' = "identity_matrix"
 """)
 
 RATE = r"\!\left(\frac{d\mathbf u}{dt}\right)"
