@@ -50,6 +50,7 @@ from eom.checker.syntax import (
 from eom.checker.values import (
     AMBIGUOUS,
     ILL_FORMED,
+    ROW,
     UNDECIDED,
     Value,
     beside,
@@ -227,7 +228,7 @@ def _upright(e: Elaborator, node: Scripts) -> Value | None:
         return None
     if isinstance(group.body, Sequence):
         row = calculus.tuple_value(e, group, group.body)
-        return replace(row, shape=COLUMN, span=node.span)
+        return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
     if not isinstance(group.body, Product) or group.body.operator:
         return None
     values = _factors(e, group.body.factors)

@@ -145,17 +145,17 @@ def _with_scripts(node: Scripts) -> Labels:
     return (*base[:-1], base[-1] + tail) if base else (tail,)
 
 
-def _factors(node: Product) -> Labels:
-    """Return the words of all factors; a cross stays between them, as in the size of a matrix."""
-    words = [labels(f) for f in node.factors]
-    if node.operator != "cross":
-        return tuple(w for part in words for w in part)
-    return tuple(w for k, part in enumerate(words) for w in (("times", *part) if k else part))
-
-
 def _terms(node: Addition) -> Labels:
     pairs = zip(node.signs, node.terms, strict=True)
     return tuple(w for sign, term in pairs for w in ((sign,) if sign else ()) + labels(term))
+
+
+def _factors(node: Product) -> Labels:
+    """Return the words of factors; a cross between them is one, as in 3 x 3."""
+    words: Labels = labels(node.factors[0])
+    for factor in node.factors[1:]:
+        words += (("times",) if node.operator == "cross" else ()) + labels(factor)
+    return words
 
 
 _LABELS: tuple[tuple[type, Callable[[Any], Labels]], ...] = (
