@@ -229,9 +229,10 @@ def _upright(e: Elaborator, node: Scripts) -> Value | None:
     if isinstance(group.body, Sequence):
         row = calculus.tuple_value(e, group, group.body)
         return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
-    if not isinstance(group.body, Product) or group.body.operator:
+    body = group.body
+    if not isinstance(body, Product) or body.operator or len(body.factors) != 3:
         return None
-    values = _factors(e, group.body.factors)
+    values = _factors(e, body.factors)
     if len(values) != 3 or any(v.shape != SCALAR for v in values):
         return None
     return calculus.line(e, values, node.span, COLUMN)

@@ -41,7 +41,6 @@ def test_true_equations(formula):
 @pytest.mark.parametrize(
     "formula",
     [
-        r"[C] = [C]^T",
         r"\boldsymbol\omega = [\omega_1\ \omega_3\ \omega_2]^T",
         r"[C]^T - [C] = [C] - [C]^T",
         r"\dot{\mathbf u} = \mathring{\mathbf u} - \boldsymbol\omega\times\mathbf u",
@@ -53,4 +52,5 @@ def test_false_equations(formula):
 
 
 def test_components_in_two_frames_do_not_meet():
+    assert judged(r"[C] = [C]^T") == "ill-formed"
     assert judged(r"[C]\boldsymbol\omega = \mathbf u") == "ill-formed"
