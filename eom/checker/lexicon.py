@@ -25,8 +25,8 @@ from eom.checker.looks import Labels, Look
 from eom.checker.meanings import SLOT, Meaning
 from eom.terms import INDICES, INERTIAL
 
-PLACED = "frak "
-"""How a label begins that is the name of a frame or point itself, whatever the note calls so."""
+PLACED = "placed"
+"""How a label in fraktur begins that is the name of a frame or point itself, whatever the note calls so."""
 
 AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
 
@@ -136,7 +136,7 @@ class Lexicon:
         """Return frames and points as they stand in formulas: marked where the note calls another so."""
         placed = {s: name for s, name in bound.items() if s in "FGPQ"}
         other = {s: n for s, n in placed.items() if self.resolved(s, tuple(n), {}) != n}
-        return {s: rf"\mathfrak{{{name}}}" for s, name in other.items()}
+        return {s: rf"\mathfrak{{{PLACED}{name}}}" for s, name in other.items()}
 
     def _match(
         self, pattern: Look, look: Look, indices: Mapping[str, str]
@@ -187,9 +187,10 @@ class Found:
 
 def _named(names: Mapping[Labels, str], given: Labels) -> str | None:
     """Return the name of labels; a name of the house stands for itself if nothing else does."""
-    own = "".join(given).replace(PLACED, "")
-    if given[0].startswith(PLACED):
-        return own
+    own = "".join(given)
+    placed = f"frak {PLACED}"
+    if own.startswith(placed):
+        return own.replace(placed, "")
     return names.get(given, own if own in names.values() else None)
 
 
