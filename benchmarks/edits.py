@@ -166,7 +166,8 @@ EDITS: dict[str, Callable[[Node], Iterator[Node]]] = {
 def edits(tree: Node) -> Iterator[tuple[str, Node]]:
     """Yield every tree that is one edit away, each once, with the kind of the edit."""
     seen = {tree}
-    for node in walk(tree):
+    inside = set(_labels(tree))
+    for node in (n for n in walk(tree) if id(n) not in inside):
         for kind, rule in EDITS.items():
             for new in rule(node):
                 put = replace(new, span=node.span)
@@ -174,6 +175,14 @@ def edits(tree: Node) -> Iterator[tuple[str, Node]]:
                 if whole not in seen:
                     seen.add(whole)
                     yield kind, whole
+
+
+def _labels(tree: Node) -> Iterator[int]:
+    """Yield the identities of nodes in scripts, which are names; an edit of an index is one of its base."""
+    for node in walk(tree):
+        if isinstance(node, Scripts):
+            for script in (node.sub, node.sup, node.presub, node.presup):
+                yield from (id(n) for n in walk(script)) if script is not None else ()
 
 
 def _put(tree: Node, place: Node, new: Node) -> Node:
