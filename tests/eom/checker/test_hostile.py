@@ -33,6 +33,21 @@ def test_what_is_listed(text):
     assert found.failures == []
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        r"\frac{{}^{ }d\mathbf{b}_2}{dt} = u_3\mathbf{b}_1",
+        r"2_{ } = \frac{m}{12}",
+        r"\dot{\vec{r}}_{P/O} = \dot{\vec{r Q}_{ }/O}",
+    ],
+)
+@pytest.mark.parametrize("name", ["kane", "underline-bullet", "arrow-tilde"])
+def test_empty_labels_found_by_it(text, name):
+    found = hostile.Found()
+    hostile.check("listed", f"$${text}$$".encode(), preset(name), found)
+    assert found.failures == []
+
+
 def test_a_failure_and_a_delay_are_found(monkeypatch):
     found = hostile.Found()
     monkeypatch.setattr(hostile, "verdict", lambda *_: 1 / 0)
