@@ -1,9 +1,10 @@
 r"""``python -m benchmarks.checking FOLDER --lexica FOLDER``: the checker against judged notes.
 
-``FOLDER`` holds notes and ``truth.json``, a list of entries: ``file`` (name of the note without its
-suffix), ``id`` (``file:E1``, ``file:i1``: the n-th display or inline formula), ``latex``, ``verdict``,
-``accept`` (verdicts that count as right). The lexicon of ``file.md`` is ``file.toml``. Every display and
-every inline formula that is an equation by the truth is judged; the verdicts stand in a confusion
+``FOLDER`` holds notes and ``truth.json``, a list of entries: ``id`` (``file:E1``, ``file:i1``: the n-th
+display or inline formula of the note ``file``, without its suffix), ``latex``, ``verdict``, ``accept``
+(verdicts that count as right). The lexicon of ``file.md`` is ``file.toml`` of the other folder, by default
+what the note brings itself. An inline formula without an entry claims nothing. Every display and every
+inline formula that is an equation by the truth is judged; the verdicts stand in a confusion
 matrix, what is missed with its reason. A true equation that is called wrong is the worst error and
 counted apart; with one the exit status is 1. The truth knows fewer verdicts: where no entry of it accepts
 "ill_formed", ill-formed counts as wrong; an assumption as a definition.
@@ -24,8 +25,9 @@ from time import perf_counter
 import click
 
 from benchmarks.table import time_text
-from eom.checker.documents import Piece, load
-from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.documents import KINDS, Piece, load
+from eom.checker.lexicon import Lexicon
+from eom.checker.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.notes import Understood, understand
 from eom.checker.verdicts import NONE, verdict
 from eom.errors import InputError
@@ -35,6 +37,8 @@ LETTERS = {"display": "E", "inline": "i"}
 NO_EQUATION = "not_an_equation"
 NAMES = {NONE: NO_EQUATION, "assumption": "definition", "ill-formed": "ill_formed"}
 """Our verdicts in words of the truth, where it has others; blanks are underscores."""
+SILENT = ("definition", "undecided", "ambiguous")
+"""What may be said of an inline formula that the truth does not list."""
 GIVEN = ("constant_mass",)
 """What all notes of the truth assume silently."""
 
@@ -89,26 +93,52 @@ def counted(ours: str, accepted: Iterable[str]) -> str:
     return "wrong" if name == "ill_formed" and name not in set(accepted) else name
 
 
-def results(folder: Path, lexica: Path) -> Iterator[Result]:
+def note(folder: Path, name: str) -> Path:
+    """Return the note of a name, whatever its kind. Raises `InputError`."""
+    found = [folder / f"{name}{suffix}" for suffix in KINDS]
+    path = next((p for p in found if p.is_file()), None)
+    if path is None:
+        raise InputError("there is no such note", where=str(folder), got=name)
+    return path
+
+
+def lexicon_of(path: Path, lexica: Path | None) -> Lexicon:
+    """Return the lexicon of a note, from a folder of lexica or its own. Raises `InputError`."""
+    if lexica is not None:
+        text = (lexica / f"{path.stem}.toml").read_text(encoding="utf-8")
+        return parse_lexicon(text, path.stem)
+    found = lexicon_for(path.read_text(encoding="utf-8"), path)
+    if found is None:
+        raise InputError("this note has no lexicon", where=str(path))
+    return found
+
+
+def results(folder: Path, lexica: Path | None = None) -> Iterator[Result]:
     """Yield a result for each display, and each inline formula that truth or checker calls an equation.
 
     The time of a formula is that of judging it; reading and elaboration of the note is shared out.
     """
     truth = read_truth(folder / "truth.json")
-    accepted = {v for e in truth.values() for v in e.accept}
     for name in sorted({e.split(":")[0] for e in truth}):
+        yield from of_note(folder, name, lexica)
+
+
+def of_note(folder: Path, name: str, lexica: Path | None = None) -> Iterator[Result]:
+    """Yield the results of one note of a folder, as `results` does. Raises `InputError`."""
+    truth = read_truth(folder / "truth.json")
+    accepted = {v for e in truth.values() for v in e.accept}
+    start = perf_counter()
+    path = note(folder, name)
+    found = understand(load(path), lexicon_of(path, lexica))
+    share = (perf_counter() - start) / max(len(found), 1)
+    for entry, understood in _paired(name, found, truth):
         start = perf_counter()
-        lexicon = parse_lexicon((lexica / f"{name}.toml").read_text(encoding="utf-8"), name)
-        found = understand(load(folder / f"{name}.md"), lexicon)
-        share = (perf_counter() - start) / max(len(found), 1)
-        for entry, understood in _paired(name, found, truth):
-            start = perf_counter()
-            ours = verdict(understood, GIVEN)
-            seconds = perf_counter() - start + share
-            word = counted(ours.verdict, accepted)
-            kind = understood.formula.piece.kind
-            if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
-                yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
+        ours = verdict(understood, GIVEN)
+        seconds = perf_counter() - start + share
+        word = counted(ours.verdict, accepted)
+        kind = understood.formula.piece.kind
+        if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
+            yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
 
 
 def _paired(
@@ -120,6 +150,9 @@ def _paired(
         piece = understood.formula.piece
         numbers[piece.kind] += 1
         key = f"{name}:{LETTERS[piece.kind]}{numbers[piece.kind]}"
+        if key not in truth and piece.kind == "inline":
+            yield Entry(key, piece.body, NO_EQUATION, (NO_EQUATION, *SILENT)), understood
+            continue
         if key not in truth or _letters(truth[key].latex) != _letters(piece.body):
             raise _other(key, truth.get(key), piece)
         yield truth[key], understood
@@ -187,8 +220,8 @@ def _times(seconds: Sequence[float]) -> str:
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
-@click.option("--lexica", type=click.Path(path_type=Path, exists=True), required=True)
-def main(folder: Path, lexica: Path) -> None:
+@click.option("--lexica", type=click.Path(path_type=Path, exists=True), help="Folder of lexica.")
+def main(folder: Path, lexica: Path | None) -> None:
     """Judge all notes of a folder; exit with 1 where a true equation is called wrong."""
     rows = list(results(folder, lexica))
     for line in report(rows):

@@ -221,10 +221,11 @@ def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
         return upright if node.open == "(" else transposed(e.lexicon.notation, upright, node.span)
     if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
         raise refuse(UNDECIDED, "a list without a meaning", node.span)
-    return _line(e, values, node.span, COLUMN if node.open == "(" else ROW)
+    return line(e, values, node.span, COLUMN if node.open == "(" else ROW)
 
 
-def _line(e: Elaborator, values: list[Value], span: Span, shape: str) -> Value:
+def line(e: Elaborator, values: list[Value], span: Span, shape: str) -> Value:
+    """Return scalars as a column or row."""
     common = _common(e, values)
     term = terms.entries([[v.term] for v in values])
     return Value(term, shape, common.dimension, ANY, common.density, span)
@@ -256,7 +257,7 @@ def matrix(e: Elaborator, node: Matrix) -> Value:
     flat = [v for row in cells for v in row]
     scalars = all(v.shape == SCALAR for v in flat)
     if scalars and size in {(3, 1), (1, 3)}:
-        return _line(e, flat, node.span, COLUMN if size == (3, 1) else ROW)
+        return line(e, flat, node.span, COLUMN if size == (3, 1) else ROW)
     if scalars and size == (3, 3):
         return _square(e, cells, node.span)
     if size == (3, 1) and all(v.shape == ROW for v in flat):

@@ -18,7 +18,7 @@ from eom.checker.lexicon import Lexicon
 from eom.checker.looks import DOTS, Look, labels, seen
 from eom.checker.operations import determinant, overdot, skew
 from eom.checker.places import Span
-from eom.checker.symbols import marked, of_meaning, raised, symbol_value
+from eom.checker.symbols import TRANSPOSED, marked, of_meaning, raised, symbol_value
 from eom.checker.syntax import (
     Accent,
     Addition,
@@ -51,6 +51,7 @@ from eom.checker.turns import TURNS, abbreviated, between_frames, subscripted, t
 from eom.checker.values import (
     AMBIGUOUS,
     ILL_FORMED,
+    ROW,
     UNDECIDED,
     Value,
     beside,
@@ -62,7 +63,7 @@ from eom.checker.values import (
     tensored,
     total,
 )
-from eom.terms import MATRIX, SCALAR, TABLE, VECTOR, expr, inner
+from eom.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, expr, inner
 from eom.terms import dot as dot_product
 
 MAX_DIGITS = 40
@@ -241,12 +242,40 @@ def _crossing(e: Elaborator, node: Section) -> Value:
     return skew(e.lexicon.notation, e.value(node.operand), node.span)
 
 
+def _upright(e: Elaborator, node: Scripts) -> Value | None:
+    """Return the column of a transposed list of three numbers, parted by commas or by space alone.
+
+    Whatever the brackets, what lies on the line is a row, and its transpose a column.
+    """
+    group, above = node.base, node.sup
+    if not isinstance(group, Group) or group.open not in {"(", "["} or node.sub is not None:
+        return None
+    if not isinstance(above, Symbol) or above.name not in TRANSPOSED:
+        return None
+    if isinstance(group.body, Sequence):
+        row = calculus.tuple_value(e, group, group.body)
+        return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
+    body = group.body
+    if not isinstance(body, Product) or body.operator or len(body.factors) != 3:
+        return None
+    values = _factors(e, body.factors)
+    if len(values) != 3 or any(v.shape != SCALAR for v in values):
+        return None
+    return calculus.line(e, values, node.span, COLUMN)
+
+
 def _scripts(e: Elaborator, node: Scripts) -> Value:
     short = subscripted(e, node)
     if short is not None:
         return e.value(short)
     if seen(node) is not None:
         return symbol_value(e, node)
+    upright = _upright(e, node)
+    if upright is not None:
+        return upright
+    inside = node.base.body if isinstance(node.base, Group) else None
+    if isinstance(inside, Derivative) and inside.frame is None and node.presup is not None:
+        return e.value(replace(node, base=replace(inside, frame=node.presup), presup=None))
     value = _lowered(e, node)
     if node.presub is not None or node.presup is not None:
         if node.presup is None or node.presub is not None:

@@ -34,6 +34,9 @@ from eom.terms import INDICES, INERTIAL
 if TYPE_CHECKING:
     from eom.checker.model import Model
 
+PLACED = "placed"
+"""How a label in fraktur begins that is the name of a frame or point itself, whatever the note calls so."""
+
 AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
 
 
@@ -140,7 +143,7 @@ class Lexicon:
             for entry in sorted(fitting, key=lambda e: e.slots):
                 bound = self._match(entry.look, look, indices or {})
                 if bound is not None:
-                    return Found(look, entry.meaning.filled(bound), entry)
+                    return Found(look, entry.meaning.filled(bound, self._written(bound)), entry)
         return None
 
     def frame(self, given: Labels) -> str | None:
@@ -151,6 +154,12 @@ class Lexicon:
         """Return the patterns with a letter, for messages."""
         entries = (e for layer in self.layers for e in layer)
         return tuple(dict.fromkeys(e.latex for e in entries if e.look.name == name))
+
+    def _written(self, bound: Mapping[str, str]) -> dict[str, str]:
+        """Return frames and points as they stand in formulas: marked where the note calls another so."""
+        placed = {s: name for s, name in bound.items() if s in "FGPQ"}
+        other = {s: n for s, n in placed.items() if self.resolved(s, tuple(n), {}) != n}
+        return {s: rf"\mathfrak{{{PLACED}{name}}}" for s, name in other.items()}
 
     def _match(
         self, pattern: Look, look: Look, indices: Mapping[str, str]
@@ -202,6 +211,9 @@ class Found:
 def _named(names: Mapping[Labels, str], given: Labels) -> str | None:
     """Return the name of labels; a name of the house stands for itself if nothing else does."""
     own = "".join(given)
+    placed = f"frak {PLACED}"
+    if own.startswith(placed):
+        return own.replace(placed, "")
     return names.get(given, own if own in names.values() else None)
 
 

@@ -205,8 +205,12 @@ class Place:
         return found
 
     def _indices(self, term: Term) -> bool:
-        free = next(iter(self.evaluator.numberings(self.evaluator.labels(term) - self.labels)), {})
-        return bool(free)
+        """Whether a term has indices of its own; one that this world has nothing for has some."""
+        free = self.evaluator.labels(term) - self.labels
+        try:
+            return bool(next(iter(self.evaluator.numberings(free)), {}))
+        except InputError:
+            return True
 
 
 def _first(value: Series) -> int:

@@ -62,20 +62,23 @@ class Meaning:
     function: bool = False
     unit: str = ""
 
-    def filled(self, bound: Mapping[str, str]) -> Meaning:
-        """Return the meaning with every slot replaced by what is bound to it."""
+    def filled(self, bound: Mapping[str, str], written: Mapping[str, str] | None = None) -> Meaning:
+        """Return the meaning with every slot replaced by what is bound to it.
+
+        ``written``: what stands for it in a formula, where frames and points have the note's labels.
+        """
         if not bound:
             return self
 
-        def fill(text: str) -> str:
-            return SLOT.sub(lambda m: bound.get(m[1], m[0]), text)
+        def fill(text: str, names: Mapping[str, str] = bound) -> str:
+            return SLOT.sub(lambda m: names.get(m[1], m[0]), text)
 
         return replace(
             self,
             labels=tuple(map(fill, self.labels)),
             frame=fill(self.frame),
             component=tuple(map(fill, self.component)),
-            formula=fill(self.formula),
+            formula=fill(self.formula, {**bound, **(written or {})}),
         )
 
     @property

@@ -110,14 +110,17 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
 
 
 def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
-    """Return the skew matrix of what stands below an accent that makes one."""
-    for mark in e.lexicon.notation.skew:
-        if mark in look.accents:
+    """Return the skew matrix of what stands below an accent that makes one, or its derivative."""
+    notation = e.lexicon.notation
+    for mark in look.accents:
+        if mark in notation.skew or mark in notation.marks:
             left = list(look.accents)
             left.remove(mark)
             below = replace(look, accents=tuple(left))
             inside = _look(e, below, span) or _resolved(e, below, span)
-            return inside and skew(e.lexicon.notation, inside, span)
+            if inside is None or mark in notation.skew:
+                return inside and skew(notation, inside, span)
+            return marked(e, inside, mark, span)
     return None
 
 

@@ -200,9 +200,19 @@ def total(notation: Notation, values: Iterable[Value]) -> Value:
     kept = [v for v in values if not v.is_zero] or values[:1]
     result = kept[0]
     for value in kept[1:]:
-        result, _ = same(notation, result, value)
+        result, _ = same(notation, *_turned(result, value))
     span = values[0].span.join(values[-1].span)
     return replace(result, term=add(*(v.term for v in kept)), span=span)
+
+
+def _turned(a: Value, b: Value) -> tuple[Value, Value]:
+    """Return two terms; a rotation matrix beside its transpose is between no two frames.
+
+    I + C, C + C^T and C - C^T say what the axis and the angle of a rotation are.
+    """
+    if a.shape == b.shape == MATRIX and a.frames == b.frames[::-1] != b.frames:
+        return replace(a, frames=ANY), replace(b, frames=ANY)
+    return a, b
 
 
 def negative(value: Value, span: Span) -> Value:

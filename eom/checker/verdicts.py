@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from eom.checker.chains import Chain, judge_chain
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
+from eom.checker.degenerate import meant
 from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.notes import Understood
 from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, RECALLED
@@ -55,7 +56,8 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     if error is not None:
         return Verdict(UNDECIDED, f"not read: {error}")
     given = tuple(given)
-    judged = tuple(_judged(c, given, understood.role) for c in understood.claims)
+    judged = tuple(_judged(c, given, understood) for c in understood.claims)
+    judged = _conditional(judged)
     judged = tuple(
         replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
     )
@@ -64,17 +66,32 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     return Verdict(gravest, found.get(gravest, ""), judged)
 
 
-def _judged(claim: Claim, given: tuple[str, ...], role: str) -> Judged:
+def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
+    """Return what was judged, but undecided what is false without a condition that stands before it."""
+    conditions = [j for j in judged if CONDITIONS.get(j.claim.role) == ASSUMPTION]
+    if all(j.judgement.verdict == HOLDS for j in conditions):
+        return judged
+    what = "it does not hold without its condition, which no world is drawn under"
+    return tuple(
+        replace(j, verdict=UNDECIDED, reason=what)
+        if j.verdict == WRONG and not j.claim.role and not j.claim.findings
+        else j
+        for j in judged
+    )
+
+
+def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Judged:
     """Return the verdict on a claim: by its findings, else in worlds, else by its role.
 
     What is left of a claim with a place that has no meaning may still be wrong.
     """
     found = Judgement(claim.verdict) if claim.verdict in GRAVE else judge(claim, given)
+    found = meant(found, claim, understood.lexicon, given)
     if claim.verdict and found.verdict != WRONG:
         found = replace(found, verdict=claim.verdict)
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
-    role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, role)
+    role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 
 

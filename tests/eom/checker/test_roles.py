@@ -109,7 +109,11 @@ preset = 'arrow-tilde'
         (r"So $\vec f_{ij} = -\vec f_{ji}$", "holds under"),
         (r"noting that $\vec a\times\vec b = -\vec b\times\vec a$", "holds"),
         (r"noting that $\vec a\times\vec b = \vec b\times\vec a$", "wrong"),
-        (r"$\vec a\times\vec b = \vec b\times\vec a \quad\text{if}\quad \vec a = \vec b$", "wrong"),
+        # true under its condition, of which worlds know nothing
+        (
+            r"$\vec a\times\vec b = \vec b\times\vec a \quad\text{if}\quad \vec a = \vec b$",
+            "undecided",
+        ),
         (r"$\vec a\cdot\vec b = \vec b\cdot\vec a \quad\text{if}\quad \vec a = \vec b$", "holds"),
         (r"The vector $\vec a$", "no claim"),
         (r"$\vec a = {$", "undecided"),

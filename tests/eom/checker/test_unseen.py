@@ -1,0 +1,75 @@
+"""Notes that the checker was not made with, each judged by explicit motions in SymPy beforehand.
+
+``unseen/NAME.md`` (``.tex``, ``.ipynb``) with ``NAME.lexicon.toml`` or front matter; ``truth.json`` as in
+`benchmarks.checking`; ``oracle_NAME.py``: both sides of every equation as written, and as corrected.
+"""
+
+import importlib
+import json
+from functools import lru_cache
+from pathlib import Path
+
+import pytest
+
+from benchmarks.checking import of_note
+from tests.eom.checker.unseen.motions import FALSE, TRUE, distance
+
+FOLDER = Path(__file__).with_name("unseen")
+TRUTH = {row["id"]: row for row in json.loads((FOLDER / "truth.json").read_text(encoding="utf-8"))}
+NOTES = sorted({name.split(":")[0] for name in TRUTH})
+
+
+def oracle(name):
+    return importlib.import_module(f"tests.eom.checker.unseen.oracle_{name}").CASES
+
+
+@pytest.mark.parametrize("name", NOTES)
+def test_the_truth_is_that_of_explicit_motions(name):
+    rows = {k.split(":")[1]: row for k, row in TRUTH.items() if k.startswith(f"{name}:")}
+    claims = {k for k, row in rows.items() if row["verdict"] != "not_an_equation"}
+    cases = oracle(name)
+    assert set(cases) == claims
+    for key, case in cases.items():
+        as_written = distance(case.written)
+        if rows[key]["verdict"] == "wrong":
+            assert as_written > FALSE, key
+            assert distance(case.corrected) < TRUE, key
+            assert rows[key]["correction"] != rows[key]["latex"]
+        else:
+            assert as_written < TRUE, key
+
+
+REACHED = {
+    "euler_rates": 16,
+    "gravity_gradient": 12,
+    "gyrostat": 12,
+    "heavy_top": 16,
+    "kane": 16,
+    "moving_point": 14,
+    "particles": 16,
+    "quaternions": 16,
+    "rodrigues": 14,
+    "solids": 3,
+    "transport": 13,
+}
+"""How many equations of each note have been judged rightly; no change may make them fewer."""
+
+
+@lru_cache
+def judged(name):
+    return tuple(of_note(FOLDER, name))
+
+
+@pytest.mark.parametrize("name", NOTES)
+def test_no_true_line_is_called_wrong_and_no_fewer_are_decided(name):
+    rows = judged(name)
+    assert [r.entry.name for r in rows if r.false_alarm] == []
+    undecided = [
+        f"{r.entry.name}: {r.ours}: {r.reason.splitlines()[:1]}" for r in rows if not r.right
+    ]
+    assert sum(r.right for r in rows) >= REACHED[name], "\n".join(undecided)
+
+
+def test_no_wrong_line_is_said_to_hold_always():
+    rows = [r for name in NOTES for r in judged(name) if r.entry.verdict == "wrong"]
+    assert [r.entry.name for r in rows if r.ours in {"holds", "definition"}] == []
