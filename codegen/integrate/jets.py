@@ -30,7 +30,8 @@ def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple
 
     ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``. The last
     ``further`` of the rates are those of no state: it has one more argument, where it puts their
-    coefficients from 0 to ``order`` - 1.
+    coefficients from 0 to ``order`` - 1. Switching functions likewise; ``head``_switches(t, x, c, u, g)
+    gives their values alone.
     """
     found = forms(prepared)
     whole = [whole_group(some, [found[n] for n in some])
@@ -54,7 +55,7 @@ def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple
     ])  # fmt: skip
     texts, constants = c.kernels(rules.start(), START, f"{head}_start")
     texts = [text.replace(f"{head}_start_constants", f"{head}_constants") for text in texts]
-    more = ", double *e" if further else ""
+    more = (", double *e" if further else "") + (", double *g" if prepared.switches else "")
     function = [
         *DECLARATIONS.splitlines(),
         "",
@@ -63,6 +64,7 @@ def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple
         *(f"    {line}" for line in lines),
         "}",
         "",
+        *rules.switching(),
     ]
     return [*texts, *(line.replace("HEAD", head) for line in function)], constants
 
@@ -141,7 +143,8 @@ class _Rules(Order):
         ]
         lines += [f"double x{i} = {self.first(rate)};" for i, rate in enumerate(self.rates)]
         lines += [f"y[{i} * ys] = x{i};" for i in range(len(self.rates))]
-        return lines + [f"e[{m}] = {self.first(n)};" for m, n in enumerate(self.further)]
+        lines += [f"e[{m}] = {self.first(n)};" for m, n in enumerate(self.further)]
+        return lines + [f"g[{m}] = {self.first(n)};" for m, n in enumerate(self.prepared.switches)]
 
     def results(self) -> list[str]:
         """Return the lines of the next coefficients of the states."""
@@ -155,8 +158,23 @@ class _Rules(Order):
                 else f"x{i} = {self.now(rate)} * next + {self.now(rate)} * next_rest;"
             )
         lines += [f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))]
-        return lines + [
-            f"e[{len(self.further)} * k + {m}] = {self.now(n)};" for m, n in enumerate(self.further)
+        others = {"e": self.further, "g": self.prepared.switches}
+        return lines + [f"{name}[{len(some)} * k + {m}] = {self.now(n)};"
+                        for name, some in others.items() for m, n in enumerate(some)]  # fmt: skip
+
+    def switching(self) -> list[str]:
+        """Return the lines of the function of the switching functions, if there are any."""
+        if not self.prepared.switches:
+            return []
+        values = [f"    g[{m}] = {self.first(n)};" for m, n in enumerate(self.prepared.switches)]
+        return [
+            "static void HEAD_switches(double t, const double *x, const double *c, const double *u,",
+            "    double *g) {",
+            f"    double f[{len(self.slots)}];",
+            "    HEAD_start(t, x, 1, c, NULL, u, 1, f, 1);",
+            *values,
+            "}",
+            "",
         ]
 
     def start(self) -> Program:
