@@ -44,6 +44,11 @@ def order_of(rtol: float) -> int:
     return math.ceil(1 + FURTHER_ORDERS - math.log(held) / 2)
 
 
+def _takes_rests(order: int) -> bool:
+    """Tell whether an order is that of full precision, where the rounding of 1/k counts."""
+    return order >= order_of(0.5 * FULL)
+
+
 def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
     """Return header and source of the integrator by file name.
 
@@ -78,7 +83,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
     name = identifier(layout.name)
     prefix = f"{name}_taylor"
     further = crossings.count_of(layout)
-    functions, constants = series(prepared, f"{prefix}_series", order, further)
+    functions, constants = series(prepared, f"{prefix}_series", order, further, _takes_rests(order))
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     return {
         "TITLE": comment(layout.title),
