@@ -63,6 +63,27 @@ def _csv(result: Result, file: Path) -> None:
             stream.write(",".join(map(repr, row)) + "\n")
 
 
+def save_events(result: Result, path: str | Path) -> Path:
+    """Write events in the order in which they happened to a table (.csv).
+
+    Columns: number of the event from 1 on, direction (1, -1, 0), time, states.
+    Raises `InputError` where the file cannot be written.
+    """
+    found = [(float(t), k, int(d), *map(float, y))
+             for k, e in enumerate(result.events.values(), 1)
+             for t, d, y in zip(e.t, e.direction, e.y.T, strict=True)]  # fmt: skip
+    forward = result.t_stop >= result.t[0] if len(result.t) else True
+    found.sort(key=lambda row: (row[0] if forward else -row[0], row[1]))
+
+    def write(part: Path) -> None:
+        with part.open("w", encoding="utf-8", newline="\n") as stream:
+            stream.write(",".join(("event", "direction", "t", *result.names)) + "\n")
+            for t, k, direction, *y in found:
+                stream.write(",".join(map(repr, (k, direction, t, *y))) + "\n")
+
+    return _whole(Path(path), write)
+
+
 _TABLES: dict[str, Callable[[Result, Path], None]] = {".npz": _npz, ".csv": _csv}
 _PICTURES = (".png", ".pdf", ".svg")
 

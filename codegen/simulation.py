@@ -371,7 +371,8 @@ def _message(compiled: Compiled, trajectory: Trajectory, max_steps: int) -> str:
         return f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
     if stop.kind == "step":
         return (
-            f"{at}: the step fell below the resolution of time; the tolerance cannot be met there"
+            f"{at}: the step fell below the resolution of time; the tolerance cannot be met there, "
+            "or the rates on both sides of a jump lead back to it (friction at rest)"
         )
     if stop.kind == "memory":
         return f"{at}: no memory for more steps; give t_eval to store less"

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from codegen.branches import switches
 from codegen.layout import Layout
 from codegen.linsolve import Shape, whole
 from codegen.ops import OPS, TRUTH_VALUES, Instruction
@@ -29,6 +30,9 @@ from eom.errors import InputError
 
 JET = "jet"
 """Group of results of an unrolled program: x_1 of each state, then x_2, and so on."""
+
+SWITCHES = "switches"
+"""Group of results likewise: coefficients of switching functions, of order 0 of each, then of order 1."""
 
 Series = int
 """A value as the number of its instruction; its coefficients are found by it."""
@@ -194,13 +198,15 @@ class Prepared:
     """A program of the rates with all partners of its rules: what `unrolled` and loops start from.
 
     ``varies``: whether a value has coefficients other than that of order 0. ``partners``: of each
-    value that has one. ``items``: by the number of a ``back`` those of its entries.
+    value that has one. ``items``: by the number of a ``back`` those of its entries. ``switches``:
+    the switching functions, values by whose signs branches choose.
     """
 
     program: Program
     varies: tuple[bool, ...]
     partners: Mapping[int, int] = field(default_factory=dict)
     items: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
+    switches: tuple[int, ...] = ()
 
     def partner(self, k: int) -> int:
         """Return the partner of a value, the value itself if there is none."""
@@ -235,6 +241,8 @@ def prepare(program: Program, group: str, layout: Layout | None = None) -> Prepa
         if refused and any(varies[new[a]] for a in instruction.args):
             raise _refusal(program, layout, group, k)
     items = {k: _entries(b, k) for k, i in enumerate(b.instructions) if i.op == "back"}
+    _extend(varies, b.instructions)
+    found = switches(b, varies)
     done = 0
     while done < len(b.instructions):
         _extend(varies, b.instructions)
@@ -244,7 +252,8 @@ def prepare(program: Program, group: str, layout: Layout | None = None) -> Prepa
             partners[done] = build(b, done, args)
         done += 1
     results = {group: [new[k] for k in program.results[group]]}
-    return Prepared(b.program(results), tuple(varies), partners, items)
+    moving = tuple(k for k in found if varies[k])
+    return Prepared(b.program(results), tuple(varies), partners, items, moving)
 
 
 def _entries(b: Builder, back: int) -> tuple[int, ...]:
@@ -285,26 +294,12 @@ def _refusal(program: Program, layout: Layout | None, group: str, k: int) -> Inp
     )
 
 
-_FEW = frozenset({"add", "sub", "neg", "abs", "min", "max", "select", "item"})
-"""Operations of which each coefficient is one operation, whatever the order."""
-
-
-def operations(prepared: Prepared, order: int) -> int:
-    """Return about how many operations all coefficients up to an order take."""
-    pairs = zip(prepared.program.instructions, prepared.varies, strict=True)
-    total = 0
-    for (op, args, _), varies in pairs:
-        if op in OPS and varies:
-            is_product = op not in _FEW and sum(prepared.varies[a] for a in args) > (op == "mul")
-            total += order * order * max(1, len(args) - 1) if is_product else order
-    return total
-
-
 def unrolled(prepared: Prepared, group: str, order: int) -> Program:
     """Return a program of all coefficients x_1 to x_order of the states, in the group `JET`.
 
     ``group`` are the rates of the states, in order. Law: the results are the coefficients of the
-    solution through the states at the time t, which the program reads.
+    solution through the states at the time t, which the program reads. Where there are switching
+    functions, the group `SWITCHES` has their coefficients of orders 0 to ``order`` - 1 likewise.
     """
     b = Builder(prepared.program.rules)
     jet = _Unrolled(b, prepared)
@@ -315,7 +310,12 @@ def unrolled(prepared: Prepared, group: str, order: int) -> Program:
         for state, rate in zip(states, rates, strict=True):
             state.append(_scaled(jet.series[rate][k], Fraction(1, k + 1)))
     results = [states[i][k].number for k in range(1, order + 1) for i in range(len(rates))]
-    return prune(b.program({JET: results}))
+    groups = {JET: results}
+    if prepared.switches:
+        groups[SWITCHES] = [
+            jet.series[m][k].number for k in range(order) for m in prepared.switches
+        ]
+    return prune(b.program(groups))
 
 
 def _scaled(a: Scalar, factor: Fraction) -> Any:

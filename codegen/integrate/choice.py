@@ -31,7 +31,8 @@ from codegen.identity import SameObject
 from codegen.integrate import closed, stiffness, taylor
 from codegen.integrate.trajectory import Array, Problem, Trajectory
 from codegen.lower import RATES
-from codegen.taylor import operations, prepare
+from codegen.taylor import prepare
+from codegen.taylor_cost import operations
 from eom.errors import InputError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ until it is right between the points. All polynomials have the values of the exp
 ends, so that the step before and the step after agree about signs there, and nothing is lost or found
 twice. With method taylor most steps are left at once, since the coefficients bound the polynomial (as
 Biscani and Izzo do, Monthly Notices of the RAS 504 (2021)); the roots of the others are isolated in
-Bernstein form (`roots.c`), and crossings are taken to a zero of the expression itself.
+Bernstein form (`roots.c`, `touches.c`), and crossings are taken to a zero of the expression itself.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> 
         "EVENT_LIST": "\n".join(f" *   {k}: {comment(text)}" for k, text in
                                 enumerate(layout.results[GROUP][: count_of(layout)])),
         "PROJECT_EVENT": "    project_point(s, t, y, u);\n" if "projection" in layout.results else "",
-        "ROOTS": _template("roots.c"),
+        "ROOTS": _template("roots.c") + _template("touches.c"),
     }  # fmt: skip
     return {key: _filled(text, values) for key, text in _PLACES.items()}
 

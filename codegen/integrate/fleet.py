@@ -24,7 +24,8 @@ from codegen.layout import Layout
 from codegen.lower import RATES, SINGULARITIES
 from codegen.names import identifier
 from codegen.program import Program
-from codegen.taylor import Prepared, operations, prepare
+from codegen.taylor import Prepared, prepare
+from codegen.taylor_cost import operations
 from eom.errors import InputError, unknown_name
 from eom.tables import Table
 

@@ -18,6 +18,7 @@ typedef double HEAD_pack __attribute__((vector_size(32)));
 #define HEAD_PLUS(a, b) ((a) + (b))
 #define HEAD_MORE(s, a, b) ((s) + (a) * (b))
 #define HEAD_SCALED(a, factor, rest) ((a) * (factor) + (a) * (rest))
+#define HEAD_BY(a, factor) ((a) * (factor))
 #define HEAD_PLACE(a, n) ((a)[n])
 #if defined(__clang__) || __GNUC__ >= 12
 #define HEAD_CHOSEN __builtin_shufflevector
@@ -33,6 +34,7 @@ HEAD_EACH(HEAD_TIMES(HEAD_pack a, HEAD_pack b), n, a.v[n] * b.v[n])
 HEAD_EACH(HEAD_PLUS(HEAD_pack a, HEAD_pack b), n, a.v[n] + b.v[n])
 HEAD_EACH(HEAD_MORE(HEAD_pack s, HEAD_pack a, HEAD_pack b), n, s.v[n] + a.v[n] * b.v[n])
 HEAD_EACH(HEAD_SCALED(HEAD_pack a, double factor, double rest), n, a.v[n] * factor + a.v[n] * rest)
+HEAD_EACH(HEAD_BY(HEAD_pack a, double factor), n, a.v[n] * factor)
 #define HEAD_PLACE(a, n) ((a).v[n])
 #endif
 #ifndef HEAD_CHOSEN
@@ -78,6 +80,25 @@ ZERO = Text("")
 def four(texts: Iterable[object]) -> str:
     """Return the vector of four expressions."""
     return f"HEAD_PACK({', '.join(map(str, texts))})"
+
+
+def summed(names: Sequence[str]) -> str:
+    """Return the sum of vectors."""
+    text = names[0]
+    for name in names[1:]:
+        text = f"HEAD_PLUS({text}, {name})"
+    return text
+
+
+def inverses(order: int, rests: bool) -> list[str]:
+    """Return the lines of 1/k, and what one double lacks of it."""
+    exact = [Fraction(1, max(1, k)) for k in range(order + 1)]
+    lines = [
+        f"static const double inverse[] = {{{', '.join(repr(float(e)) for e in exact)}}};",
+    ]
+    lacking = [float(e - Fraction(float(e))) for e in exact]
+    rest = f"static const double rest[] = {{{', '.join(map(repr, lacking))}}};"
+    return [*lines, rest] if rests else lines
 
 
 def needed(lines: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, needed
+from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, inverses, needed, summed
 from codegen.integrate.packs import WIDTH, Group, Pack, Sum, part_groups, steps, whole_group
 from codegen.integrate.products import Coefficient, forms, linear_in_time, wide
 from codegen.lower import RATES
@@ -25,24 +25,28 @@ AT_ONCE = 8
 START = "start"
 
 
-def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple[list[str], int]:
+def series(
+    prepared: Prepared, head: str, order: int, further: int = 0, rests: bool = True
+) -> tuple[list[str], int]:
     """Return the text of the functions ``head`` and ``head``_constants, and the number of constants.
 
     ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``. The last
     ``further`` of the rates are those of no state: it has one more argument, where it puts their
-    coefficients from 0 to ``order`` - 1.
+    coefficients from 0 to ``order`` - 1. Switching functions likewise; ``head``_switches(t, x, c, u, g)
+    gives their values alone. ``rests``: whether 1/k is taken in two doubles. The error of one adds up, as
+    it is the same in every step; it is below tolerances that are not those of full precision.
     """
     found = forms(prepared)
     whole = [whole_group(some, [found[n] for n in some])
              for some in wide(prepared, WIDTH, FEWEST_WHOLE)]  # fmt: skip
-    rules = _Rules(prepared, whole, further)
+    rules = _Rules(prepared, whole, further, rests)
     order_of_work = steps(prepared, whole)
     single = {n: rules.lines(n) for n in order_of_work if not isinstance(n, Group)}
     vectors = _Vectors(rules, whole, part_groups(list(rules.sums)))
     body = [line for step in order_of_work
             for line in (vectors.whole(step) if isinstance(step, Group) else single[step])]  # fmt: skip
     lines = needed([
-        *_inverses(order),
+        *inverses(order, rests),
         *vectors.declarations(order),
         f"for (int k = 1; k < {order}; ++k) {{",
         "    const double part = inverse[k];",
@@ -54,7 +58,7 @@ def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple
     ])  # fmt: skip
     texts, constants = c.kernels(rules.start(), START, f"{head}_start")
     texts = [text.replace(f"{head}_start_constants", f"{head}_constants") for text in texts]
-    more = ", double *e" if further else ""
+    more = (", double *e" if further else "") + (", double *g" if prepared.switches else "")
     function = [
         *DECLARATIONS.splitlines(),
         "",
@@ -63,30 +67,23 @@ def series(prepared: Prepared, head: str, order: int, further: int = 0) -> tuple
         *(f"    {line}" for line in lines),
         "}",
         "",
+        *rules.switching(),
     ]
     return [*texts, *(line.replace("HEAD", head) for line in function)], constants
-
-
-def _inverses(order: int) -> list[str]:
-    """Return the lines of 1/k in two doubles: the error of one would add up, the same in every step."""
-    exact = [Fraction(1, max(1, k)) for k in range(order + 1)]
-    rests = [float(e - Fraction(float(e))) for e in exact]
-    return [
-        f"static const double inverse[] = {{{', '.join(repr(float(e)) for e in exact)}}};",
-        f"static const double rest[] = {{{', '.join(map(repr, rests))}}};",
-    ]
 
 
 class _Rules(Order):
     """The rules as text of order k, and what they read: values of order 0, sums of lower orders."""
 
-    def __init__(self, prepared: Prepared, whole: Sequence[Group], further: int = 0) -> None:
+    def __init__(
+        self, prepared: Prepared, whole: Sequence[Group], further: int = 0, rests: bool = True
+    ) -> None:
         self.prepared, self.varies = prepared, prepared.varies
         self.instructions = prepared.program.instructions
         values = prepared.program.results[RATES]
         self.rates = values[: len(values) - further]
         self.further = values[len(self.rates) :]
-        self.linear = linear_in_time(prepared)
+        self.linear, self.rests = linear_in_time(prepared), rests
         self.places = {n: (g, place) for g, group in enumerate(whole)
                        for place, n in enumerate(group.values)}  # fmt: skip
         self.first_part = len(whole)
@@ -141,22 +138,39 @@ class _Rules(Order):
         ]
         lines += [f"double x{i} = {self.first(rate)};" for i, rate in enumerate(self.rates)]
         lines += [f"y[{i} * ys] = x{i};" for i in range(len(self.rates))]
-        return lines + [f"e[{m}] = {self.first(n)};" for m, n in enumerate(self.further)]
+        lines += [f"e[{m}] = {self.first(n)};" for m, n in enumerate(self.further)]
+        return lines + [f"g[{m}] = {self.first(n)};" for m, n in enumerate(self.prepared.switches)]
 
     def results(self) -> list[str]:
         """Return the lines of the next coefficients of the states."""
         groups = sorted({self.places[rate][0] for rate in self.rates if rate in self.places})
-        lines = [f"s{g} = HEAD_SCALED(g{g}, next, next_rest);" for g in groups]
+        scaled = "HEAD_SCALED(g{0}, next, next_rest)" if self.rests else "HEAD_BY(g{0}, next)"
+        lines = [f"s{g} = {scaled.format(g)};" for g in groups]
         for i, rate in enumerate(self.rates):
             place = self.places.get(rate)
             lines.append(
                 f"x{i} = HEAD_PLACE(s{place[0]}, {place[1]});"
                 if place
-                else f"x{i} = {self.now(rate)} * next + {self.now(rate)} * next_rest;"
+                else f"x{i} = {self._over(self.now(rate), 'next')};"
             )
         lines += [f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))]
-        return lines + [
-            f"e[{len(self.further)} * k + {m}] = {self.now(n)};" for m, n in enumerate(self.further)
+        others = {"e": self.further, "g": self.prepared.switches}
+        return lines + [f"{name}[{len(some)} * k + {m}] = {self.now(n)};"
+                        for name, some in others.items() for m, n in enumerate(some)]  # fmt: skip
+
+    def switching(self) -> list[str]:
+        """Return the lines of the function of the switching functions, if there are any."""
+        if not self.prepared.switches:
+            return []
+        values = [f"    g[{m}] = {self.first(n)};" for m, n in enumerate(self.prepared.switches)]
+        return [
+            "static void HEAD_switches(double t, const double *x, const double *c, const double *u,",
+            "    double *g) {",
+            f"    double f[{len(self.slots)}];",
+            "    HEAD_start(t, x, 1, c, NULL, u, 1, f, 1);",
+            *values,
+            "}",
+            "",
         ]
 
     def start(self) -> Program:
@@ -209,8 +223,13 @@ class _Rules(Order):
 
     def moment(self, a: Series, b: Series, high: int = 0) -> Text:
         sums = self._between(Sum(a, b, weighted=True))
-        total = sums * Text("part") + sums * Text("part_rest")
+        total = self._over(sums, "part")
         return total if high else total + self.now(a) * self.first(b)
+
+    def _over(self, a: Text, number: str) -> Text:
+        """Return a coefficient times 1/k, or 1/(k + 1)."""
+        rest = a * Text(f"{number}_rest")
+        return a * Text(number) + rest if self.rests else a * Text(number)
 
     def _between(self, wanted: Sum) -> Text:
         """Return the sum over j from 1 to k - 1."""
@@ -281,7 +300,7 @@ class _Vectors:
                   for g, group in enumerate(self.groups))  # fmt: skip
         return [
             *(line for part in parts for line in self._chains(part)),
-            *(f"const HEAD_pack m{g} = {_sum(names.split())};" for g, names in enumerate(totals)),
+            *(f"const HEAD_pack m{g} = {summed(names.split())};" for g, names in enumerate(totals)),
         ]
 
     def _chains(self, chains: Sequence[tuple[str, Pack, Pack]]) -> list[str]:
@@ -363,10 +382,3 @@ class _Vectors:
             return "0.0"
         factors = (str(self.rules.slot(*still)) for still in given.factors)
         return " * ".join([repr(float(given.number)), *factors])
-
-
-def _sum(names: Sequence[str]) -> str:
-    total = names[0]
-    for name in names[1:]:
-        total = f"HEAD_PLUS({total}, {name})"
-    return total

@@ -64,6 +64,7 @@ def inner(prepared: Prepared) -> frozenset[Series]:
     uses = Counter(a for i in instructions for a in i.args)
     uses.update(prepared.program.results[RATES])
     uses.update(prepared.partners.values())
+    uses.update(prepared.switches)
     readers = (n for n in range(len(instructions)) if _is_linear(prepared, n))
     read = {a for n in readers for a in instructions[n].args}
     return frozenset(a for a in read if uses[a] == 1 and _belongs(prepared, a))

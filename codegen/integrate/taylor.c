@@ -100,10 +100,10 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
 }
 
-@EVENTS@@EVENT_BEGIN@@CROSSINGS@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
+@EVENTS@@EVENT_BEGIN@@CROSSINGS@@SWITCHING@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     double f[N];
     s->t_low = 0.0;
-    s->steps = s->rejected = 0;
+@SWITCH_START@    s->steps = s->rejected = 0;
     s->evaluations = 1;
     s->t_old = s->t;
     s->h_old = 0.0;
@@ -132,13 +132,13 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
 @EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1@EVENT_JET@);
+        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1@EVENT_JET@@SWITCH_JET@);
         s->evaluations += P;
         double h_abs = smaller(step_length(s), s->h_max);
         if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, larger(s->h, smallest));
-        if (h_abs < smallest && fabs(rest) > smallest) return stuck(s, 100.0 * smallest * direction, u);
+        if (@STUCK@h_abs < smallest && fabs(rest) > smallest@STUCK_END@) return stuck(s, 100.0 * smallest * direction, u);
         const int in_doubt = BRANCHES || s->steps == 0 || h_abs > 2.0 * fabs(s->h_old);
-        double h, t_new, t_low;
+@SWITCH_AHEAD@        double h, t_new, t_low;
         for (;;) {
             const int last = h_abs >= fabs(rest) * (1.0 - 1e-12);
             h = last ? rest : h_abs * direction;
@@ -147,7 +147,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
             for (int i = 0; i < N; ++i)
                 x_new[i] = two_sum(s->x[i], increment(s, i, h) + s->x_low[i], &x_low[i]);
             double shorter = 1.0;
-            if (in_doubt && !fits(s, h, t_new, x_new, u)) shorter = 0.5;
+            if (in_doubt && !@FITS@) shorter = 0.5;
 #if S
             const double turn = largest_turn(s, x_new);
             if (turn > 1.0) shorter = smaller(shorter, 0.7 / turn); /* nothing is to be jumped over */
@@ -158,7 +158,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
         }
         s->which = first_bad(x_new); /* also where a coefficient is not finite: it is part of a sum */
         if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
-@PROJECT@        for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
+@SWITCH_PASSED@@PROJECT@        for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
         double after[S + 1];

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.integrate import crossings, projection, runge_kutta
+from codegen.integrate import crossings, projection, runge_kutta, switches
 from codegen.integrate.jets import series
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.stepwise import Stepwise
@@ -42,6 +42,11 @@ def order_of(rtol: float) -> int:
     """Return the order that suits a tolerance: Jorba and Zou (2005), sect. 3.1, and a few more."""
     held = UNSEEN if rtol < FULL else CAUTION * min(1.0, rtol)
     return math.ceil(1 + FURTHER_ORDERS - math.log(held) / 2)
+
+
+def _takes_rests(order: int) -> bool:
+    """Tell whether an order is that of full precision, where the rounding of 1/k counts."""
+    return order >= order_of(0.5 * FULL)
 
 
 def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
@@ -78,7 +83,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
     name = identifier(layout.name)
     prefix = f"{name}_taylor"
     further = crossings.count_of(layout)
-    functions, constants = series(prepared, f"{prefix}_series", order, further)
+    functions, constants = series(prepared, f"{prefix}_series", order, further, _takes_rests(order))
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     return {
         "TITLE": comment(layout.title),
@@ -101,12 +106,19 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "SERIES": "\n".join(functions),
         **projection.texts(layout, prefix, projection.TAYLOR),
         **crossings.of_taylor(layout, prefix, order),
+        **switches.of_one(prepared, prefix, order, bool(further)),
     }
 
 
 @cache
 def _structures(
-    prefix: str, n: int, room: int, order: int, constants: tuple[int, int], events: int
+    prefix: str,
+    n: int,
+    room: int,
+    order: int,
+    constants: tuple[int, int],
+    events: int,
+    branches: int,
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of taylor.h."""
     double: Any = ctypes.c_double
@@ -120,6 +132,7 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which")]
     state += [("constants", double * constants[0]), ("series_constants", double * constants[1])]
+    state += switches.fields(branches, order)
     state += crossings.fields(events, order)
     return runge_kutta.structures(prefix, state)
 
@@ -137,7 +150,8 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     of_rates = len(by_parameters(program, layout.sizes).values)
     constants = (max(1, of_rates), max(1, of_series))
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
-    state, output = _structures(prefix, n, max(1, singular), order, constants, events)
+    branches = len(prepared.switches)
+    state, output = _structures(prefix, n, max(1, singular), order, constants, events, branches)
     start, run, library = runge_kutta.loaded(text, FLAGS, prefix, state)
     room = crossings.most(layout)
     return NativeMethod(order, TaylorSolution, start, run, state, output, library, room)

@@ -14,7 +14,7 @@
 #define S @SINGULARITIES@
 #define P @ORDER@
 #define BRANCHES @BRANCHES@
-
+@SWITCH_COUNT@
 enum { NOT_FINITE = -2, STEP_TOO_SMALL = -1, DONE = 0, SINGULAR = 1, PAUSED = 3, RUNNING = 9 };
 
 @JOB@
@@ -23,12 +23,12 @@ enum { NOT_FINITE = -2, STEP_TOO_SMALL = -1, DONE = 0, SINGULAR = 1, PAUSED = 3,
 
 /* The trajectory in each lane, or -1, and what it is at. next: the grid point that it will store. */
 typedef struct {
-    lane_ x[N], x_low[N], size[N], jet[P * N];
+    lane_ x[N], x_low[N], size[N], jet[@JET@];
     lane_ t, t_low, h_old, next, steps, rejected;
     lane_ singular[S + 1];
     lane_ constants[@CONSTANTS@], of_series[@SERIES_CONSTANTS@];
     mask_ active;
-    double p[(@PARAMETERS@ + 1) * LANES_], u[(@INPUTS@ + 1) * LANES_];
+@SWITCH_FIELDS@    double p[(@PARAMETERS@ + 1) * LANES_], u[(@INPUTS@ + 1) * LANES_];
     double floor[N];
     ptrdiff_t index[LANES_];
     size_t point[LANES_], taken;
@@ -38,7 +38,7 @@ typedef struct {
 /* A step of every lane: how long it is, its end, and what rounding lost there. */
 typedef struct {
     lane_ h, t, t_low, x[N], x_low[N], size[N];
-} step_;
+@SWITCH_STEP@} step_;
 
 INLINE_ lane_ larger_(lane_ a, lane_ b) {
 #if defined(__AVX512F__) && LANES_ == 8
@@ -148,7 +148,7 @@ APART_ mask_ fits_(const run_ *r, const job_ *o, lane_ h, lane_ t, const lane_ *
 }
 
 @LANES_EVENTS@
-static int first_bad_(const lane_ *x, int lane) {
+@SWITCHING@static int first_bad_(const lane_ *x, int lane) {
     for (int i = 0; i < N; ++i)
         if (!isfinite(x[i][lane])) return i;
     return -1;
@@ -187,7 +187,7 @@ APART_ void enter_(run_ *r, const job_ *o, int lane) {
         r->t[lane] = o->t;
         r->t_low[lane] = r->h_old[lane] = r->steps[lane] = r->rejected[lane] = 0.0;
         r->point[lane] = 0;
-        for (int i = 0; i < N; ++i) {
+@SWITCH_ENTER@        for (int i = 0; i < N; ++i) {
             r->x[i][lane] = o->x[i * o->x_row + j * o->x_column];
             r->x_low[i][lane] = r->size[i][lane] = 0.0;
         }
@@ -237,10 +237,10 @@ APART_ void stuck_(run_ *r, const job_ *o, mask_ stuck, lane_ smallest) {
 INLINE_ mask_ try_(run_ *r, const job_ *o, step_ *s, lane_ smallest) {
     const lane_ rest = (o->t_end - r->t) - r->t_low, far = lanes_abs_(rest);
     lane_ h_abs = smaller_(step_length_(r, s->size), lanes_all_(o->h_max));
-    const mask_ stuck = r->active & (mask_)(h_abs < smallest) & (mask_)(far > smallest);
+    const mask_ stuck = r->active & @SWITCH_STUCK@(mask_)(h_abs < smallest) & (mask_)(far > smallest)@SWITCH_STUCK_END@;
     if (__builtin_expect(any_(stuck), 0)) return stuck;
     const mask_ doubt = r->active & (BRANCHES ? ~lanes_bits_(0) : (mask_)(r->steps == 0.0) | (mask_)(h_abs > 2.0 * lanes_abs_(r->h_old)));
-    for (;;) {
+@SWITCH_AHEAD@    for (;;) {
         const mask_ last = (mask_)(h_abs >= far * (1.0 - 1e-12));
         s->h = lanes_choose_(last, rest, h_abs * r->direction);
         lane_ lost;
@@ -249,8 +249,8 @@ INLINE_ mask_ try_(run_ *r, const job_ *o, step_ *s, lane_ smallest) {
         s->t_low = lanes_choose_(last, lanes_all_(0.0), lost);
         for (int i = 0; i < N; ++i)
             s->x[i] = two_sum_(r->x[i], increment_(r, i, s->h) + r->x_low[i], &s->x_low[i]);
-        lane_ shorter = lanes_all_(1.0);
-        if (any_(doubt)) shorter = lanes_choose_(doubt & ~fits_(r, o, s->h, s->t, s->x, s->size), lanes_all_(0.5), shorter);
+@SWITCH_TRIED@        lane_ shorter = lanes_all_(1.0);
+        if (any_(doubt)) shorter = lanes_choose_(doubt & ~@FITS@, lanes_all_(0.5), shorter);
         shorter = smaller_(shorter, for_turn_(r, s->x));
         const mask_ again = r->active & (mask_)(shorter < 1.0) & (mask_)(lanes_abs_(s->h) > smallest);
         if (!any_(again)) return lanes_bits_(0);
@@ -314,7 +314,7 @@ void @PREFIX@_run(const job_ *o) {
             stuck_(r, o, stuck, smallest);
             continue;
         }
-        lane_ sum = lanes_all_(0.0);
+@SWITCH_PASSED@        lane_ sum = lanes_all_(0.0);
         for (int i = 0; i < N; ++i) sum += step.x[i] - step.x[i]; /* zero, or NaN where one is not finite */
         const mask_ bad = ~(mask_)(sum == 0.0);
         const lane_ stop = stop_(r, o, &step, ~bad, which);

@@ -6,10 +6,11 @@ rule of the step is that of `codegen.integrate.taylor`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from codegen import native
-from codegen.integrate import taylor
+from codegen.integrate import switches, taylor
 from codegen.integrate.runge_kutta import fill
 from codegen.layout import Layout
 from codegen.lower import RATES, SINGULARITIES
@@ -17,7 +18,7 @@ from codegen.names import comment, identifier
 from codegen.passes import prune
 from codegen.program import Program
 from codegen.targets.lanes_kernels import kernels
-from codegen.taylor import Prepared, unrolled
+from codegen.taylor import JET, SWITCHES, Prepared, unrolled
 
 FLAGS = ("-O2", "-ffp-contract=fast", "-fno-tree-vectorize")
 CAUTION = taylor.CAUTION / 2
@@ -33,7 +34,7 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
     """Return the integrator as one text that compiles by itself."""
     prefix = f"{identifier(layout.name)}_taylor_lanes"
     functions = prune(program, [g for g in (RATES, SINGULARITIES) if g in layout.sizes])
-    series = unrolled(prepared, RATES, order)
+    series = _series(prepared, order)
     texts, counts = kernels({f"{prefix}_f": functions, f"{prefix}_s": series})
     values = {
         "TITLE": comment(layout.title),
@@ -49,9 +50,21 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
         "CAUTION": repr(CAUTION),
         "CONSTANTS": str(max(1, counts[f"{prefix}_f"])),
         "SERIES_CONSTANTS": str(max(1, counts[f"{prefix}_s"])),
+        "JET": "P * N + P * SWITCHES" if prepared.switches else "P * N",
+        **switches.of_lanes(prepared, prefix, order),
     }
     events = fill("lanes_events.c", values)
     return fill("taylor_lanes.c", {"LANES_EVENTS": events, "JOB": fill("job.c", {}), **values})
+
+
+def _series(prepared: Prepared, order: int) -> Program:
+    """Return all coefficients, those of the switching functions last, and their values alone."""
+    found = unrolled(prepared, RATES, order)
+    if not prepared.switches:
+        return found
+    both = found.results
+    first = both[SWITCHES][: len(prepared.switches)]
+    return replace(found, results={JET: (*both[JET], *both[SWITCHES]), "values": first})
 
 
 def build(text: str, layout: Layout) -> tuple[Any, int]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from eom.commands.occurring import events_of
 from eom.commands.shared import EVERY, compiled_of
 from eom.errors import InputError
 
@@ -46,9 +47,20 @@ class Job:
         return [n for n in self.scene.full_system.state_names if n not in kept]
 
 
-def job_of(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
+def job_of(
+    scene: Scene, target: str, project: tuple[str, ...], events: tuple[str, ...] = ()
+) -> Job:
     """Return the job of a scene. Raises `InputError` for what does not go together."""
-    return (_with_handover if scene.integration.handover else _in_one)(scene, target, project)
+    if not scene.integration.handover:
+        return _in_one(scene, target, project, events)
+    if events:
+        raise InputError(
+            "events are not found where angles are handed over",
+            where="--event",
+            got=", ".join(events),
+            hint='--no-handover, or attitude = "quaternion"',
+        )
+    return _with_handover(scene, target, project)
 
 
 def _times(scene: Scene) -> list[float]:
@@ -56,11 +68,12 @@ def _times(scene: Scene) -> list[float]:
     return [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
 
 
-def _in_one(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
+def _in_one(scene: Scene, target: str, project: tuple[str, ...], events: tuple[str, ...]) -> Job:
     import codegen
 
     compiled = compiled_of(scene, target)
     plan = scene.integration
+    found = events_of(events, compiled.system)
 
     def integrate(progress: Progress) -> Result:
         return codegen.simulate(
@@ -75,6 +88,7 @@ def _in_one(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
             inputs=scene.input_values(),
             max_steps=plan.max_steps,
             project=EVERY in project or project,
+            events=found,
             progress=progress,
         )
 

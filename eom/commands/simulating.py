@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.jobs import Job, job_of
+from eom.commands.occurring import event_option, rows
 from eom.commands.shared import (
     WithTable,
     handover_option,
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
+REACHED, AT_EVENT = 0, 2
+"""Of `codegen.Result.status`: what counts as done."""
 MOST_CHANGES = 6
 """Times of changes of chart that are told."""
 
@@ -50,6 +53,7 @@ MOST_CHANGES = 6
 )
 @project_option
 @handover_option
+@event_option
 @target_option
 @click.option(
     "--out",
@@ -67,14 +71,19 @@ def simulate(
     file: Path | None,
     plot: Path | None,
     project: tuple[str, ...],
+    events: tuple[str, ...],
     **options: Any,
 ) -> None:
-    """Integrate SCENE; print steps, time, drift of the constants and distance from singularities."""
+    """Integrate SCENE; print steps, time, drift of the constants and distance from singularities.
+
+    A run that ends at an event of the kind stop ends as it should, with exit status 0. With --out, events
+    are saved to FILE.events.csv: number of the event, direction, time and states.
+    """
     from codegen import export
 
     export.check_kinds(file, plot)
     chosen = scene_of(scene, **options)
-    job = job_of(chosen, target, project)
+    job = job_of(chosen, target, project, events)
     result = _simulate(job)
     _save(job, result, file, plot)
     _closing(job, result)
@@ -119,6 +128,8 @@ def _save(job: Job, result: Result, file: Path | None, plot: Path | None) -> Non
     written = []
     if file is not None:
         written.append(export.save(result, file))
+        if result.events:
+            written.append(export.save_events(result, file.with_suffix(".events.csv")))
     if plot is not None:
         quantities = [*job.system.states, *(d.quantity for d in job.system.outputs)]
         units = {q.name: q.unit for q in quantities}
@@ -137,10 +148,11 @@ def _changes(result: Result) -> str:
 def _closing(job: Job, result: Result) -> None:
     """Print the closing table; a run that stopped early ends with status 1."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table(box=None, show_header=False, pad_edge=False)
-    table.add_row("result", result.message)
+    table.add_row("result", escape(result.message))
     table.add_row("method", result.method)
     if result.why:
         table.add_row("chosen because", result.why)
@@ -152,11 +164,13 @@ def _closing(job: Job, result: Result) -> None:
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )
     table.add_row("time", f"{1e3 * result.seconds:.3g} ms")
+    for name, times in rows(result):
+        table.add_row(escape(name), times)
     for name, drift in result.drift.items():
         kind = "relative" if drift.scale == abs(drift.start) else "absolute"
         table.add_row(f"drift of {name}", f"{drift.relative:.2e} {kind}, from {drift.start:.6g}")
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
     Console(soft_wrap=True).print(table)
-    if result.status != 0:
+    if result.status not in {REACHED, AT_EVENT}:
         sys.exit(STOPPED)

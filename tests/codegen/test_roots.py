@@ -32,7 +32,7 @@ int isolate(const double *b, double noise, int is_first, int *before, double *at
 @cache
 def library(degree):
     head = f"#include <float.h>\n#include <math.h>\n#define D {degree}\n"
-    text = head + crossings._template("roots.c") + WRAPPER
+    text = head + crossings._template("roots.c") + crossings._template("touches.c") + WRAPPER
     flags = ("-O2", "-ffp-contract=fast", "-Wall", "-Wextra", "-Werror")
     return native.load(native.compile_library(text, flags), text, flags)
 
