@@ -115,7 +115,8 @@ def _differences(
         point[j] = moved[j]
         rates(t, point, p, u, slopes[j])
         point[j] = x[j]
-    slopes -= here
+    with np.errstate(invalid="ignore"):  # rates that overflow; the caller looks for them
+        slopes -= here
     return moved - x, slopes
 
 
