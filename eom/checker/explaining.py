@@ -15,7 +15,6 @@ from eom.checker.remainder import leftover
 from eom.checker.rewriting import blamed, rewritten, tight
 from eom.checker.slips import LOST
 from eom.checker.syntax import Missing
-from eom.checker.systems import on_solutions
 from eom.checker.verdicts import GRAVE, Judged
 from eom.checker.writing import latex
 
@@ -32,12 +31,10 @@ def explain(
         return UNEXPLAINED
     given, stated = tuple(given), tuple(stated)
     places = judged.chain.blamed if judged.chain is not None else ()
-    if on_solutions(judged.claim):
-        return Explanation(blamed=places)
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))
-    shop = workshop(understood, wrong)
+    shop = workshop(understood, wrong, given)
     found = corrections(understood, shop, given, stated)
     ranked = found[0].ranked if found else None
     candidate = ranked.candidate if ranked is not None else None

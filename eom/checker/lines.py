@@ -6,6 +6,7 @@ whatever the others do. So slips in several terms are found by adding numbers.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -165,16 +166,14 @@ def agrees(own: Signature | None, kind: Signature) -> bool:
 
 
 @dataclass
-class Place:
-    """A world in which terms are numbers: all components and numberings mixed into one, modulo a prime.
+class Place(ABC):
+    """Where terms are numbers: all components and numberings mixed into one, modulo a prime.
 
-    ``names``: what is assumed there; ``labels``: free indices of the line.
+    ``names``: what is assumed there.
     """
 
     names: frozenset[str]
-    evaluator: Evaluator
-    labels: frozenset[str]
-    known: dict[Term, int | None] = field(default_factory=dict)
+    known: dict[Term, int | None] = field(default_factory=dict, kw_only=True)
 
     def number(self, term: Term) -> int | None:
         """Return the number of a term, None where it has none in this world."""
@@ -187,6 +186,18 @@ class Place:
         if values is None:
             return None
         return sum(w * v for w, v in zip(_WEIGHTS, values, strict=False)) % PRIME
+
+    @abstractmethod
+    def values(self, term: Term) -> list[int] | None:
+        """Return the components of a term at t = 0, None where it has none."""
+
+
+@dataclass
+class InWorld(Place):
+    """A world; ``labels``: free indices of the line."""
+
+    evaluator: Evaluator
+    labels: frozenset[str]
 
     def values(self, term: Term) -> list[int] | None:
         """Return the components at t = 0, for each numbering of the free indices."""
@@ -233,7 +244,7 @@ def place(
             labels = frozenset().union(*(evaluator.labels(t) for t in terms))
         except InputError:
             return None
-        found = Place(names, evaluator, labels)
+        found = InWorld(names, evaluator, labels)
         if all(found.number(t) is not None for t in terms):
             return found
     return None

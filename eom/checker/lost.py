@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature, valued
 from eom.checker.options import Option
@@ -19,12 +20,14 @@ from eom.series import PRIME
 class Pools:
     """Products of the factors of a line by signature, made once.
 
-    ``near``: symbols that stand around the line, factors as well where ``wide``.
+    ``near``: symbols that stand around the line, factors as well where ``wide``; ``known``:
+    gives what is left over where that is known without a search.
     """
 
     line: Line
     values: Mapping[Addend, Value | None]
     near: tuple[Node, ...] = ()
+    known: Callable[[], Sequence[Node]] = tuple
     wide: bool = False
     made: dict[tuple[tuple[Node, ...], Signature], list[Item]] = field(default_factory=dict)
 
@@ -33,13 +36,24 @@ class Pools:
         key = (tuple(roots), kind)
         if key not in self.made:
             standing = {i.term for i in self.own(kind)}
-            made = items(self.line, roots, kind)
+            made = list(self._known(kind)) if self.left else items(self.line, roots, kind)
             self.made[key] = [i for i in made if i.term not in standing]
         return self.made[key]
 
     def widened(self) -> Pools:
         """Return pools with the symbols around the line as factors as well."""
         return replace(self, wide=True, made={})
+
+    @cached_property
+    def left(self) -> Sequence[Node]:
+        """What is known to be left over, whole and term by term; none where it must be looked for."""
+        return self.known()
+
+    def _known(self, kind: Signature) -> Iterator[Item]:
+        for node in self.left:
+            value = valued(self.line.elaborator, node)
+            if value is not None and not value.is_zero and agrees(signature(value), kind):
+                yield Item(node, value.term, kind)
 
     def own(self, kind: Signature) -> list[Item]:
         """Return the terms of the line."""
