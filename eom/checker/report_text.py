@@ -249,7 +249,7 @@ def _explanation(finding: Finding) -> Iterator[Line]:
     if explained.residual:
         yield (("", f"{INDENT}left side minus right side: {_whole(explained.residual)}"),)
     if explained.convention:
-        yield (("unsure", f"{INDENT}right in another convention: {explained.convention}"),)
+        yield (("unsure", f"{INDENT}{explained.convention}"),)
     for correction in explained.corrections[:CORRECTIONS]:
         under = f", under {_sets(correction.sets)}" if correction.sets else ""
         yield (("good", f"{INDENT}repair: {printable(correction.change)}{under}"),)

@@ -191,7 +191,7 @@ def test_text_tells_everything_and_nothing_that_a_terminal_acts_on():
         "carries forward the slip of line 3",
         "read as: b",
         "left side minus right side: a - b",
-        "right in another convention: the other order of rotations",
+        "the other order of rotations",
         "repair: sign of b, under {rigid}",
         "it fails for a = 1, b = 2, under rigid",
         "needs: what stands four lines later",
