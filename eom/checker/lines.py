@@ -17,7 +17,7 @@ from eom.checker.elaborator import Elaborator
 from eom.checker.notes import Understood
 from eom.checker.paths import Path, find
 from eom.checker.statements import Statement
-from eom.checker.syntax import Addition, Boxed, Group, Node
+from eom.checker.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol
 from eom.checker.values import Refusal, Value, mixed
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -29,21 +29,26 @@ Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
 
 _WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
+SYMBOLS = (Symbol, Scripts, Accent)
 NUMBERINGS = 3
 """How many ways to number free indices are looked at."""
 
 
 @dataclass(frozen=True)
 class Remembering(Elaborator):
-    """An elaborator that works out every node once; trees that differ in one place share all others."""
+    """An elaborator that works out every node once; trees that differ in one place share all others.
 
-    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = (
-        field(default_factory=dict, repr=False)
+    Symbols are known again wherever they stand.
+    """
+
+    worked: dict[tuple[object, ...], tuple[Node, Value | Refusal]] = field(
+        default_factory=dict, repr=False
     )
 
     def value(self, node: Node) -> Value:
         """Return the typed value of a node. Raises `Refusal`."""
-        key = (id(node), self.depth, tuple(self.indices.items()))
+        known = node if isinstance(node, SYMBOLS) else id(node)
+        key = (known, self.depth, tuple(self.indices.items()))
         if key not in self.worked:
             try:
                 self.worked[key] = (node, super().value(node))

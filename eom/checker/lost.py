@@ -13,6 +13,7 @@ from eom.checker.residual import Item, Piece, fits, items, scaled, total
 from eom.checker.slips import LOST
 from eom.checker.syntax import Addition, Matrix, Node, Number
 from eom.checker.values import Value
+from eom.checker.writing import latex
 from eom.series import PRIME
 
 
@@ -114,7 +115,7 @@ def entry_terms(
     if len(cells) != len(need):
         return
     tree: Node = table
-    cost, changed = 0.0, list[tuple[int, int]]()
+    cost, changed = 0.0, dict[tuple[int, int], str]()
     for cell, wanted in zip(cells, need, strict=True):
         if wanted % PRIME == 0:
             continue
@@ -122,15 +123,15 @@ def entry_terms(
         if pieces is None:
             return
         tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
-        changed.append(cell)
+        changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
         cost += weight(pieces)
     node = put(addend.node, path, tree)
     value = valued(pools.line.elaborator, node)
     if value is not None and changed:
-        inside: Path = (("rows", changed[0]),) if len(changed) == 1 else ()
+        inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
         old, new = at(table, inside), at(tree, inside)
         kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
-        yield Option(addend, *kept, paths=((*path, *inside),))
+        yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
 
 
 def entry_residual(pools: Pools, place: Place, node: Node, numbers: Sequence[int]) -> Node | None:
