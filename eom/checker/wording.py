@@ -30,9 +30,10 @@ def words(line: Line, option: Option) -> str:
 
 
 def _member(line: Line, option: Option) -> str:
-    """Name the member of a chain."""
-    long = len(line.members) > SIDES
-    return f" in member {option.addend.member + 1}" if long else ""
+    """Name the member of a chain, as it is counted in the line."""
+    written = [m.number for m in line.members if m.path is not None]
+    place = written.index(option.addend.member) + 1
+    return f" in member {place}" if len(written) > SIDES else ""
 
 
 def _added(option: Option, cell: tuple[int, int], text: str) -> str:

@@ -19,8 +19,14 @@ LINES = {
     ),
     "the matrix of axis and angle that turns vectors": (
         HUGHES,
-        r"\mathbf{C} = \cos\phi\,\mathbf{1} + (1 - \cos\phi)\mathbf{a}\mathbf{a}^T + \sin\phi\,\mathbf{a}^\times",
-        r"\mathbf{C} = \cos\phi\,\mathbf{1} + (1 + \cos\phi)\mathbf{a}\mathbf{a}^T - \sin\phi\,\mathbf{a}^\times",
+        (
+            r"\mathbf{C} = \cos\phi\,\mathbf{1} + (1 - \cos\phi)\mathbf{a}\mathbf{a}^T"
+            r" + \sin\phi\,\mathbf{a}^\times"
+        ),
+        (
+            r"\mathbf{C} = \cos\phi\,\mathbf{1} + (1 + \cos\phi)\mathbf{a}\mathbf{a}^T"
+            r" - \sin\phi\,\mathbf{a}^\times"
+        ),
         ACTIVE,
     ),
     "an elementary turn of vectors": (
