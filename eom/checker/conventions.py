@@ -73,30 +73,32 @@ def changed(lexicon: Lexicon, convention: Convention) -> Lexicon:
 
 
 def other_convention(understood: Understood, number: int, given: Iterable[str] = ()) -> str:
-    """Return in which other convention a wrong claim of a formula is right, "" for none.
+    """Return in which other conventions a wrong claim of a formula is right, "" for none.
 
-    ``number``: of the claim. What the note itself has defined stays as it was defined.
+    ``number``: of the claim. What the note itself has defined stays as it was defined. A line without
+    rates is often right by each of two conventions; both are told.
     """
-    reading, given = understood.formula.reading, tuple(given)
-    if reading is None:
-        return ""
-    for convention in CONVENTIONS:
-        lexicon = changed(understood.lexicon, convention)
-        if lexicon is understood.lexicon:
-            continue
-        claims = reread(replace(understood, lexicon=lexicon), reading.tree)
-        claim = claims[number] if number < len(claims) else None
-        before = understood.claims[number]
-        if claim is None or claim.verdict or claim.kind != before.kind:
-            continue
-        if (
-            not before.verdict
-            and claim.members == before.members
-            and claim.scalars == before.scalars
-        ):
-            continue
-        found = judge(claim, given)
-        least = min((penalty(s, frozenset(given)) for s in found.sets), default=0.0)
-        if found.verdict == HOLDS or (found.verdict == UNDER and least <= PLAUSIBLE):
-            return f"right in the other convention: {convention.words}"
-    return ""
+    given = tuple(given)
+    right = [c.words for c in CONVENTIONS if _right(understood, number, c, given)]
+    return f"right in the other convention: {', or: '.join(right)}" if right else ""
+
+
+def _right(
+    understood: Understood, number: int, convention: Convention, given: tuple[str, ...]
+) -> bool:
+    """Tell whether a claim is right in another convention that changes what it says."""
+    reading = understood.formula.reading
+    lexicon = changed(understood.lexicon, convention)
+    if reading is None or lexicon is understood.lexicon:
+        return False
+    claims = reread(replace(understood, lexicon=lexicon), reading.tree)
+    claim = claims[number] if number < len(claims) else None
+    before = understood.claims[number]
+    if claim is None or claim.verdict or claim.kind != before.kind:
+        return False
+    same = claim.members == before.members and claim.scalars == before.scalars
+    if same and not before.verdict:
+        return False
+    found = judge(claim, given)
+    least = min((penalty(s, frozenset(given)) for s in found.sets), default=0.0)
+    return found.verdict == HOLDS or (found.verdict == UNDER and least <= PLAUSIBLE)

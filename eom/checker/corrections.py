@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.claims import Claim
@@ -15,7 +16,9 @@ from eom.checker.notes import Understood, reread
 from eom.checker.options import options
 from eom.checker.palette import palette
 from eom.checker.paths import at
+from eom.checker.solution_places import remains, solutions
 from eom.checker.syntax import Node
+from eom.checker.systems import on_solutions
 from eom.series import PRIME
 from eom.terms import Term
 
@@ -57,7 +60,7 @@ def corrections(
     """Return verified repairs of a wrong line, the most plausible first."""
     given, stated = tuple(given), frozenset(stated) | frozenset(given)
     ranked = _ranked(shop, given)
-    if not ranked or ranked[0].cost > WEAK:
+    if (not ranked or ranked[0].cost > WEAK) and not shop.pools.left:
         more = _ranked(_widened(shop), given)
         ranked = sorted([*ranked, *more], key=lambda r: r.cost)
     found: list[Verified] = []
@@ -78,7 +81,12 @@ def _widened(shop: Workshop) -> Workshop:
 
 
 def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
-    """Yield worlds for a line: without more than is given, and one of each level."""
+    """Yield worlds for a line: without more than is given, and one of each level.
+
+    For a line about a system they are solutions of that.
+    """
+    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
+        return solutions(shop.line, shop.line.claim.model, given)
     terms = [v.term for v in shop.values.values() if v is not None]
     terms += [m.value.term for m in shop.line.members if m.value is not None]
     return places(given, shop.line.elaborator.scalars, terms)
@@ -101,13 +109,14 @@ def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
     return sorted(found.values(), key=lambda r: r.cost)
 
 
-def workshop(understood: Understood, wrong: Line) -> Workshop:
+def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> Workshop:
     """Return a line with what may stand for each of its terms."""
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: valued(wrong.elaborator, a.node) for a in addends}
     offers = {a: options(wrong, a, have) for a in addends}
-    return Workshop(wrong, offers, values, Pools(wrong, values, have.symbols[:NEAR]))
+    known = partial(remains, wrong, have.symbols, tuple(given))
+    return Workshop(wrong, offers, values, Pools(wrong, values, have.symbols[:NEAR], known))
 
 
 def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:

@@ -1,26 +1,40 @@
 """Small numbers for which a wrong line fails, so that it can be checked by hand.
 
 A world is made from a list of whole numbers. The list is drawn small, then as many numbers as possible
-become zero while the line still fails, by halves, quarters and so on (as a failing test is made small;
-Zeller and Hildebrandt, 2002). That is done modulo a prime; the numbers that are shown are exact.
+become zero while the line still fails and no quantity that is shown vanishes, by halves, quarters and so
+on (as a failing test is made small; Zeller and Hildebrandt, 2002). That is done modulo a prime; the
+numbers that are shown are exact. If they become large, quantities may vanish.
 """
 
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from eom.checker.candidates import Candidate, Workshop
 from eom.checker.explanation import Counterexample
+from eom.checker.judge import needed_names
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
 from eom.checker.paths import at
 from eom.checker.remainder import pair
-from eom.checker.syntax import Derivative, Differential, Integral, Node, Symbol
+from eom.checker.syntax import (
+    Call,
+    Derivative,
+    Differential,
+    Integral,
+    Node,
+    Number,
+    Scripts,
+    Symbol,
+)
 from eom.checker.trees import walk
+from eom.checker.values import Value
 from eom.checker.writing import latex
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -30,13 +44,19 @@ from eom.shapes import Draw
 from eom.terms import Term, add, mul, number
 from eom.worlds import World
 
-STARTS = 4
-TESTS = 36
+STARTS = 3
+TESTS = 32
 """Worlds that are built at most to make one small."""
+FULL, SPARSE = (0, 1, 1, 2, 3), (0, 0, 1, 1, 2, 3)
+"""Numbers that worlds are drawn from: where nothing shown should vanish, and where it may."""
+SIMPLE = 2
+"""Digits of numbers that need not be made shorter."""
 LARGEST = 10_000
 """Numerators and denominators that are shown at most."""
 SHOWN = 24
 """Symbols whose values are shown at most."""
+HEAD = 60
+"""Characters of a member that is written out before its value at most."""
 
 
 @dataclass(frozen=True)
@@ -46,13 +66,14 @@ class Chosen(Field):
     choices: list[int] = field(default_factory=list, compare=False)
     place: list[int] = field(default_factory=lambda: [0], compare=False)
     more: random.Random | None = field(default=None, compare=False)
+    drawn: tuple[int, ...] = field(default=SPARSE, compare=False)
 
     def draw(self, generator: random.Random) -> Any:  # noqa: ARG002 - the list decides
         """Return the next number of the list."""
         k = self.place[0]
         self.place[0] += 1
         if k == len(self.choices):
-            self.choices.append(self.more.choice((0, 0, 1, 1, 2, 3)) if self.more else 1)
+            self.choices.append(self.more.choice(self.drawn) if self.more else 1)
         value = self.choices[k]
         return value if self.prime else Fraction(value)
 
@@ -67,12 +88,28 @@ def counterexample(
     terms = [_term(shop, m) for m in members]
     if terms[0] is None or terms[1] is None or terms[0].kind != terms[1].kind:
         return None
+    shown = _shown_nodes(shop, members, candidate)
     tried = _Tried(place.names, shop.line.elaborator.scalars, (terms[0], terms[1]))
-    for start in range(STARTS):
-        choices = tried.first(start)
-        if choices is not None:
-            return _shown(shop, members, tried, tried.small(choices))
-    return None
+    least: Counterexample | None = None
+    for watched, drawn in ((tuple(v.term for _, v in shown), FULL), ((), SPARSE)):
+        tried = replace(tried, watched=watched, drawn=drawn, tests=0)
+        for start in range(STARTS):
+            choices = tried.first(start)
+            found = choices and _told(shop, members, shown, tried, tried.small(choices))
+            if found and _digits(found) <= SIMPLE:
+                return found
+            if found and (least is None or _digits(found) < _digits(least)):
+                least = found
+    return least
+
+
+def _digits(found: Counterexample) -> int:
+    """Return how many digits the longest number that is shown has."""
+    texts = (v for _, v in (*found.values, *found.members))
+    return max((len(d) for t in texts for d in _NUMBER.findall(t)), default=0)
+
+
+_NUMBER = re.compile(r"\d+")
 
 
 def _term(shop: Workshop, member: Member) -> Term | None:
@@ -92,17 +129,19 @@ def _term(shop: Workshop, member: Member) -> Term | None:
 
 @dataclass
 class _Tried:
-    """Worlds from lists of numbers, in which two terms should differ."""
+    """Worlds from lists of numbers, in which two terms should differ; ``watched`` should not vanish."""
 
     names: frozenset[str]
     scalars: dict[Any, Term]
     terms: tuple[Term, Term]
+    watched: tuple[Term, ...] = ()
+    drawn: tuple[int, ...] = SPARSE
     tests: int = 0
 
     def world(self, choices: list[int], prime: int, start: int = -1) -> World:
         """Return the world of a list; it grows by what more is needed. Raises `Singular`."""
         more = random.Random(f"small {start}") if start >= 0 else None  # noqa: S311
-        chosen = Chosen(prime, choices, more=more)
+        chosen = Chosen(prime, choices, more=more, drawn=self.drawn)
         generator = random.Random(f"{sorted(self.names)}")  # noqa: S311 - reproducible
         return built(self.names, Draw(chosen, generator, 0))
 
@@ -112,9 +151,13 @@ class _Tried:
         try:
             evaluator = Evaluator(self.world(choices, PRIME, start), self.scalars)
             values = [_first(evaluator, t) for t in self.terms]
+            if values[0] == values[1]:
+                return False
+            if start >= 0:
+                self.watched = tuple(t for t in self.watched if any(_first(evaluator, t)))
+            return all(any(_first(evaluator, t)) for t in self.watched)
         except (InputError, Singular, ArithmeticError, KeyError):
             return False
-        return values[0] != values[1]
 
     def first(self, start: int) -> list[int] | None:
         """Return a list of small numbers for which the terms differ, or None."""
@@ -148,45 +191,81 @@ def _flat(value: Any) -> list[Series]:
 # -- what is shown -------------------------------------------------------------------------------
 
 
-def _shown(
-    shop: Workshop, members: tuple[Member, Member], tried: _Tried, choices: list[int]
+_Shown = tuple[Node, Value]
+
+
+def _told(
+    shop: Workshop,
+    members: tuple[Member, Member],
+    shown: Sequence[_Shown],
+    tried: _Tried,
+    choices: list[int],
 ) -> Counterexample | None:
+    """Return the numbers of a world, None where some are large or have no value."""
     try:
         evaluator = Evaluator(tried.world(list(choices), 0), tried.scalars)
         sides = [_numbers(evaluator, t) for t in tried.terms]
-        values = tuple(_values(shop, members, evaluator))
+        values = [*_masses(shop, members, evaluator)]
+        values += [(latex(n), _numbers(evaluator, v.term)) for n, v in shown]
     except (InputError, Singular, ArithmeticError, KeyError):
         return None
     texts = [*sides, *(v for _, v in values)]
     if sides[0] == sides[1] or any(_large(t) for t in texts):
         return None
     heads = [_head(shop, m) for m in members]
-    return Counterexample(values, tuple(zip(heads, sides, strict=True)), tuple(sorted(tried.names)))
+    pairs = tuple(zip(heads, sides, strict=True))
+    return Counterexample(tuple(dict(values).items()), pairs, needed_names(tried.names))
 
 
 def _head(shop: Workshop, member: Member) -> str:
-    if member.path is None:
-        return "\\text{left side}"
-    return latex(at(shop.line.tree, member.path))
+    """Return a member as it stands; a long one, and one that stands elsewhere, by its side."""
+    text = latex(at(shop.line.tree, member.path)) if member.path is not None else ""
+    first = member is shop.line.members[0]
+    side = "left side" if first else "right side"
+    if len(shop.line.members) > 2 and not first:
+        side = f"member {member.number + 1}"
+    return text if 0 < len(text) <= HEAD else rf"\text{{{side}}}"
 
 
-def _values(
+def _masses(
     shop: Workshop, members: tuple[Member, Member], evaluator: Evaluator
 ) -> Iterator[tuple[str, str]]:
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     if any(isinstance(n, Integral) for r in roots for n in walk(r)):
         masses = [_number(m.coefficients[0]) for m in evaluator.world.masses]
-        yield latex(Differential(Symbol("m"))), ",\\ ".join(m for m in masses if m != "0")
+        yield latex(Differential(Symbol("m"))), ", ".join(m for m in masses if m != "0")
+
+
+def _shown_nodes(
+    shop: Workshop, members: tuple[Member, Member], candidate: Candidate | None
+) -> list[_Shown]:
+    """Return what enters: symbols and functions of the members, and of what would make them right."""
+    roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
+    roots += [o.node for o in candidate.options] if candidate is not None else []
+    found: list[_Shown] = []
     for node in list(dict.fromkeys(n for r in roots for n in _quantities(r)))[:SHOWN]:
         value = valued(shop.line.elaborator, node)
-        if value is not None and not value.is_zero:
-            yield latex(node), _numbers(evaluator, value.term)
+        if value is not None and not value.is_zero and node not in roots:
+            found.append((node, value))
+    return found
 
 
 def _quantities(root: Node) -> Iterator[Node]:
-    """Yield the symbols of a member, and the derivatives that stand there."""
-    yield from symbols(root)
+    """Yield the symbols of a tree without exponents, functions of angles, and derivatives."""
+    calls = [n for n in walk(root) if isinstance(n, Call)]
+    inside = {n for c in calls for n in symbols(c)}
+    outside = Counter(symbols(root)) - Counter(n for c in calls for n in symbols(c))
+    yield from (_base(n) for n in symbols(root) if n not in inside or outside[n] > 0)
     yield from (n for n in walk(root) if isinstance(n, Derivative) and n.operand is not None)
+    yield from (replace(c, sup=None) for c in calls)
+
+
+def _base(node: Node) -> Node:
+    """Return a symbol without an exponent."""
+    if not isinstance(node, Scripts) or not isinstance(node.sup, Number):
+        return node
+    bare = replace(node, sup=None)
+    return bare.base if bare.sub is bare.presub is bare.presup is None else bare
 
 
 def _numbers(evaluator: Evaluator, term: Term) -> str:
@@ -199,14 +278,14 @@ def _numbers(evaluator: Evaluator, term: Term) -> str:
         masses = evaluator.world.masses
         if all(masses[n].coefficients[0] != 0 for n in env.values() if n < len(masses)):
             found.append(_written(evaluator.value(term, env)))
-    return ",\\ ".join(found[:1] if len(set(found)) == 1 else found)
+    return ", ".join(found[:1] if len(set(found)) == 1 else found)
 
 
 def _written(value: Any) -> str:
     if isinstance(value, Series):
         return _number(value.coefficients[0])
     if isinstance(value[0], Series):
-        return "(" + ",\\, ".join(_written(v) for v in value) + ")"
+        return "(" + ", ".join(_written(v) for v in value) + ")"
     rows = " \\\\ ".join(" & ".join(_written(v) for v in row) for row in value)
     return f"\\begin{{bmatrix}} {rows} \\end{{bmatrix}}"
 

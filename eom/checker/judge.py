@@ -131,7 +131,7 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
             return Judgement(DEFINITION, context=context)
         return Judgement(UNDER if own else HOLDS, (own,) if own else (), context)
     search.run(base)
-    shown = [_shown(s | frozenset(own)) for s in search.smallest(base)]
+    shown = [needed_names(s | frozenset(own)) for s in search.smallest(base)]
     sets = tuple(sorted(shown, key=lambda s: (len(s), s)))
     refuted = (tuple(sorted(base)), search.seeds[base]) if base in search.seeds else None
     names = claim.kind == SAME_POINT or (not sets and search.free)
@@ -197,6 +197,9 @@ def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) 
 
     ``names``: all that is assumed; a claim that fails under them is wrong here.
     """
+    if claim.model is not None and systems.on_solutions(claim):
+        decided = systems.decide_within(claim, claim.model, names, given)
+        return Judgement(decided.verdict, decided.sets, complete=False, reason=decided.reason)
     try:
         search = _Search(claim, equations(claim), closure(given))
         names = closure(names)
@@ -208,11 +211,11 @@ def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) 
     base = search.given | closure(context)
     own = frozenset(context if context in MODELS and search.about_masses else ())
     if search.holds(base):
-        return Judgement(UNDER if own else HOLDS, (_shown(own),) if own else (), context)
+        return Judgement(UNDER if own else HOLDS, (needed_names(own),) if own else (), context)
     if not base <= names or not search.holds(names):
         return Judgement(WRONG, context=context, complete=False)
     needed = search.shrunk(names, base) - base
-    return Judgement(UNDER, (_shown(needed | own),), context, complete=False)
+    return Judgement(UNDER, (needed_names(needed | own),), context, complete=False)
 
 
 def labels_in(terms: Iterable[Term]) -> frozenset[str]:
@@ -232,7 +235,7 @@ def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
         yield (*sequences, *general)
 
 
-def _shown(names: frozenset[str]) -> tuple[str, ...]:
+def needed_names(names: frozenset[str]) -> tuple[str, ...]:
     """Return a set without what its other members need, in the order of the table."""
     needed = {n for name in names for n in _needed(name) - {name}}
     return tuple(name for name in ASSUMPTIONS if name in names - needed)

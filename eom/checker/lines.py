@@ -6,6 +6,7 @@ whatever the others do. So slips in several terms are found by adding numbers.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -16,7 +17,7 @@ from eom.checker.elaborator import Elaborator
 from eom.checker.notes import Understood
 from eom.checker.paths import Path, find
 from eom.checker.statements import Statement
-from eom.checker.syntax import Addition, Boxed, Group, Node
+from eom.checker.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol
 from eom.checker.values import Refusal, Value, mixed
 from eom.errors import InputError
 from eom.evaluate import Evaluator
@@ -28,21 +29,26 @@ Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
 
 _WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
+SYMBOLS = (Symbol, Scripts, Accent)
 NUMBERINGS = 3
 """How many ways to number free indices are looked at."""
 
 
 @dataclass(frozen=True)
 class Remembering(Elaborator):
-    """An elaborator that works out every node once; trees that differ in one place share all others."""
+    """An elaborator that works out every node once; trees that differ in one place share all others.
 
-    worked: dict[tuple[int, int, tuple[tuple[str, str], ...]], tuple[Node, Value | Refusal]] = (
-        field(default_factory=dict, repr=False)
+    Symbols are known again wherever they stand.
+    """
+
+    worked: dict[tuple[object, ...], tuple[Node, Value | Refusal]] = field(
+        default_factory=dict, repr=False
     )
 
     def value(self, node: Node) -> Value:
         """Return the typed value of a node. Raises `Refusal`."""
-        key = (id(node), self.depth, tuple(self.indices.items()))
+        known = node if isinstance(node, SYMBOLS) else id(node)
+        key = (known, self.depth, tuple(self.indices.items()))
         if key not in self.worked:
             try:
                 self.worked[key] = (node, super().value(node))
@@ -165,16 +171,14 @@ def agrees(own: Signature | None, kind: Signature) -> bool:
 
 
 @dataclass
-class Place:
-    """A world in which terms are numbers: all components and numberings mixed into one, modulo a prime.
+class Place(ABC):
+    """Where terms are numbers: all components and numberings mixed into one, modulo a prime.
 
-    ``names``: what is assumed there; ``labels``: free indices of the line.
+    ``names``: what is assumed there.
     """
 
     names: frozenset[str]
-    evaluator: Evaluator
-    labels: frozenset[str]
-    known: dict[Term, int | None] = field(default_factory=dict)
+    known: dict[Term, int | None] = field(default_factory=dict, kw_only=True)
 
     def number(self, term: Term) -> int | None:
         """Return the number of a term, None where it has none in this world."""
@@ -187,6 +191,18 @@ class Place:
         if values is None:
             return None
         return sum(w * v for w, v in zip(_WEIGHTS, values, strict=False)) % PRIME
+
+    @abstractmethod
+    def values(self, term: Term) -> list[int] | None:
+        """Return the components of a term at t = 0, None where it has none."""
+
+
+@dataclass
+class InWorld(Place):
+    """A world; ``labels``: free indices of the line."""
+
+    evaluator: Evaluator
+    labels: frozenset[str]
 
     def values(self, term: Term) -> list[int] | None:
         """Return the components at t = 0, for each numbering of the free indices."""
@@ -237,7 +253,7 @@ def place(
             labels = frozenset().union(*(evaluator.labels(t) for t in terms))
         except InputError:
             return None
-        found = Place(names, evaluator, labels)
+        found = InWorld(names, evaluator, labels)
         if all(found.number(t) is not None for t in terms):
             return found
     return None

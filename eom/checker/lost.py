@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature, valued
 from eom.checker.options import Option
@@ -12,6 +13,7 @@ from eom.checker.residual import Item, Piece, fits, items, scaled, total
 from eom.checker.slips import LOST
 from eom.checker.syntax import Addition, Matrix, Node, Number
 from eom.checker.values import Value
+from eom.checker.writing import latex
 from eom.series import PRIME
 
 
@@ -19,12 +21,14 @@ from eom.series import PRIME
 class Pools:
     """Products of the factors of a line by signature, made once.
 
-    ``near``: symbols that stand around the line, factors as well where ``wide``.
+    ``near``: symbols that stand around the line, factors as well where ``wide``; ``known``:
+    gives what is left over where that is known without a search.
     """
 
     line: Line
     values: Mapping[Addend, Value | None]
     near: tuple[Node, ...] = ()
+    known: Callable[[], Sequence[Node]] = tuple
     wide: bool = False
     made: dict[tuple[tuple[Node, ...], Signature], list[Item]] = field(default_factory=dict)
 
@@ -33,13 +37,24 @@ class Pools:
         key = (tuple(roots), kind)
         if key not in self.made:
             standing = {i.term for i in self.own(kind)}
-            made = items(self.line, roots, kind)
+            made = list(self._known(kind)) if self.left else items(self.line, roots, kind)
             self.made[key] = [i for i in made if i.term not in standing]
         return self.made[key]
 
     def widened(self) -> Pools:
         """Return pools with the symbols around the line as factors as well."""
         return replace(self, wide=True, made={})
+
+    @cached_property
+    def left(self) -> Sequence[Node]:
+        """What is known to be left over, whole and term by term; none where it must be looked for."""
+        return self.known()
+
+    def _known(self, kind: Signature) -> Iterator[Item]:
+        for node in self.left:
+            value = valued(self.line.elaborator, node)
+            if value is not None and not value.is_zero and agrees(signature(value), kind):
+                yield Item(node, value.term, kind)
 
     def own(self, kind: Signature) -> list[Item]:
         """Return the terms of the line."""
@@ -100,7 +115,7 @@ def entry_terms(
     if len(cells) != len(need):
         return
     tree: Node = table
-    cost, changed = 0.0, list[tuple[int, int]]()
+    cost, changed = 0.0, dict[tuple[int, int], str]()
     for cell, wanted in zip(cells, need, strict=True):
         if wanted % PRIME == 0:
             continue
@@ -108,15 +123,15 @@ def entry_terms(
         if pieces is None:
             return
         tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
-        changed.append(cell)
+        changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
         cost += weight(pieces)
     node = put(addend.node, path, tree)
     value = valued(pools.line.elaborator, node)
     if value is not None and changed:
-        inside: Path = (("rows", changed[0]),) if len(changed) == 1 else ()
+        inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
         old, new = at(table, inside), at(tree, inside)
         kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
-        yield Option(addend, *kept, paths=((*path, *inside),))
+        yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
 
 
 def entry_residual(pools: Pools, place: Place, node: Node, numbers: Sequence[int]) -> Node | None:

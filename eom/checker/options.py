@@ -17,7 +17,8 @@ from eom.terms import Term
 class Option:
     """What may stand for a term: another node, the other sign, or nothing; with its value.
 
-    ``old``, ``new``: what changes within the term, at ``paths``.
+    ``old``, ``new``: what changes within the term, at ``paths``; ``added``: what is added to cells
+    of a table, by their places, with signs.
     """
 
     addend: Addend
@@ -30,6 +31,7 @@ class Option:
     term: Term | None = None
     signature: Signature | None = None
     paths: tuple[Path, ...] = ((),)
+    added: tuple[tuple[tuple[int, int], str], ...] = ()
 
 
 def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:

@@ -140,6 +140,8 @@ def _all_sets(finding: Finding) -> Iterator[tuple[str, ...]]:
     yield from finding.sets
     for correction in finding.explanation.corrections[:CORRECTIONS]:
         yield from correction.sets
+    if finding.explanation.counterexample is not None:
+        yield finding.explanation.counterexample.assumptions
 
 
 def _summary(report: Report) -> Line:
@@ -249,14 +251,14 @@ def _explanation(finding: Finding) -> Iterator[Line]:
     if explained.residual:
         yield (("", f"{INDENT}left side minus right side: {_whole(explained.residual)}"),)
     if explained.convention:
-        yield (("unsure", f"{INDENT}right in another convention: {explained.convention}"),)
+        yield (("unsure", f"{INDENT}{explained.convention}"),)
     for correction in explained.corrections[:CORRECTIONS]:
         under = f", under {_sets(correction.sets)}" if correction.sets else ""
         yield (("good", f"{INDENT}repair: {printable(correction.change)}{under}"),)
         yield (("", f"{INDENT}        {_whole(correction.latex)}"),)
     counter = explained.counterexample
     if counter is not None:
-        under = f", under {', '.join(counter.assumptions)}" if counter.assumptions else ""
+        under = f", under {_sets([counter.assumptions])}" if counter.assumptions else ""
         values = ", ".join(f"{_one_line(n)} = {v}" for n, v in counter.values)
         members = "; ".join(f"{_one_line(n)} = {v}" for n, v in counter.members)
         yield (("", f"{INDENT}it fails for {values}{under}"),)

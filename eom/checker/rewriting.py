@@ -99,10 +99,13 @@ def tight(node: Node) -> str:
     return rf"\left( {text} \right)" if isinstance(node, Addition) else text
 
 
+_COMMAND = re.compile(r"\\[A-Za-z]+\Z")
+
+
 def _like(old: Node, new: Node) -> str:
-    """Write a node for the place of another one; a letter after a command needs a blank."""
+    """Write a node for the place of another one; a letter behind a command needs a blank."""
     text = latex(new)
-    return text if old == new else f"{text}" if text[-1:] in ")}]" else f"{text} "
+    return f"{text} " if old != new and _COMMAND.search(text) else text
 
 
 def _dropped(line: Line, path: Path) -> Iterator[Change]:

@@ -144,7 +144,7 @@ def decide(claim: Claim, model: Model, given: Iterable[str] = ()) -> Decision:
     """
     try:
         pairs = equations(claim, model)
-        search = _Search(model, pairs, _given(model, given), claim.kind == CONSTANT)
+        search = _Search(model, pairs, given_in(model, given), claim.kind == CONSTANT)
         if search.holds(()):
             return Decision(HOLDS)
         return search.weakest()
@@ -152,7 +152,26 @@ def decide(claim: Claim, model: Model, given: Iterable[str] = ()) -> Decision:
         return Decision(UNDECIDED, reason=str(error))
 
 
-def _given(model: Model, names: Iterable[str]) -> tuple[Restriction, ...]:
+def decide_within(
+    claim: Claim, model: Model, names: Iterable[str], given: Iterable[str] = ()
+) -> Decision:
+    """Return whether a claim holds on the solutions of a system, at most under what ``names`` assume."""
+    try:
+        pairs = equations(claim, model)
+        search = _Search(model, pairs, given_in(model, given), claim.kind == CONSTANT)
+        if search.holds(()):
+            return Decision(HOLDS)
+        wanted = set(names)
+        chosen = tuple(r for r in model.possible if r.name in wanted and r not in search.given)
+        if chosen and search.holds(chosen) and not search.emptied(chosen):
+            return Decision(UNDER, (tuple(r.name for r in chosen),))
+        return Decision(WRONG)
+    except InputError as error:
+        return Decision(UNDECIDED, reason=str(error))
+
+
+def given_in(model: Model, names: Iterable[str]) -> tuple[Restriction, ...]:
+    """Return what is given of a system, with the restrictions that some names mean."""
     wanted = set(names)
     return (*model.given, *(r for r in model.possible if r.name in wanted))
 
@@ -214,7 +233,7 @@ class _Search:
                 if any(set(f) <= set(names) for f in found) or self.tests >= MAX_TESTS:
                     continue
                 self.tests += 1
-                if self.holds(chosen) and not self._emptied(chosen):
+                if self.holds(chosen) and not self.emptied(chosen):
                     found.append(names)
         return tuple(found)
 
@@ -251,7 +270,7 @@ class _Search:
             return True
         return any(differs(system, a, b, self.given) for a, b in self.pairs)
 
-    def _emptied(self, chosen: tuple[Restriction, ...]) -> bool:
+    def emptied(self, chosen: tuple[Restriction, ...]) -> bool:
         """Tell whether something that the claim writes vanishes under a set alone."""
         parts = [p for pair in self.pairs for p in _parts(pair)]
         special = next(self._motions(chosen), None)

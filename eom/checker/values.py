@@ -248,7 +248,9 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
 
 def _scaled(a: Value, b: Value) -> Value:
     rest = b if a.shape == SCALAR else a
-    return _made(mul(a.term, b.term), rest.shape, a, b, rest.frames)
+    term = mul(a.term, b.term)
+    term = arrays.nought(rest) if term.is_zero and rest.shape == TABLE else term
+    return _made(term, rest.shape, a, b, rest.frames)
 
 
 def _table_product(a: Value, b: Value) -> Value:

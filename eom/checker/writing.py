@@ -231,7 +231,14 @@ _MARKS = {
 def _script(node: s.Node) -> str:
     if isinstance(node, s.Marks):
         return "".join(_MARKS.get(n, rf"\{n} ") for n in node.names).strip()
-    return latex(node)
+    return _letters(node) or latex(node)
+
+
+def _letters(node: s.Node) -> str:
+    """Write plain letters of a script beside one another, as words are; "" for anything else."""
+    parts = node.factors if isinstance(node, s.Product) and not node.operator else ()
+    plain = all(isinstance(p, s.Symbol) and not p.style and len(p.name) == 1 for p in parts)
+    return "".join(map(latex, parts)) if plain else ""
 
 
 def _big(node: s.BigOperator) -> str:

@@ -182,6 +182,24 @@ def test_the_lost_term_of_an_entry():
     )
     source = understood.formula.piece.source.text
     assert [source[slice(*s)] for s in found.blamed] == [row]
+    assert found.corrections[0].change == r"a term was lost: $+ I_{2} \dot{\Omega}$ in row 2"
+    shown = dict(found.counterexample.values)
+    assert numbers(shown[r"\dot{\Omega}"]) != [0]
+    assert r"\sin \theta" in shown
+    assert r"\theta" not in shown
+
+
+def test_nothing_that_is_shown_vanishes_where_that_can_be():
+    _, found = wrong(r"[I]\vec\omega + \vec\omega\times[I]\vec\omega = \vec\tau_C")
+    shown = dict(found.counterexample.values)
+    assert r"\dot{\vec{\omega}}" in shown
+    assert all(any(numbers(text)) for text in shown.values())
+
+
+def test_letters_of_a_label_stay_together():
+    tree = read_formula(r"f_{e x t} + f_{ext}").tree
+    assert latex(tree) == "f_{ext} + f_{ext}"
+    assert read_formula(latex(tree)).tree == tree
 
 
 # -- counterexamples -----------------------------------------------------------------------------
