@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from eom.checker.lines import Addend, Line, Signature, signature, valued
 from eom.checker.offers import Palette
@@ -11,6 +11,9 @@ from eom.checker.slips import DROPPED, TERM, Edit, Slip, edits
 from eom.checker.syntax import Node
 from eom.checker.values import Value
 from eom.terms import Term
+
+SUBJECT = 0.15
+"""What it weighs more to turn the sign of what a line is about: the slip is rather on the other side."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,9 @@ def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
-        found.append(_option(addend, TERM, addend.node, addend.node, -addend.sign, *own))
+        turned = _option(addend, TERM, addend.node, addend.node, -addend.sign, *own)
+        alone = len(member.addends) == 1 and member is line.members[0]
+        found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
         found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
     for edit in edits(addend.node, palette):
