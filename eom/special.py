@@ -32,6 +32,9 @@ BODIES: dict[str, tuple[Numbers, tuple[str, ...]]] = {
 }
 """Principal moments of inertia, and assumptions that hold for them."""
 
+ORDINARY = frozenset({"three different principal moments", "other principal moments"})
+"""Bodies of no special shape."""
+
 RATES: tuple[Numbers, ...] = (
     (0, 0, 0),
     (1, 0, 0),
@@ -68,12 +71,16 @@ ALWAYS = frozenset(
 
 @dataclass(frozen=True)
 class Special:
-    """A world with what is assumed in it, its case in words, and its data by the names of quantities."""
+    """A world with what is assumed in it, its case in words, and its data by the names of quantities.
+
+    ``degenerate``: a body of special shape, or one at rest, of which a writer may not have thought.
+    """
 
     world: World
     assumed: frozenset[str]
     words: str
     data: tuple[tuple[str, str], ...]
+    degenerate: bool = False
 
 
 def specials() -> Iterator[Special]:
@@ -124,7 +131,8 @@ def _special(body: str, rates: Numbers, kind: str, where: str, turned: bool) -> 
         assumed |= {"torque_free"}
     world = _world(moments, omega, where, turned)
     words = f"{body}, {kind}, {where}" + (", axes not principal" if turned else "")
-    return Special(world, frozenset(assumed), words, _data(world))
+    degenerate = body not in ORDINARY or not any(rates)
+    return Special(world, frozenset(assumed), words, _data(world), degenerate)
 
 
 # -- rates ----------------------------------------------------------------------------------------

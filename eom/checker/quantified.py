@@ -214,31 +214,35 @@ def _decided(
         found = _alone(one.conclusion, given)
         if found.verdict in {HOLDS, UNDER} or whole.kind != "always":
             return found
-    against, tried = _against(one, names)
-    if against is not None:
-        example = _example(one, against)
-        reason = _failing(one, against)
-        if open_ or whole.rests:
-            return Decision(UNDECIDED, (), f"unless the note assumes more, {reason}", example)
-        return Decision(WRONG, (), reason, example)
     proved = None if one.premise is None else _proved(one.premise, one.conclusion, given)
     if proved is not None:
         return Decision(UNDER if proved else HOLDS, (proved,) if proved else ())
-    return Decision(UNDECIDED, (), f"no counterexample in {tried} special motions")
+    against, tried = _against(one, names)
+    if against is None:
+        return Decision(UNDECIDED, (), f"no counterexample in {tried} special motions")
+    example, reason = _example(one, against), _failing(one, against)
+    if against.degenerate or open_ or whole.rests:
+        return Decision(UNDECIDED, (), f"unless more is assumed, {reason}", example)
+    return Decision(WRONG, (), reason, example)
 
 
 def _against(one: Implication, names: frozenset[str]) -> tuple[Special | None, int]:
-    """Return a motion where the premise is true and the conclusion false, and how many were tried."""
+    """Return a motion where the premise is true and the conclusion false, and how many were tried.
+
+    One of a body without equal moments that is not at rest is returned if there is any.
+    """
     premise = one.premise or All(())
     if not all(map(_known, plains(All((premise, one.conclusion))))):
         return None, 0
-    tried = 0
+    tried, kept = 0, None
     for special in specials():
         if names <= special.assumed and truth(premise, special.world) is True:
             tried += 1
             if truth(one.conclusion, special.world) is False:
-                return special, tried
-    return None, tried
+                kept = kept or special
+                if not special.degenerate:
+                    return special, tried
+    return kept, tried
 
 
 def _known(one: Plain) -> bool:
@@ -286,6 +290,7 @@ def _alone(one: Proposition, given: tuple[str, ...]) -> Decision:
         return Decision(UNDECIDED, (), worst.reason or "it does not hold under what is known")
     sets = tuple(s for d in found for s in d.sets)
     reasons = "; ".join(dict.fromkeys(d.reason for d in found if d.reason))
+    sets = tuple(s for s in sets if s)
     return Decision(worst.verdict, sets if len(found) == 1 else sets[:1], reasons)
 
 
@@ -332,18 +337,27 @@ BASES: tuple[tuple[str, ...], ...] = (
 def _proved(
     premise: Proposition, conclusion: Proposition, given: tuple[str, ...]
 ) -> tuple[str, ...] | None:
-    """Return what an implication needs besides where it is proved: assumptions and readings; or None."""
-    for base in BASES:
-        try:
-            assumed = closure([*given, *base])
-        except InputError:
-            continue
-        words = _under(premise, conclusion, assumed)
-        if words is not None:
-            needed = closure(base) - closure(given)
-            names = [n for n in ASSUMPTIONS if n in needed]
-            return (*names, *words)
-    return None
+    """Return what an implication needs besides where it is proved: assumptions and readings; or None.
+
+    What cannot be proved where much is assumed is not tried with less.
+    """
+    if all(_assuming(premise, conclusion, given, base) is None for base in BASES[-2:]):
+        return None
+    found = (_assuming(premise, conclusion, given, base) for base in BASES)
+    return next((f for f in found if f is not None), None)
+
+
+def _assuming(
+    premise: Proposition, conclusion: Proposition, given: tuple[str, ...], base: tuple[str, ...]
+) -> tuple[str, ...] | None:
+    """Return what a proof under some assumptions needs: those beyond what is given, and readings."""
+    try:
+        assumed = closure([*given, *base])
+        needed = closure(base) - closure(given)
+    except InputError:
+        return None
+    words = _under(premise, conclusion, assumed)
+    return None if words is None else (*(n for n in ASSUMPTIONS if n in needed), *words)
 
 
 def _under(
@@ -353,12 +367,17 @@ def _under(
     words: dict[str, None] = {}
     for held in alternatives(premise, True):
         for denied in alternatives(conclusion, False):
-            ways = [(*p, *q) for p in held for q in denied]
+            ways = sorted(((*p, *q) for p in held for q in denied), key=_told)
             chosen = next((w for w in ways if _contradictory(w, assumed)), None)
             if chosen is None:
                 return None
             words.update(dict.fromkeys(x.words for x in chosen if x.words))
     return tuple(words)
+
+
+def _told(literals: Sequence[Literal]) -> int:
+    """Return how many literals have to be read in a way of their own."""
+    return sum(bool(x.words) for x in literals)
 
 
 def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool:
