@@ -92,17 +92,17 @@ def check_note(note: Note, settings: Settings) -> Report:
         found = tuple(_found(reviewed, known))
         for add in PASSES:
             found = _added(add, found, settings)
-        words = _in_words(document, reviewed, settings)
+        words = _in_words(document, reviewed, settings, known.draft is not None)
     return _report(document, known, settings, [*(f.finding for f in found), *words])
 
 
 def _in_words(
-    document: Document, reviewed: Sequence[Reviewed], settings: Settings
+    document: Document, reviewed: Sequence[Reviewed], settings: Settings, drafted: bool
 ) -> tuple[Finding, ...]:
     """Return what is found of the claims in words; nothing where it takes too long."""
     understood, stated = [r.understood for r in reviewed], [r.stated for r in reviewed]
     try:
-        return in_words(document, understood, stated, settings.given, settings.seconds)
+        return in_words(document, understood, stated, settings.given, settings.seconds, drafted)
     except (Overdue, RecursionError):
         return ()
 

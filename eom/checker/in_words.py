@@ -25,15 +25,12 @@ from eom.checker.places import Source, Span
 from eom.checker.proposition_words import Formulas, Subject
 from eom.checker.propositions import All, Plain, Proposition, Reading, Test
 from eom.checker.quantified import Decision, decide, quantified
-from eom.checker.report import Finding
+from eom.checker.report import PROSE, Finding
 from eom.checker.stability import stability
 from eom.checker.values import Refusal
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
 from eom.terms import add
-
-KIND = "prose"
-"""The kind of these findings."""
 
 MAX_SENTENCE = 600
 MAX_SENTENCES = 5000
@@ -59,10 +56,12 @@ def in_words(
     stated: Sequence[frozenset[str]],
     given: tuple[str, ...],
     seconds: float,
+    drafted: bool = False,
 ) -> tuple[Finding, ...]:
     """Return what is found of the claims in words; ``stated``: what the note has stated at each formula.
 
-    ``seconds``: for one sentence; what takes longer is left out.
+    ``seconds``: for one sentence; what takes longer is left out. ``drafted``: nobody has confirmed the
+    meanings of symbols, so that no sentence with formulas is called wrong.
     """
     numbers = [k for k, p in enumerate(document.pieces) if p.is_formula]
     by_piece = {k: (u, s) for k, u, s in zip(numbers, understood, stated, strict=True)}
@@ -76,6 +75,7 @@ def in_words(
         except (Overdue, RecursionError):
             continue
         if decision is not None:
+            decision = _softened(decision) if drafted and sentence.formulas else decision
             found.append(_finding(sentence, decision, len(found) + 1))
     return tuple(found)
 
@@ -84,7 +84,7 @@ def _finding(sentence: Sentence, decision: Decision, number: int) -> Finding:
     example = decision.counterexample
     return Finding(
         number,
-        KIND,
+        PROSE,
         sentence.source,
         sentence.span,
         sentence.source.text[sentence.span.start : sentence.span.stop],
@@ -276,23 +276,33 @@ _MOTIFS = re.compile(
 """Words that may narrow down what is talked about in ways that are not understood here."""
 
 
-_ANYTHING = re.compile(r"\b(?:dissipat|damp|flexib|slosh|fluid|sink|dual|rotor|wheel|orbit|gravity|elastic)")
+_OTHERS = re.compile(r"\b(?:dissipat|damp|flexib|slosh|fluid|sink|dual|rotor|wheel|orbit|gravity|elastic)")
 """Words after which stability is that of some other body."""
 
 
-def _hinted(
-    sentence: Sentence, pieces: Sequence[Piece], limits: Limits, leads: re.Pattern[str]
-) -> bool:
-    """Tell whether a sentence before this one in its section may assume what is not understood."""
+def _before(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> Iterator[Sentence]:
+    """Yield the sentences of the section that stand in front of one."""
     begin = sentence.first
     while begin > 0 and not limits.levels[begin]:
         begin -= 1
     run = pieces[begin : sentence.first + 1]
     for one in sentences([p for p in run if p.source is sentence.source]):
-        if one.span.start < sentence.span.start and _MOTIFS.search(one.text):
+        if one.span.start < sentence.span.start:
+            yield one
+
+
+def _of_others(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> bool:
+    """Tell whether the section speaks of other bodies than free ones, rigid or with losses."""
+    return any(_OTHERS.search(one.text) for one in _before(sentence, pieces, limits))
+
+
+def _hinted(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> bool:
+    """Tell whether a sentence before this one in its section may assume what is not understood."""
+    for one in _before(sentence, pieces, limits):
+        if _MOTIFS.search(one.text):
             between = one.source.text[one.span.stop : sentence.span.start]
             near = not re.search(r"\n[ \t]*\n", between) and _CONDITIONS.search(one.text)
-            if leads.search(one.text) or near:
+            if _LEADS.search(one.text) or near:
                 return True
     return False
 
@@ -311,10 +321,10 @@ def _decided(
     one = None if found is not None else quantified(sentence.text, formulas)
     if found is None and one is None:
         return None
-    hinted = _hinted(sentence, pieces, limits, _LEADS if found is None else _ANYTHING)
     if found is not None:
-        return _softened(found) if hinted else found
+        return _softened(found) if _of_others(sentence, pieces, limits) else found
     assert one is not None
+    hinted = _hinted(sentence, pieces, limits)
     names = _stated(sentence, by_piece, phrases)
     decision = decide(one, names, given, hinted)
     if decision.verdict == UNDECIDED and one.kind == "" and decision.counterexample is None:

@@ -12,7 +12,7 @@ import re
 from functools import cache
 
 from eom.checker.explanation import Counterexample
-from eom.checker.judge import UNDER, WRONG
+from eom.checker.judge import UNDECIDED, UNDER, WRONG
 from eom.checker.quantified import Decision
 from eom.dissipation import damped_stability, nutation_trend
 from eom.precession import precession
@@ -51,14 +51,14 @@ _LOSS = (
     r"(?:in the presence of|with|under|when there is|if there is)(?: internal| any| some)? "
     r"(?:energy )?(?:dissipation|damping)|(?:if|when) (?:kinetic )?energy is dissipated"
 )
-_NO_LOSS = r"without (?:any )?(?:energy )?(?:dissipation|damping)|for a rigid body|if the body is rigid"
-_TAIL = rf"(?:,? (?:({_LOSS})|(?:{_NO_LOSS})))?"
+_RIGID_BODY = r"(?:without (?:any )?(?:energy )?(?:dissipation|damping)|for a rigid body|if the body is rigid)"
+_TAIL = rf"(?:,? (?:({_LOSS})|({_RIGID_BODY})))?"
 
 _SPINS = re.compile(
-    rf"(?:({_LOSS}),? |(?:{_NO_LOSS}),? )?(only )?{_SPIN} about {_AXIS}(?: ax[ie]s)? {_KIND}{_TAIL}"
+    rf"(?:({_LOSS}),? |({_RIGID_BODY}),? )?(only )?{_SPIN} about {_AXIS}(?: ax[ie]s)? {_KIND}{_TAIL}"
 )
 _SYMMETRIC = re.compile(
-    rf"(?:({_LOSS}),? )?{_TURNING}(?: of an? ({'|'.join(SHAPES)})(?: (?:axi)?symmetric)?(?: rigid)? "
+    rf"(?:({_LOSS}),? |({_RIGID_BODY}),? )?{_TURNING}(?: of an? ({'|'.join(SHAPES)})(?: (?:axi)?symmetric)?(?: rigid)? "
     rf"(?:body|spacecraft|satellite)) about its (?:axis of symmetry|symmetry axis) {_KIND}{_TAIL}"
 )
 _PRECESSION = re.compile(
@@ -67,9 +67,13 @@ _PRECESSION = re.compile(
 )
 
 _RIGID = ("rigid", "torque_free", "three different principal moments of inertia")
-_QUASI = ("no torque from outside", "energy is lost inside", "three different principal moments of inertia")
+_QUASI = (
+    "no torque acts from outside",
+    "energy is lost inside",
+    "three different principal moments of inertia",
+)
 _FREE = ("rigid", "torque_free", "symmetric")
-_LOSING = ("no torque from outside", "energy is lost inside", "an axis of inertial symmetry")
+_LOSING = ("no torque acts from outside", "energy is lost inside", "an axis of inertial symmetry")
 
 
 def stability(sentence: str) -> Decision | None:
@@ -80,7 +84,7 @@ def stability(sentence: str) -> Decision | None:
     >>> stability("spin about the axis of minimum inertia is unstable with energy dissipation").verdict
     'holds under'
     """
-    words = re.sub(r"^(?:note that|hence|thus|therefore|so|for a rigid body),? ", "", sentence)
+    words = re.sub(r"^(?:note that|hence|thus|therefore|so),? ", "", sentence)
     for pattern, rule in ((_SPINS, _of_spins), (_SYMMETRIC, _of_symmetric), (_PRECESSION, _of_sense)):
         match = pattern.fullmatch(words)
         if match is not None:
@@ -89,15 +93,41 @@ def stability(sentence: str) -> Decision | None:
 
 
 def _of_spins(match: re.Match[str]) -> Decision:
-    before, only, first, second, kind, behind = match.groups()
-    loses = bool(before or behind)
+    lost, kept, only, first, second, kind, lost_after, kept_after = match.groups()
     ranks = {RANKS[r] for r in (first, second) if r}
     said = KINDS[kind]
-    claimed = {r: said for r in ranks} | ({r: not said for r in {1, 2, 3} - ranks} if only else {})
-    wrong = [r for r, stable in claimed.items() if _stable(r, loses) != stable]
-    if not wrong:
-        return Decision(UNDER, (_QUASI if loses else _RIGID,))
-    return Decision(WRONG, (), f"the spin about b{wrong[0]} is {_kind(wrong[0], loses)}", _body(wrong[0]))
+    others = {1, 2, 3} - ranks if only else set[int]()
+    claimed = dict.fromkeys(ranks, said) | dict.fromkeys(others, not said)
+
+    def wrong(loses: bool) -> list[int]:
+        return [r for r, stable in sorted(claimed.items()) if _stable(r, loses) != stable]
+
+    return _chosen(
+        [
+            (_RIGID, [f"the spin about b{r} is {_kind(r, False)}" for r in wrong(False)]),
+            (_QUASI, [f"the spin about b{r} is {_kind(r, True)}" for r in wrong(True)]),
+        ],
+        bool(lost or lost_after),
+        bool(kept or kept_after),
+        _body(next(iter(wrong(bool(lost or lost_after))), min(ranks))),
+    )
+
+
+def _chosen(
+    bodies: list[tuple[tuple[str, ...], list[str]]], loses: bool, rigid: bool, body: Counterexample
+) -> Decision:
+    """Return the verdict for the rigid body and the one that loses energy, by which of them is meant.
+
+    What is wrong for one and right for the other is undecided where the sentence names neither.
+    """
+    names, against = bodies[int(loses)]
+    if not against:
+        return Decision(UNDER, (names,))
+    other, against_other = bodies[1]
+    if loses or rigid or against_other:
+        return Decision(WRONG, (), against[0], body)
+    reason = f"{against[0]} for a rigid body; it is right where {' and '.join(other[:2])}"
+    return Decision(UNDECIDED, (), reason, body)
 
 
 @cache
@@ -116,16 +146,16 @@ def _body(rank: int) -> Counterexample:
 
 
 def _of_symmetric(match: re.Match[str]) -> Decision:
-    before, shape, kind, behind = match.groups()
-    loses = bool(before or behind)
+    lost, kept, shape, kind, lost_after, kept_after = match.groups()
     across, along = SHAPES[shape]
-    if loses:
-        found = nutation_trend(across, along)
-    else:
-        found = spin_stability((across, across, along), 3).kind
-    if (found == "stable") == KINDS[kind]:
-        return Decision(UNDER, (_LOSING if loses else _FREE,))
-    return Decision(WRONG, (), f"it is {found}", _symmetric_body(shape))
+    rigid, quasi = spin_stability((across, across, along), 3).kind, nutation_trend(across, along)
+    rows = [
+        (names, [] if (found == "stable") == KINDS[kind] else [f"it is {found}"])
+        for names, found in ((_FREE, rigid), (_LOSING, quasi))
+    ]
+    return _chosen(
+        rows, bool(lost or lost_after), bool(kept or kept_after), _symmetric_body(shape)
+    )
 
 
 def _of_sense(match: re.Match[str]) -> Decision:
