@@ -85,11 +85,12 @@ def read_truth(path: Path) -> dict[str, Entry]:
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
         found = [
-            Entry(r["id"], r["latex"] or r["text"], r["verdict"], tuple(r["accept"]), r.get("line", 0))
+            Entry(
+                r["id"], r["latex"] or r["text"], r["verdict"], tuple(r["accept"]), r.get("line", 0)
+            )
             for r in rows
         ]
-        found = [e for e in found if e.latex
-        ]
+        found = [e for e in found if e.latex]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError("the truth cannot be read", where=str(path), got=repr(error)) from error
     return {e.name: e for e in found}

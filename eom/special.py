@@ -63,6 +63,9 @@ POINTS: dict[str, frozenset[str]] = {
 }
 """Where the reference point is, and which assumptions that fulfils."""
 
+FIRST_CASES = 24
+"""So many of the first ones have the centre of mass at rest as reference point."""
+
 ALWAYS = frozenset(
     {"constant_mass", "newton_2", "third_law_weak", "third_law_strong", "rigid", "body_frame"}
 )

@@ -19,7 +19,7 @@ from eom.checker.elaborate import elaborator
 from eom.checker.explanation import Explanation
 from eom.checker.judge import UNDECIDED, WRONG, equations
 from eom.checker.looks import labels
-from eom.checker.notes import Understood, reread
+from eom.checker.notes import Understood
 from eom.checker.phrases import Limits, Said, said
 from eom.checker.places import Source, Span
 from eom.checker.proposition_words import Formulas, Subject
@@ -97,7 +97,9 @@ def _finding(sentence: Sentence, decision: Decision, number: int) -> Finding:
 
 # -- sentences ------------------------------------------------------------------------------------
 
-_END = re.compile(r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|\n[ \t]*\n|\n[ \t]*[-*+] ")
+_END = re.compile(
+    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|\n[ \t]*\n|\n[ \t]*[-*+] "
+)
 _MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
 _BRACKETS = re.compile(r"\([^()]*\)")
 _MARK = "\x02{}\x03"
@@ -192,9 +194,10 @@ def _stopped(before: Sentence, behind: Sentence) -> bool:
     """Tell whether nothing but a full stop stands between two sentences."""
     text = before.source.text
     between = text[before.span.stop - 1 : behind.span.start]
-    return re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None and text[
-        before.span.stop - 1
-    ] in ".,"
+    return (
+        re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None
+        and text[before.span.stop - 1] in ".,"
+    )
 
 
 # -- formulas -------------------------------------------------------------------------------------
@@ -276,7 +279,9 @@ _MOTIFS = re.compile(
 """Words that may narrow down what is talked about in ways that are not understood here."""
 
 
-_OTHERS = re.compile(r"\b(?:dissipat|damp|flexib|slosh|fluid|sink|dual|rotor|wheel|orbit|gravity|elastic)")
+_OTHERS = re.compile(
+    r"\b(?:dissipat|damp|flexib|slosh|fluid|sink|dual|rotor|wheel|orbit|gravity|elastic)"
+)
 """Words after which stability is that of some other body."""
 
 

@@ -80,7 +80,8 @@ def page(document: Document, report: Report) -> str:
 def _claims(found: Sequence[Finding]) -> str:
     """Return the cards of claims in words, each with its sentence."""
     rows = "".join(
-        f"<blockquote>{html.escape(' '.join(f.latex.split()))}</blockquote>{_below(f)}" for f in found
+        f"<blockquote>{html.escape(' '.join(f.latex.split()))}</blockquote>{_below(f)}"
+        for f in found
     )
     return f"<section><h2>Claims in words</h2>{rows}</section>" if rows else ""
 

@@ -89,10 +89,10 @@ NOUNS: tuple[tuple[str, tuple[tuple[Term, str], ...]], ...] = (
         ),
     ),
     (
-        r"(?:rotation(?:al)? rate|spin rate|angular velocity|angular rates?|"
-        r"rates of rotation|angular velocity vector|spin)",
-        ((_W, ""),),
+        r"(?:rotation(?:al)? rate|rate of rotation)",
+        ((_W, ""), (dot(_W, _W), "the magnitude of the angular velocity")),
     ),
+    (r"(?:angular velocity(?: vector)?|angular rates)", ((_W, ""),)),
     (r"(?:angular acceleration)", ((der(_W), ""),)),
     (
         r"(?:total )?angular momentum(?: vector)?",
@@ -127,7 +127,9 @@ _FRAMES: tuple[tuple[str, tuple[str, ...]], ...] = (
 """Words that say in which frame something is constant."""
 
 _BE = r"(?:is|are|be|being|remains?|stays?|must be|will be|has to be|to be)"
-_ADVERBS = r"(?: (?:always|then|also|therefore|thus|identically|strictly|still|in fact|necessarily))*"
+_ADVERBS = (
+    r"(?: (?:always|then|also|therefore|thus|identically|strictly|still|in fact|necessarily))*"
+)
 
 _CONSTANT = (
     rf"(?:{_BE}{_ADVERBS} (?:constant|conserved|unchanged|steady)(?: in time)?|does not change|"
@@ -136,12 +138,13 @@ _CONSTANT = (
 _CHANGING = (
     rf"(?:{_BE}{_ADVERBS} (?:changing|varying|not constant|not conserved)|changes|varies|to change)"
 )
-_VANISHES = (
-    rf"(?:{_BE}{_ADVERBS} (?:zero|null|absent)|vanish(?:es)?|to vanish)"
+_VANISHES = rf"(?:{_BE}{_ADVERBS} (?:zero|null|absent)|vanish(?:es)?|to vanish)"
+_NOT_ZERO = (
+    rf"(?:{_BE}{_ADVERBS} (?:not zero|nonzero|non-zero|different from zero)|does not vanish)"
 )
-_NOT_ZERO = rf"(?:{_BE}{_ADVERBS} (?:not zero|nonzero|non-zero|different from zero)|does not vanish)"
 _POSITIVE = rf"{_BE}{_ADVERBS} positive"
 _NOT_NEGATIVE = rf"{_BE}{_ADVERBS} (?:non-?negative|never negative|not negative)"
+
 
 def _constant_readings(term: Term, frames: Sequence[str]) -> list[tuple[tuple[Test, ...], str]]:
     """Return what "constant" may mean: of a vector, in the frame that is named, or in either."""
@@ -266,9 +269,7 @@ def _clauses() -> tuple[tuple[re.Pattern[str], Proposition], ...]:
     any_axis = (*_about_principal("the axis is a principal one"), _steady_axis())
     one = Plain("the body turns about one axis", any_axis)
     still = equal("the body does not turn", _W)
-    no_torque = Plain(
-        "no torque acts", tuple(Reading(((Test(t),),), w) for t, w in NOUNS[0][1])
-    )
+    no_torque = Plain("no torque acts", tuple(Reading(((Test(t),),), w) for t, w in NOUNS[0][1]))
     pairs = list(combinations((1, 2, 3), 2))
     gaps = [_entry(a, a) - _entry(b, b) for a, b in pairs]
     axes = tuple(Test(_entry(a, b)) for a, b in pairs)
@@ -282,6 +283,8 @@ def _clauses() -> tuple[tuple[re.Pattern[str], Proposition], ...]:
     )
     moments = r"(?:the |its |all )?(?:three )?principal moments(?: of inertia)?"
     table: tuple[tuple[str, Proposition], ...] = (
+        (r"(?:a|an|any|some) (?:external |net )?torque (?:acts|is applied)(?: on the body)?",
+         Not(no_torque)),
         (rf"{_TURNS} about (?:only |just )?{_ONE} (?:of the )?{_PRINCIPAL}", principal),
         (rf"{_TURNS} about (?:only |just |exactly )?(?:one|1|a single) axis", one),
         (rf"{_TURNS} about more than (?:one|1|a single) ax[ie]s", Not(one)),
@@ -367,7 +370,10 @@ def clause(words: str, formulas: Formulas) -> Proposition | None:
     >>> clause("the torque is zero on Sundays", Formulas({}, {}, {}))
     """
     words = re.sub(r"^(?:both|either|that|then|also|even) ", "", words.strip())
-    for separator, join in ((r",? or (?:if |when )?", Any_), (r",? (?:and|&) (?:if |when |that )?", All)):
+    for separator, join in (
+        (r",? or (?:if |when )?", Any_),
+        (r",? (?:and|&) (?:if |when |that )?", All),
+    ):
         parts = re.split(separator, words)
         if len(parts) > 1:
             found = _shared(parts, formulas)
@@ -393,7 +399,8 @@ def _shared(parts: Sequence[str], formulas: Formulas) -> tuple[Proposition, ...]
 
 def _single(words: str, formulas: Formulas) -> Proposition | None:
     alone = re.fullmatch(
-        rf"(?:{_ARTICLE}(?:{'|'.join(p for p, _ in NOUNS)}) )?(?:we have )?{FORMULA}(?: holds)?", words
+        rf"(?:{_ARTICLE}(?:{'|'.join(p for p, _ in NOUNS)}) )?(?:we have )?{FORMULA}(?: holds)?",
+        words,
     )
     if alone:
         return formulas.propositions.get(int(alone[1]))

@@ -157,11 +157,7 @@ def _test(test: Test, e: Evaluator) -> Truth:
     """Return True where a test holds for all time, False where it fails at t = 0."""
     limits.check()
     relation = test.relation
-    found = [
-        s
-        for env in e.numberings(e.labels(test.term))
-        for s in _flat(e.value(test.term, env))
-    ]
+    found = [s for env in e.numberings(e.labels(test.term)) for s in _flat(e.value(test.term, env))]
     start = [s.coefficients[0] for s in found]
     if relation == ZERO:
         return False if any(start) else True if all(s.is_zero for s in found) else None

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 from eom.checker.claims import CONSTANT, Claim
@@ -36,7 +37,7 @@ from eom.checker.propositions import (
 )
 from eom.checker.values import ANY, Value
 from eom.errors import InputError
-from eom.special import Special, specials
+from eom.special import FIRST_CASES, Special, specials
 from eom.terms import SCALAR, Term, der, dot, zero
 from eom.vocabulary import omega, quantity
 from eom.worlds import ASSUMPTIONS, closure
@@ -54,8 +55,8 @@ class Implication:
 class Quantified:
     """A sentence as implications that are all claimed.
 
-    ``kind``: a row of `CONNECTIVES`, "always" or "" for a claim without a condition; ``rests``: it begins
-    with words that rest on what stands before.
+    ``kind``: a row of `CONNECTIVES`, "always" or "" for a claim without a condition; ``rests``: words in it
+    rest on what stands before, or say what may be ("even if").
     """
 
     kind: str
@@ -85,24 +86,25 @@ CONNECTIVES: tuple[tuple[str, str], ...] = (
     (r"(?P<b>.+) is (?:a )?sufficient(?: condition)? for (?P<a>.+)", IF),
     (r"(?P<a>.+?),? unless (?P<b>.+)", UNLESS),
     (r"(?:even )?(?:if|when|whenever) (?P<b>[^,]+?),? then (?P<a>.+)", IF),
-    (r"even if (?P<b>[^,]+), (?P<a>.+?),? (?:if|when|whenever) (?P<c>.+)", IF),
     (r"(?:even )?(?:if|when|whenever|provided that|as long as) (?P<b>[^,]+), (?P<a>.+)", IF),
     (r"(?P<b>(?:in )?the absence of [^,]+), (?P<a>.+)", IF),
     (r"(?P<b>.+?) (?:implies|means)(?: that)? (?P<a>.+)", IF),
     (r"(?P<a>.+?),? (?:if|when|whenever|provided(?: that)?|as long as) (?P<b>.+)", IF),
     (r"(?P<a>.+?) (?P<b>in the absence of .+)", IF),
 )
-"""Sentences with a condition, the first that fits: ``a`` is claimed under ``b`` (and ``c``)."""
+"""Sentences with a condition, the first that fits: ``a`` is claimed under ``b``."""
+_UNDER = re.compile(r"(even )?(?:(?:if|when|whenever) )?(?P<b>[^,]+), (?:then )?(?P<rest>.+)")
+"""A condition in front of a claim that has one of its own."""
 
 _PLAIN_LEADS = re.compile(
-    r"(?:note that|we see that|it is clear that|clearly|obviously|in general|generally|moreover|"
+    r"(?:note that|we see that|it is clear that|clearly|obviously|moreover|"
     r"furthermore|also|in fact|conversely|for (?:a|any|every) rigid body|"
     r"regardless of the (?:choice of )?(?:reference )?frame(?: choice)?|recall that|of course),? "
 )
 """Words in front of a claim that change nothing."""
 _RESTING_LEADS = re.compile(
     r"(?:in other words|hence|thus|therefore|so|consequently|it follows that|this means that|that is|"
-    r"however|but|and),? "
+    r"however|but|and|in general|generally),? "
 )
 """Words in front of a claim that rest on what stands before."""
 _ALWAYS = re.compile(r"\b(?:always|never)\b|\bfor (?:all|any|every)\b")
@@ -123,12 +125,29 @@ def quantified(sentence: str, formulas: Formulas) -> Quantified | None:
             break
         rests = rests or _RESTING_LEADS.match(words) is not None
         words = words[lead.end() :]
+    rests = rests or "even " in words
+    return _conditional(words, formulas, rests) or _unconditional(words, formulas, rests)
+
+
+def _conditional(words: str, formulas: Formulas, rests: bool) -> Quantified | None:
+    """Return a claim with a condition, or with two of them."""
     for pattern, kind in CONNECTIVES:
         match = re.fullmatch(pattern, words)
         found = None if match is None else _implications(kind, match.groupdict(), formulas)
         if found:
             return Quantified(kind, found, rests)
-    return _unconditional(words, formulas, rests)
+    match = _UNDER.fullmatch(words)
+    first = None if match is None else clause(match["b"], formulas)
+    if match is None or first is None:
+        return None
+    inner = _conditional(match["rest"], formulas, rests)
+    if inner is None:
+        return None
+    more = (
+        Implication(All((first, *filter(None, (i.premise,)))), i.conclusion)
+        for i in inner.implications
+    )
+    return replace(inner, implications=tuple(more))
 
 
 def _implications(
@@ -137,9 +156,6 @@ def _implications(
     a, b = (clause(_finite(parts[n]), formulas) for n in "ab")
     if a is None or b is None:
         return ()
-    if "c" in parts:
-        c = clause(_finite(parts["c"]), formulas)
-        return () if c is None else (Implication(All((b, c)), a),)
     rows = {IF: ((b, a),), ONLY_IF: ((a, b),), BOTH: ((b, a), (a, b)), UNLESS: ((Not(b), a),)}
     return tuple(Implication(p, q) for p, q in rows[kind])
 
@@ -180,7 +196,15 @@ def _parts(one: Proposition) -> Iterator[Proposition]:
 
 KNOWN_ATOMS = frozenset(
     {
-        *("position", "angular_velocity", "unit", "identity", "identity_matrix", "rotation", "inertia"),
+        *(
+            "position",
+            "angular_velocity",
+            "unit",
+            "identity",
+            "identity_matrix",
+            "rotation",
+            "inertia",
+        ),
         *("torque", "angular_momentum", "absolute_angular_momentum", "kinetic_energy", "mass"),
         *("rotational_energy", "linear_momentum", "first_moment", "total_mass", "force"),
         *("external_force",),
@@ -214,19 +238,29 @@ def _decided(
         found = _alone(one.conclusion, given)
         if found.verdict in {HOLDS, UNDER} or whole.kind != "always":
             return found
-    proved = None if one.premise is None else _proved(one.premise, one.conclusion, given)
-    if proved is not None:
-        return Decision(UNDER if proved else HOLDS, (proved,) if proved else ())
-    against, tried = _against(one, names)
+    against, tried = _against(one, names, FIRST_CASES)
+    if one.premise is not None and (against is None or against.degenerate):
+        proved = _proved(one.premise, one.conclusion, given)
+        if proved is not None:
+            return Decision(UNDER if proved else HOLDS, (proved,) if proved else ())
+    if against is None or against.degenerate:
+        against, tried = _against(one, names)
     if against is None:
-        return Decision(UNDECIDED, (), f"no counterexample in {tried} special motions")
+        told = f"no counterexample in {tried} special motions" if tried else _UNTRIED
+        return Decision(UNDECIDED, (), told)
     example, reason = _example(one, against), _failing(one, against)
-    if against.degenerate or open_ or whole.rests:
+    generic = any(isinstance(p, Not) for p in _parts(one.conclusion))
+    if against.degenerate or generic or open_ or whole.rests:
         return Decision(UNDECIDED, (), f"unless more is assumed, {reason}", example)
     return Decision(WRONG, (), reason, example)
 
 
-def _against(one: Implication, names: frozenset[str]) -> tuple[Special | None, int]:
+_UNTRIED = "no motion is known here in which the condition holds"
+
+
+def _against(
+    one: Implication, names: frozenset[str], count: int | None = None
+) -> tuple[Special | None, int]:
     """Return a motion where the premise is true and the conclusion false, and how many were tried.
 
     One of a body without equal moments that is not at rest is returned if there is any.
@@ -235,7 +269,7 @@ def _against(one: Implication, names: frozenset[str]) -> tuple[Special | None, i
     if not all(map(_known, plains(All((premise, one.conclusion))))):
         return None, 0
     tried, kept = 0, None
-    for special in specials():
+    for special in islice(specials(), count):
         if names <= special.assumed and truth(premise, special.world) is True:
             tried += 1
             if truth(one.conclusion, special.world) is False:
@@ -357,7 +391,8 @@ def _assuming(
     except InputError:
         return None
     words = _under(premise, conclusion, assumed)
-    return None if words is None else (*(n for n in ASSUMPTIONS if n in needed), *words)
+    spare = {m for n in needed for m in closure((n,)) - {n}}
+    return None if words is None else (*(n for n in ASSUMPTIONS if n in needed - spare), *words)
 
 
 def _under(

@@ -85,7 +85,11 @@ def stability(sentence: str) -> Decision | None:
     'holds under'
     """
     words = re.sub(r"^(?:note that|hence|thus|therefore|so),? ", "", sentence)
-    for pattern, rule in ((_SPINS, _of_spins), (_SYMMETRIC, _of_symmetric), (_PRECESSION, _of_sense)):
+    for pattern, rule in (
+        (_SPINS, _of_spins),
+        (_SYMMETRIC, _of_symmetric),
+        (_PRECESSION, _of_sense),
+    ):
         match = pattern.fullmatch(words)
         if match is not None:
             return rule(match)
@@ -153,9 +157,7 @@ def _of_symmetric(match: re.Match[str]) -> Decision:
         (names, [] if (found == "stable") == KINDS[kind] else [f"it is {found}"])
         for names, found in ((_FREE, rigid), (_LOSING, quasi))
     ]
-    return _chosen(
-        rows, bool(lost or lost_after), bool(kept or kept_after), _symmetric_body(shape)
-    )
+    return _chosen(rows, bool(lost or lost_after), bool(kept or kept_after), _symmetric_body(shape))
 
 
 def _of_sense(match: re.Match[str]) -> Decision:
