@@ -6,7 +6,8 @@ suffix), ``id`` (``file:E1``, ``file:i1``: the n-th display or inline formula), 
 every inline formula that is an equation by the truth is judged; the verdicts stand in a confusion
 matrix, what is missed with its reason. A true equation that is called wrong is the worst error and
 counted apart; with one the exit status is 1. Entries ``file:C1`` are claims in words (``text``, ``line``):
-the finding whose sentence has most of their words is theirs, none is "not read". The truth knows fewer verdicts: where no entry of it accepts
+the finding whose sentence has most of their words is theirs, none is "not read". The truth knows fewer
+verdicts: where no entry of it accepts
 "ill_formed", ill-formed counts as wrong; an assumption as a definition.
 """
 
@@ -60,7 +61,10 @@ class Entry:
 
 @dataclass(frozen=True)
 class Result:
-    """A formula or claim judged: its kind ("display", "inline", "prose"), our verdict, the one that counts, the time."""
+    """A formula or claim judged.
+
+    Its kind ("display", "inline", "prose"), our verdict, the one that counts, the time.
+    """
 
     entry: Entry
     kind: str
@@ -86,7 +90,11 @@ def read_truth(path: Path) -> dict[str, Entry]:
         rows = json.loads(path.read_text(encoding="utf-8"))
         found = [
             Entry(
-                r["id"], r["latex"] or r["text"], r["verdict"], tuple(r["accept"]), r.get("line", 0)
+                r["id"],
+                r["latex"] or r.get("text", ""),
+                r["verdict"],
+                tuple(r["accept"]),
+                r.get("line", 0),
             )
             for r in rows
         ]
