@@ -206,7 +206,7 @@ def _world(moments: Numbers, omega: Vector, where: str, turned: bool) -> World:
     masses, arms = _masses(moments)
     principal = _attitude(omega)
     frame = _turned_frame() if turned else None
-    attitude = principal if frame is None else series.product(frame, principal.matrix)
+    attitude = principal.matrix if frame is None else series.product(frame, principal.matrix)
     path, offset = _path(where)
     to_I = series.transpose(principal.matrix)
     pivot = series.apply(to_I, _constant((1, 0, 2)))
@@ -218,7 +218,7 @@ def _world(moments: Numbers, omega: Vector, where: str, turned: bool) -> World:
     return World(
         RATIONALS,
         0,
-        {"I": _identity(), "B": attitude if frame is not None else principal.matrix},
+        {"I": _identity(), "B": attitude},
         points,
         masses,
         places,

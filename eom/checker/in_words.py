@@ -98,7 +98,8 @@ def _finding(sentence: Sentence, decision: Decision, number: int) -> Finding:
 # -- sentences ------------------------------------------------------------------------------------
 
 _END = re.compile(
-    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|\n[ \t]*\n|\n[ \t]*[-*+] "
+    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|"
+    r"\n[ \t]*\n|\n[ \t]*[-*+] "
 )
 _MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
 _BRACKETS = re.compile(r"\([^()]*\)")

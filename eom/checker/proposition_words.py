@@ -1,8 +1,8 @@
-"""Words about motions as propositions: "the torque is zero", "the body spins about one principal axis".
+r"""Words about motions as propositions: "the torque is zero", "the body spins about one principal axis".
 
 A clause is read only if all of its words are known; anything else has no meaning here. Knowledge is the
 tables: nouns with the quantities that they may stand for, predicates, and clauses that say it all. The
-marks ``\\x02n\\x03`` stand for the n-th formula of the sentence.
+marks ``\x02n\x03`` stand for the n-th formula of the sentence.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from eom.checker.propositions import (
     NOT_ZERO,
     POSITIVE,
     All,
-    Any_,
+    AnyOf,
     Not,
     Plain,
     Proposition,
@@ -118,8 +118,8 @@ NOUNS: tuple[tuple[str, tuple[tuple[Term, str], ...]], ...] = (
 # -- predicates -----------------------------------------------------------------------------------
 
 _FRAMES: tuple[tuple[str, tuple[str, ...]], ...] = (
-    (r" (?:in|as seen in|relative to|with respect to) (?:the )?body(?:[- ]fixed)?(?: reference)?"
-     r"(?: frame| axes)?", ("B",)),
+    ((r" (?:in|as seen in|relative to|with respect to) (?:the )?body(?:[- ]fixed)?(?: reference)?"
+      r"(?: frame| axes)?"), ("B",)),
     (r" (?:in|with respect to|relative to) (?:an? |the )?inertial(?:ly fixed)? (?:frame|space)", ("I",)),
     (r" in (?:inertial )?space", ("I",)),
     (r" in (?:all|any|every) (?:frames?|reference frames?)", ("I", "B")),
@@ -290,8 +290,8 @@ def _clauses() -> tuple[tuple[re.Pattern[str], Proposition], ...]:
         (rf"{_TURNS} about more than (?:one|1|a single) ax[ie]s", Not(one)),
         (rf"{_TURNS} about more than (?:one|1|a single) {_PRINCIPAL}", Not(principal)),
         (rf"{_WHO}(?:does not (?:rotate|turn)|is not (?:rotating|turning))", still),
-        (r"(?:there is )?no (?:external |net |applied )*(?:torque|moment)s?(?: acts?| is applied)?"
-         r"(?: on the body)?", no_torque),
+        ((r"(?:there is )?no (?:external |net |applied )*(?:torque|moment)s?(?: acts?| is applied)?"
+          r"(?: on the body)?"), no_torque),
         (r"(?:in )?the absence of (?:an? |any |external |applied )*(?:torque|moment)s?", no_torque),
         (r"(?:the (?:body|motion) is )?torque[- ]free", no_torque),
         (rf"{_WHO}(?:is |be )?(?:(?:inertially |dynamically )?(?:axi)?symmetric(?:al)?)", symmetric),
@@ -371,7 +371,7 @@ def clause(words: str, formulas: Formulas) -> Proposition | None:
     """
     words = re.sub(r"^(?:both|either|that|then|also|even) ", "", words.strip())
     for separator, join in (
-        (r",? or (?:if |when )?", Any_),
+        (r",? or (?:if |when )?", AnyOf),
         (r",? (?:and|&) (?:if |when |that )?", All),
     ):
         parts = re.split(separator, words)

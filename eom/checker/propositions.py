@@ -73,13 +73,13 @@ class All:
 
 
 @dataclass(frozen=True)
-class Any_:
+class AnyOf:
     """Propositions one of which holds at least."""
 
     parts: tuple[Proposition, ...]
 
 
-Proposition = Plain | Not | All | Any_
+Proposition = Plain | Not | All | AnyOf
 
 
 def equal(text: str, *terms: Term, words: str = "") -> Plain:
@@ -96,7 +96,7 @@ def text(one: Proposition) -> str:
             return f"not: {text(one.part)}"
         case All():
             return " and ".join(map(text, one.parts))
-        case Any_():
+        case AnyOf():
             return " or ".join(map(text, one.parts))
 
 
@@ -124,7 +124,7 @@ def truth(one: Proposition, world: World) -> Truth:
             return None if found is None else not found
         case All():
             return _least(truth(p, world) for p in one.parts)
-        case Any_():
+        case AnyOf():
             found = _least(_turned(truth(p, world)) for p in one.parts)
             return _turned(found)
 
@@ -210,7 +210,7 @@ def alternatives(one: Proposition, positive: bool = True) -> list[list[tuple[Lit
             return alternatives(one.part, not positive)
         case Plain():
             return [[(Literal(r, positive, w, one.scalars),) for r, w in _rows(one)]]
-        case All() | Any_():
+        case All() | AnyOf():
             parts = [alternatives(p, positive) for p in one.parts]
     if isinstance(one, All) == positive:
         found = []

@@ -9,6 +9,7 @@ decides is the same for all moments in one order, so one body stands for all.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from functools import cache
 
 from eom.checker.explanation import Counterexample
@@ -51,14 +52,18 @@ _LOSS = (
     r"(?:in the presence of|with|under|when there is|if there is)(?: internal| any| some)? "
     r"(?:energy )?(?:dissipation|damping)|(?:if|when) (?:kinetic )?energy is dissipated"
 )
-_RIGID_BODY = r"(?:without (?:any )?(?:energy )?(?:dissipation|damping)|for a rigid body|if the body is rigid)"
+_RIGID_BODY = (
+    r"(?:without (?:any )?(?:energy )?(?:dissipation|damping)|"
+    r"for a rigid body|if the body is rigid)"
+)
 _TAIL = rf"(?:,? (?:({_LOSS})|({_RIGID_BODY})))?"
 
 _SPINS = re.compile(
     rf"(?:({_LOSS}),? |({_RIGID_BODY}),? )?(only )?{_SPIN} about {_AXIS}(?: ax[ie]s)? {_KIND}{_TAIL}"
 )
 _SYMMETRIC = re.compile(
-    rf"(?:({_LOSS}),? |({_RIGID_BODY}),? )?{_TURNING}(?: of an? ({'|'.join(SHAPES)})(?: (?:axi)?symmetric)?(?: rigid)? "
+    rf"(?:({_LOSS}),? |({_RIGID_BODY}),? )?{_TURNING}"
+    rf"(?: of an? ({'|'.join(SHAPES)})(?: (?:axi)?symmetric)?(?: rigid)? "
     rf"(?:body|spacecraft|satellite)) about its (?:axis of symmetry|symmetry axis) {_KIND}{_TAIL}"
 )
 _PRECESSION = re.compile(
@@ -118,7 +123,10 @@ def _of_spins(match: re.Match[str]) -> Decision:
 
 
 def _chosen(
-    bodies: list[tuple[tuple[str, ...], list[str]]], loses: bool, rigid: bool, body: Counterexample
+    bodies: Sequence[tuple[tuple[str, ...], list[str]]],
+    loses: bool,
+    rigid: bool,
+    body: Counterexample,
 ) -> Decision:
     """Return the verdict for the rigid body and the one that loses energy, by which of them is meant.
 

@@ -26,8 +26,7 @@ def verdicts(text):
 PROVED = [
     "If no external torque acts, the angular momentum is constant in inertial space.",
     r"The angular momentum $\vec H_C$ is constant in the inertial frame if and only if $\vec L_C = 0$.",
-    "The angular momentum is parallel to the angular velocity only if the body is rotating about a "
-    "principal axis.",
+    "The angular momentum is along the angular velocity only if the body spins about a principal axis.",
     r"The kinetic energy of rotation is constant if $\vec L_C\cdot\vec\omega = 0$.",
     "If the angular velocity is constant, the torque is perpendicular to the angular momentum.",
     "The torque is zero only if the rotational kinetic energy is constant.",
@@ -45,8 +44,7 @@ def test_what_follows_holds_under_assumptions(text):
 
 WRONG = [
     "The angular velocity is constant only if the torque is zero.",
-    "The rotation rate (or spin) in the body frame is constant only if torque is zero AND the body is "
-    "rotating about only 1 of the principal axes.",
+    "The rotation rate (or so) is constant only if torque is zero AND it spins about 1 principal axis.",
     "The angular momentum is constant in the body frame if no torque acts.",
     "The torque is zero if the kinetic energy of rotation is constant.",
     "The torque is zero if and only if the magnitude of the angular momentum is constant.",
