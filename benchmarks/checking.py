@@ -6,7 +6,9 @@ display or inline formula of the note ``file``, without its suffix), ``latex``, 
 what the note brings itself. An inline formula without an entry claims nothing. Every display and every
 inline formula that is an equation by the truth is judged; the verdicts stand in a confusion
 matrix, what is missed with its reason. A true equation that is called wrong is the worst error and
-counted apart; with one the exit status is 1. The truth knows fewer verdicts: where no entry of it accepts
+counted apart; with one the exit status is 1. Entries ``file:C1`` are claims in words (``text``, ``line``):
+the finding whose sentence has most of their words is theirs, none is "not read". The truth knows fewer
+verdicts: where no entry of it accepts
 "ill_formed", ill-formed counts as wrong; an assumption as a definition.
 """
 
@@ -25,37 +27,48 @@ from time import perf_counter
 import click
 
 from benchmarks.table import time_text
-from eom.checker.documents import KINDS, Piece, load
+from eom.checker.documents import KINDS, Document, Piece, load
+from eom.checker.in_words import in_words
 from eom.checker.lexicon import Lexicon
 from eom.checker.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.notes import Understood, understand
-from eom.checker.verdicts import NONE, verdict
+from eom.checker.report import Finding
+from eom.checker.review import review
+from eom.checker.verdicts import NONE, Verdict, verdict
 from eom.errors import InputError
 
 LETTERS = {"display": "E", "inline": "i"}
 """What the number of a formula follows in the names of the truth."""
+PROSE = "prose"
+NOT_READ = "not read"
 NO_EQUATION = "not_an_equation"
 NAMES = {NONE: NO_EQUATION, "assumption": "definition", "ill-formed": "ill_formed"}
 """Our verdicts in words of the truth, where it has others; blanks are underscores."""
 SILENT = ("definition", "undecided", "ambiguous")
 """What may be said of an inline formula that the truth does not list."""
+SECONDS = 10.0
+"""For one sentence."""
 GIVEN = ("constant_mass",)
 """What all notes of the truth assume silently."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What the truth says of a formula."""
+    """What the truth says of a formula, or of a claim in words that stands in a line."""
 
     name: str
     latex: str
     verdict: str
     accept: tuple[str, ...]
+    line: int = 0
 
 
 @dataclass(frozen=True)
 class Result:
-    """A formula judged: its kind ("display", "inline"), our verdict, the one that counts, the time."""
+    """A formula or claim judged.
+
+    Its kind ("display", "inline", "prose"), our verdict, the one that counts, the time.
+    """
 
     entry: Entry
     kind: str
@@ -76,12 +89,20 @@ class Result:
 
 
 def read_truth(path: Path) -> dict[str, Entry]:
-    """Return the entries by name; those of prose are left out. Raises `InputError`."""
+    """Return the entries by name. Raises `InputError`."""
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))
         found = [
-            Entry(r["id"], r["latex"], r["verdict"], tuple(r["accept"])) for r in rows if r["latex"]
+            Entry(
+                r["id"],
+                r["latex"] or r.get("text", ""),
+                r["verdict"],
+                tuple(r["accept"]),
+                r.get("line", 0),
+            )
+            for r in rows
         ]
+        found = [e for e in found if e.latex]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError("the truth cannot be read", where=str(path), got=repr(error)) from error
     return {e.name: e for e in found}
@@ -129,16 +150,54 @@ def of_note(folder: Path, name: str, lexica: Path | None = None) -> Iterator[Res
     accepted = {v for e in truth.values() for v in e.accept}
     start = perf_counter()
     path = note(folder, name)
-    found = understand(load(path), lexicon_of(path, lexica))
+    document = load(path)
+    found = understand(document, lexicon_of(path, lexica))
     share = (perf_counter() - start) / max(len(found), 1)
+    verdicts = []
     for entry, understood in _paired(name, found, truth):
         start = perf_counter()
         ours = verdict(understood, GIVEN)
+        verdicts.append(ours)
         seconds = perf_counter() - start + share
         word = counted(ours.verdict, accepted)
         kind = understood.formula.piece.kind
         if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
             yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
+    said = [e for e in truth.values() if e.name.startswith(f"{name}:C")]
+    if said:
+        yield from _in_words(document, found, verdicts, said, accepted)
+
+
+def _in_words(
+    document: Document,
+    found: Sequence[Understood],
+    verdicts: Sequence[Verdict],
+    said: Sequence[Entry],
+    accepted: Iterable[str],
+) -> Iterator[Result]:
+    """Yield the results of the claims in words of a note; they share the time."""
+    start = perf_counter()
+    placed = review(document, found, GIVEN, verdicts)
+    stated = [r.stated for r in placed]
+    told = in_words(document, [r.understood for r in placed], stated, GIVEN, SECONDS)
+    seconds = (perf_counter() - start) / len(said)
+    yield from (_of_claim(entry, told, accepted, seconds) for entry in said)
+
+
+def _of_claim(
+    entry: Entry, told: Sequence[Finding], accepted: Iterable[str], seconds: float
+) -> Result:
+    """Return the result of a claim in words: of the finding in its line with most of its words."""
+    words = _words(entry.latex)
+    near = [f for f in told if abs(f.line - entry.line) <= 1]
+    best = max(near, key=lambda f: len(words & _words(f.latex)), default=None)
+    if best is None or 2 * len(words & _words(best.latex)) < len(words):
+        return Result(entry, PROSE, NOT_READ, NOT_READ, "", seconds)
+    return Result(entry, PROSE, best.verdict, counted(best.verdict, accepted), best.reason, seconds)
+
+
+def _words(text: str) -> set[str]:
+    return set(re.findall(r"[a-z0-9]+", text.lower()))
 
 
 def _paired(
@@ -188,7 +247,7 @@ def matrix(rows: Sequence[Result]) -> list[str]:
 
 def report(rows: Sequence[Result]) -> Iterator[str]:
     """Yield the lines of the report of all results."""
-    for kind in LETTERS:
+    for kind in (*LETTERS, PROSE):
         some = [r for r in rows if r.kind == kind]
         equations = [r for r in some if r.entry.verdict != NO_EQUATION or kind == "display"]
         if some:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from eom.checker.documents import Document
 from eom.checker.explaining import explain
 from eom.checker.graded import Graded
+from eom.checker.in_words import in_words
 from eom.checker.inputs import Note, document_of, name_of, note_of
 from eom.checker.judge import UNDECIDED, UNDER, WRONG
 from eom.checker.lexicon_files import about
@@ -86,10 +87,24 @@ def check_note(note: Note, settings: Settings) -> Report:
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
             known = replace(known, lexicon=about(known.lexicon, settings.system))
-        found = tuple(_found(document, known, settings))
+        understood = understand(document, known.lexicon, settings.seconds)
+        reviewed = _reviewed(document, understood, settings)
+        found = tuple(_found(reviewed, known))
         for add in PASSES:
             found = _added(add, found, settings)
-    return _report(document, known, settings, found)
+        words = _in_words(document, reviewed, settings, known.draft is not None)
+    return _report(document, known, settings, [*(f.finding for f in found), *words])
+
+
+def _in_words(
+    document: Document, reviewed: Sequence[Reviewed], settings: Settings, drafted: bool
+) -> tuple[Finding, ...]:
+    """Return what is found of the claims in words; nothing where it takes too long."""
+    understood, stated = [r.understood for r in reviewed], [r.stated for r in reviewed]
+    try:
+        return in_words(document, understood, stated, settings.given, settings.seconds, drafted)
+    except (Overdue, RecursionError):
+        return ()
 
 
 def grade(note: Note, settings: Settings) -> Graded:
@@ -142,11 +157,10 @@ PASSES: tuple[Pass, ...] = (one_by_one(_explained),)
 # -- findings ------------------------------------------------------------------------------------
 
 
-def _found(document: Document, known: Meanings, settings: Settings) -> Iterator[Found]:
+def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
     """Yield the formulas of a note that claim something, and all displays."""
     numbers: Counter[str] = Counter()
-    understood = understand(document, known.lexicon, settings.seconds)
-    for one in _reviewed(document, understood, settings):
+    for one in reviewed:
         formula = one.understood.formula
         numbers[formula.piece.kind] += 1
         if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
@@ -250,12 +264,13 @@ def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
 
 
 def _report(
-    document: Document, known: Meanings, settings: Settings, found: Sequence[Found]
+    document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
 ) -> Report:
     draft = known.draft
+    sources = list(dict.fromkeys(p.source for p in document.pieces))
     return Report(
         document.name,
-        tuple(f.finding for f in found),
+        tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
         known.origin,
         tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
         if draft

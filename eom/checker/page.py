@@ -63,7 +63,7 @@ DOCUMENT = """<!DOCTYPE html>
 
 def page(document: Document, report: Report) -> str:
     """Return the page of a note and its report; the same input gives the same text."""
-    told = [f for f in report.findings if f.verdict != NONE]
+    told = [f for f in report.equations if f.verdict != NONE]
     findings = {(f.source.name, f.span.start): f for f in told}
 
     def found(piece: Piece) -> Finding | None:
@@ -74,8 +74,17 @@ def page(document: Document, report: Report) -> str:
         title=html.escape(f"{report.name or 'Formula'}: {_headline(report)}"),
         style=_style(),
         summary="\n".join(_summary(report)),
-        note="".join(note),
+        note="".join(note) + _claims(report.claims),
     )
+
+
+def _claims(found: Sequence[Finding]) -> str:
+    """Return the cards of claims in words, each with its sentence."""
+    rows = "".join(
+        f"<blockquote>{html.escape(' '.join(f.latex.split()))}</blockquote>{_below(f)}"
+        for f in found
+    )
+    return f"<section><h2>Claims in words</h2>{rows}</section>" if rows else ""
 
 
 def index(rows: Sequence[tuple[str, Graded]]) -> str:

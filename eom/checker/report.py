@@ -25,6 +25,10 @@ ORDER = (
 """All verdicts, the gravest first; the last one is that of a display that claims nothing."""
 
 
+PROSE = "prose"
+"""The kind of a finding on a claim in words."""
+
+
 @dataclass(frozen=True)
 class Remark:
     """What a formula has to do with the rest of the note: a kind (row of a table), words, a line."""
@@ -36,9 +40,9 @@ class Remark:
 
 @dataclass(frozen=True)
 class Finding:
-    """A formula of a note with its verdict.
+    """A formula of a note, or a claim in words, with its verdict.
 
-    ``number``: from 1, displays and inline formulas apart; ``kind``: "display" or "inline"; ``line`` and
+    ``number``: from 1, each kind apart; ``kind``: "display", "inline" or "prose"; ``line`` and
     ``column`` from 1; ``span``: place in ``source``; ``latex``: as it stands; ``sets``: smallest sets of
     assumptions under which it holds; ``reason``: of a verdict that needs one; ``place``: of the reason;
     ``read_as``: what was read otherwise than it stands; ``carried``: the line whose slip it carries
@@ -88,8 +92,18 @@ class Report:
     notices: tuple[Remark, ...] = ()
 
     @property
+    def equations(self) -> tuple[Finding, ...]:
+        """The findings on formulas."""
+        return tuple(f for f in self.findings if f.kind != PROSE)
+
+    @property
+    def claims(self) -> tuple[Finding, ...]:
+        """The findings on claims in words."""
+        return tuple(f for f in self.findings if f.kind == PROSE)
+
+    @property
     def counts(self) -> dict[str, int]:
-        """How many formulas have each verdict, in the order of `ORDER`."""
+        """How many formulas and claims in words have each verdict, in the order of `ORDER`."""
         found = Counter(f.verdict for f in self.findings)
         return {v: found[v] for v in ORDER if found[v]}
 

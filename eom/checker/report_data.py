@@ -13,8 +13,8 @@ from eom.checker.graded import Graded
 from eom.checker.places import NOWHERE, Source, Span
 from eom.checker.report import ORDER, Finding, Report
 
-VERSION = 1
-"""Of the schema; raised where a reader of an older one could go wrong."""
+VERSION = 2
+"""Of the schema; raised where a reader of an older one could go wrong. 2: findings of kind "prose"."""
 
 Data = dict[str, Any]
 
@@ -117,7 +117,7 @@ def _row(graded: Graded) -> Data:
     return {
         "note": graded.name,
         "status": graded.status,
-        "equations": len(report.findings) - report.counts.get("no claim", 0),
+        "equations": len(report.equations) - report.counts.get("no claim", 0),
         **{v: report.counts.get(v, 0) for v in ORDER},
         "first_fault": faults[0].line if faults else "",
         "meanings": report.lexicon,

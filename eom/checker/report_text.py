@@ -145,9 +145,10 @@ def _all_sets(finding: Finding) -> Iterator[tuple[str, ...]]:
 
 
 def _summary(report: Report) -> Line:
-    """Return how many formulas have each verdict."""
-    total = len(report.findings)
-    parts: list[Part] = [("", f"  {total} equation{'' if total == 1 else 's'}")]
+    """Return how many formulas and claims in words there are, and how many have each verdict."""
+    total, claims = len(report.equations), len(report.claims)
+    also = f" and {claims} claim{'' if claims == 1 else 's'} in words" if claims else ""
+    parts: list[Part] = [("", f"  {total} equation{'' if total == 1 else 's'}{also}")]
     for verdict, count in report.counts.items():
         words = f"{count} {COUNTED[verdict]}"
         parts += [("", ": " if len(parts) == 1 else ", "), (STYLES.get(verdict, ""), words)]

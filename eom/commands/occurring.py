@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.errors import InputError
-from eom.parse import parse
 
 if TYPE_CHECKING:
     from codegen import Event, Result
@@ -48,6 +47,7 @@ def events_of(texts: Sequence[str], system: System) -> tuple[Event, ...]:
 
 def _event(text: str, names: Mapping[str, Any]) -> Event:
     from codegen import Event
+    from eom.parse import parse
 
     where = f"--event {text!r}"
     found = _END.match(text)

@@ -313,12 +313,12 @@ def test_passes_add_to_findings_and_leave_them_where_they_take_too_long(monkeypa
 
     def marked(found, _):
         assert all(f.verdict.verdict == f.finding.verdict for f in found)
-        return found[::-1]
+        return found[::-1]  # they stand by their places all the same
 
     monkeypatch.setattr(checking, "PASSES", (one_by_one(explained), marked))
     report = eom.check(NOTE, **ARROWS)
-    assert [f.line for f in report.findings] == [10, 7, 5, 3]
-    assert report.findings[0].explanation.residual == "of display"
+    assert [f.line for f in report.findings] == [3, 5, 7, 10]
+    assert report.findings[-1].explanation.residual == "of display"
     monkeypatch.setattr(checking, "PASSES", (one_by_one(slow), slow))
     hurried = Settings("arrow-tilde", note_seconds=1e-9)
     assert len(check_note(note_of(NOTE), hurried).findings) == 4

@@ -149,7 +149,7 @@ def test_json_follows_its_schema_to_the_last_part():
 @pytest.mark.parametrize(
     "change",
     [
-        {"version": 2},
+        {"version": 3},
         {"more": 1},
         {"notes": [{"name": "n", "status": "unusable", "error": ""}]},
         {"notes": [{"name": "n", "status": "wrong", "error": ""}]},

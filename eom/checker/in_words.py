@@ -1,0 +1,362 @@
+"""What is found of the claims that a note makes in words: sentences with their verdicts and places.
+
+Sentences run over inline formulas and end at displays, headings and paragraphs; what stands in brackets
+is left out. A claim is called wrong only where nothing in its section hints at an assumption that is not
+understood.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from eom.checker.claims import Claim
+from eom.checker.context import implied
+from eom.checker.documents import Document, Piece
+from eom.checker.elaborate import elaborator
+from eom.checker.explanation import Explanation
+from eom.checker.judge import UNDECIDED, WRONG, equations
+from eom.checker.looks import labels
+from eom.checker.notes import Understood
+from eom.checker.phrases import Limits, Said, said
+from eom.checker.places import Source, Span
+from eom.checker.proposition_words import Formulas, Subject
+from eom.checker.propositions import All, Plain, Proposition, Reading, Test
+from eom.checker.quantified import Decision, decide, quantified
+from eom.checker.report import PROSE, Finding
+from eom.checker.stability import stability
+from eom.checker.values import Refusal
+from eom.errors import InputError
+from eom.limits import Overdue, deadline
+from eom.terms import add
+
+MAX_SENTENCE = 600
+MAX_SENTENCES = 5000
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Small letters with marks for formulas, its place, and the numbers of its pieces and formulas.
+
+    ``first``: number of the piece where it begins; ``formulas``: numbers of the pieces of its marks.
+    """
+
+    text: str
+    source: Source
+    span: Span
+    first: int
+    formulas: tuple[int, ...]
+
+
+def in_words(
+    document: Document,
+    understood: Sequence[Understood],
+    stated: Sequence[frozenset[str]],
+    given: tuple[str, ...],
+    seconds: float,
+    drafted: bool = False,
+) -> tuple[Finding, ...]:
+    """Return what is found of the claims in words; ``stated``: what the note has stated at each formula.
+
+    ``seconds``: for one sentence; what takes longer is left out. ``drafted``: nobody has confirmed the
+    meanings of symbols, so that no sentence with formulas is called wrong.
+    """
+    numbers = [k for k, p in enumerate(document.pieces) if p.is_formula]
+    by_piece = {k: (u, s) for k, u, s in zip(numbers, understood, stated, strict=True)}
+    phrases = said(document.pieces)
+    limits = Limits(document.pieces)
+    found: list[Finding] = []
+    for sentence in sentences(document.pieces):
+        try:
+            with deadline(seconds, "the judgement of this sentence"):
+                decision = _decided(sentence, document.pieces, by_piece, phrases, limits, given)
+        except (Overdue, RecursionError):
+            continue
+        if decision is not None:
+            decision = _softened(decision) if drafted and sentence.formulas else decision
+            found.append(_finding(sentence, decision, len(found) + 1))
+    return tuple(found)
+
+
+def _finding(sentence: Sentence, decision: Decision, number: int) -> Finding:
+    example = decision.counterexample
+    return Finding(
+        number,
+        PROSE,
+        sentence.source,
+        sentence.span,
+        sentence.source.text[sentence.span.start : sentence.span.stop],
+        decision.verdict,
+        decision.sets,
+        decision.reason,
+        explanation=Explanation(counterexample=example),
+    )
+
+
+# -- sentences ------------------------------------------------------------------------------------
+
+_END = re.compile(
+    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|"
+    r"\n[ \t]*\n|\n[ \t]*[-*+] "
+)
+_MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
+_BRACKETS = re.compile(r"\([^()]*\)")
+_MARK = "\x02{}\x03"
+
+
+def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
+    """Yield the sentences of a note that may claim something.
+
+    One that begins with a small letter goes on with the one before: its full stop is a slip.
+    """
+    count = 0
+    for run in _runs(pieces):
+        parts = [p for p in _parts(pieces, run) if p.text]
+        for one in _joined(parts):
+            count += 1
+            if len(one.text) <= MAX_SENTENCE and count <= MAX_SENTENCES:
+                yield one
+
+
+def _runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
+    """Yield the numbers of pieces of prose and inline formulas that stand together."""
+    run: list[int] = []
+    for k, piece in enumerate(pieces):
+        apart = bool(run) and piece.source is not pieces[run[-1]].source
+        if apart or piece.kind not in {"prose", "inline"}:
+            yield from [run] if run else []
+            run = []
+        if piece.kind in {"prose", "inline"}:
+            run.append(k)
+    yield from [run] if run else []
+
+
+def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
+    """Yield the sentences of a run, cut at every full stop."""
+    text, places, owners = "", list[int](), list[int]()
+    for k in run:
+        piece = pieces[k]
+        inline = piece.kind == "inline"
+        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, piece.body)
+        text += body
+        wide = 0 if inline else 1
+        places += [piece.span.start + wide * n for n in range(len(body))]
+        owners += [k] * len(body)
+    cuts = [0, *(m.end() for m in _END.finditer(text)), len(text)]
+    for start, stop in pairwise(cuts):
+        inside = text[start:stop]
+        lead = len(inside) - len(inside.lstrip())
+        tail = len(inside.rstrip()) - 1
+        if tail >= lead:
+            first, last = start + lead, start + tail
+            end = pieces[owners[last]].span.stop if text[last] == "\x03" else places[last] + 1
+            yield Sentence(
+                _plain(inside),
+                pieces[run[0]].source,
+                Span(places[first], end),
+                owners[first],
+                tuple(int(n) for n in re.findall("\x02(\\d+)\x03", inside)),
+            )
+
+
+def _blank(match: re.Match[str]) -> str:
+    return " " * len(match[0])
+
+
+def _plain(text: str) -> str:
+    """Return a sentence without what stands in brackets and without its full stop."""
+    bare = _BRACKETS.sub(" ", text)
+    return re.sub(r"\s+", " ", bare).strip(" .!?;:,\n\t")
+
+
+def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
+    """Yield sentences; what begins with a small letter behind a full stop is a part of the one before.
+
+    The first letter alone is made small here; others stay, as they may name points.
+    """
+    kept: Sentence | None = None
+    for one in parts:
+        goes_on = kept is not None and one.text[0].islower() and _stopped(kept, one)
+        if kept is not None and goes_on:
+            span = Span(kept.span.start, one.span.stop)
+            formulas = (*kept.formulas, *one.formulas)
+            kept = replace(kept, text=f"{kept.text} {one.text}", span=span, formulas=formulas)
+            continue
+        if kept is not None:
+            yield replace(kept, text=kept.text.lower())
+        kept = one
+    if kept is not None:
+        yield replace(kept, text=kept.text.lower())
+
+
+def _stopped(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether nothing but a full stop stands between two sentences."""
+    text = before.source.text
+    between = text[before.span.stop - 1 : behind.span.start]
+    return (
+        re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None
+        and text[before.span.stop - 1] in ".,"
+    )
+
+
+# -- formulas -------------------------------------------------------------------------------------
+
+ByPiece = Mapping[int, tuple[Understood, frozenset[str]]]
+
+
+def _formulas(sentence: Sentence, by_piece: ByPiece) -> Formulas:
+    """Return what the formulas of a sentence say or stand for."""
+    propositions: dict[int, Proposition] = {}
+    subjects: dict[int, Subject] = {}
+    points: dict[int, str] = {}
+    for k in sentence.formulas:
+        one = by_piece[k][0]
+        name = _point(one)
+        said_there = _said(one)
+        subject = _subject(one)
+        propositions |= {} if said_there is None else {k: said_there}
+        subjects |= {} if subject is None else {k: subject}
+        points |= {} if name is None else {k: name}
+    return Formulas(propositions, subjects, points)
+
+
+def _said(one: Understood) -> Proposition | None:
+    """Return what an inline formula says: equations that are understood without a flaw."""
+    found = []
+    for claim in one.claims:
+        if claim.findings or claim.role or claim.model is not None or not claim.members:
+            return None
+        made = _proposition(claim, one.formula.piece.body.strip())
+        if made is None:
+            return None
+        found.append(made)
+    return found[0] if len(found) == 1 else All(tuple(found)) if found else None
+
+
+def _proposition(claim: Claim, latex: str) -> Plain | None:
+    try:
+        tests = tuple(Test(add(q.left, -q.right)) for q in equations(claim))
+    except InputError:
+        return None
+    return Plain(latex, (Reading((tests,)),), claim.scalars) if tests else None
+
+
+def _subject(one: Understood) -> Subject | None:
+    """Return what an inline formula without a relation stands for."""
+    if one.formula.reading is None or one.formula.relational or one.lexicon.system is not None:
+        return None
+    e = elaborator(one.lexicon, dict(one.around.definitions))
+    try:
+        value = e.value(one.formula.reading.tree)
+    except Refusal:
+        return None
+    return Subject(one.formula.piece.body.strip(), ((value.term, ""),), dict(e.scalars))
+
+
+def _point(one: Understood) -> str | None:
+    if one.formula.reading is None:
+        return None
+    return one.lexicon.points.get(labels(one.formula.reading.tree))
+
+
+# -- judging --------------------------------------------------------------------------------------
+
+_LEADS = re.compile(
+    r"\b(?:consider|suppose|assum\w+|let|restrict\w*|special case|in (?:the|this|that) case|for an?|take|"
+    r"now|here)\b",
+    re.IGNORECASE,
+)
+_CONDITIONS = re.compile(r"\b(?:if|when|while|where)\b")
+"""Words that do so for their paragraph."""
+_MOTIFS = re.compile(
+    r"\b(?:spher\w+|cub\w+|spin\w*|rotat\w+ about|plan(?:e|ar) |tops?\b|dis[ck]s?\b|rods?\b|at rest|"
+    r"constant (?:rate|speed|angular)|fixed ax\w+|hinge\w*|pivot\w*|gyro\w*|wheel\w*|rotor\w*|orbit\w*|"
+    r"steady|uniform\w*|pendul\w+|damp\w+|dissipat\w+|pure|roll\w+|particle|point mass|deform\w+|"
+    r"flexib\w+|elastic|fluid|variable mass|rocket)",
+    re.IGNORECASE,
+)
+"""Words that may narrow down what is talked about in ways that are not understood here."""
+
+
+_OTHERS = re.compile(
+    r"\b(?:dissipat|damp|flexib|slosh|fluid|sink|dual|rotor|wheel|orbit|gravity|elastic)"
+)
+"""Words after which stability is that of some other body."""
+
+
+def _before(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> Iterator[Sentence]:
+    """Yield the sentences of the section that stand in front of one."""
+    begin = sentence.first
+    while begin > 0 and not limits.levels[begin]:
+        begin -= 1
+    run = pieces[begin : sentence.first + 1]
+    for one in sentences([p for p in run if p.source is sentence.source]):
+        if one.span.start < sentence.span.start:
+            yield one
+
+
+def _of_others(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> bool:
+    """Tell whether the section speaks of other bodies than free ones, rigid or with losses."""
+    return any(_OTHERS.search(one.text) for one in _before(sentence, pieces, limits))
+
+
+def _hinted(sentence: Sentence, pieces: Sequence[Piece], limits: Limits) -> bool:
+    """Tell whether a sentence before this one in its section may assume what is not understood."""
+    for one in _before(sentence, pieces, limits):
+        if _MOTIFS.search(one.text):
+            between = one.source.text[one.span.stop : sentence.span.start]
+            near = not re.search(r"\n[ \t]*\n", between) and _CONDITIONS.search(one.text)
+            if _LEADS.search(one.text) or near:
+                return True
+    return False
+
+
+def _decided(
+    sentence: Sentence,
+    pieces: Sequence[Piece],
+    by_piece: ByPiece,
+    phrases: Sequence[Said],
+    limits: Limits,
+    given: tuple[str, ...],
+) -> Decision | None:
+    """Return the verdict on a sentence, None where it claims nothing that is understood."""
+    found = stability(sentence.text)
+    formulas = _formulas(sentence, by_piece)
+    one = None if found is not None else quantified(sentence.text, formulas)
+    if found is None and one is None:
+        return None
+    if found is not None:
+        return _softened(found) if _of_others(sentence, pieces, limits) else found
+    assert one is not None
+    hinted = _hinted(sentence, pieces, limits)
+    names = _stated(sentence, by_piece, phrases)
+    decision = decide(one, names, given, hinted)
+    if decision.verdict == UNDECIDED and one.kind == "" and decision.counterexample is None:
+        return None
+    return decision
+
+
+def _softened(found: Decision) -> Decision:
+    """Return a verdict where the note may assume more than is understood."""
+    return replace(found, verdict=UNDECIDED) if found.verdict == WRONG else found
+
+
+def _stated(sentence: Sentence, by_piece: ByPiece, phrases: Sequence[Said]) -> frozenset[str]:
+    """Return what has been stated before a sentence: what it says itself is left out."""
+    start = (sentence.first, sentence.span.start)
+    before = implied(
+        n for s in phrases if s.start < start and sentence.first < s.stop for n in s.names
+    )
+    own = implied(
+        n
+        for s in phrases
+        if s.source is sentence.source and sentence.span.start <= s.start[1] < sentence.span.stop
+        for n in s.names
+    )
+    inside = [by_piece[k][1] for k in sentence.formulas[:1]]
+    earlier = [by_piece[k][1] for k in sorted(by_piece) if k < sentence.first][-1:]
+    there = (inside or earlier or [frozenset[str]()])[0]
+    kept = before | (earlier[0] if earlier else frozenset[str]())
+    return before | (there - (own - kept))
