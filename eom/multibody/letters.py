@@ -65,6 +65,8 @@ LETTERS: dict[str, Row] = {
     "acceleration": Row("udot", "", "acceleration of the joint of {}"),
     "p": Row("p", "kg m/s", "momentum of {}"),
     "L": Row("L", "kg m^2/s", "angular momentum of {} about its origin"),
+    "tau": Row("Q", "", "applied force or torque at the joint {}"),
+    "stretch": Row("stretch", "", "coordinate of {} less its rest value"),
     "entry": Row("M", "", "entry of the mass matrix"),
     "column": Row("F", "", "force on {} by a unit acceleration of a joint"),
 }
