@@ -95,6 +95,20 @@ def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
     ]
 
 
+Factor = tuple[int, Fraction, bool]
+"""Number of a value, its exponent, and whether it was written as a sum."""
+
+_ONE = Fraction(1)
+
+
+def _exact(coefficient: Expr) -> Fraction:
+    """Return a coefficient exactly."""
+    if coefficient is sp.S.One:
+        return _ONE
+    exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
+    return Fraction(int(exact.p), int(exact.q))
+
+
 class Lowering:
     """Lower expressions over symbols that have numbers; a memo keeps each node's number."""
 
@@ -166,42 +180,64 @@ class Lowering:
 
     def sum(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a sum, positive terms first; a factor or sign that all terms share is taken out."""
+        simple = [self._simple(t) for t in node.args]
+        if None not in simple:
+            known = sorted((t for t in simple if t), key=lambda term: term[0] < 0)
+            return (), lambda _: self._added(
+                [c for c, _ in known],
+                [f[0][0] if len(f) == 1 else self._multiplied(_ONE, f) for _, f in known],
+            )
         found = removable.difference(node)
         if found and found.name == "expm1":
-            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), found.factor)
+            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), _exact(found.factor))
         terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: term[0].is_negative)
-        sizes = {abs(c) for c, _ in terms}
-        shared = sizes.pop() if len(sizes) == 1 else sp.Integer(1)
-        shared = -shared if terms[0][0].is_negative else shared
-        coefficients = [c / shared for c, _ in terms]
+        coefficients = [_exact(c) for c, _ in terms]
+        return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
 
-        def build(numbers: list[int]) -> int:
-            total = self._scaled(numbers[0], abs(coefficients[0]))
-            total = total if coefficients[0] > 0 else self.b.add("neg", total)
-            for coefficient, number in zip(coefficients[1:], numbers[1:], strict=True):
-                term = self._scaled(number, abs(coefficient))
-                total = self.b.add("sub" if coefficient < 0 else "add", total, term)
-            return self._scaled(total, shared)
+    def _simple(self, node: Expr) -> tuple[Fraction, list[Factor]] | None:
+        """Return coefficient and factors of a product of symbols that have numbers, else None."""
+        coefficient = _ONE
+        factors: Sequence[Expr] = (node,)
+        if node.is_Mul:
+            factors = node.args
+            if factors[0].is_Rational:
+                coefficient = _exact(factors[0])
+                factors = factors[1:]
+        numbers = [self.memo.get(f) if f.is_Symbol else None for f in factors]
+        if None in numbers:
+            return None
+        return coefficient, [(n, _ONE, False) for n in numbers if n is not None]
 
-        return [rest for _, rest in terms], build
+    def _added(self, coefficients: Sequence[Fraction], numbers: Sequence[int]) -> int:
+        """Return the sum of coefficients times values, those below zero last."""
+        sizes = {abs(c) for c in coefficients}
+        shared = sizes.pop() if len(sizes) == 1 else _ONE
+        shared = -shared if coefficients[0] < 0 else shared
+        first, *rest = (c / shared for c in coefficients)
+        total = self._scaled(numbers[0], abs(first))
+        total = total if first > 0 else self.b.add("neg", total)
+        for coefficient, number in zip(rest, numbers[1:], strict=True):
+            term = self._scaled(number, abs(coefficient))
+            total = self.b.add("sub" if coefficient < 0 else "add", total, term)
+        return self._scaled(total, shared)
 
-    def _scaled(self, number: int, coefficient: Expr) -> int:
+    def _scaled(self, number: int, coefficient: Fraction) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides."""
-        if coefficient is sp.S.One:
+        if coefficient == 1:
             return number
-        exact = sp.Rational(coefficient)
-        p, q = int(exact.p), int(exact.q)
+        p, q = coefficient.numerator, coefficient.denominator
         if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
-            return self.b.add("mul", self.b.const(Fraction(p, q)), number)
+            return self.b.add("mul", self.b.const(coefficient), number)
         return self.b.add("div", self.b.add("mul", self.b.const(p), number), self.b.const(q))
 
     def product(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a product as one quotient: factors with negative exponents divide together.
 
-        Parameters come first, so that their products are shared, then the numerical coefficient,
-        then sums of parameters; without parameters the coefficient comes last. Quotients such as
-        sin(x)/x become functions of their own before.
+        Quotients such as sin(x)/x become functions of their own before.
         """
+        simple = self._simple(node)
+        if simple:
+            return (), lambda _: self._multiplied(*simple)
         regular = removable.rewrite(node)
         if regular is not node:
             return (regular,), lambda a: a[0]
@@ -214,22 +250,27 @@ class Lowering:
         split = [removable.norm(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
         exponents = [Fraction(int(e.p), int(e.q)) for _, e in split]
         is_sum = [b.is_Add for b, _ in split]
+        return [b for b, _ in split], lambda numbers: self._multiplied(
+            _exact(coefficient), list(zip(numbers, exponents, is_sum, strict=True))
+        )
 
-        def build(numbers: list[int]) -> int:
-            factors = list(zip(numbers, exponents, is_sum, strict=True))
-            below = self._powers((n, -e) for n, e, _ in factors if e < 0)
-            early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
-            late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
-            above = self._powers((n, e) for n, e, s in early if not s)
-            if early:
-                above = self._scaled(above, coefficient)
-                above = self._powers(((n, e) for n, e, s in early if s), above)
-                above = self._powers(late, above)
-            else:
-                above = self._scaled(self._powers(late), coefficient)
-            return self.b.add("div", above, below)
+    def _multiplied(self, coefficient: Fraction, factors: Sequence[Factor]) -> int:
+        """Return a number times the product of powers.
 
-        return [b for b, _ in split], build
+        Parameters come first, so that their products are shared, then the numerical coefficient,
+        then sums of parameters; without parameters the coefficient comes last.
+        """
+        below = self._powers((n, -e) for n, e, _ in factors if e < 0)
+        early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
+        late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
+        above = self._powers((n, e) for n, e, s in early if not s)
+        if early:
+            above = self._scaled(above, coefficient)
+            above = self._powers(((n, e) for n, e, s in early if s), above)
+            above = self._powers(late, above)
+        else:
+            above = self._scaled(self._powers(late), coefficient)
+        return self.b.add("div", above, below)
 
     def _powers(self, factors: Iterable[tuple[int, Fraction]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""

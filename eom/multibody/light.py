@@ -16,7 +16,7 @@ import sympy as sp
 
 from eom.multibody.letters import LETTERS
 from eom.multibody.values import value
-from eom.system import Definition, Quantity
+from eom.system import Definition, Quantity, nodes
 
 Expr = Any
 Number = int | Fraction
@@ -185,12 +185,10 @@ class Naming:
 
 def used(definitions: Iterable[Definition], results: Iterable[Expr]) -> tuple[Definition, ...]:
     """Return the definitions that results need, in order."""
-    needed: set[Expr] = set()
-    for r in results:
-        needed |= r.free_symbols
+    needed = set(nodes(results))
     kept = []
     for definition in reversed(list(definitions)):
         if definition.symbol in needed:
             kept.append(definition)
-            needed |= definition.expression.free_symbols
+            needed.update(nodes((definition.expression,)))
     return tuple(reversed(kept))
