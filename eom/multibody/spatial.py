@@ -193,10 +193,10 @@ class Turn:
         B = [list(row) for row in H]
         B[i][k], B[j][k] = (self.back([H[0][k], H[1][k], H[2][k]])[n] for n in (i, j))
         B[k][i], B[k][j] = (self.back(H[k])[n] for n in (i, j))
-        t = work.keep(f"turned_{letter}", part, "", self._difference(H))
-        if is_zero(t):
+        change = self._change(work, part, letter, H)
+        if change is None:
             return B
-        st, ct = (work.keep(f"turned_{letter}", part, n, mul(f, t)) for n, f in self._named())
+        st, ct = change
         B[i][i], B[j][j] = sub(H[i][i], st), add(H[j][j], st)
         B[i][j], B[j][i] = sub(ct, H[j][i]), sub(ct, H[i][j])
         return B
@@ -209,21 +209,30 @@ class Turn:
         column = self.back(S[k])
         for n in (i, j):
             B[k][n] = B[n][k] = column[n]
-        t = work.keep(f"turned_{letter}", part, "", self._difference(S))
-        if is_zero(t):
+        change = self._change(work, part, letter, S)
+        if change is None:
             return B
-        st, ct = (work.keep(f"turned_{letter}", part, n, mul(f, t)) for n, f in self._named())
+        st, ct = change
         B[i][i], B[j][j] = sub(S[i][i], st), add(S[j][j], st)
         B[i][j] = B[j][i] = sub(ct, S[i][j])
         return B
 
-    def _named(self) -> tuple[tuple[str, Scalar], tuple[str, Scalar]]:
-        return ("s", self.sine), ("c", self.cosine)
-
-    def _difference(self, H: Matrix) -> Scalar:
+    def _change(
+        self, work: Work, part: str, letter: str, H: Matrix
+    ) -> tuple[Scalar, Scalar] | None:
+        """Return s t and c t; None if H is the same in all directions of the plane by structure."""
         i, j = self.plane
         both = mul(2, H[i][j]) if H[i][j] is H[j][i] else add(H[i][j], H[j][i])
-        return add(mul(self.sine, sub(H[i][i], H[j][j])), mul(self.cosine, both))
+        difference = sub(H[i][i], H[j][j])
+        if is_zero(both) and is_zero(difference):
+            return None
+        t = add(mul(self.sine, difference), mul(self.cosine, both))
+        name = f"turned_{letter}"
+        t = work.keep(name, part, "", t)
+        return (
+            work.keep(name, part, "s", mul(self.sine, t)),
+            work.keep(name, part, "c", mul(self.cosine, t)),
+        )
 
 
 @dataclass(frozen=True)

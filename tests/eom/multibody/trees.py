@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from fractions import Fraction
 
 from eom.kinematics import SEQUENCES
@@ -70,7 +71,7 @@ def joint(draw, k, parent, kinds, attitudes):
         if isinstance(first, str)
         else (2, 1, -2)
         if first == (1, 2, 2)
-        else (6, 2, -1),
+        else (3, 6, 2),
         pitch=Fraction(1, 3),
         attitude=draw.choice(attitudes),
         on_parent=Placement([number(draw) for _ in range(3)], turned(draw)),
@@ -122,3 +123,13 @@ def state(tree, seed):
         q += own
         u += [number(draw) for _ in j.speeds]
     return q, u
+
+
+def unspun(part):
+    """The part with a frame that turns with it."""
+    return replace(part, spins=False)
+
+
+def driven(part):
+    """The part with a prescribed motion."""
+    return replace(part, driven=True)
