@@ -129,8 +129,8 @@ class Joint:
 
     At each speed: ``stiffness`` about ``rest``, where the speed is the rate of a coordinate;
     ``damping``; ``armature``, the inertia of a motor's rotor seen through its gear (kg m^2 or kg);
-    ``force``, an applied force or torque; ``motor``: whether there is an input ``tau_<joint>``. One
-    value serves all speeds. ``motion``: prescribed motion, in place of coordinates.
+    ``force``, an applied force or torque; ``motor``: whether there is an input ``tau_<joint>`` (of several
+    speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in place of coordinates.
     """
 
     name: str
@@ -203,13 +203,14 @@ class Joint:
         if not self.motor:
             return ()
         letters = self.row.speeds(self.attitude)
+        several = len(letters) > 1
         return tuple(
             Quantity(
-                sp.Symbol(f"tau_{self.name}{'_' * bool(suffix)}{suffix}", real=True),
+                sp.Symbol(f"tau_{self.name}" + f"_{letter}{suffix}" * several, real=True),
                 "N m" if unit == "rad/s" else "N",
                 f"motor of {self.name}, on its {meaning}",
             )
-            for _, suffix, unit, meaning in letters
+            for letter, suffix, unit, meaning in letters
         )
 
     def _named(self, letters: Iterable[Any]) -> tuple[Quantity, ...]:
