@@ -130,7 +130,8 @@ class Joint:
     At each speed: ``stiffness`` about ``rest``, where the speed is the rate of a coordinate;
     ``damping``; ``armature``, the inertia of a motor's rotor seen through its gear (kg m^2 or kg);
     ``force``, an applied force or torque; ``motor``: whether there is an input ``tau_<joint>`` (of several
-    speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in place of coordinates.
+    speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in
+    place of coordinates.
     """
 
     name: str
