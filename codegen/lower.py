@@ -21,8 +21,8 @@ RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "s
 GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 """Groups of results of a lowered system."""
 
-MAX_SPLIT_BITS = 512
-"""Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
+MAX_SPLIT_BITS = 53
+"""Larger numerators and denominators are rounded as one quotient: each alone would be rounded, too."""
 
 _CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
 _COMPARISONS: dict[Any, tuple[str, bool]] = {
