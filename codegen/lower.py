@@ -95,18 +95,22 @@ def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
     ]
 
 
-Factor = tuple[int, Fraction, bool]
+Exact = Fraction | int
+"""An exact number, an integer where it is one: their arithmetic is faster."""
+
+Factor = tuple[int, Exact, bool]
 """Number of a value, its exponent, and whether it was written as a sum."""
 
-_ONE = Fraction(1)
 
-
-def _exact(coefficient: Expr) -> Fraction:
+def _exact(coefficient: Expr) -> Exact:
     """Return a coefficient exactly."""
-    if coefficient is sp.S.One:
-        return _ONE
     exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
-    return Fraction(int(exact.p), int(exact.q))
+    p, q = int(exact.p), int(exact.q)
+    return p if q == 1 else Fraction(p, q)
+
+
+def _size(x: Exact) -> Exact:
+    return x if x >= 0 else -x
 
 
 class Lowering:
@@ -185,7 +189,7 @@ class Lowering:
             known = sorted((t for t in simple if t), key=lambda term: term[0] < 0)
             return (), lambda _: self._added(
                 [c for c, _ in known],
-                [f[0][0] if len(f) == 1 else self._multiplied(_ONE, f) for _, f in known],
+                [f[0][0] if len(f) == 1 else self._multiplied(1, f) for _, f in known],
             )
         found = removable.difference(node)
         if found and found.name == "expm1":
@@ -194,9 +198,9 @@ class Lowering:
         coefficients = [_exact(c) for c, _ in terms]
         return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
 
-    def _simple(self, node: Expr) -> tuple[Fraction, list[Factor]] | None:
+    def _simple(self, node: Expr) -> tuple[Exact, list[Factor]] | None:
         """Return coefficient and factors of a product of symbols that have numbers, else None."""
-        coefficient = _ONE
+        coefficient: Exact = 1
         factors: Sequence[Expr] = (node,)
         if node.is_Mul:
             factors = node.args
@@ -206,22 +210,22 @@ class Lowering:
         numbers = [self.memo.get(f) if f.is_Symbol else None for f in factors]
         if None in numbers:
             return None
-        return coefficient, [(n, _ONE, False) for n in numbers if n is not None]
+        return coefficient, [(n, 1, False) for n in numbers if n is not None]
 
-    def _added(self, coefficients: Sequence[Fraction], numbers: Sequence[int]) -> int:
+    def _added(self, coefficients: Sequence[Exact], numbers: Sequence[int]) -> int:
         """Return the sum of coefficients times values, those below zero last."""
-        sizes = {abs(c) for c in coefficients}
-        shared = sizes.pop() if len(sizes) == 1 else _ONE
-        shared = -shared if coefficients[0] < 0 else shared
-        first, *rest = (c / shared for c in coefficients)
-        total = self._scaled(numbers[0], abs(first))
+        sign = -1 if coefficients[0] < 0 else 1
+        sizes = {_size(c) for c in coefficients}
+        shared = sizes.pop() if len(sizes) == 1 else 1
+        first, *rest = (sign * (c if shared == 1 else 1 if c > 0 else -1) for c in coefficients)
+        total = self._scaled(numbers[0], _size(first))
         total = total if first > 0 else self.b.add("neg", total)
         for coefficient, number in zip(rest, numbers[1:], strict=True):
-            term = self._scaled(number, abs(coefficient))
+            term = self._scaled(number, _size(coefficient))
             total = self.b.add("sub" if coefficient < 0 else "add", total, term)
-        return self._scaled(total, shared)
+        return self._scaled(total, sign * shared)
 
-    def _scaled(self, number: int, coefficient: Fraction) -> int:
+    def _scaled(self, number: int, coefficient: Exact) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides."""
         if coefficient == 1:
             return number
@@ -254,7 +258,7 @@ class Lowering:
             _exact(coefficient), list(zip(numbers, exponents, is_sum, strict=True))
         )
 
-    def _multiplied(self, coefficient: Fraction, factors: Sequence[Factor]) -> int:
+    def _multiplied(self, coefficient: Exact, factors: Sequence[Factor]) -> int:
         """Return a number times the product of powers.
 
         Parameters come first, so that their products are shared, then the numerical coefficient,
@@ -272,7 +276,7 @@ class Lowering:
             above = self._scaled(self._powers(late), coefficient)
         return self.b.add("div", above, below)
 
-    def _powers(self, factors: Iterable[tuple[int, Fraction]], first: int | None = None) -> int:
+    def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""
         product = self.b.const(1) if first is None else first
         for number, exponent in factors:
@@ -289,11 +293,11 @@ class Lowering:
             return (base,), lambda a: self._power(a[0], exact)
         return (base,), lambda a: self.b.add("div", self.b.const(1), self._power(a[0], -exact))
 
-    def _power(self, base: int, exact: Fraction) -> int:
+    def _power(self, base: int, exact: Exact) -> int:
         """Return a positive rational power."""
         if exact == 1:
             return base
-        unrolled = fold.power(self.b, base, exact)
+        unrolled = fold.power(self.b, base, Fraction(exact))
         return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
 
     def logarithm(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
