@@ -1,15 +1,17 @@
 """Forward dynamics of chains: one recursion, fed with CasADi's scalars and with ours.
 
-`articulated.accelerations` runs on both. Operations are counted alike: instructions that are no
-inputs, outputs or constants. Both C texts are compiled by the same compiler with the same flags and
-timed in the same loop; values are compared, and with Pinocchio's where it is installed.
+`eom.multibody` runs on both, for ours also by way of a `System` with named intermediates: from the
+description to a program, which has to take time in proportion to the bodies. Operations are counted
+alike: instructions that are no inputs, outputs or constants. Both C texts are compiled by the same
+compiler with the same flags and timed in the same loop; values are compared, and with Pinocchio's
+where it is installed.
 """
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import process_time
 from timeit import timeit
@@ -18,19 +20,20 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from benchmarks.articulated import GRAVITY, accelerations, chain
+from benchmarks.articulated import accelerations, chain
 from benchmarks.native_rates import ALIGNED, Points, Rates, sampler
 from benchmarks.pairs import paired, settled
 from benchmarks.peers import absent, missing
 from benchmarks.rates import largest_difference
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen import native, scalars
+from codegen import native
 from codegen.layout import Layout
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
 from codegen.passes import prune
-from codegen.program import Builder, Program
+from codegen.program import Program
 from codegen.targets import c
+from eom.multibody import derive
 from eom.system import Quantity
 
 BODIES = (7, 20, 50)
@@ -39,11 +42,18 @@ LARGEST_RATIO = 0.9
 LARGEST_GENERATION = 0.2
 LARGEST_DIFFERENCE = 1e-10
 """Relative; the last of 50 bodies accelerates by the differences of large numbers."""
-KNOWN = {7: 2298, 20: 7790}
+KNOWN = {7: 2015, 20: 6855}
 """Operations that CasADi 3.8.2 left of the recursion: the short form needs no peer."""
 FLAGS = ("-O2", *ALIGNED)
 """After those of generated code, so that -O2 counts, for both sides alike."""
 REPEATS = 5
+CALLS = 200
+LARGEST_OF_PINOCCHIO = 1 / 3
+DERIVED = (50, 100)
+LONGEST_DERIVATION = 3.0
+"""Seconds of processor time from a description of 100 bodies to a program."""
+LARGEST_GROWTH = 2.3
+"""From 50 to 100 bodies."""
 
 Text = tuple[str, str]
 """C source, and the name of its function."""
@@ -63,9 +73,30 @@ def measure(settings: Settings) -> Section:
     title = "chains of bodies, articulated-body algorithm: ours | CasADi SX"
     if settings.quick:
         return Section(title, tuple(_known(count) for count in QUICK_BODIES))
-    rows = [row for count in BODIES for row in _rows(count)]
+    rows = [*_derivations(), *(row for count in BODIES for row in _rows(count))]
     lacking = [n for n in ("casadi", "pin") if missing(n)]
     return Section(title, (*rows, *(absent(name, [name]) for name in lacking)))
+
+
+def _derivations() -> list[Row]:
+    """Return rows of the time from a description to a program, by a `System`."""
+    seconds = [min(_derivation(count) for _ in range(REPEATS)) for count in DERIVED]
+    rows = [
+        Row(f"{count} bodies: description to program", time_text(s))
+        for count, s in zip(DERIVED, seconds, strict=True)
+    ]
+    growth = seconds[1] / seconds[0]
+    limit = f"<= {time_text(LONGEST_DERIVATION)}"
+    rows[1] = replace(rows[1], target=limit, met=seconds[1] <= LONGEST_DERIVATION)
+    return [*rows, _judged(f"{DERIVED[1]} bodies | {DERIVED[0]}: the same", tuple(
+        time_text(s) for s in seconds[::-1]), growth, LARGEST_GROWTH)]  # fmt: skip
+
+
+def _derivation(count: int) -> float:
+    chain.cache_clear()
+    start = process_time()
+    program(count)
+    return process_time() - start
 
 
 def _known(count: int) -> Row:
@@ -103,7 +134,7 @@ def _rows(count: int) -> list[Row]:
                 mine.seconds / other.seconds, LARGEST_GENERATION),
         _judged(f"{count} bodies: in C", timed, pairs.ratio, LARGEST_RATIO),
     ]  # fmt: skip
-    return rows if missing("pin") else [*rows, _pinocchio(count, rates, points)]
+    return rows if missing("pin") else [*rows, *_pinocchio(count, rates, points)]
 
 
 def _judged(what: str, cells: tuple[str, ...], ratio: float, limit: float) -> Row:
@@ -122,12 +153,7 @@ def fastest(make: Callable[[], tuple[int, Text]]) -> Made:
 
 def program(count: int) -> Program:
     """Return our program: states are angles and rates, inputs the torques."""
-    b = Builder()
-    x = scalars.scalars(b, "state", 2 * count)
-    u = scalars.scalars(b, "input", count)
-    q, rates = x[:count], x[count:]
-    found = accelerations(chain(count), q, rates, u, scalars.sin, scalars.cos)
-    return prune(scalars.program(b, {RATES: [*rates, *found]}))
+    return prune(lower_system(derive(chain(count), invariants=False)), [RATES])
 
 
 def layout(count: int) -> Layout:
@@ -201,21 +227,35 @@ def _rates(text: Text) -> Rates:
     return Rates(source, symbol, library)
 
 
-def _pinocchio(count: int, rates: Rates, points: Points) -> Row:
-    """Compare values with Pinocchio's; its time is that of a call from Python."""
+def _pinocchio(count: int, rates: Rates, points: Points) -> list[Row]:
+    """Compare values and times with Pinocchio's; the time of a call is taken out of its own."""
     model, data, aba = pinocchio(count)
     worst = 0.0
     for x in points.x[:8]:
         found = rates(x, points.p, points.u)[count:]
         expected = aba(model, data, x[:count], x[count:], points.u)
         worst = max(worst, float(np.abs(found - expected).max() / np.abs(expected).max()))
-    x = points.x[0]
-    calls = 200
-    call = timeit(lambda: aba(model, data, x[:count], x[count:], points.u), number=calls) / calls
+    x = points.x[0].copy()
+    q, v, tau = x[:count], x[count:], np.array(points.u)
+    empty, nothing = pinocchio(0), np.zeros(0)
+
+    def theirs() -> float:
+        whole = timeit(lambda: aba(model, data, q, v, tau), number=CALLS) / CALLS
+        call = timeit(lambda: aba(*empty[:2], nothing, nothing, nothing), number=CALLS) / CALLS
+        return whole - call
+
+    pairs = settled(
+        lambda: paired(sampler(rates, points), theirs, 5), lambda p: p.ratio, LARGEST_OF_PINOCCHIO
+    )
+    timed = tuple(time_text(s) for s in pairs.typical)
     what = f"{count} bodies: values against Pinocchio"
-    beside = f"{time_text(call)} a call from Python"
     met = worst <= LARGEST_DIFFERENCE
-    return Row(what, f"{worst:.1e}", beside, "", f"<= {LARGEST_DIFFERENCE:g}", met)
+    return [
+        Row(what, f"{worst:.1e}", "", "", f"<= {LARGEST_DIFFERENCE:g}", met),
+        _judged(
+            f"{count} bodies: in C | Pinocchio's aba", timed, pairs.ratio, LARGEST_OF_PINOCCHIO
+        ),
+    ]
 
 
 def pinocchio(count: int) -> tuple[Any, Any, Any]:
@@ -223,11 +263,15 @@ def pinocchio(count: int) -> tuple[Any, Any, Any]:
     import pinocchio as pin
 
     model = pin.Model()
-    model.gravity.linear = np.array([0.0, 0.0, -GRAVITY])
+    tree = chain(count)
+    model.gravity.linear = np.array(tree.gravity, dtype=float)
     joint = 0
-    for k, body in enumerate(chain(count)):
-        place = pin.SE3(np.array(body.turn, dtype=float).T, np.array(body.offset))
-        joint = model.addJoint(joint, pin.JointModelRZ(), place, f"joint{k}")
-        inertia = pin.Inertia(body.mass, np.array(body.centre), np.array(body.inertia))
-        model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    for body, hinge in zip(tree.bodies, tree.ordered, strict=True):
+        seat = hinge.on_parent
+        place = pin.SE3(
+            np.array(seat.rotation, dtype=float).T, np.array(seat.position, dtype=float)
+        )
+        joint = model.addJoint(joint, pin.JointModelRZ(), place, hinge.name)
+        rigid = np.array(body.centre, dtype=float), np.array(body.central_inertia, dtype=float)
+        model.appendBodyToJoint(joint, pin.Inertia(float(body.mass), *rigid), pin.SE3.Identity())
     return model, model.createData(), pin.aba

@@ -21,8 +21,8 @@ RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "s
 GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 """Groups of results of a lowered system."""
 
-MAX_SPLIT_BITS = 512
-"""Larger numerators and denominators are rounded as one quotient: they may overflow alone."""
+MAX_SPLIT_BITS = 53
+"""Larger numerators and denominators are rounded as one quotient: each alone would be rounded, too."""
 
 _CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
 _COMPARISONS: dict[Any, tuple[str, bool]] = {
@@ -93,6 +93,24 @@ def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
         ]
         for i in range(mass.rows)
     ]
+
+
+Exact = Fraction | int
+"""An exact number, an integer where it is one: their arithmetic is faster."""
+
+Factor = tuple[int, Exact, bool]
+"""Number of a value, its exponent, and whether it was written as a sum."""
+
+
+def _exact(coefficient: Expr) -> Exact:
+    """Return a coefficient exactly."""
+    exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
+    p, q = int(exact.p), int(exact.q)
+    return p if q == 1 else Fraction(p, q)
+
+
+def _size(x: Exact) -> Exact:
+    return x if x >= 0 else -x
 
 
 class Lowering:
@@ -166,42 +184,64 @@ class Lowering:
 
     def sum(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a sum, positive terms first; a factor or sign that all terms share is taken out."""
+        simple = [self._simple(t) for t in node.args]
+        if None not in simple:
+            known = sorted((t for t in simple if t), key=lambda term: term[0] < 0)
+            return (), lambda _: self._added(
+                [c for c, _ in known],
+                [f[0][0] if len(f) == 1 else self._multiplied(1, f) for _, f in known],
+            )
         found = removable.difference(node)
         if found and found.name == "expm1":
-            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), found.factor)
+            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), _exact(found.factor))
         terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: term[0].is_negative)
-        sizes = {abs(c) for c, _ in terms}
-        shared = sizes.pop() if len(sizes) == 1 else sp.Integer(1)
-        shared = -shared if terms[0][0].is_negative else shared
-        coefficients = [c / shared for c, _ in terms]
+        coefficients = [_exact(c) for c, _ in terms]
+        return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
 
-        def build(numbers: list[int]) -> int:
-            total = self._scaled(numbers[0], abs(coefficients[0]))
-            total = total if coefficients[0] > 0 else self.b.add("neg", total)
-            for coefficient, number in zip(coefficients[1:], numbers[1:], strict=True):
-                term = self._scaled(number, abs(coefficient))
-                total = self.b.add("sub" if coefficient < 0 else "add", total, term)
-            return self._scaled(total, shared)
+    def _simple(self, node: Expr) -> tuple[Exact, list[Factor]] | None:
+        """Return coefficient and factors of a product of symbols that have numbers, else None."""
+        coefficient: Exact = 1
+        factors: Sequence[Expr] = (node,)
+        if node.is_Mul:
+            factors = node.args
+            if factors[0].is_Rational:
+                coefficient = _exact(factors[0])
+                factors = factors[1:]
+        numbers = [self.memo.get(f) if f.is_Symbol else None for f in factors]
+        if None in numbers:
+            return None
+        return coefficient, [(n, 1, False) for n in numbers if n is not None]
 
-        return [rest for _, rest in terms], build
+    def _added(self, coefficients: Sequence[Exact], numbers: Sequence[int]) -> int:
+        """Return the sum of coefficients times values, those below zero last."""
+        sign = -1 if coefficients[0] < 0 else 1
+        sizes = {_size(c) for c in coefficients}
+        shared = sizes.pop() if len(sizes) == 1 else 1
+        first, *rest = (sign * (c if shared == 1 else 1 if c > 0 else -1) for c in coefficients)
+        total = self._scaled(numbers[0], _size(first))
+        total = total if first > 0 else self.b.add("neg", total)
+        for coefficient, number in zip(rest, numbers[1:], strict=True):
+            term = self._scaled(number, _size(coefficient))
+            total = self.b.add("sub" if coefficient < 0 else "add", total, term)
+        return self._scaled(total, sign * shared)
 
-    def _scaled(self, number: int, coefficient: Expr) -> int:
+    def _scaled(self, number: int, coefficient: Exact) -> int:
         """Multiply by an exact number; a denominator other than a power of two divides."""
-        if coefficient is sp.S.One:
+        if coefficient == 1:
             return number
-        exact = sp.Rational(coefficient)
-        p, q = int(exact.p), int(exact.q)
+        p, q = coefficient.numerator, coefficient.denominator
         if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
-            return self.b.add("mul", self.b.const(Fraction(p, q)), number)
+            return self.b.add("mul", self.b.const(coefficient), number)
         return self.b.add("div", self.b.add("mul", self.b.const(p), number), self.b.const(q))
 
     def product(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
         """Lower a product as one quotient: factors with negative exponents divide together.
 
-        Parameters come first, so that their products are shared, then the numerical coefficient,
-        then sums of parameters; without parameters the coefficient comes last. Quotients such as
-        sin(x)/x become functions of their own before.
+        Quotients such as sin(x)/x become functions of their own before.
         """
+        simple = self._simple(node)
+        if simple:
+            return (), lambda _: self._multiplied(*simple)
         regular = removable.rewrite(node)
         if regular is not node:
             return (regular,), lambda a: a[0]
@@ -214,24 +254,29 @@ class Lowering:
         split = [removable.norm(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
         exponents = [Fraction(int(e.p), int(e.q)) for _, e in split]
         is_sum = [b.is_Add for b, _ in split]
+        return [b for b, _ in split], lambda numbers: self._multiplied(
+            _exact(coefficient), list(zip(numbers, exponents, is_sum, strict=True))
+        )
 
-        def build(numbers: list[int]) -> int:
-            factors = list(zip(numbers, exponents, is_sum, strict=True))
-            below = self._powers((n, -e) for n, e, _ in factors if e < 0)
-            early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
-            late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
-            above = self._powers((n, e) for n, e, s in early if not s)
-            if early:
-                above = self._scaled(above, coefficient)
-                above = self._powers(((n, e) for n, e, s in early if s), above)
-                above = self._powers(late, above)
-            else:
-                above = self._scaled(self._powers(late), coefficient)
-            return self.b.add("div", above, below)
+    def _multiplied(self, coefficient: Exact, factors: Sequence[Factor]) -> int:
+        """Return a number times the product of powers.
 
-        return [b for b, _ in split], build
+        Parameters come first, so that their products are shared, then the numerical coefficient,
+        then sums of parameters; without parameters the coefficient comes last.
+        """
+        below = self._powers((n, -e) for n, e, _ in factors if e < 0)
+        early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
+        late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
+        above = self._powers((n, e) for n, e, s in early if not s)
+        if early:
+            above = self._scaled(above, coefficient)
+            above = self._powers(((n, e) for n, e, s in early if s), above)
+            above = self._powers(late, above)
+        else:
+            above = self._scaled(self._powers(late), coefficient)
+        return self.b.add("div", above, below)
 
-    def _powers(self, factors: Iterable[tuple[int, Fraction]], first: int | None = None) -> int:
+    def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""
         product = self.b.const(1) if first is None else first
         for number, exponent in factors:
@@ -248,11 +293,11 @@ class Lowering:
             return (base,), lambda a: self._power(a[0], exact)
         return (base,), lambda a: self.b.add("div", self.b.const(1), self._power(a[0], -exact))
 
-    def _power(self, base: int, exact: Fraction) -> int:
+    def _power(self, base: int, exact: Exact) -> int:
         """Return a positive rational power."""
         if exact == 1:
             return base
-        unrolled = fold.power(self.b, base, exact)
+        unrolled = fold.power(self.b, base, Fraction(exact))
         return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
 
     def logarithm(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:

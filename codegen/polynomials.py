@@ -15,7 +15,8 @@ MAX_INSIDE = 64
 
 Monomial = tuple[int, ...]
 """Numbers of the factors, in order; none for a constant."""
-Polynomial = dict[Monomial, Fraction]
+Polynomial = dict[Monomial, Fraction | int]
+"""Coefficients; whole ones are integers, whose arithmetic is ten times as fast."""
 
 _LINEAR = frozenset({"add", "sub", "neg", "mul"})
 
@@ -36,11 +37,12 @@ def _expanded(b: Numbers, number: int, *, products: bool) -> Polynomial:
         op, args, _ = b.instructions[k]
         value = constant(b, k)
         if value is not None:
-            known[k] = {(): value} if value else {}
+            whole = value.numerator if value.denominator == 1 else value
+            known[k] = {(): whole} if value else {}
             continue
         inside = op in _LINEAR and all(a in known for a in args)
         made = _combined(op, [known[a] for a in args], products) if inside else None
-        known[k] = {(k,): Fraction(1)} if made is None else made
+        known[k] = {(k,): 1} if made is None else made
     return known[number]
 
 
@@ -68,9 +70,10 @@ def _combined(op: str, parts: Sequence[Polynomial], products: bool) -> Polynomia
         return None
     total = {}
     for m, c in parts[0].items():
-        shifted = {tuple(sorted((*m, *other))): c * d for other, d in parts[1].items()}
-        total = _sum(total, shifted, 1)
-    return total
+        for other, d in parts[1].items():
+            both = tuple(sorted(m + other))
+            total[both] = total.get(both, 0) + c * d
+    return {m: c for m, c in total.items() if c}
 
 
 def _is_number(terms: Polynomial) -> bool:
@@ -80,16 +83,17 @@ def _is_number(terms: Polynomial) -> bool:
 def _sum(left: Polynomial, right: Polynomial, factor: int) -> Polynomial:
     total = dict(left)
     for m, c in right.items():
-        total[m] = total.get(m, Fraction(0)) + factor * c
+        total[m] = total.get(m, 0) + (c if factor > 0 else -c)
     return {m: c for m, c in total.items() if c}
 
 
 def built(b: Numbers, terms: Polynomial) -> int:
     """Append a polynomial, positive terms first."""
+    """Append a polynomial, positive terms first."""
     total = b.const(0)
     for m, c in sorted(terms.items(), key=lambda term: (term[1] < 0, term[0])):
         product = reduce(lambda p, k: b.add("mul", p, k), m, b.const(1))
-        scaled = b.add("mul", b.const(abs(c)), product)
+        scaled = b.add("mul", b.const(c if c > 0 else -c), product)
         total = b.add("add" if c > 0 else "sub", total, scaled)
     return total
 

@@ -89,15 +89,17 @@ class _View:
     def plan(self, scale: Fraction, results: tuple[int, ...]) -> _Plan:
         """Follow the scale from the products ``results`` down to where it has to be paid."""
         wants: Counter[int] = Counter()
-        for k in results:
-            wants[self._other(k)] += 1
         common = self._common(results)
-        inside, explicit, chosen = set(), set(), {}
+        left, inside, explicit, chosen = set(), set(), set(), {}
         for k in range(max(results), -1, -1):
             op, args, _ = self.program.instructions[k]
-            if k not in wants or self.binding[k] <= EARLY:
+            partly = wants[k] < self.uses[k]
+            if k in results and partly:  # one that is wanted scaled alone keeps its number
+                left.add(k)
+                wants[self._other(k)] += 1
+            if not wants[k] or self.binding[k] <= EARLY:
                 continue
-            if wants[k] < self.uses[k] or op not in {"add", "sub", "neg", "mul", "div"}:
+            if partly or op not in {"add", "sub", "neg", "mul", "div"}:
                 explicit.add(k)
                 continue
             inside.add(k)
@@ -105,7 +107,7 @@ class _View:
                 chosen[k] = self._factor(args, common)
             for a in (args[chosen[k]],) if op == "mul" else args[:1] if op == "div" else args:
                 wants[a] += 1
-        return _Plan(scale, frozenset(results), frozenset(inside), frozenset(explicit), chosen)
+        return _Plan(scale, frozenset(left), frozenset(inside), frozenset(explicit), chosen)
 
     def _other(self, k: int) -> int:
         """The operand of a product with a number that is not the number."""

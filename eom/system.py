@@ -303,7 +303,8 @@ def _check_symbols(system: System) -> None:
     variables = [*system.states, *system.parameters, *system.inputs]
     known = {q.symbol for q in variables} | {system.time}
     for definition in system.definitions:
-        _check_expression(system, f"definition {definition.name}", definition.expression, known)
+        if not _meant(definition.expression, known):
+            _check_expression(system, f"definition {definition.name}", definition.expression, known)
         known.add(definition.symbol)
     named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
     named += [(f"output {d.name}", d.expression) for d in system.outputs]
@@ -321,6 +322,13 @@ def _check_symbols(system: System) -> None:
 
 
 _UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
+
+
+def _meant(expression: Expr, known: set[Expr]) -> bool:
+    """Tell quickly whether an expression is one, over known symbols; small ones are the rule."""
+    return isinstance(expression, sp.Basic) and not any(
+        isinstance(e, _UNUSABLE) or (e.is_Symbol and e not in known) for e in nodes((expression,))
+    )
 
 
 def nodes(expressions: Iterable[Expr]) -> Iterator[Expr]:

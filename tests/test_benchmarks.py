@@ -21,15 +21,20 @@ def alone(monkeypatch):
     for module in (chains, pendulum):
         monkeypatch.setattr(module, "missing", lambda *names: names)
     monkeypatch.setattr(chains, "BODIES", (2,))
+    monkeypatch.setattr(chains, "DERIVED", (2, 4))
 
 
 @needs_compiler
 def test_without_peers_ours_is_measured_and_the_others_are_named(alone):
     section = chains.measure(Settings())
-    assert section.rows[0].what == "2 bodies"
-    assert [r.what for r in section.rows[1:]] == ["casadi", "pin"]
-    assert all("missing: install the extra bench" in r.beside for r in section.rows[1:])
-    assert all(r.met is None for r in section.rows)
+    assert [r.what for r in section.rows[:2]] == [
+        f"{n} bodies: description to program" for n in (2, 4)
+    ]
+    assert section.rows[1].met
+    assert section.rows[3].what == "2 bodies"
+    assert [r.what for r in section.rows[4:]] == ["casadi", "pin"]
+    assert all("missing: install the extra bench" in r.beside for r in section.rows[4:])
+    assert all(r.met is None for r in section.rows[3:])
 
 
 @needs_compiler
@@ -56,13 +61,14 @@ def test_the_recursion_on_floats_and_as_a_program_is_the_same():
 
 def test_the_recursion_is_newtons_law_for_one_body_that_hangs():
     """One link about a horizontal axis through its joint: J q'' = torque - the moment of weight."""
-    (body,) = chain(1)
-    m, c = body.mass, body.centre
-    moment = body.inertia[2][2] + m * (c[0] ** 2 + c[1] ** 2)
+    tree = chain(1)
+    (body,), (joint,) = tree.bodies, tree.joints
+    m, c = float(body.mass), [float(x) for x in body.centre]
+    moment = float(body.inertia[2][2]) + m * (c[0] ** 2 + c[1] ** 2)
     q, rate, torque = 0.4, -1.3, 0.7
-    (found,) = accelerations([body], [q], [rate], [torque], math.sin, math.cos)
+    (found,) = accelerations(tree, [q], [rate], [torque], math.sin, math.cos)
     turn = np.array([[math.cos(q), math.sin(q), 0], [-math.sin(q), math.cos(q), 0], [0, 0, 1]])
-    weight = turn @ np.array(body.turn) @ np.array([0.0, 0.0, -m * 9.81])
+    weight = turn @ np.array(joint.on_parent.rotation) @ np.array([0.0, 0.0, -m * 9.81])
     expected = (torque + np.cross(c, weight)[2]) / moment
     assert found == pytest.approx(expected, rel=1e-13)
 

@@ -11,6 +11,7 @@ from codegen.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.passes import prune
 from codegen.pipeline import join, specialised
+from codegen.program import Builder
 from codegen.rescale import rescale
 from codegen.stages import by_parameters, reciprocals
 from eom import catalogue
@@ -94,6 +95,17 @@ def test_halves_of_a_quaternion_s_rates_go_into_the_angular_velocity():
     assert before["mul"] - after["mul"] == 1
     point = random_point(program, 1)
     assert interpret(rescale(gather(program)), point) == interpret(gather(program), point)
+
+
+def test_a_product_with_a_power_of_two_inside_another_one():
+    b = Builder()
+    u, v, w = (b.leaf("state", k) for k in range(3))
+    inner = b.add("mul", b.const(2), b.add("add", u, v))
+    outer = b.add("mul", b.const(2), b.add("add", inner, w))
+    program = b.program({"f": [outer, b.add("mul", b.const(2), w)]})
+    point = random_point(program, 1)
+    assert interpret(rescale(program), point) == interpret(program, point)
+    assert rescale(program).counts() == {"add": 2, "mul": 2}
 
 
 @pytest.mark.parametrize("name", catalogue.names())

@@ -107,3 +107,11 @@ def test_diagonal_mass_matrices_cost_one_division_a_row():
         mass_matrix=sp.ImmutableMatrix([[p, 0], [0, q]]),
     )  # fmt: skip
     assert prune(lower_system(system)).counts() == {"div": 2, "neg": 1}
+
+
+@pytest.mark.parametrize(
+    ("e", "expected"),
+    [(-2 * x - 3 * y, 4.5), (-3 * x - 3 * y, 3.75), (-x - y, 1.25), (2 * y - 5 * x, -7.75)],
+)
+def test_sums_keep_their_coefficients(e, expected):
+    assert value(e, (0.75, -2.0, 0.0, 0.0)) == expected
