@@ -297,7 +297,13 @@ def _heavy_top(probe: Probe) -> Motion | None:
 def _places(attitude: Attitude, count: int) -> tuple[tuple[int, int], ...]:
     vectors = [attitude.omega, attitude.quaternion or attitude.angles, *attitude.directions]
     shown = [v for v in vectors if v]
-    return tuple(next((i, v.index(k)) for i, v in enumerate(shown) if k in v) for k in range(count))
+    found = {
+        k: (i, j)
+        for i, vector in reversed(list(enumerate(shown)))
+        for j, k in enumerate(vector)
+        if isinstance(k, int)  # a constant component may equal the number of a state
+    }
+    return tuple(found[k] for k in range(count))
 
 
 @dataclass(frozen=True)

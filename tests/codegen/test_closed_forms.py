@@ -6,6 +6,7 @@ torque-free body of `codegen.exact`, which has tests of its own.
 
 import math
 import pickle
+import re
 from fractions import Fraction
 
 import mpmath
@@ -194,6 +195,29 @@ def test_reduced_scenes(inertia, attitude, tmp_path):
     start, values = scene.initial_values(), scene.parameter_values()
     closed = find(compiled, problem(compiled, start, values))
     run = codegen.simulate(compiled, start, (0, 3), values, rtol=1e-12, atol=1e-13)
+    assert closed.name == "free body"
+    assert np.abs(closed.states(run.t) - run.y).max() <= 1e-10
+
+
+@pytest.mark.parametrize("attitude", ["3-1-2", "3-2-1", "quaternion", "dcm"])
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_no_spin_about_the_axis_of_symmetry(axis, attitude, tmp_path):
+    """The constant zero is no state, though it equals the number of the first one."""
+    moments = [1.7 if k == axis else 1.0 for k in (1, 2, 3)]
+    angles = ["psi", "theta", "phi"]
+    named = {"quaternion": ["q0", "q1", "q2", "q3"], "dcm": ["C11", "C23", "C31"]}
+    outputs = [*named.get(attitude, angles), "omega_1", "omega_2", "omega_3"]
+    text = SCENE.format(attitude=attitude, outputs=outputs, inertia=f"moments = {moments}")
+    text = re.sub(rf"omega_{axis} = .*", f"omega_{axis} = 0.0", text)
+    sequence = attitude if attitude[0].isdigit() else "3-1-3"
+    text += f'\n[initial_attitude]\nsequence = "{sequence}"\nradians = [0.3, 0.6, -1.0]\n'
+    path = tmp_path / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    scene = eom.Scene.from_toml(path)
+    compiled = codegen.compile(scene.derive(), "numpy")
+    start, values = scene.initial_values(), scene.parameter_values()
+    closed = find(compiled, problem(compiled, start, values))
+    run = codegen.simulate(compiled, start, (0, 0.5), values, "DOP853", rtol=1e-12, atol=1e-13)
     assert closed.name == "free body"
     assert np.abs(closed.states(run.t) - run.y).max() <= 1e-10
 
