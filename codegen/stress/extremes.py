@@ -150,6 +150,9 @@ def extreme_bodies(material: Material, plan: Plan) -> Findings:
             result = found.result(run, method, rtol, body.name)
             if result is None:
                 continue
+            if result.status != 0 and result.t_stop == known.times[0]:  # it says so at the start
+                found.refused.setdefault((method, result.message), []).append(body.name)
+                continue
             if rtol not in costs:
                 costs[rtol] = known.per_step(rtol)
             found.figures.append(_figure(known, method, result, costs[rtol], rtol))
