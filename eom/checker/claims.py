@@ -35,6 +35,7 @@ from eom.vocabulary import position
 
 if TYPE_CHECKING:
     from eom.checker.model import Model
+    from eom.checker.parameters import Parameters
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
@@ -53,7 +54,8 @@ class Claim:
     the arrow that leads here. A continued chain begins with the first member of the chain before,
     and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
-    ``model``: the system that scalar lines of the note are about.
+    ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
+    scalars, see `eom.checker.parameters`.
     """
 
     members: tuple[Value, ...]
@@ -67,6 +69,7 @@ class Claim:
     scalars: Mapping[Any, Term] = field(default_factory=dict)
     span: Span = NOWHERE
     model: Model | None = field(default=None, compare=False)
+    parameters: Parameters | None = field(default=None, compare=False)
 
     @property
     def verdict(self) -> str:

@@ -32,7 +32,7 @@ def explain(
         return UNEXPLAINED
     given, stated = tuple(given), tuple(stated)
     places = judged.chain.blamed if judged.chain is not None else ()
-    if on_solutions(judged.claim):
+    if judged.claim.parameters is not None or on_solutions(judged.claim):
         return Explanation(blamed=places)
     wrong = line(understood, judged.claim)
     if wrong is None:

@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from eom.attitudes import sequence_of
-from eom.checker import systems
+from eom.checker import parameters, systems
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.inequalities import (
     ALWAYS,
@@ -111,6 +111,8 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     given = tuple(given)
+    if claim.parameters is not None:
+        return _between_scalars(claim)
     if claim.model is not None and systems.on_solutions(claim):
         return _on_solutions(claim, claim.model, given)
     if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
@@ -138,6 +140,12 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     verdict = DEFINITION if names else UNDER if sets else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
     return Judgement(verdict, sets, context, refuted, complete)
+
+
+def _between_scalars(claim: Claim) -> Judgement:
+    found = parameters.links(claim)
+    verdict = parameters.verdict(found, claim)
+    return Judgement(verdict or UNDECIDED, reason=parameters.reason(found))
 
 
 def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement:

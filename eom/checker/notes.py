@@ -17,10 +17,11 @@ from eom.checker.documents import Document
 from eom.checker.grammar import Reading
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look
+from eom.checker.parameters import Known, Relation, named, read
 from eom.checker.places import Source
 from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
-from eom.checker.roles import CLAIM, roles
+from eom.checker.roles import CLAIM, DEFINITION, roles
 from eom.checker.statements import Statement, split
 from eom.checker.syntax import Node
 from eom.checker.systems import covered
@@ -30,11 +31,20 @@ from eom.limits import Overdue, deadline
 
 
 @dataclass(frozen=True)
+class Scalars:
+    """Letters that a note names alone, relations between them so far, whether a formula defines one."""
+
+    named: frozenset[Look] = frozenset()
+    relations: tuple[Relation, ...] = ()
+    defining: bool = False
+
+
+@dataclass(frozen=True)
 class Around:
     """What a formula may refer to: what the note has defined before it, the display that it continues.
 
     ``trees``: those of all formulas of the note, in order, so that what is written elsewhere can be
-    proposed; ``number``: which of them is the formula's own.
+    proposed; ``number``: which of them is the formula's own; ``scalars``: letters of its own.
     """
 
     definitions: Mapping[Look, Value] = field(default_factory=dict)
@@ -42,6 +52,7 @@ class Around:
     previous: tuple[Statement, ...] = ()
     trees: tuple[Node, ...] = ()
     number: int = 0
+    scalars: Scalars = field(default_factory=lambda: Scalars())
 
 
 @dataclass(frozen=True)
@@ -75,6 +86,7 @@ def understand(
     definitions: dict[Look, Value] = {}
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
+    letters, relations = _named(document), Known()
     for piece, role in zip(document.pieces, roles(document.pieces), strict=True):
         if piece.kind == "heading":
             headings = [h for h in headings if h[0] < piece.level]
@@ -86,22 +98,37 @@ def understand(
         here = scoped.at(titles, piece.source, piece.span.start)
         formula = read_piece(piece, previous if display else ())
         known, earlier = dict(definitions), previous
-        context = _Context(here, known, before if display else ())
+        scalars = Scalars(letters, relations.at(titles), role == DEFINITION)
+        context = _Context(here, known, before if display else (), scalars)
         new = _timely(formula, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
         definitions |= defined(new.claims)
-        around = Around(known, context.before, earlier if display else (), number=len(found))
+        relations.add(titles, new.claims)
+        around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
     trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
     return tuple(replace(u, around=replace(u.around, trees=trees)) for u in found)
+
+
+def _named(document: Document) -> frozenset[Look]:
+    """Return the letters that stand alone in the sentences of a note."""
+    short = (p for p in document.pieces if p.kind == "inline" and len(p.body) <= MAX_LETTER)
+    readings = (read_piece(p, ()).reading for p in short)
+    return named(r.tree for r in readings if r is not None)
+
+
+MAX_LETTER = 40
+"""Characters of a formula that is looked at for a letter alone."""
 
 
 def reread(understood: Understood, tree: Node) -> tuple[Claim, ...]:
     """Return the claims of another tree that stands in the place of a formula."""
     reading, around = understood.formula.reading, understood.around
     tags = [text for text, _ in reading.tags] if reading is not None else []
-    context = _Context(understood.lexicon, dict(around.definitions), around.before)
+    context = _Context(
+        understood.lexicon, dict(around.definitions), around.before, around.scalars
+    )
     return context.claims(split(tree, around.previous, tags))
 
 
@@ -112,6 +139,7 @@ class _Context:
     lexicon: Lexicon
     definitions: dict[Look, Value]
     before: tuple[Claim, ...]
+    scalars: Scalars
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
         """Return the claims of statements, each of which may use what the ones before define."""
@@ -130,6 +158,18 @@ class _Context:
         What is not about scalars of the system alone is read without it, if that leaves no more without
         a meaning.
         """
+        new = self._general(statement, known, before)
+        if not _gaps(new):
+            return new
+        own = self.scalars
+        other = read(
+            statement, self.lexicon, own.named, own.relations, defining=own.defining
+        )
+        return new if other is None else other
+
+    def _general(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
         new = claims(statement, self.lexicon, known, before)
         if self.lexicon.system is None or all(covered(c) for c in new):
             return new
