@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from eom.checker.axes import labelled, running, unnamed
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import Document
 from eom.checker.grammar import Reading
@@ -143,12 +144,27 @@ class _Context:
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
         """Return the claims of statements, each of which may use what the ones before define."""
-        known, found = dict(self.definitions), list[Claim]()
+        statements = tuple(statements)
+        known, found, index = dict(self.definitions), list[Claim](), running(statements)
         for statement in statements:
-            new = self._claims(statement, known, (*self.before, *found))
+            before = (*self.before, *found)
+            new = self._claims(statement, known, before)
+            if index and _gaps(new) and labelled(statement, index):
+                new = min((new, self._each(statement, known, before, index)), key=_gaps)
             known |= defined(new)
             found += new
         return tuple(found)
+
+    def _each(
+        self,
+        statement: Statement,
+        known: dict[Look, Value],
+        before: tuple[Claim, ...],
+        index: str,
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims for each of the axes that an index runs over."""
+        found = (claims(statement, self.lexicon, known, before, {index: k}) for k in "123")
+        return tuple(unnamed(c, index) for each in found for c in each)
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
