@@ -18,13 +18,14 @@ def running(statements: Iterable[Statement]) -> str:
     """Return the letter that one of the statements of a formula lets run over the axes, or ""."""
     for statement in statements:
         for part in (statement, *(condition for _, condition in statement.conditions)):
-            letter = _listed(part)
+            letter = listed(part)
             if letter:
                 return letter
     return ""
 
 
-def _listed(part: Statement) -> str:
+def listed(part: Statement) -> str:
+    """Return the letter that a statement lets run over the axes, or ""."""
     if len(part.members) == 2 and part.signs[0].name in {"=", "in"}:
         left, right = part.members
         inside = right.body if isinstance(right, Group) else right

@@ -4,8 +4,8 @@ A slip in a term is no slip where the term vanishes: with the wrong sign before 
 acceleration is right for a particle at the origin. So a set of assumptions does not count under which
 written terms vanish because a point is a special one or something rests, while others stay that are not
 equal by themselves ("h = a + b = a" says that b vanishes, and counts). Nor does a set under which all
-sides vanish, unless the line says that something is zero: then any factor may be lost. Nor one that brings the
-model of another note with it, as the 3-1-2 angles do, of which the lexicon knows nothing.
+sides vanish, unless the line says that something is zero: then any factor may be lost. Nor one that
+brings the model of another note with it, as the 3-1-2 angles do, of which the lexicon knows nothing.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iter
 
 
 def _silences(claim: Claim, base: frozenset[str], names: Iterable[str]) -> bool:
-    """Tell whether all sides of a claim vanish under a set alone, though it says of none that it is zero."""
+    """Tell whether all sides of a claim vanish under a set alone, though it says so of none."""
     sides = [t for q in equations(claim) for t in (q.left, q.right)]
     if any(t.is_zero for t in sides):
         return False

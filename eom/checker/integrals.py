@@ -51,8 +51,10 @@ def definite(e: Elaborator, node: Integral) -> Value:
         lexicon=replace(e.lexicon, layers=(shadow, *e.lexicon.layers)),
         definitions={**e.definitions, look: own},
     )
-    inside = number(sp.Integer(1), node.span) if node.integrand is None else inner.value(node.integrand)
-    if inside.shape != SCALAR or inside.density or not _steady(inner, inside.term, x):
+    inside = (
+        number(sp.Integer(1), node.span) if node.integrand is None else inner.value(node.integrand)
+    )
+    if inside.shape != SCALAR or inside.density or not _steady(inner, inside.term):
         what = "an integrand that is no function of free scalars and its variable"
         raise refuse(UNDECIDED, what, node.span)
     a, b = e.expression(lower.term), e.expression(upper.term)
@@ -97,9 +99,9 @@ def called(tree: Any) -> bool:
     return False
 
 
-def _steady(e: Elaborator, term: Term, x: Expr) -> bool:
-    """Tell whether a term is made of the variable and of what does not depend on it."""
-    free = e.expression(term).free_symbols - {x}
+def _steady(e: Elaborator, term: Term) -> bool:
+    """Tell whether a term is made of variables of integrals and of what does not depend on it."""
+    free = {s for s in e.expression(term).free_symbols if not isinstance(s, sp.Dummy)}
     meanings = [e.scalars[s] for s in free if s in e.scalars]
     atoms = [n for t in (term, *meanings) for n in nodes(t) if n.head != "expr"]
     known = all(n.head in {"add", "mul"} or n.data[:1] in {(q,) for q in STEADY} for n in atoms)
@@ -143,10 +145,10 @@ def _primitive(part: Expr, x: Expr) -> Expr:
         return x ** (power + 1) / (power + 1)
     if not power.is_Integer or power < 0:
         raise Unknown
-    return sp.Add(*(_by_parts(int(power), t, x) for t in _linear(sp.Mul(*rest), x)))
+    return sp.Add(*(_by_parts(int(power), t, x) for t in _linear(sp.Mul(*rest))))
 
 
-def _linear(product: Expr, x: Expr) -> tuple[Expr, ...]:
+def _linear(product: Expr) -> tuple[Expr, ...]:
     """Return a product of sines and cosines as a sum of single ones; an exponential stays."""
     if isinstance(product, sp.exp):
         return (product,)
@@ -157,7 +159,7 @@ def _linear(product: Expr, x: Expr) -> tuple[Expr, ...]:
     functions = {f.as_base_exp()[0].func for f in sp.Mul.make_args(product)}
     if not functions <= {sp.sin, sp.cos} or not 0 < count <= MAX_POWER:
         raise Unknown
-    return sp.Add.make_args(sp.expand(TR8(product)))
+    return tuple(sp.Add.make_args(sp.expand(TR8(product))))
 
 
 _STEPS = {sp.sin: lambda a: -sp.cos(a), sp.cos: sp.sin, sp.exp: sp.exp}
@@ -190,9 +192,9 @@ def _step(now: Expr, x: Expr) -> Expr:
 
 
 def element(e: Elaborator, by_volume: bool) -> Elaborator:
-    r"""Return an elaborator in which x, y, z are an element's coordinates, r its distance, \rho its density.
+    r"""Return an elaborator that knows x, y, z, r of an element and its density \rho.
 
-    Along b1, b2, b3 from the point that the lexicon measures elements from, else from O. What the
+    They are along b1, b2, b3, and the distance, from the point that the lexicon measures elements from, else from O. What the
     lexicon or the note knows otherwise stays.
     """
     place = position("dm", _origin(e))
@@ -213,5 +215,3 @@ def _origin(e: Elaborator) -> str:
     entries = (entry.meaning for layer in e.lexicon.layers for entry in layer)
     found = {m.labels[1] for m in entries if m.quantity == "position" and m.labels[0] == "dm"}
     return found.pop() if len(found) == 1 else "O"
-
-

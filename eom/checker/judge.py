@@ -111,10 +111,9 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     given = tuple(given)
-    if claim.parameters is not None:
-        return _between_scalars(claim)
-    if claim.model is not None and systems.on_solutions(claim):
-        return _on_solutions(claim, claim.model, given)
+    elsewhere = _elsewhere(claim, given)
+    if elsewhere is not None:
+        return elsewhere
     if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
     try:
@@ -140,6 +139,15 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     verdict = DEFINITION if names else UNDER if sets else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
     return Judgement(verdict, sets, context, refuted, complete)
+
+
+def _elsewhere(claim: Claim, given: tuple[str, ...]) -> Judgement | None:
+    """Return the judgement on what no world is drawn for: free scalars, the system of a note."""
+    if claim.parameters is not None:
+        return _between_scalars(claim)
+    if claim.model is not None and systems.on_solutions(claim):
+        return _on_solutions(claim, claim.model, given)
+    return None
 
 
 def _between_scalars(claim: Claim) -> Judgement:

@@ -12,17 +12,18 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from eom.checker.axes import labelled, running, unnamed
+from eom.checker.axes import labelled, listed, running, unnamed
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import Document
 from eom.checker.grammar import Reading
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look
-from eom.checker.parameters import Known, Relation, named, read
+from eom.checker.naming import Named, brings, first, says
+from eom.checker.parameters import Known, Relation, limited, named, read
 from eom.checker.places import Source
 from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
-from eom.checker.roles import CLAIM, DEFINITION, roles
+from eom.checker.roles import CLAIM, roles
 from eom.checker.statements import Statement, split
 from eom.checker.syntax import Node
 from eom.checker.systems import covered
@@ -53,7 +54,7 @@ class Around:
     previous: tuple[Statement, ...] = ()
     trees: tuple[Node, ...] = ()
     number: int = 0
-    scalars: Scalars = field(default_factory=lambda: Scalars())
+    scalars: Scalars = field(default_factory=Scalars)
 
 
 @dataclass(frozen=True)
@@ -87,8 +88,10 @@ def understand(
     definitions: dict[Look, Value] = {}
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
-    letters, relations = _named(document), Known()
-    for piece, role in zip(document.pieces, roles(document.pieces), strict=True):
+    letters, relations, named_here, new_names = _named(document), Known(), Named(), False
+    for number, (piece, role) in enumerate(
+        zip(document.pieces, roles(document.pieces), strict=True)
+    ):
         if piece.kind == "heading":
             headings = [h for h in headings if h[0] < piece.level]
             headings.append((piece.level, piece.body.strip("# \n\t")))
@@ -99,12 +102,17 @@ def understand(
         here = scoped.at(titles, piece.source, piece.span.start)
         formula = read_piece(piece, previous if display else ())
         known, earlier = dict(definitions), previous
-        scalars = Scalars(letters, relations.at(titles), role == DEFINITION)
+        new_names = brings(document.pieces, number, role, new_names)
+        known |= named_here.at(titles)
+        scalars = Scalars(letters, relations.at(titles), new_names)
         context = _Context(here, known, before if display else (), scalars)
         new = _timely(formula, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
-        definitions |= defined(new.claims)
+        if new_names:
+            named_here.add(titles, new.claims)
+        else:
+            definitions |= defined(new.claims)
         relations.add(titles, new.claims)
         around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
@@ -127,9 +135,7 @@ def reread(understood: Understood, tree: Node) -> tuple[Claim, ...]:
     """Return the claims of another tree that stands in the place of a formula."""
     reading, around = understood.formula.reading, understood.around
     tags = [text for text, _ in reading.tags] if reading is not None else []
-    context = _Context(
-        understood.lexicon, dict(around.definitions), around.before, around.scalars
-    )
+    context = _Context(understood.lexicon, dict(around.definitions), around.before, around.scalars)
     return context.claims(split(tree, around.previous, tags))
 
 
@@ -146,7 +152,7 @@ class _Context:
         """Return the claims of statements, each of which may use what the ones before define."""
         statements = tuple(statements)
         known, found, index = dict(self.definitions), list[Claim](), running(statements)
-        for statement in statements:
+        for statement in (s for s in statements if not listed(s)):
             before = (*self.before, *found)
             new = self._claims(statement, known, before)
             if index and _gaps(new) and labelled(statement, index):
@@ -175,13 +181,19 @@ class _Context:
         a meaning.
         """
         new = self._general(statement, known, before)
-        if not _gaps(new):
+        if not _gaps(new) and not limited(statement):
             return new
         own = self.scalars
-        other = read(
-            statement, self.lexicon, own.named, own.relations, defining=own.defining
-        )
-        return new if other is None else other
+        brought = first(statement, self.lexicon) if own.defining else None
+        if brought is not None:
+            other = self._general(brought, known, before)
+            if not _gaps(other) and says(other):
+                return other
+        scalars = read(statement, self.lexicon, own.named, own.relations, defining=own.defining)
+        if scalars is not None or _gaps(new):
+            return new if scalars is None else scalars
+        what = Finding(UNDECIDED, "what this integral says is no identity", statement.span)
+        return tuple(replace(c, findings=(*c.findings, what)) for c in new)
 
     def _general(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]

@@ -52,13 +52,15 @@ class Parameters:
     """What a claim between free scalars may rest on, and what it is made of.
 
     ``variables``: letters over which it integrates; ``integrals``: numbers of the members that have one;
-    ``fresh``: letters that a word as label brings in; ``defining``: whether the words around say so.
+    ``fresh``: letters that a word as label brings in; ``constant``: whether an integrand shows none of
+    the variables, so that it may depend on them unseen; ``defining``: whether the words around say so.
     """
 
     relations: tuple[Relation, ...] = ()
     variables: tuple[str, ...] = ()
     integrals: frozenset[int] = frozenset()
     fresh: frozenset[Expr] = frozenset()
+    constant: bool = False
     defining: bool = False
 
 
@@ -92,7 +94,10 @@ def read(
         return None
     if any(map(called, statement.members)):
         return None
-    looks, fresh = _free(statement.members, lexicon, introduced)
+    known = {str(r.symbol) for r in relations}
+    left = seen(statement.members[0]) if defining else None
+    introduced = {*introduced, *([left.look] if left is not None else [])}
+    looks, fresh = _free(statement.members, lexicon, introduced, known)
     found = claims(statement, _with(lexicon, looks))
     made = []
     for claim in found:
@@ -105,7 +110,10 @@ def read(
 
 
 def _free(
-    members: Iterable[Node], lexicon: Lexicon, introduced: Collection[Look]
+    members: Iterable[Node],
+    lexicon: Lexicon,
+    introduced: Collection[Look],
+    known: Collection[str],
 ) -> tuple[dict[Look, None], set[Look]]:
     """Return the letters that the lexicon does not know and that are free, and those with a word below."""
     looks: dict[Look, None] = {}
@@ -118,7 +126,7 @@ def _free(
         if any(lexicon.find(g) is not None for g in (given.look, whole) if g is not None):
             continue
         worded = _worded(node)
-        if worded or given.look in introduced:
+        if worded or given.look in introduced or given.look.text in known:
             looks[given.look] = None
             fresh |= {given.look} if worded else set()
     return looks, fresh
@@ -151,6 +159,12 @@ def _with(lexicon: Lexicon, looks: Iterable[Look]) -> Lexicon:
     return replace(lexicon, layers=(*lexicon.layers, layer))
 
 
+def limited(statement: Statement) -> bool:
+    """Tell whether a statement has an integral with limits."""
+    found = (n for m in statement.members for n in walk(m))
+    return any(isinstance(n, Integral) and n.upper is not None for n in found)
+
+
 def _parameters(
     claim: Claim, members: tuple[Node, ...], relations: tuple[Relation, ...], fresh: Iterable[Look]
 ) -> Parameters | None:
@@ -165,12 +179,19 @@ def _parameters(
     if any(n.upper is None for found in inside for n in found):
         return None
     looks = [seen(v) for found in inside for n in found for v in n.variables]
+    names = {g.look.name for g in looks if g is not None}
+    shown = [
+        {x.name for x in walk(n.integrand) if isinstance(x, Symbol)} if n.integrand else names
+        for found in inside
+        for n in found
+    ]
     own = frozenset(_symbol(Term("atom", (), ("scalar", f.text))) for f in fresh)
     return Parameters(
         relations,
         tuple(g.look.text for g in looks if g is not None),
         frozenset(k for k, found in enumerate(inside) if found),
         own,
+        any(not letters & names for letters in shown),
     )
 
 
@@ -259,8 +280,10 @@ def _link(a: Expr, b: Expr, own: Parameters, integral: bool) -> Link:
     if (left, right) != (a, b) and _agree(left, right):
         return Link(RESTS)
     lone = next((s for s in map(_lone, (a, b)) if s is not None), None)
-    if lone is not None and lone not in known and not (lone in a.free_symbols & b.free_symbols):
+    if lone is not None and lone not in known and lone not in a.free_symbols & b.free_symbols:
         return Link(NEW)
+    if integral and own.constant:
+        return Link(OPEN)
     factor = _factor(left, right)
     if factor is not None:
         return Link(FALSE, factor)
@@ -279,9 +302,10 @@ def _evaluates(a: Expr, b: Expr, own: Parameters) -> bool:
     What a relation makes to depend on the variable was no constant below the integral.
     """
     varying = {str(s) for r in own.relations for s in r.written.free_symbols}
-    alike = a.free_symbols == b.free_symbols or min(
-        len(a.free_symbols - b.free_symbols), len(b.free_symbols - a.free_symbols)
-    ) == 0
+    alike = (
+        a.free_symbols == b.free_symbols
+        or min(len(a.free_symbols - b.free_symbols), len(b.free_symbols - a.free_symbols)) == 0
+    )
     return alike and len(a.free_symbols | b.free_symbols) > 1 and not varying & set(own.variables)
 
 
@@ -357,5 +381,3 @@ def _relation(members: tuple[Expr, ...], k: int) -> Relation:
     alone, other = (a, members[-1]) if _lone(a) is not None else (b, members[0])
     coefficient, symbol = alone.as_coeff_Mul()
     return Relation(symbol, other / coefficient, other)
-
-
