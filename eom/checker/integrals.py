@@ -194,8 +194,8 @@ def _step(now: Expr, x: Expr) -> Expr:
 def element(e: Elaborator, by_volume: bool) -> Elaborator:
     r"""Return an elaborator that knows x, y, z, r of an element and its density \rho.
 
-    They are along b1, b2, b3, and the distance, from the point that the lexicon measures elements from, else from O. What the
-    lexicon or the note knows otherwise stays.
+    They are coordinates along b1, b2, b3, and the distance, from the point that the lexicon measures
+    elements from, else from O. What the lexicon or the note knows otherwise stays.
     """
     place = position("dm", _origin(e))
     axes = {n: dot(unit("B", k), place) for k, n in enumerate("xyz", 1)}

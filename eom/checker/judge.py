@@ -152,8 +152,7 @@ def _elsewhere(claim: Claim, given: tuple[str, ...]) -> Judgement | None:
 
 def _between_scalars(claim: Claim) -> Judgement:
     found = parameters.links(claim)
-    verdict = parameters.verdict(found, claim)
-    return Judgement(verdict or UNDECIDED, reason=parameters.reason(found))
+    return Judgement(parameters.verdict(found, claim) or UNDECIDED, reason=parameters.reason(found))
 
 
 def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement:
