@@ -24,11 +24,11 @@ import click
 from benchmarks.checking import GIVEN, LETTERS, read_truth
 from benchmarks.table import time_text
 from eom.checker.claims import Claim
+from eom.checker.contexts import CONTEXTS
 from eom.checker.documents import load, read_document
 from eom.checker.explaining import explain
 from eom.checker.explanation import Explanation
 from eom.checker.grammar import read_formula
-from eom.checker.judge import CONTEXTS
 from eom.checker.lexicon import Lexicon
 from eom.checker.lexicon_files import parse_lexicon
 from eom.checker.lines import place

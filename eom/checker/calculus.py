@@ -13,6 +13,7 @@ from eom import terms
 from eom.checker.arrays import assembled
 from eom.checker.dimensions import LENGTH, MASS
 from eom.checker.elaborator import Elaborator, number
+from eom.checker.integrals import definite, element
 from eom.checker.looks import labels
 from eom.checker.operations import determinant, overdot, rate, skew, trace, transposed
 from eom.checker.places import Span
@@ -105,14 +106,16 @@ def _numbered(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> Val
 
 
 def integral_value(e: Elaborator, node: Integral) -> Value:
-    """Return an integral over the body, over its mass or its volume."""
+    """Return an integral over the body, over its mass or its volume, or over a coordinate."""
     over = tuple(labels(v) for v in node.variables)
-    if node.upper is not None or over not in {(("m",),), (("V",),)}:
+    if node.upper is not None:
+        return definite(e, node)
+    if over not in {(("m",),), (("V",),)}:
         got = " ".join("d" + "".join(v) for v in over)
         raise refuse(UNDECIDED, "not an integral over a body", node.span, got, "dm or dV")
     one = number(sp.Integer(1), node.span)
-    inside = one if node.integrand is None else e.value(node.integrand)
     by_volume = over == (("V",),)
+    inside = one if node.integrand is None else element(e, by_volume).value(node.integrand)
     if inside.density != int(by_volume):
         what = "a density is" + (
             " missing under this integral" if by_volume else " integrated over mass"

@@ -24,17 +24,19 @@ from eom.checker.statements import Statement
 from eom.checker.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
 from eom.checker.trees import walk
 from eom.checker.values import (
+    ROW,
     UNDECIDED,
     Finding,
     Refusal,
     Value,
     same,
 )
-from eom.terms import Term, expr
+from eom.terms import COLUMN, Term, expr
 from eom.vocabulary import position
 
 if TYPE_CHECKING:
     from eom.checker.model import Model
+    from eom.checker.parameters import Parameters
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
@@ -53,7 +55,8 @@ class Claim:
     the arrow that leads here. A continued chain begins with the first member of the chain before,
     and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
     ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
-    ``model``: the system that scalar lines of the note are about.
+    ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
+    scalars, see `eom.checker.parameters`.
     """
 
     members: tuple[Value, ...]
@@ -67,6 +70,7 @@ class Claim:
     scalars: Mapping[Any, Term] = field(default_factory=dict)
     span: Span = NOWHERE
     model: Model | None = field(default=None, compare=False)
+    parameters: Parameters | None = field(default=None, compare=False)
 
     @property
     def verdict(self) -> str:
@@ -83,18 +87,20 @@ def claims(
     lexicon: Lexicon,
     definitions: Mapping[Look, Value] | None = None,
     before: Sequenced[Claim] = (),
+    indices: Mapping[str, str] | None = None,
 ) -> tuple[Claim, ...]:
     """Return what a statement claims at a place of a note, its conditions first.
 
     ``lexicon``: what holds there; ``definitions``: what the note has defined above; ``before``: the
-    claims that a leading sign of equality may continue. Words alone claim nothing.
+    claims that a leading sign of equality may continue; ``indices``: what bound ones stand for. Words
+    alone claim nothing.
     """
     known = dict(definitions or {})
     found: list[Claim] = []
     parts = [*statement.conditions, ("", statement)]
     for role, part in parts:
         for one in _single(part):
-            new = _chain(one, elaborator(lexicon, known), before)
+            new = _chain(one, elaborator(lexicon, known).bound(**(indices or {})), before)
             found += [replace(c, role=role, joined=one.joined) for c in new]
     return tuple(found)
 
@@ -164,6 +170,8 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     look = _new(nodes, signs, e)
     skip = int(look is not None or s.continues)
     values, findings = _values(e, nodes[skip:])
+    if not findings:
+        values = _lying(nodes[skip:], values)
     made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
     made = replace(made, model=e.lexicon.system)
     found = []
@@ -187,6 +195,20 @@ def _values(e: Elaborator, nodes: Iterable[Node]) -> tuple[list[Value], list[Fin
         except Refusal as refusal:
             findings.append(refusal.finding)
     return values, findings
+
+
+def _lying(nodes: list[Node], values: list[Value]) -> list[Value]:
+    """Return members where a list in round brackets lies down beside a row."""
+    if not any(v.shape == ROW for v in values):
+        return values
+    return [
+        replace(v, shape=ROW) if v.shape == COLUMN and _is_list(n) else v
+        for n, v in zip(nodes, values, strict=True)
+    ]
+
+
+def _is_list(node: Node) -> bool:
+    return isinstance(node, Group) and node.open == "(" and isinstance(node.body, Sequence)
 
 
 def _joined(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:

@@ -82,7 +82,8 @@ def parts(claim: Claim, assumed: frozenset[str], count: int = 2) -> tuple[tuple[
     found: list[list[int]] = [[] for _ in claim.members]
     for seed in range(count):
         e = Evaluator(world(assumed, seed), claim.scalars)
-        env: Env = next(e.numberings(_free(e, claim)), {})
+        free = frozenset().union(*(e.labels(m.term) for m in claim.members))
+        env: Env = next(e.numberings(free), {})
         for values, member in zip(found, claim.members, strict=True):
             values += [s.coefficients[0] for s in _components(e, member.term, env)]
     return tuple(tuple(v) for v in found)

@@ -3,8 +3,9 @@
 A slip in a term is no slip where the term vanishes: with the wrong sign before the Coriolis term an
 acceleration is right for a particle at the origin. So a set of assumptions does not count under which
 written terms vanish because a point is a special one or something rests, while others stay that are not
-equal by themselves ("h = a + b = a" says that b vanishes, and counts). Nor does a set that brings the
-model of another note with it, as the 3-1-2 angles do, of which the lexicon knows nothing.
+equal by themselves ("h = a + b = a" says that b vanishes, and counts). Nor does a set under which all
+sides vanish, unless the line says that something is zero: then any factor may be lost. Nor one that
+brings the model of another note with it, as the 3-1-2 angles do, of which the lexicon knows nothing.
 """
 
 from __future__ import annotations
@@ -53,6 +54,7 @@ def meant(found: Judgement, claim: Claim, lexicon: Lexicon, given: Iterable[str]
         for s in found.sets
         if not strange & closure(s)
         and not any(_empties(claim, q, base, s) for q in equations(claim))
+        and not _silences(claim, base, s)
     )
     if kept:
         return replace(found, sets=kept)
@@ -79,6 +81,19 @@ def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iter
             return False
         kept = [t for k, t in enumerate(signed) if k not in after]
         return not _holds(claim, Equation(add(*kept), zero(equation.left.kind)), base)
+    except InputError:
+        return False
+
+
+def _silences(claim: Claim, base: frozenset[str], names: Iterable[str]) -> bool:
+    """Tell whether all sides of a claim vanish under a set alone, though it says so of none."""
+    sides = [t for q in equations(claim) for t in (q.left, q.right)]
+    if any(t.is_zero for t in sides):
+        return False
+    try:
+        if len(_zeros(claim, sides, closure([*base, *names]))) < len(sides):
+            return False
+        return len(_zeros(claim, sides, base)) < len(sides)
     except InputError:
         return False
 

@@ -31,6 +31,8 @@ def explain(
         return UNEXPLAINED
     given, stated = tuple(given), tuple(stated)
     places = judged.chain.blamed if judged.chain is not None else ()
+    if judged.claim.parameters is not None:
+        return Explanation(blamed=places)
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))

@@ -8,14 +8,14 @@ What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about onc
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
-from eom.attitudes import sequence_of
-from eom.checker import systems
+from eom.checker import parameters, systems
 from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.contexts import contexts, labels_in
 from eom.checker.inequalities import (
     ALWAYS,
     BARELY,
@@ -44,15 +44,6 @@ TRIALS = 12
 MAX_TESTS = 160
 """Sets of assumptions that are tried at most for one claim."""
 
-CONTEXTS: tuple[tuple[str, ...], ...] = (
-    (),
-    ("rigid",),
-    ("one_particle",),
-    ("spin_312",),
-    ("rotors",),
-    ("viscous_slug",),
-)
-"""Worlds in which more and more quantities exist; the first where all of a claim do is taken."""
 
 MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
 """Contexts that assume something of the body, which a claim about its masses rests on."""
@@ -111,8 +102,9 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     Raises `eom.limits.Overdue` where time is up before anything is found.
     """
     given = tuple(given)
-    if claim.model is not None and systems.on_solutions(claim):
-        return _on_solutions(claim, claim.model, given)
+    elsewhere = _elsewhere(claim, given)
+    if elsewhere is not None:
+        return elsewhere
     if ORDERS & set(claim.relations) and len(claim.relations) == len(claim.members) - 1:
         return _ordered(claim, given)
     try:
@@ -138,6 +130,20 @@ def judge(claim: Claim, given: Iterable[str] = ()) -> Judgement:
     verdict = DEFINITION if names else UNDER if sets else WRONG
     complete = search.tests < MAX_TESTS and not search.stopped
     return Judgement(verdict, sets, context, refuted, complete)
+
+
+def _elsewhere(claim: Claim, given: tuple[str, ...]) -> Judgement | None:
+    """Return the judgement on what no world is drawn for: free scalars, the system of a note."""
+    if claim.parameters is not None:
+        return _between_scalars(claim)
+    if claim.model is not None and systems.on_solutions(claim):
+        return _on_solutions(claim, claim.model, given)
+    return None
+
+
+def _between_scalars(claim: Claim) -> Judgement:
+    found = parameters.links(claim)
+    return Judgement(parameters.verdict(found, claim) or UNDECIDED, reason=parameters.reason(found))
 
 
 def _on_solutions(claim: Claim, model: Model, given: Iterable[str]) -> Judgement:
@@ -216,23 +222,6 @@ def judge_within(claim: Claim, names: Iterable[str], given: Iterable[str] = ()) 
         return Judgement(WRONG, context=context, complete=False)
     needed = search.shrunk(names, base) - base
     return Judgement(UNDER, (needed_names(needed | own),), context, complete=False)
-
-
-def labels_in(terms: Iterable[Term]) -> frozenset[str]:
-    """Return every label of terms."""
-    return frozenset(str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str))
-
-
-def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
-    """Yield the contexts in which terms may have values, the simplest first.
-
-    Angles exist by the assumption of their sequence, a single particle by that of one.
-    """
-    found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
-    sequences = tuple(dict.fromkeys(map(sequence_of, found)))
-    single = [("one_particle",)] if "P" in labels_in(terms) else []
-    for general in [*single, *CONTEXTS]:
-        yield (*sequences, *general)
 
 
 def needed_names(names: frozenset[str]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from eom.checker.judge import contexts
+from eom.checker.contexts import contexts
 from eom.checker.lines import Place, place
 from eom.errors import InputError
 from eom.terms import Term

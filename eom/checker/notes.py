@@ -12,11 +12,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from eom.checker.axes import labelled, listed, running, unnamed
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import Document
 from eom.checker.grammar import Reading
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look
+from eom.checker.naming import Named, brings, first, says
+from eom.checker.parameters import Known, Relation, limited, named, read
 from eom.checker.places import Source
 from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
@@ -30,11 +33,20 @@ from eom.limits import Overdue, deadline
 
 
 @dataclass(frozen=True)
+class Scalars:
+    """Letters that a note names alone, relations between them so far, whether a formula defines one."""
+
+    named: frozenset[Look] = frozenset()
+    relations: tuple[Relation, ...] = ()
+    defining: bool = False
+
+
+@dataclass(frozen=True)
 class Around:
     """What a formula may refer to: what the note has defined before it, the display that it continues.
 
     ``trees``: those of all formulas of the note, in order, so that what is written elsewhere can be
-    proposed; ``number``: which of them is the formula's own.
+    proposed; ``number``: which of them is the formula's own; ``scalars``: letters of its own.
     """
 
     definitions: Mapping[Look, Value] = field(default_factory=dict)
@@ -42,6 +54,7 @@ class Around:
     previous: tuple[Statement, ...] = ()
     trees: tuple[Node, ...] = ()
     number: int = 0
+    scalars: Scalars = field(default_factory=Scalars)
 
 
 @dataclass(frozen=True)
@@ -75,7 +88,10 @@ def understand(
     definitions: dict[Look, Value] = {}
     previous: tuple[Statement, ...] = ()
     before: tuple[Claim, ...] = ()
-    for piece, role in zip(document.pieces, roles(document.pieces), strict=True):
+    letters, relations, named_here, new_names = _named(document), Known(), Named(), False
+    for number, (piece, role) in enumerate(
+        zip(document.pieces, roles(document.pieces), strict=True)
+    ):
         if piece.kind == "heading":
             headings = [h for h in headings if h[0] < piece.level]
             headings.append((piece.level, piece.body.strip("# \n\t")))
@@ -86,22 +102,40 @@ def understand(
         here = scoped.at(titles, piece.source, piece.span.start)
         formula = read_piece(piece, previous if display else ())
         known, earlier = dict(definitions), previous
-        context = _Context(here, known, before if display else ())
+        new_names = brings(document.pieces, number, role, new_names)
+        known |= named_here.at(titles)
+        scalars = Scalars(letters, relations.at(titles), new_names)
+        context = _Context(here, known, before if display else (), scalars)
         new = _timely(formula, previous if display else (), context, seconds)
         if display:
             previous, before = new.formula.statements, new.claims
-        definitions |= defined(new.claims)
-        around = Around(known, context.before, earlier if display else (), number=len(found))
+        if new_names:
+            named_here.add(titles, new.claims)
+        else:
+            definitions |= defined(new.claims)
+        relations.add(titles, new.claims)
+        around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
     trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
     return tuple(replace(u, around=replace(u.around, trees=trees)) for u in found)
+
+
+def _named(document: Document) -> frozenset[Look]:
+    """Return the letters that stand alone in the sentences of a note."""
+    short = (p for p in document.pieces if p.kind == "inline" and len(p.body) <= MAX_LETTER)
+    readings = (read_piece(p, ()).reading for p in short)
+    return named(r.tree for r in readings if r is not None)
+
+
+MAX_LETTER = 40
+"""Characters of a formula that is looked at for a letter alone."""
 
 
 def reread(understood: Understood, tree: Node) -> tuple[Claim, ...]:
     """Return the claims of another tree that stands in the place of a formula."""
     reading, around = understood.formula.reading, understood.around
     tags = [text for text, _ in reading.tags] if reading is not None else []
-    context = _Context(understood.lexicon, dict(around.definitions), around.before)
+    context = _Context(understood.lexicon, dict(around.definitions), around.before, around.scalars)
     return context.claims(split(tree, around.previous, tags))
 
 
@@ -112,15 +146,31 @@ class _Context:
     lexicon: Lexicon
     definitions: dict[Look, Value]
     before: tuple[Claim, ...]
+    scalars: Scalars
 
     def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
         """Return the claims of statements, each of which may use what the ones before define."""
-        known, found = dict(self.definitions), list[Claim]()
-        for statement in statements:
-            new = self._claims(statement, known, (*self.before, *found))
+        statements = tuple(statements)
+        known, found, index = dict(self.definitions), list[Claim](), running(statements)
+        for statement in (s for s in statements if not listed(s)):
+            before = (*self.before, *found)
+            new = self._claims(statement, known, before)
+            if index and _gaps(new) and labelled(statement, index):
+                new = min((new, self._each(statement, known, before, index)), key=_gaps)
             known |= defined(new)
             found += new
         return tuple(found)
+
+    def _each(
+        self,
+        statement: Statement,
+        known: dict[Look, Value],
+        before: tuple[Claim, ...],
+        index: str,
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims for each of the axes that an index runs over."""
+        found = (claims(statement, self.lexicon, known, before, {index: k}) for k in "123")
+        return tuple(unnamed(c, index) for each in found for c in each)
 
     def _claims(
         self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
@@ -130,6 +180,24 @@ class _Context:
         What is not about scalars of the system alone is read without it, if that leaves no more without
         a meaning.
         """
+        new = self._general(statement, known, before)
+        if not _gaps(new) and not limited(statement):
+            return new
+        own = self.scalars
+        brought = first(statement, self.lexicon) if own.defining else None
+        if brought is not None:
+            other = self._general(brought, known, before)
+            if not _gaps(other) and says(other):
+                return other
+        scalars = read(statement, self.lexicon, own.named, own.relations, defining=own.defining)
+        if scalars is not None or _gaps(new):
+            return new if scalars is None else scalars
+        what = Finding(UNDECIDED, "what this integral says is no identity", statement.span)
+        return tuple(replace(c, findings=(*c.findings, what)) for c in new)
+
+    def _general(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
         new = claims(statement, self.lexicon, known, before)
         if self.lexicon.system is None or all(covered(c) for c in new):
             return new

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.carrying import carried, resting
+from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
@@ -48,7 +49,7 @@ def review(
     """
     given = tuple(given)
     first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
-    apart = {k for k, u in enumerate(understood) if any(map(on_solutions, u.claims))}
+    apart = {k for k, u in enumerate(understood) if any(map(_apart, u.claims))}
     worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
     alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
     found = _in_worlds(document, worldly, given, alone)
@@ -56,6 +57,11 @@ def review(
         replace(r, understood=u, verdict=v) if k in apart else r
         for k, (r, u, v) in enumerate(zip(found, understood, first, strict=True))
     )
+
+
+def _apart(claim: Claim) -> bool:
+    """Whether no world has the values of a claim: it is about a system, or about free scalars."""
+    return claim.parameters is not None or on_solutions(claim)
 
 
 def _in_worlds(

@@ -41,15 +41,15 @@ def test_the_truth_is_that_of_explicit_motions(name):
 
 REACHED = {
     "euler_rates": 16,
-    "gravity_gradient": 12,
+    "gravity_gradient": 13,
     "gyrostat": 12,
     "heavy_top": 16,
-    "kane": 16,
+    "kane": 17,
     "moving_point": 14,
     "particles": 16,
     "quaternions": 16,
     "rodrigues": 14,
-    "solids": 3,
+    "solids": 12,
     "transport": 13,
 }
 """How many equations of each note have been judged rightly; no change may make them fewer."""
