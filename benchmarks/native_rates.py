@@ -34,6 +34,10 @@ SEED = 20240229
 Array = NDArray[np.float64]
 
 
+HANDWRITTEN = tuple(sorted(path.stem for path in (HERE / "handwritten").glob("*.c")))
+"""Ready scenes whose rates someone wrote in C by hand."""
+
+
 @dataclass(frozen=True)
 class Rates:
     """A C function ``void f(double t, const double *x, const void *c, const double *u, double *dx)``.
