@@ -35,7 +35,7 @@ from eom.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
 from eom.scene import Scene
 from eom.spinning import OMEGA as SPIN_RATE
 from eom.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT
-from eom.system import Charts, Definition, Expr, Quantity, Singularity, System
+from eom.system import Charts, Definition, Expr, Quantity, Singularity, System, as_expression
 
 BRANCH = sp.Symbol("branch", real=True)
 FIRST = sp.Symbol("first_angle", real=True)
@@ -254,7 +254,7 @@ def _spinning(scene: Description, returned: Mapping[Expr, Expr]) -> System:
 
 def _with_torque(scene: Description, parts: Any, own: Any, inputs: Any, inertia: Any) -> System:
     branch = () if BRANCH in {q.symbol for q in own} else (Quantity(BRANCH),)
-    needs = any(BRANCH in sp.sympify(c).free_symbols for c in parts)
+    needs = any(BRANCH in as_expression(c).free_symbols for c in parts)
     law = torques.applied(parts, (*own, *(branch if needs else ())), inputs)
     return rigid_body(inertia, lambda C, J: law, quaternion(), name=scene.name, title=scene.title)
 

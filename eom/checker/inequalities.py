@@ -363,7 +363,7 @@ class _Symbols(Field):
 
     def inverse(self, value: Any) -> Any:
         """Return the reciprocal of a number; raises `Singular` for all else."""
-        if not sp.sympify(value).is_Rational or value == 0:
+        if not sp.sympify(value, strict=True).is_Rational or value == 0:
             raise Singular
         return 1 / sp.Rational(value)
 

@@ -108,7 +108,7 @@ def same(a: Value, b: Value) -> bool:
     """Tell whether two values are equal; numbers to within rounding."""
     if is_number(a) and is_number(b):
         return bool(abs(a - b) <= TOLERANCE * (abs(a) + abs(b)))
-    return bool(a == b or vanishes(sp.sympify(a) - sp.sympify(b)))
+    return bool(a == b or vanishes(as_expression(a) - as_expression(b)))
 
 
 def rotation(given: Any, where: str) -> tuple[tuple[Value, ...], ...]:
@@ -147,7 +147,7 @@ def unit(given: Any, where: str) -> tuple[Value, Value, Value]:
     a = triple(given, where)
     if all(map(is_number, a)):
         return _normalised(a, where)
-    if not vanishes(sp.Add(*(sp.sympify(x) ** 2 for x in a)) - 1):
+    if not vanishes(sp.Add(*(as_expression(x) ** 2 for x in a)) - 1):
         raise InputError(
             "the components of a symbolic axis must have squares that add to 1",
             where=where,
