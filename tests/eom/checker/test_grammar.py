@@ -5,7 +5,7 @@ import pytest
 from eom.checker.grammar import read_formula
 from eom.checker.places import ReadingError
 from eom.checker.statements import split
-from tests.clock import growth_within
+from tests.clock import growth_in_calls
 from tests.eom.checker.shape import shape
 
 
@@ -164,7 +164,7 @@ def test_twenty_levels_are_read():
     ],
 )
 def test_time_grows_with_length(unit):
-    assert growth_within(3 * 8, lambda n: split(read_formula(f"a {unit * n} c").tree), 100, 800)
+    assert growth_in_calls(9, lambda n: split(read_formula(f"a {unit * n} c").tree), 100, 800)
 
 
 def test_megabytes_are_refused_at_once():

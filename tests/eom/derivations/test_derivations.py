@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import time
 
 import pytest
 import sympy as sp
@@ -20,7 +19,7 @@ from eom.terms import der
 from eom.verification import DerivationError, verify
 from eom.vocabulary import quantity
 from eom.worlds import closure
-from tests.clock import reference, within
+from tests.clock import growth_in_calls
 
 ALL = names()
 
@@ -107,20 +106,18 @@ def test_without_its_assumption_the_step_is_false(name, label, assumption):
         verify(step.statement, rest, d.scalars)
 
 
-def test_time_of_each_and_of_all():
+def test_work_of_each_and_of_all():
+    """From cold: about 2 s at most for one, 10 s for all."""
     code = (
-        "import time\nfrom eom.derivations import derive, names\n"
-        "for n in names():\n t = time.process_time(); derive(n)\n"
-        " print(n, time.process_time() - t)"
+        "from eom.derivations import derive, names\n"
+        "from tests.clock import calls\n"
+        "for n in names():\n print(n, calls(derive, n))"
     )
-
-    def seconds():
-        words = [sys.executable, "-c", code]
-        run = subprocess.run(words, capture_output=True, text=True, check=True)
-        each = [float(line.split()[1]) for line in run.stdout.splitlines()]
-        return max(max(each) / 2, sum(each) / 60)
-
-    assert within(lambda: 20 * reference(), seconds)  # 0.05 s where the bounds are 2 s and 60 s
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    each = [int(line.split()[1]) for line in run.stdout.splitlines()]
+    assert min(each) > 1000
+    assert max(each) < 10_000_000
+    assert sum(each) < 50_000_000
 
 
 def test_titles_need_no_sympy():
@@ -169,15 +166,11 @@ def test_a_step_knows_what_it_rests_on():
 
 
 def test_making_is_linear_in_the_steps():
-    """Twice the steps take at most thrice the time."""
-    few, many = (min(seconds_of(n) for _ in range(3)) for n in (100, 200))
-    assert many < 3 * few
+    assert growth_in_calls(2.2, many_steps, 100, 200)
 
 
-def seconds_of(count):
-    start = time.process_time()
+def many_steps(count):
     d = Maker("many", "many", "tests")
     for k in range(count):
         d.start(der(quantity("vector", f"v{k}"))).then("transport", transport("B"))
     assert len(d.finish().steps) == count
-    return time.process_time() - start

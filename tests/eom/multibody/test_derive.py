@@ -27,7 +27,7 @@ from eom.multibody.motion import coordinate_rates
 from eom.multibody.recursions import inverse_dynamics, mass_matrix
 from eom.multibody.scalars import Numbers
 from eom.multibody.skeleton import skeleton
-from tests.clock import growth_within
+from tests.clock import growth_in_calls
 from tests.eom.multibody.trees import MOVING, state, tree
 
 FLOATS = Numbers(math.sin, math.cos)
@@ -282,7 +282,7 @@ def test_derivation_grows_linearly():
     def work(count):
         prune(lower_system(derive(long_chain(count), invariants=False)))
 
-    assert growth_within(2.6, work, 20, 40)
+    assert growth_in_calls(2.2, work, 20, 40)
 
 
 def test_the_same_tree_gives_the_same_system():
