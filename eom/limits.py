@@ -1,4 +1,7 @@
-"""A deadline for a piece of work: what may take long asks whether the time is used up."""
+"""A deadline for a piece of work: what may take long asks whether the time is used up.
+
+Seconds are of processor time: what is found does not depend on what else the machine does.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from math import inf
-from time import monotonic
+from time import process_time
 
 _END: ContextVar[tuple[float, str]] = ContextVar("end", default=(inf, ""))
 
@@ -22,7 +25,7 @@ def deadline(seconds: float, work: str) -> Iterator[None]:
     Raises `Overdue` from the first `check` after it.
     """
     words = f"{work} takes more than {seconds:g} s"
-    token = _END.set(min(_END.get(), (monotonic() + seconds, words)))
+    token = _END.set(min(_END.get(), (process_time() + seconds, words)))
     try:
         yield
     finally:
@@ -32,5 +35,5 @@ def deadline(seconds: float, work: str) -> Iterator[None]:
 def check() -> None:
     """Raise `Overdue` if the time is used up."""
     end, words = _END.get()
-    if monotonic() > end:
+    if process_time() > end:
         raise Overdue(words)

@@ -24,7 +24,7 @@ from eom.errors import InputError
 from eom.worlds import closure
 
 GRACE_SECONDS = 5.0
-"""What a worker may take beyond the time for a note before it is ended."""
+"""What a worker may take, by the clock, beyond twice the time for a note before it is ended."""
 START_SECONDS = 120.0
 MEMORY = 4 * 2**30
 """Bytes that a worker may map, where the system can limit them."""
@@ -63,6 +63,11 @@ def check_notes(
 
 
 # -- workers -------------------------------------------------------------------------------------
+
+
+def _patience(settings: Settings) -> float:
+    """Return how long a note may take by the clock, its own limit being one of processor time."""
+    return 2 * settings.note_seconds + GRACE_SECONDS
 
 
 @dataclass
@@ -116,7 +121,7 @@ def _graded(
             if worker.pipe in heard:
                 answer = _answer(worker)
             elif worker in busy and monotonic() > worker.ends:
-                answer = f"no answer within {settings.note_seconds:g} s"
+                answer = f"no answer within {_patience(settings):g} s"
             else:
                 continue
             if worker.number >= 0:
@@ -131,7 +136,7 @@ def _give(worker: _Worker, waiting: list[int], jobs: Sequence[Note], settings: S
     """Give an idle worker the next note, if there is one."""
     if worker.ready and waiting:
         worker.number = waiting.pop()
-        worker.ends = monotonic() + settings.note_seconds + GRACE_SECONDS
+        worker.ends = monotonic() + _patience(settings)
         with suppress(OSError):  # it has died: its pipe tells
             worker.pipe.send(jobs[worker.number])
 

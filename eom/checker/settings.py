@@ -22,7 +22,8 @@ class Settings:
     ``notation``: a preset, ``lexicon``: a TOML file, "" for neither; ``given``: assumptions made without
     being said; ``kind``: of texts that are no files, see `read_document`, "" for what they look like;
     ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
-    ``seconds``: for the meaning of a formula, and again for its judgement; ``note_seconds``: for a note.
+    ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
+    ``note_seconds``: for a note.
     """
 
     notation: str = ""

@@ -102,14 +102,14 @@ def _assumptions() -> Rows:
     type=click.FloatRange(0, min_open=True),
     default=10.0,
     show_default=True,
-    help="For a formula; what takes longer is undecided.",
+    help="Of processor time, for a formula; what takes longer is undecided.",
 )
 @click.option(
     "--note-seconds",
     type=click.FloatRange(0, min_open=True),
     default=300.0,
     show_default=True,
-    help="For a note.",
+    help="Of processor time, for a note.",
 )
 def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> None:
     r"""Check hand derivations: which line is wrong, which holds, and under which assumptions.

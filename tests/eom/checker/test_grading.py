@@ -69,7 +69,7 @@ def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     graded = eom.check_files(notes, hurried, workers=1, progress=strike)
     assert statuses(graded) == ["nothing wrong", "unusable", "nothing wrong", "nothing wrong"]
     assert graded[1].name == str(notes[1])
-    words = "died" if sent == signal.SIGKILL else "no answer within 5 s"
+    words = "died" if sent == signal.SIGKILL else "no answer within 10 s"
     assert words in graded[1].error
     assert mp.active_children() == []
 
