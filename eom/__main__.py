@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run, check, bench, stress."""
+"""The command line: list, derive, generate, accuracy, simulate, run, check, convert, bench, stress."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import click
 
 from eom.commands.benching import bench
 from eom.commands.checking import check
+from eom.commands.converting import convert
 from eom.commands.deriving import derive
 from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
@@ -47,7 +48,7 @@ def main() -> None:
 
 
 COMMANDS = (
-    list_names, derive, generate, accuracy, simulate, run, ensemble, check, bench, stress
+    list_names, derive, generate, accuracy, simulate, run, ensemble, check, convert, bench, stress
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)

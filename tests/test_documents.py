@@ -40,7 +40,7 @@ def test_the_scene_of_the_readme_runs(tmp_path):
 
 def test_readme_gives_set_up_main_job_and_test_command():
     lines = [line for block in blocks("bash") for line in block.splitlines()]
-    assert len(lines) == 7
+    assert len(lines) == 8
     assert lines[0].startswith("python3 -m venv")
     assert "eom run" in lines[2]
     assert "eom accuracy" in lines[3]

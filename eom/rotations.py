@@ -1,0 +1,124 @@
+"""Attitudes in floats: rotation matrices, unit quaternions, and the angles of the 12 sequences.
+
+C takes components in the reference axes to components in the body's. Quaternions have the scalar
+first, angles are in radians. Small matrices are rows of tuples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+Row = tuple[float, float, float]
+Matrix = tuple[Row, Row, Row]
+Quaternion = tuple[float, float, float, float]
+
+ALMOST = 1e-9
+"""How far from orthonormal a rotation may be, how far from 1 a quaternion's norm."""
+
+
+def matrix_of(rows: Sequence[Sequence[float]]) -> Matrix:
+    """Return rows of numbers as a matrix."""
+    a, b, c = ((float(x), float(y), float(z)) for x, y, z in rows)
+    return a, b, c
+
+
+def product(a: Matrix, b: Matrix) -> Matrix:
+    """Return the product of two matrices."""
+    return matrix_of([[dot(row, column) for column in zip(*b, strict=True)] for row in a])
+
+
+def transpose(a: Matrix) -> Matrix:
+    """Return the transpose."""
+    return matrix_of(list(zip(*a, strict=True)))
+
+
+def dot(a: Sequence[float], b: Sequence[float]) -> float:
+    """Return the scalar product."""
+    return math.fsum(x * y for x, y in zip(a, b, strict=True))
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Row:
+    """Return the vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def determinant(rows: Sequence[Sequence[float]]) -> float:
+    """Return the determinant."""
+    return dot(rows[0], cross(rows[1], rows[2]))
+
+
+def _unit(axis: int) -> Row:
+    x, y, z = (float(axis == k) for k in (1, 2, 3))
+    return x, y, z
+
+
+def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
+    """Return C of a unit quaternion, scalar first (Hughes, eq. 2.2-27)."""
+    s, *v = q
+    across = ((0, -v[2], v[1]), (v[2], 0, -v[0]), (-v[1], v[0], 0))
+    return matrix_of(
+        [
+            [
+                (s * s - dot(v, v)) * (i == k) + 2 * v[i] * v[k] - 2 * s * across[i][k]
+                for k in range(3)
+            ]
+            for i in range(3)
+        ]
+    )
+
+
+def quaternion_of_matrix(C: Matrix) -> Quaternion:
+    """Return the unit quaternion of C, scalar first and not negative.
+
+    The products of its components are linear in C; the largest is divided by (Shepperd, J. Guid.
+    Control 1 (1978) 223).
+    """
+    trace = C[0][0] + C[1][1] + C[2][2]
+    products = [[0.0] * 4 for _ in range(4)]
+    products[0][0] = 1 + trace
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        products[i + 1][i + 1] = 1 + 2 * C[i][i] - trace
+        products[0][k + 1] = products[k + 1][0] = C[i][j] - C[j][i]
+        products[i + 1][j + 1] = products[j + 1][i + 1] = C[i][j] + C[j][i]
+    largest = max(range(4), key=lambda n: products[n][n])
+    size = math.sqrt(dot(products[largest], products[largest]))
+    sign = -1 if products[largest][0] < 0 else 1
+    a, b, c, d = (sign * x / size for x in products[largest])
+    return a, b, c, d
+
+
+def angles_of_matrix(C: Matrix, sequence: str) -> Row:
+    """Return the angles of a sequence about body axes; the second one in its principal range.
+
+    The row of the third axis is that axis, turned back by the second and the first angle; the first one
+    is seen about the first axis. The others follow from what is left. Where the first and third axes
+    are parallel, the third angle is zero.
+    """
+    i, j, k = (_unit(int(n)) for n in sequence.split("-"))
+    third = _row(C, k)
+    towards = k if k != i else cross(j, i)
+    if math.hypot(dot(towards, third), dot(cross(i, towards), third)) > ALMOST:
+        first = _angle(towards, third, i)
+    else:
+        first = _angle(j, _row(C, j), i)
+    rest = product(C, transpose(_elementary(i, first)))
+    return first, _angle(k, _row(rest, k), j), _angle(_column(rest, j), j, k)
+
+
+def _row(C: Matrix, axis: Row) -> Row:
+    return C[axis.index(1)]
+
+
+def _column(C: Matrix, axis: Row) -> Row:
+    return _row(transpose(C), axis)
+
+
+def _angle(start: Row, end: Row, axis: Row) -> float:
+    """Return the angle by which a vector turns about an axis to which the first is perpendicular."""
+    return math.atan2(dot(axis, cross(start, end)), dot(start, end))
+
+
+def _elementary(axis: Row, angle: float) -> Matrix:
+    turned = (math.cos(angle / 2), *(math.sin(angle / 2) * x for x in axis))
+    return matrix_of_quaternion(turned)
