@@ -46,9 +46,9 @@ def test_readme_gives_set_up_main_job_and_test_command():
     assert "eom accuracy" in lines[3]
     assert "eom derive" in lines[4]
     assert "eom check" in lines[5]
-    assert "pytest" in lines[6]
     assert "eom convert" in lines[6]
     assert "pytest" in lines[7]
+
 
 def test_the_report_that_the_readme_shows_is_that_of_the_checker():
     (shown,) = blocks("text")
