@@ -13,6 +13,7 @@ from typing import Any
 import sympy as sp
 
 from eom.checker import arrays, calculus
+from eom.checker.dimensions import NONE
 from eom.checker.elaborator import Elaborator, Rule, number, quotient
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import DOTS, Look, labels, seen
@@ -50,6 +51,7 @@ from eom.checker.syntax import (
 from eom.checker.turns import TURNS, abbreviated, between_frames, subscripted, turn
 from eom.checker.values import (
     AMBIGUOUS,
+    ANY,
     ILL_FORMED,
     ROW,
     UNDECIDED,
@@ -65,6 +67,7 @@ from eom.checker.values import (
 )
 from eom.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, expr, inner
 from eom.terms import dot as dot_product
+from eom.vocabulary import quantity
 
 MAX_DIGITS = 40
 
@@ -208,12 +211,20 @@ def _group(e: Elaborator, node: Group) -> Value:
     rotation = between_frames(e, node)
     if rotation is not None:
         return rotation
+    if node.open == "[" and isinstance(node.body, Number) and node.body.text == "1":
+        return _identity(e, node.span)
     value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
     if node.open in {"|", "||"}:
         return _size(e, value, node.span)
     if node.open == "<":
         raise refuse(UNDECIDED, "angle brackets without a meaning", node.span)
     return value
+
+
+def _identity(e: Elaborator, span: Span) -> Value:
+    """Return what a 1 in square brackets is: the unit matrix, the unit dyadic where vectors stay such."""
+    term = quantity("identity_matrix" if e.lexicon.notation.mixed else "identity")
+    return Value(term, term.kind, NONE, ANY, span=span)
 
 
 def _size(e: Elaborator, value: Value, span: Span) -> Value:
@@ -291,6 +302,7 @@ def _lowered(e: Elaborator, node: Scripts) -> Value:
     if labels(node.sub) == ("times",):
         return skew(e.lexicon.notation, e.value(node.base), node.span)
     frame = e.frame(node.sub)
+    e = e.resolved(frame)
     body = _bracketed(node.base)
     if isinstance(body, Section) and body.operator == "cross" and body.left:
         return skew(e.lexicon.notation, components(e.value(body.operand), frame), node.span)

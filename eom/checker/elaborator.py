@@ -66,6 +66,13 @@ class Elaborator:
         """Return the elaborator where some indices stand for something else."""
         return replace(self, indices={**self.indices, **indices})
 
+    def resolved(self, frame: str) -> Elaborator:
+        """Return the elaborator inside a bracket of components: vectors beside columns are in its frame."""
+        notation = self.lexicon.notation
+        if notation.mixed in {"", frame}:
+            return self
+        return replace(self, lexicon=replace(self.lexicon, notation=replace(notation, mixed=frame)))
+
     def frame(self, node: Node) -> str:
         """Return the frame that a script names. Raises `Refusal` for unknown ones."""
         name = self.lexicon.frame(labels(node))

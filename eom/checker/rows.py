@@ -7,7 +7,7 @@ the one above if a bracket is open, if it begins with ``+`` or a product sign, i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from eom.checker import latex
 from eom.checker.tokens import Token
@@ -15,10 +15,25 @@ from eom.checker.tokens import Token
 
 def join_rows(tokens: list[Token]) -> list[Token]:
     """Return the tokens with joined rows; matrices and cases stay as they are."""
+    tokens = [_column(tokens, k) for k in range(len(tokens))]
     joiner = _Joiner(tokens)
     for k, token in enumerate(tokens):
         joiner.read(k, token)
     return [t for k, t in enumerate(tokens) if k not in joiner.dropped]
+
+
+def _column(tokens: list[Token], k: int) -> Token:
+    """Return a token; the second of ``&&`` is wide space, behind which numbers and remarks stand."""
+    token, after = tokens[k], tokens[min(k + 1, len(tokens) - 1)]
+    second = token.is_char("&") and k > 0 and tokens[k - 1].is_char("&")
+    if not second or after.is_char("&") or _relates(after):
+        return token
+    return replace(token, kind="quad")
+
+
+def _relates(token: Token) -> bool:
+    named = token.kind == "char" and token.text in latex.RELATION_CHARACTERS
+    return named or token.is_command(*latex.RELATION_COMMANDS)
 
 
 @dataclass
@@ -102,9 +117,7 @@ class _Joiner:
         while self.tokens[k].kind not in {"row", "end", "stop", "begin"}:
             token = self.tokens[k]
             depth += token.is_char("{") - token.is_char("}")
-            if depth == 0 and token.kind == "char" and token.text in latex.RELATION_CHARACTERS:
-                return True
-            if depth == 0 and token.is_command(*latex.RELATION_COMMANDS):
+            if depth == 0 and _relates(token):
                 return True
             k += 1
         return False
