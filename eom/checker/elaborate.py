@@ -221,6 +221,12 @@ def _group(e: Elaborator, node: Group) -> Value:
     return value
 
 
+def _matrix(e: Elaborator, node: Matrix) -> Value:
+    """Return a matrix, or what bars around it make of it."""
+    value = calculus.matrix(e, node)
+    return _size(e, value, node.span) if node.environment in {"vmatrix", "Vmatrix"} else value
+
+
 def _identity(e: Elaborator, span: Span) -> Value:
     """Return what a 1 in square brackets is: the unit matrix, the unit dyadic where vectors stay such."""
     term = quantity("identity_matrix" if e.lexicon.notation.mixed else "identity")
@@ -233,6 +239,8 @@ def _size(e: Elaborator, value: Value, span: Span) -> Value:
         return determinant(value, span)
     if value.shape == SCALAR:
         return replace(value, term=expr(sp.Abs(e.expression(value.term))), span=span)
+    if value.shape == TABLE and arrays.is_square(value):
+        return determinant(value, span)
     if value.shape == TABLE:
         square = arrays.square(value)
     elif value.shape not in {VECTOR, "column", "row"}:
@@ -367,6 +375,6 @@ RULES: dict[type, Rule] = {
     Integral: calculus.integral_value,
     Differential: calculus.differential,
     Derivative: calculus.derivative,
-    Matrix: calculus.matrix,
+    Matrix: _matrix,
 }
 """One rule a kind of node; what is not here has no value."""

@@ -35,12 +35,13 @@ from eom.terms import (
     der,
     inner,
     matmul,
-    mul,
-    number,
     tilde,
     transpose,
 )
 from eom.vocabulary import omega
+
+MOST_ROWS = 5
+"""Of determinants, which are written out."""
 
 
 def skew(notation: Notation, value: Value, span: Span) -> Value:
@@ -110,14 +111,15 @@ def trace(value: Value, span: Span) -> Value:
 
 
 def determinant(value: Value, span: Span) -> Value:
-    """Return the determinant of a matrix, written out."""
-    if value.shape != MATRIX:
+    """Return the determinant of a matrix, or of a square table, written out."""
+    square = value.shape == MATRIX or (value.shape == TABLE and arrays.is_square(value))
+    if not square:
         raise refuse(ILL_FORMED, "a determinant of what is no matrix", span, value.words)
-    cyclic = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
-    signed = [(1, p) for p in cyclic] + [(-1, (a, c, b)) for a, b, c in cyclic]
-    parts = (
-        mul(number(sign), *(element(value, r, c) for r, c in zip((1, 2, 3), p, strict=True)))
-        for sign, p in signed
+    rows = arrays.cells(value)
+    count = len(rows)
+    if count > MOST_ROWS:
+        raise refuse(UNDECIDED, "a determinant of too many rows", span, f"{count} rows")
+    dimension = None if value.dimension is None else value.dimension.power(Fraction(count))
+    return Value(
+        arrays.determinant(rows), SCALAR, dimension, density=count * value.density, span=span
     )
-    dimension = None if value.dimension is None else value.dimension.power(Fraction(3))
-    return Value(add(*parts), SCALAR, dimension, density=3 * value.density, span=span)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from eom.checker.documents import Piece
 from eom.checker.places import Source
+from eom.worlds import ASSUMPTIONS
 
 _CENTRE = r"(?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|c\.?m\.?|com|c\.?g\.?|centroid)"
 _POINT = r"(?:point |origin |reference point )*\b(?-i:[A-Z•](?:_[A-Z])?)(?![\w'’])"
@@ -65,6 +66,7 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"(?:reaction|momentum) wheels?|gyrostat|flywheels?|spinning rotors?", ("rotors",)),
     (r"energy sink|viscous (?:slug|ring|damper)", ("viscous_slug",)),
     (r"3-1-2\b", ("spin_312",)),
+    *((f"(?i:{re.escape(row.meaning)})", (name,)) for name, row in ASSUMPTIONS.items()),
 )  # fmt: skip
 """Patterns in small letters, but for names of points, and the assumptions that they state."""
 

@@ -47,6 +47,8 @@ class _Joiner:
     def read(self, k: int, token: Token) -> None:
         if token.kind == "begin":
             self.levels.append((token.text in latex.ALIGNMENTS, 0))
+            if self.levels[-1][0]:
+                self.dropped.update(range(k + 1, self.next_of_row(k)))
         elif token.kind == "end":
             if len(self.levels) > 1:
                 self.levels.pop()

@@ -35,8 +35,19 @@ from eom.errors import InputError, unknown_name
     default=None,
     help="Derivations: every step, or the statements alone.  [default: steps]",
 )
+@click.option(
+    "--lexicon/--no-lexicon",
+    default=None,
+    help="Derivations as Markdown: front matter that says what symbols mean, so that eom check can "
+    "judge the page, also after changes.  [default: no-lexicon]",
+)
 def derive(
-    name: str, style: str, explain: bool | None, notation: str | None, steps: bool | None
+    name: str,
+    style: str,
+    explain: bool | None,
+    notation: str | None,
+    steps: bool | None,
+    lexicon: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
@@ -44,9 +55,13 @@ def derive(
     """
     if _is_derivation(name):
         _refuse(name, "scenes", {"--explain": explain})
-        _print_derivation(name, style, notation or "arrow", steps is not False)
+        if lexicon and style != "markdown":
+            raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
+        _print_derivation(name, style, notation or "arrow", steps is not False, bool(lexicon))
     else:
-        _refuse(name, "derivations", {"--notation": notation, "--steps": steps})
+        _refuse(
+            name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
+        )
         print_equations(scene_of(name), style, explain is not False)
 
 
@@ -67,9 +82,12 @@ def _refuse(name: str, kind: str, options: dict[str, object]) -> None:
             raise InputError(f"{option} is for {kind}", where=name, hint=f"leave out {option}")
 
 
-def _print_derivation(name: str, style: str, notation: str, steps: bool) -> None:
+def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon: bool) -> None:
+    from eom.checker.derived import front_matter
     from eom.derivations import derive
     from eom.showing import check_choices, show_derivation
 
     check_choices(style, notation)
-    click.echo(show_derivation(derive(name), style, notation, steps))
+    derivation = derive(name)
+    before = front_matter(derivation, notation) if lexicon else ""
+    click.echo(before + show_derivation(derivation, style, notation, steps))

@@ -1,0 +1,63 @@
+"""Our own derivations, written in every notation, are notes in which nothing is wrong."""
+
+import pytest
+from click.testing import CliRunner
+
+import eom
+from eom.__main__ import main
+from eom.checker.derived import PRESETS, front_matter
+from eom.checker.lexicon_files import lexicon_for
+from eom.derivations import derive
+from eom.notation import NOTATIONS
+from eom.showing import show_derivation
+
+READ = {
+    "point-mass": 0,
+    "particle-system": 0,
+    "transport-theorem": 2,
+    "tilde-identities": 1,
+    "rigid-body-momentum": 2,
+    "kinetic-energy": 0,
+}
+"""Derivations, and how many of their formulas at most stay undecided."""
+
+
+def page(name, notation):
+    derivation = derive(name)
+    return front_matter(derivation, notation) + show_derivation(derivation, "markdown", notation)
+
+
+@pytest.mark.parametrize("notation", NOTATIONS)
+@pytest.mark.parametrize("name", READ)
+def test_every_line_of_a_derivation_is_found_to_hold(name, notation):
+    found = eom.check(page(name, notation)).findings
+    wrong = [f.latex for f in found if f.verdict in {"wrong", "ill-formed", "ambiguous"}]
+    assert wrong == []
+    undecided = [f.latex for f in found if f.verdict == "undecided"]
+    assert len(undecided) <= READ[name], undecided
+    assert len(found) >= 20
+
+
+@pytest.mark.parametrize("notation", NOTATIONS)
+def test_a_changed_line_of_a_derivation_is_wrong(notation):
+    text = page("point-mass", notation)
+    lines = text.splitlines()
+    (place,) = (k for k, line in enumerate(lines) if "\\frac{1}{2} m" in line and "aligned" not in line
+                and "$$" in line and "triangleq" in line)  # fmt: skip
+    lines[place] = lines[place].replace("\\frac{1}{2} m", "m")
+    found = eom.check("\n".join(lines)).findings
+    assert [f.verdict for f in found].count("wrong") >= 1
+
+
+def test_every_notation_has_a_preset():
+    assert set(PRESETS) == set(NOTATIONS)
+
+
+def test_the_option_writes_front_matter_that_can_be_read():
+    run = CliRunner().invoke(main, ["derive", "point-mass", "--as", "markdown", "--lexicon"])
+    assert run.exit_code == 0
+    assert run.stdout.startswith("+++\n[check]\n")
+    assert lexicon_for(run.stdout) is not None
+    refused = CliRunner().invoke(main, ["derive", "point-mass", "--lexicon"])
+    assert refused.exit_code == 2
+    assert "--as markdown" in refused.stderr
