@@ -24,7 +24,7 @@ import click
 from benchmarks.checking import GIVEN, LETTERS, read_truth
 from benchmarks.table import time_text
 from eom.checker.claims import Claim
-from eom.checker.contexts import CONTEXTS
+from eom.checker.contexts import contexts
 from eom.checker.documents import load, read_document
 from eom.checker.explaining import explain
 from eom.checker.explanation import Explanation
@@ -63,7 +63,8 @@ def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
         return a.verdict == b.verdict and a.verdict not in GRAVE and a.members == b.members
     notation = understood.lexicon.notation
     values = [[mixed(notation, m).term for m in c.members] for c in (a, b)]
-    for context in CONTEXTS:
+    terms = [*(t for v in values for t in v), *a.scalars.values(), *b.scalars.values()]
+    for context in contexts(terms):
         names = closure([*GIVEN, *context])
         places = [place(names, dict(c.scalars), v) for c, v in zip((a, b), values, strict=True)]
         if places[0] is None or places[1] is None:

@@ -7,18 +7,20 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from eom.checker.candidates import Candidate, Workshop, repaired
+from eom.checker.cells import Suspects, by_components, suspects
 from eom.checker.claims import Claim
 from eom.checker.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.levels import penalty, places
-from eom.checker.lines import Line, Place, valued
+from eom.checker.lines import Addend, Line, Place, valued
 from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
 from eom.checker.options import options
 from eom.checker.palette import palette
 from eom.checker.paths import at
 from eom.checker.solution_places import remains, solutions
-from eom.checker.syntax import Node
+from eom.checker.syntax import Matrix, Node
 from eom.checker.systems import on_solutions
+from eom.checker.trees import walk
 from eom.series import PRIME
 from eom.terms import Term
 
@@ -114,9 +116,21 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: valued(wrong.elaborator, a.node) for a in addends}
-    offers = {a: options(wrong, a, have) for a in addends}
     known = partial(remains, wrong, have.symbols, tuple(given))
-    return Workshop(wrong, offers, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    at_fault = _suspects(shop, tuple(given))
+    return replace(
+        shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends}
+    )
+
+
+def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
+    """Return the cells of tables that may be at fault, by the terms of a line."""
+    if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
+        return {}
+    worlds = (p for both in levels(shop, given) for p in both)
+    differing = [by_components(p, shop.line.members, shop.difference) for p in worlds]
+    return suspects(shop.line, shop.values, differing)
 
 
 def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:

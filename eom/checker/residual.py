@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement, pairwise, product
 
 from eom.checker.dimensions import Dimension
 from eom.checker.lines import Line, Place, Signature, agrees, signature, valued
@@ -24,6 +24,7 @@ from eom.checker.syntax import (
     Scripts,
 )
 from eom.checker.trees import children
+from eom.checker.turns import abbreviated
 from eom.checker.values import ROW, Value
 from eom.series import PRIME
 from eom.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
@@ -75,7 +76,7 @@ _Atom = tuple[Node, Value]
 
 def _atoms(line: Line, roots: Iterable[Node]) -> list[_Atom]:
     """Return factors with values: as they stand, then with a dot more; the outermost symbols alone."""
-    standing = list(dict.fromkeys(n for root in roots for n in _factors(root)))[:ATOMS]
+    standing = list(dict.fromkeys(n for r in roots for n in _factors(line, r)))[:ATOMS]
     more = [d for n in standing for d in [dotted(n)] if d is not None]
     less = [b for n in standing for b in _bare(n)]
     found: dict[Node, _Atom] = {}
@@ -93,10 +94,16 @@ def _bare(node: Node) -> Iterator[Node]:
         yield base
 
 
-def _factors(root: Node) -> Iterator[Node]:
+def _factors(line: Line, root: Node) -> Iterator[Node]:
     stack = [root]
     while stack:
         node = stack.pop()
+        short = list(_abbreviated(line, node))
+        if short:
+            yield from short
+            left = [f for f in children(node) if not any(f in children(p) for p in short)]
+            stack += reversed(left)
+            continue
         given = seen(node)
         bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
         if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
@@ -106,6 +113,14 @@ def _factors(root: Node) -> Iterator[Node]:
             yield node
         below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
         stack += reversed(below)
+
+
+def _abbreviated(line: Line, node: Node) -> Iterator[Node]:
+    r"""Yield functions that are written with a letter and an angle, like ``s\theta``."""
+    if isinstance(node, Product) and not node.operator:
+        for letter, angle in pairwise(node.factors):
+            if abbreviated(line.elaborator, letter, angle) is not None:
+                yield Product((letter, angle), span=letter.span.join(angle.span))
 
 
 # -- products ------------------------------------------------------------------------------------
@@ -175,7 +190,7 @@ def _powers(parts: list[Node]) -> tuple[Node, ...]:
     found: list[Node] = []
     for node in dict.fromkeys(parts):
         count = parts.count(node)
-        plain = not isinstance(node, Call | Scripts) or (
+        plain = not isinstance(node, Call | Scripts | Product) or (
             isinstance(node, Scripts) and node.sup is None
         )
         if count > 1 and plain and not isinstance(node, Call):

@@ -83,10 +83,21 @@ MAX_EDITS = 600
 """Edits of one term that are tried at most."""
 
 
-def edits(node: Node, palette: Palette) -> list[Edit]:
-    """Return the slips undone in a tree, one each, and those of one kind at all equal places."""
+def _everywhere_tried(_: Path) -> bool:
+    return False
+
+
+def edits(
+    node: Node, palette: Palette, spared: Callable[[Path], bool] = _everywhere_tried
+) -> list[Edit]:
+    """Return the slips undone in a tree, one each, and those of one kind at all equal places.
+
+    ``spared``: tells at which places nothing need be tried.
+    """
     found: dict[Node, Edit] = {}
     for path, here in places(node):
+        if spared(path):
+            continue
         for slip in SLIPS:
             for new, extra in slip.rule(here, palette):
                 tree = put(node, path, new)
