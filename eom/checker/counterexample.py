@@ -12,13 +12,15 @@ import random
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from eom.checker.candidates import Candidate, Workshop
 from eom.checker.explanation import Counterexample
-from eom.checker.judge import needed_names
+from eom.checker.contexts import labels_in
+from eom.checker.judge import MENTIONS, needed_names
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
 from eom.checker.paths import at
@@ -41,7 +43,8 @@ from eom.evaluate import Evaluator
 from eom.generators import built
 from eom.series import PRIME, Field, Series, Singular
 from eom.shapes import Draw
-from eom.terms import Term, add, mul, number
+from eom.special import telling
+from eom.terms import Term, add, mul, number, zero
 from eom.worlds import World
 
 STARTS = 3
@@ -85,22 +88,64 @@ def counterexample(
     members = pair(shop, candidate)
     if members is None:
         return None
-    terms = [_term(shop, m) for m in members]
-    if terms[0] is None or terms[1] is None or terms[0].kind != terms[1].kind:
+    terms = _terms(shop, members)
+    if terms is None:
         return None
     shown = _shown_nodes(shop, members, candidate)
-    tried = _Tried(place.names, shop.line.elaborator.scalars, (terms[0], terms[1]))
-    least: Counterexample | None = None
+    told = _Telling(shop, members, shown, terms, place.names)
+    least = _special(told)
+    if least is not None and _rank(least) <= GOOD:
+        return least
+    tried = _Tried(place.names, shop.line.elaborator.scalars, told.terms)
     for watched, drawn in ((tuple(v.term for _, v in shown), FULL), ((), SPARSE)):
         tried = replace(tried, watched=watched, drawn=drawn, tests=0)
         for start in range(STARTS):
             choices = tried.first(start)
-            found = choices and _told(shop, members, shown, tried, tried.small(choices))
+            found = choices and _drawn(told, tried, tried.small(choices))
             if found and _digits(found) <= SIMPLE:
                 return found
-            if found and (least is None or _digits(found) < _digits(least)):
+            if found and (least is None or _rank(found) < _rank(least)):
                 least = found
     return least
+
+
+def _special(told: _Telling) -> Counterexample | None:
+    """Return the simplest of the special motions in small numbers for which a line fails.
+
+    They are known before, so that they take less time than worlds that are drawn.
+    """
+    labels = labels_in([*told.terms, *told.shop.line.elaborator.scalars.values()])
+    names = frozenset(n for n in told.names if n not in MENTIONS or MENTIONS[n] & labels)
+    least: Counterexample | None = None
+    for special in telling(names):
+        found = told.told(special.world)
+        if found is not None and (least is None or _rank(found) < _rank(least)):
+            least = found
+        if least is not None and _rank(least) <= BEST:
+            break
+    return least
+
+
+def _drawn(told: _Telling, tried: _Tried, choices: list[int]) -> Counterexample | None:
+    try:
+        return told.told(tried.world(list(choices), 0))
+    except (InputError, Singular, ArithmeticError, KeyError):
+        return None
+
+
+_Rank = tuple[bool, int, int]
+
+
+def _rank(found: Counterexample) -> _Rank:
+    """Return whether something that is shown vanishes, the length of numbers, how many are fractions."""
+    shown = [v for _, v in found.values]
+    numbers = ([n for n in _NUMBER.findall(v) if int(n)] for v in shown)
+    return not all(numbers), max(_digits(found), SIMPLE), sum(v.count("frac") for v in shown)
+
+
+BEST: _Rank = (False, SIMPLE, 0)
+GOOD: _Rank = (False, SIMPLE, 1_000)
+"""What need not be made simpler, and what other worlds need not be drawn for."""
 
 
 def _digits(found: Counterexample) -> int:
@@ -110,6 +155,18 @@ def _digits(found: Counterexample) -> int:
 
 
 _NUMBER = re.compile(r"\d+")
+
+
+def _terms(shop: Workshop, members: tuple[Member, Member]) -> tuple[Term, Term] | None:
+    """Return two members as terms that can be compared, None where a part of them has no value."""
+    left, right = (_term(shop, m) for m in members)
+    if left is None and right is not None and shop.is_zero(members[0]):
+        left = zero(right.kind)
+    if right is None and left is not None and shop.is_zero(members[1]):
+        right = zero(left.kind)
+    if left is None or right is None or left.kind != right.kind:
+        return None
+    return left, right
 
 
 def _term(shop: Workshop, member: Member) -> Term | None:
@@ -194,27 +251,38 @@ def _flat(value: Any) -> list[Series]:
 _Shown = tuple[Node, Value]
 
 
-def _told(
-    shop: Workshop,
-    members: tuple[Member, Member],
-    shown: Sequence[_Shown],
-    tried: _Tried,
-    choices: list[int],
-) -> Counterexample | None:
-    """Return the numbers of a world, None where some are large or have no value."""
-    try:
-        evaluator = Evaluator(tried.world(list(choices), 0), tried.scalars)
-        sides = [_numbers(evaluator, t) for t in tried.terms]
-        values = [*_masses(shop, members, evaluator)]
-        values += [(latex(n), _numbers(evaluator, v.term)) for n, v in shown]
-    except (InputError, Singular, ArithmeticError, KeyError):
-        return None
-    texts = [*sides, *(v for _, v in values)]
-    if sides[0] == sides[1] or any(_large(t) for t in texts):
-        return None
-    heads = [_head(shop, m) for m in members]
-    pairs = tuple(zip(heads, sides, strict=True))
-    return Counterexample(tuple(dict(values).items()), pairs, needed_names(tried.names))
+@dataclass(frozen=True)
+class _Telling:
+    """Two members of a line that disagree, and what is shown of a world where they do."""
+
+    shop: Workshop
+    members: tuple[Member, Member]
+    shown: Sequence[_Shown]
+    terms: tuple[Term, Term]
+    names: frozenset[str]
+
+    def told(self, world: World) -> Counterexample | None:
+        """Return the numbers of a world, None where some are large or have no value."""
+        try:
+            evaluator = Evaluator(world, self.shop.line.elaborator.scalars)
+            sides = [_numbers(evaluator, t) for t in self.terms]
+            if sides[0] == sides[1]:
+                return None
+            values = [*_masses(self.shop, self.members, evaluator)]
+            values += list(self._values(evaluator))
+        except (InputError, Singular, ArithmeticError, KeyError):
+            return None
+        if any(_large(t) for t in (*sides, *(v for _, v in values))):
+            return None
+        heads = [_head(self.shop, m) for m in self.members]
+        pairs = tuple(zip(heads, sides, strict=True))
+        return Counterexample(tuple(dict(values).items()), pairs, needed_names(self.names))
+
+    def _values(self, evaluator: Evaluator) -> Iterator[tuple[str, str]]:
+        """Yield what is shown with its value; roots have none in a world."""
+        for node, value in self.shown:
+            with suppress(InputError):
+                yield latex(node), _numbers(evaluator, value.term)
 
 
 def _head(shop: Workshop, member: Member) -> str:

@@ -65,6 +65,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("superfluous factor", "a factor is too much", 1.4, terms.superfluous_factor),
     Slip("lost factor", "a factor was lost", 1.4, terms.missing_factor),
     Slip("lost cross product", "omega times was lost", 1.4, terms.missing_cross),
+    Slip("lost vector", "a vector with its product was lost", 1.5, terms.missing_vector),
     Slip("lost derivative", "a derivative was lost", 1.4, marks.derived),
     Slip("raised dot", "a dot on the line that was raised", 1.5, marks.raised_dot),
     Slip("upside down", "a fraction upside down", 1.3, terms.upside_down),
@@ -79,7 +80,7 @@ LOST = Slip("lost term", "a term was lost", 1.5, lambda _, __: ())
 
 ALL_OVER = 0.35
 """What the same slip weighs at each place beyond the first."""
-MAX_EDITS = 600
+MAX_EDITS = 1200
 """Edits of one term that are tried at most."""
 
 

@@ -11,6 +11,7 @@ from eom.checker.paths import NOTHING
 from eom.checker.slips_marks import without_sup
 from eom.checker.syntax import (
     Addition,
+    Braced,
     Call,
     Derivative,
     Fraction,
@@ -144,6 +145,9 @@ def missing_factor(node: Node, palette: Palette) -> Iterator[Offer]:
     for new in palette.factors:
         for k in range(len(factors) + 1):
             yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.0
+    for new in palette.near:
+        for k in sorted({0, len(factors)}):
+            yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.3
 
 
 def _factor_like(node: Node) -> bool:
@@ -158,6 +162,22 @@ def missing_cross(node: Node, palette: Palette) -> Iterator[Offer]:
             if new != node:
                 yield Product((new, node), "cross", span=node.span), 0.0
                 yield Group(Product((new, node), "cross"), span=node.span), 0.1
+
+
+_VECTOR_LIKE = (Group, Derivative, Integral, Braced)
+
+
+def missing_vector(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a vector of the line before another one or behind it, with a cross or a dot between."""
+    whole = isinstance(node, Product) and node.operator in {"", "cross"}
+    if not whole and not (seen(node) is not None or isinstance(node, _VECTOR_LIKE)):
+        return
+    body = Group(node, span=node.span) if isinstance(node, Product) and node.operator else node
+    for rank, new in enumerate(palette.vectors):
+        for pair in ((new, body), (body, new)):
+            for sign, extra in (("cross", 0.0), ("dot", 0.1)):
+                yield Product(pair, sign, span=node.span), extra + 0.01 * rank
+        yield Product((Product((HALF, new)), body), "dot", span=node.span), 0.3 + 0.01 * rank
 
 
 def order(node: Node, _: Palette) -> Iterator[Offer]:
