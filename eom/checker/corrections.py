@@ -8,16 +8,16 @@ from functools import partial
 
 from eom.checker.candidates import Candidate, Workshop, repaired
 from eom.checker.cells import Suspects, by_components, suspects
-from eom.checker.claims import Claim
+from eom.checker.claims import CONSTANT, Claim
 from eom.checker.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.levels import penalty, places
-from eom.checker.lines import Addend, Line, Place, valued
+from eom.checker.lines import Addend, Line, Place, valued, worth
 from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
 from eom.checker.options import options
 from eom.checker.palette import palette
 from eom.checker.paths import at
-from eom.checker.solution_places import remains, solutions
+from eom.checker.solution_places import moves, remains, solutions
 from eom.checker.syntax import Matrix, Node
 from eom.checker.systems import on_solutions
 from eom.checker.trees import walk
@@ -115,8 +115,9 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     """Return a line with what may stand for each of its terms."""
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
-    values = {a: valued(wrong.elaborator, a.node) for a in addends}
+    values = {a: worth(wrong, a.node) for a in addends}
     known = partial(remains, wrong, have.symbols, tuple(given))
+    known = known if wrong.claim.kind != CONSTANT else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
     at_fault = _suspects(shop, tuple(given))
     return replace(
@@ -188,6 +189,8 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: C
     is zero may do so where much is assumed.
     """
     members = shop.line.members
+    if shop.line.claim.kind == CONSTANT:
+        return _never_changes(shop, tree, there, candidate)
     nodes = [at(tree, m.path) for m in members if m.path is not None]
     if len(set(nodes)) < len(nodes):
         return True
@@ -195,6 +198,19 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: C
     return any(
         all(t == 0 for t in _totals(shop, place, candidate)) for place in there[: 1 if says else 2]
     )
+
+
+def _never_changes(
+    shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate
+) -> bool:
+    """Tell whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
+    (path,) = (m.path for m in shop.line.members if m.path is not None)
+    value = valued(shop.line.elaborator, at(tree, path))
+    if value is None or there[1].number(value.term) == 0:
+        return True
+    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
+        return not moves(value.term, shop.line, shop.line.claim.model)
+    return all(t == 0 for t in _totals(shop, there[0], candidate))
 
 
 def verified(

@@ -18,6 +18,7 @@ from fractions import Fraction
 from typing import Any
 
 from eom.checker.candidates import Candidate, Workshop
+from eom.checker.claims import CONSTANT
 from eom.checker.explanation import Counterexample
 from eom.checker.contexts import labels_in
 from eom.checker.judge import MENTIONS, needed_names
@@ -288,6 +289,8 @@ class _Telling:
 def _head(shop: Workshop, member: Member) -> str:
     """Return a member as it stands; a long one, and one that stands elsewhere, by its side."""
     text = latex(at(shop.line.tree, member.path)) if member.path is not None else ""
+    if shop.line.claim.kind == CONSTANT:
+        return rf"\frac{{\mathrm{{d}}}}{{\mathrm{{d}} t}} \left( {text} \right)" if text else "0"
     first = member is shop.line.members[0]
     side = "left side" if first else "right side"
     if len(shop.line.members) > 2 and not first:

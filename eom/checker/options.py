@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from eom.checker.cells import Suspects
-from eom.checker.lines import Addend, Line, Signature, signature, valued
+from eom.checker.lines import Addend, Line, Signature, signature, worth
 from eom.checker.offers import Palette
 from eom.checker.paths import NOTHING, Path
 from eom.checker.slips import DROPPED, TERM, Edit, Slip, edits
@@ -46,7 +46,7 @@ def options(
     ``suspects``: the cells of its table that may be at fault, where that is known.
     """
     found = []
-    value = valued(line.elaborator, addend.node)
+    value = worth(line, addend.node)
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
@@ -57,7 +57,7 @@ def options(
         found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
     spared = suspects.spares if suspects is not None else _nowhere
     for edit in edits(addend.node, palette, spared):
-        new = valued(line.elaborator, edit.tree)
+        new = worth(line, edit.tree)
         if new is not None and not (value is not None and new.term == value.term):
             found.append(_edited(addend, edit, new))
     return sorted(found, key=lambda o: o.weight)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 from eom.checker.candidates import Candidate, Workshop
+from eom.checker.claims import CONSTANT, STATEMENT
 from eom.checker.lines import Member, Place
-from eom.checker.lost import entry_residual
+from eom.checker.lost import Pools, entry_residual
 from eom.checker.residual import fits, total
+from eom.checker.solution_places import remains
 from eom.checker.writing import latex
 from eom.series import PRIME
 
@@ -25,11 +30,24 @@ def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] |
     return (wrong, right) if wrong.number < right.number else (right, wrong)
 
 
+def _of_rate(shop: Workshop) -> Workshop:
+    """Return the workshop of the equation that the rate of what should be constant is zero."""
+    line = shop.line
+    first, naught = line.members
+    whole = replace(first, addends=(), value=line.claim.members[0])
+    plain = replace(line, members=(whole, naught), claim=replace(line.claim, kind=STATEMENT))
+    near = shop.pools.near
+    known = partial(remains, line, near, ())
+    return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
+
+
 def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
     """Return the left less the right side as LaTeX, "" where no short sum of products is that.
 
     It is what is left over under the assumptions of ``place``.
     """
+    if shop.line.claim.kind == CONSTANT:
+        shop, candidate = _of_rate(shop), None
     found = pair(shop, candidate)
     if found is None:
         return ""

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
 from itertools import combinations_with_replacement, pairwise, product
 
-from eom.checker.dimensions import Dimension
-from eom.checker.lines import Line, Place, Signature, agrees, signature, valued
+from eom.checker.claims import CONSTANT
+from eom.checker.dimensions import RATE, Dimension
+from eom.checker.lines import Line, Place, Signature, agrees, signature, valued, worth
 from eom.checker.looks import seen
 from eom.checker.paths import operands
 from eom.checker.slips_marks import dotted
@@ -62,13 +63,21 @@ def items(line: Line, roots: Iterable[Node], kind: Signature) -> list[Item]:
     """Return products of the factors below some nodes that have a signature, the simplest first."""
     atoms = _atoms(line, roots)
     found: dict[Term, Item] = {}
-    for k, node in enumerate(_products(atoms, kind)):
+    for k, node in enumerate(_products(atoms, _before(line, kind))):
         if k == MOST:
             break
-        value = valued(line.elaborator, node)
+        value = worth(line, node)
         if value is not None and not value.is_zero and agrees(signature(value), kind):
             found.setdefault(value.term, Item(node, value.term, kind))
     return list(found.values())
+
+
+def _before(line: Line, kind: Signature) -> Signature:
+    """Return the signature of what counts by its rate in a line that says what is constant."""
+    dimension = kind[2]
+    if line.claim.kind != CONSTANT or dimension is None:
+        return kind
+    return (*kind[:2], dimension.times(RATE.power(-1)))
 
 
 _Atom = tuple[Node, Value]
