@@ -20,7 +20,7 @@ from typing import Any
 from eom.checker.candidates import Candidate, Workshop
 from eom.checker.claims import CONSTANT
 from eom.checker.explanation import Counterexample
-from eom.checker.contexts import labels_in
+from eom.checker.contexts import contexts, labels_in
 from eom.checker.judge import MENTIONS, needed_names
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
@@ -46,7 +46,7 @@ from eom.series import PRIME, Field, Series, Singular
 from eom.shapes import Draw
 from eom.special import telling
 from eom.terms import Term, add, mul, number, zero
-from eom.worlds import World
+from eom.worlds import World, closure
 
 STARTS = 3
 TESTS = 32
@@ -89,23 +89,46 @@ def counterexample(
     members = pair(shop, candidate)
     if members is None:
         return None
-    terms = _terms(shop, members)
+    terms = terms_of(shop, members)
     if terms is None:
         return None
-    shown = _shown_nodes(shop, members, candidate)
-    told = _Telling(shop, members, shown, terms, place.names)
+    shown = shown_nodes(shop, members, candidate)
+    return _least(_Telling(shop, members, shown, terms, place.names))
+
+
+def failing(
+    shop: Workshop, members: tuple[Member, Member], given: tuple[str, ...]
+) -> Counterexample | None:
+    """Return small numbers at which two members differ that never do as is claimed, or None."""
+    terms = terms_of(shop, members)
+    if terms is None:
+        return None
+    shown = shown_nodes(shop, members, None)
+    for context in contexts([*terms, *shop.line.elaborator.scalars.values()]):
+        try:
+            names = closure([*given, *context])
+        except InputError:
+            continue
+        found = _least(_Telling(shop, members, shown, terms, names))
+        if found is not None:
+            return found
+    return None
+
+
+def _least(told: _Telling) -> Counterexample | None:
+    """Return the simplest numbers that were found: of special motions, else of worlds that are drawn."""
     least = _special(told)
-    if least is not None and _rank(least) <= GOOD:
+    if least is not None and rank_of(least) <= GOOD:
         return least
-    tried = _Tried(place.names, shop.line.elaborator.scalars, told.terms)
-    for watched, drawn in ((tuple(v.term for _, v in shown), FULL), ((), SPARSE)):
+    tried = _Tried(told.names, told.shop.line.elaborator.scalars, told.terms)
+    for watched, drawn in ((tuple(v.term for _, v in told.shown), FULL), ((), SPARSE)):
         tried = replace(tried, watched=watched, drawn=drawn, tests=0)
         for start in range(STARTS):
             choices = tried.first(start)
             found = choices and _drawn(told, tried, tried.small(choices))
             if found and _digits(found) <= SIMPLE:
                 return found
-            if found and (least is None or _rank(found) < _rank(least)):
+            if found and (least is None or rank_of(found) < rank_of(least)):
                 least = found
     return least
 
@@ -120,9 +143,9 @@ def _special(told: _Telling) -> Counterexample | None:
     least: Counterexample | None = None
     for special in telling(names):
         found = told.told(special.world)
-        if found is not None and (least is None or _rank(found) < _rank(least)):
+        if found is not None and (least is None or rank_of(found) < rank_of(least)):
             least = found
-        if least is not None and _rank(least) <= BEST:
+        if least is not None and rank_of(least) <= BEST:
             break
     return least
 
@@ -137,7 +160,7 @@ def _drawn(told: _Telling, tried: _Tried, choices: list[int]) -> Counterexample 
 _Rank = tuple[bool, int, int]
 
 
-def _rank(found: Counterexample) -> _Rank:
+def rank_of(found: Counterexample) -> _Rank:
     """Return whether something that is shown vanishes, the length of numbers, how many are fractions."""
     shown = [v for _, v in found.values]
     numbers = ([n for n in _NUMBER.findall(v) if int(n)] for v in shown)
@@ -158,7 +181,7 @@ def _digits(found: Counterexample) -> int:
 _NUMBER = re.compile(r"\d+")
 
 
-def _terms(shop: Workshop, members: tuple[Member, Member]) -> tuple[Term, Term] | None:
+def terms_of(shop: Workshop, members: tuple[Member, Member]) -> tuple[Term, Term] | None:
     """Return two members as terms that can be compared, None where a part of them has no value."""
     left, right = (_term(shop, m) for m in members)
     if left is None and right is not None and shop.is_zero(members[0]):
@@ -249,7 +272,7 @@ def _flat(value: Any) -> list[Series]:
 # -- what is shown -------------------------------------------------------------------------------
 
 
-_Shown = tuple[Node, Value]
+Shown = tuple[Node, Value]
 
 
 @dataclass(frozen=True)
@@ -258,7 +281,7 @@ class _Telling:
 
     shop: Workshop
     members: tuple[Member, Member]
-    shown: Sequence[_Shown]
+    shown: Sequence[Shown]
     terms: tuple[Term, Term]
     names: frozenset[str]
 
@@ -273,9 +296,9 @@ class _Telling:
             values += list(self._values(evaluator))
         except (InputError, Singular, ArithmeticError, KeyError):
             return None
-        if any(_large(t) for t in (*sides, *(v for _, v in values))):
+        if any(too_large(t) for t in (*sides, *(v for _, v in values))):
             return None
-        heads = [_head(self.shop, m) for m in self.members]
+        heads = [head_of(self.shop, m) for m in self.members]
         pairs = tuple(zip(heads, sides, strict=True))
         return Counterexample(tuple(dict(values).items()), pairs, needed_names(self.names))
 
@@ -286,7 +309,7 @@ class _Telling:
                 yield latex(node), _numbers(evaluator, value.term)
 
 
-def _head(shop: Workshop, member: Member) -> str:
+def head_of(shop: Workshop, member: Member) -> str:
     """Return a member as it stands; a long one, and one that stands elsewhere, by its side."""
     text = latex(at(shop.line.tree, member.path)) if member.path is not None else ""
     if shop.line.claim.kind == CONSTANT:
@@ -303,17 +326,17 @@ def _masses(
 ) -> Iterator[tuple[str, str]]:
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     if any(isinstance(n, Integral) for r in roots for n in walk(r)):
-        masses = [_number(m.coefficients[0]) for m in evaluator.world.masses]
+        masses = [fraction(m.coefficients[0]) for m in evaluator.world.masses]
         yield latex(Differential(Symbol("m"))), ", ".join(m for m in masses if m != "0")
 
 
-def _shown_nodes(
+def shown_nodes(
     shop: Workshop, members: tuple[Member, Member], candidate: Candidate | None
-) -> list[_Shown]:
+) -> list[Shown]:
     """Return what enters: symbols and functions of the members, and of what would make them right."""
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     roots += [o.node for o in candidate.options] if candidate is not None else []
-    found: list[_Shown] = []
+    found: list[Shown] = []
     for node in list(dict.fromkeys(n for r in roots for n in _quantities(r)))[:SHOWN]:
         value = valued(shop.line.elaborator, node)
         if value is not None and not value.is_zero and node not in roots:
@@ -354,14 +377,14 @@ def _numbers(evaluator: Evaluator, term: Term) -> str:
 
 def _written(value: Any) -> str:
     if isinstance(value, Series):
-        return _number(value.coefficients[0])
+        return fraction(value.coefficients[0])
     if isinstance(value[0], Series):
         return "(" + ", ".join(_written(v) for v in value) + ")"
     rows = " \\\\ ".join(" & ".join(_written(v) for v in row) for row in value)
     return f"\\begin{{bmatrix}} {rows} \\end{{bmatrix}}"
 
 
-def _number(value: Any) -> str:
+def fraction(value: Any) -> str:
     exact = Fraction(value)
     sign = "-" if exact < 0 else ""
     if exact.denominator == 1:
@@ -369,6 +392,6 @@ def _number(value: Any) -> str:
     return f"{sign}\\frac{{{abs(exact.numerator)}}}{{{exact.denominator}}}"
 
 
-def _large(text: str) -> bool:
+def too_large(text: str) -> bool:
     digits = "".join(c if c.isdigit() else " " for c in text).split()
     return any(int(d) > LARGEST for d in digits)

@@ -12,8 +12,10 @@ from eom.checker.counterexample import counterexample
 from eom.checker.explanation import UNEXPLAINED, Correction, Counterexample, Explanation
 from eom.checker.lines import Line, Place, line
 from eom.checker.notes import Understood
+from eom.checker.orders import unordered
 from eom.checker.remainder import leftover
 from eom.checker.rewriting import blamed, rewritten
+from eom.checker.stated import stated
 from eom.checker.systems import on_solutions
 from eom.checker.verdicts import GRAVE, Judged
 from eom.checker.wording import words as told
@@ -33,6 +35,9 @@ def explain(
     places = judged.chain.blamed if judged.chain is not None else ()
     if judged.claim.parameters is not None:
         return Explanation(blamed=places)
+    compared = unordered(understood, judged.claim, given)
+    if compared is not None:
+        return compared
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))
@@ -54,7 +59,8 @@ def _fails(
     shop: Workshop, candidate: Candidate | None, place: Place, given: tuple[str, ...]
 ) -> Counterexample | None:
     """Return small numbers for which a line fails, with what they assume beyond what is given."""
-    found = counterexample(shop, candidate, place) if not on_solutions(shop.line.claim) else None
+    on_states = on_solutions(shop.line.claim)
+    found = (stated if on_states else counterexample)(shop, candidate, place)
     if found is None:
         return None
     return replace(found, assumptions=tuple(n for n in found.assumptions if n not in given))

@@ -23,6 +23,7 @@ from eom.checker.claims import (
 from eom.checker.dimensions import Dimension
 from eom.checker.elaborate import RULES
 from eom.checker.elaborator import Elaborator
+from eom.checker.inequalities import ORDERS
 from eom.checker.notes import Understood
 from eom.checker.operations import overdot
 from eom.checker.paths import Path, find
@@ -103,12 +104,12 @@ class Line:
 
 
 def line(understood: Understood, claim: Claim) -> Line | None:
-    """Return the line of a claim, or None where it is no chain of equations that can be edited."""
+    """Return the line of a claim, or None where it is no chain that can be edited."""
     reading = understood.formula.reading
     if reading is None or claim.kind not in {STATEMENT, DEFINITION, CONSTANT}:
         return None
     statement = _statement(understood, claim)
-    if statement is None or not {s.name for s in statement.signs} <= EQUALITIES:
+    if statement is None or not {s.name for s in statement.signs} <= EQUALITIES | ORDERS:
         return None
     number = next(k for k, c in enumerate(understood.claims) if c is claim)
     members = tuple(_members(reading.tree, statement, claim))

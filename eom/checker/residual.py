@@ -282,8 +282,8 @@ def _modulo(ratio: Ratio) -> int:
 def scaled(piece: Piece) -> tuple[str, Node]:
     """Return a product with its number as a sign and a tree."""
     size = abs(piece.coefficient)
-    sign = "-" if piece.coefficient < 0 else "+"
-    node = piece.item.node
+    node, minus = _unsigned(piece.item.node)
+    sign = "-" if (piece.coefficient < 0) != minus else "+"
     if size == 1:
         return sign, node
     number: Node = Number(str(size.numerator))
@@ -294,6 +294,13 @@ def scaled(piece: Piece) -> tuple[str, Node]:
     if isinstance(node, Product) and not node.operator:
         parts = node.factors
     return sign, Product((number, *parts))
+
+
+def _unsigned(node: Node) -> tuple[Node, bool]:
+    """Return a term without the minus in front of it, and whether there is one."""
+    if isinstance(node, Addition) and len(node.terms) == 1:
+        return node.terms[0], node.signs[0] == "-"
+    return node, False
 
 
 def total(pieces: Iterable[Piece]) -> Node:
