@@ -349,12 +349,12 @@ def _quantities(root: Node) -> Iterator[Node]:
     calls = [n for n in walk(root) if isinstance(n, Call)]
     inside = {n for c in calls for n in symbols(c)}
     outside = Counter(symbols(root)) - Counter(n for c in calls for n in symbols(c))
-    yield from (_base(n) for n in symbols(root) if n not in inside or outside[n] > 0)
+    yield from (base_of(n) for n in symbols(root) if n not in inside or outside[n] > 0)
     yield from (n for n in walk(root) if isinstance(n, Derivative) and n.operand is not None)
     yield from (replace(c, sup=None) for c in calls)
 
 
-def _base(node: Node) -> Node:
+def base_of(node: Node) -> Node:
     """Return a symbol without an exponent."""
     if not isinstance(node, Scripts) or not isinstance(node.sup, Number):
         return node

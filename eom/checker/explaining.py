@@ -15,6 +15,7 @@ from eom.checker.notes import Understood
 from eom.checker.orders import unordered
 from eom.checker.remainder import leftover
 from eom.checker.rewriting import blamed, rewritten
+from eom.checker.scalar_slips import between_scalars
 from eom.checker.stated import stated
 from eom.checker.systems import on_solutions
 from eom.checker.verdicts import GRAVE, Judged
@@ -33,9 +34,8 @@ def explain(
         return UNEXPLAINED
     given, stated = tuple(given), tuple(stated)
     places = judged.chain.blamed if judged.chain is not None else ()
-    if judged.claim.parameters is not None:
-        return Explanation(blamed=places)
-    compared = unordered(understood, judged.claim, given)
+    scalars = between_scalars(understood, judged.claim)
+    compared = scalars or unordered(understood, judged.claim, given)
     if compared is not None:
         return compared
     wrong = line(understood, judged.claim)

@@ -39,7 +39,7 @@ NEAR, VECTORS = 10, 5
 def palette(understood: Understood, line: Line) -> Palette:
     """Return what may have been meant in a line."""
     lexicon = understood.lexicon
-    trees = list(_near(understood))
+    trees = list(around(understood))
     known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
     own = [at(line.tree, m.path) for m in line.members if m.path is not None]
     factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
@@ -57,7 +57,7 @@ def palette(understood: Understood, line: Line) -> Palette:
     )
 
 
-def _near(understood: Understood) -> Iterator[Node]:
+def around(understood: Understood) -> Iterator[Node]:
     """Yield the trees of a note, the closest first, the line's own before all."""
     around = understood.around
     if understood.formula.reading is not None:
