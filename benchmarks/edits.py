@@ -358,6 +358,7 @@ class Count:
             self.undone[kind] += right
             if not right:
                 self.missing.append(f"{found}: {original.name}, {kind}: {latex(tree)[:300]}")
+                click.echo(self.missing[-1], err=True)
 
     @property
     def total(self) -> Counter[str]:

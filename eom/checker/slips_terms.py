@@ -185,10 +185,12 @@ def missing_vector(node: Node, palette: Palette) -> Iterator[Offer]:
     if not whole and not (seen(node) is not None or isinstance(node, _VECTOR_LIKE)):
         return
     body = Group(node, span=node.span) if isinstance(node, Product) and node.operator else node
-    for rank, new in enumerate(palette.vectors):
+    alone = seen(node) is not None or isinstance(node, Group)
+    for rank, new in enumerate(n for n in palette.vectors if n != node):
         for pair in ((new, body), (body, new)):
-            for sign, extra in (("cross", 0.0), ("dot", 0.1)):
-                yield Product(pair, sign, span=node.span), extra + 0.01 * rank
+            crossed = Product(pair, "cross", span=node.span)
+            yield Group(crossed) if alone else crossed, 0.01 * rank
+            yield Product(pair, "dot", span=node.span), 0.1 + 0.01 * rank
         yield Product((Product((HALF, new)), body), "dot", span=node.span), 0.3 + 0.01 * rank
 
 
