@@ -28,7 +28,7 @@ from benchmarks.checking import GIVEN, lexicon_of, note, read_truth
 from benchmarks.correcting import SHOWN, same
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import load
-from eom.checker.explaining import explain
+from eom.checker.explaining import corrected
 from eom.checker.judge import HOLDS, UNDER, equations
 from eom.checker.looks import DOTS, Look
 from eom.checker.notes import Understood, reread, understand
@@ -327,9 +327,8 @@ def undone(original: Original, tree: Node) -> bool:
     judged = next((j for j in verdict(edited, GIVEN).claims if j.verdict in GRAVE), None)
     if judged is None:
         return False
-    found = explain(edited, judged, GIVEN)
     wanted = latex(original.tree)
-    return any(same(edited, c.latex, wanted) for c in found.corrections[:SHOWN])
+    return any(same(edited, c.latex, wanted) for c in corrected(edited, judged, GIVEN)[:SHOWN])
 
 
 # -- counting ------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from eom.checker.paths import Path, at
 from eom.checker.syntax import Boxed, Braced, Group, Integral, Matrix, Node, Product, Scripts
 from eom.checker.values import Value
 from eom.series import PRIME
-from eom.terms import SCALAR
+from eom.terms import MATRIX, SCALAR
 
 Cell = tuple[int, int]
 _Difference = Callable[[Place, Member, Member], "tuple[Node, list[int]] | None"]
@@ -101,7 +101,10 @@ def suspects(
             if table is None:
                 continue
             own = values.get(addend)
-            wrong = _unlike(line, table) if own is None else _least(table, member, differing)
+            size = 9 if own is not None and own.shape == MATRIX else 3
+            wrong = (
+                _unlike(line, table) if own is None else _least(table, size, member, differing)
+            )
             if wrong and len(wrong) < len(table.cells):
                 found[addend] = Suspects(table.path, wrong)
     return found
@@ -121,11 +124,11 @@ def _unlike(line: Line, table: _Table) -> frozenset[Cell]:
 
 
 def _least(
-    table: _Table, member: Member, differing: list[Mapping[tuple[int, int], list[int]]]
+    table: _Table, size: int, member: Member, differing: list[Mapping[tuple[int, int], list[int]]]
 ) -> frozenset[Cell]:
     """Return the fewest cells that differ from another member in a world where any do."""
     sets = [
-        frozenset(_at_fault(table, numbers))
+        frozenset(_at_fault(table, size, numbers))
         for world in differing
         for pair, numbers in world.items()
         if member.number in pair
@@ -133,13 +136,14 @@ def _least(
     return min((s for s in sets if s), key=len, default=frozenset())
 
 
-def _at_fault(table: _Table, numbers: list[int]) -> Iterator[Cell]:
-    wrong = [k for k, n in enumerate(numbers) if n % PRIME]
+def _at_fault(table: _Table, size: int, numbers: list[int]) -> Iterator[Cell]:
+    """Yield the cells whose components differ; there are ``size`` of them for each numbering."""
+    wrong = {k % size for k, n in enumerate(numbers) if n % PRIME}
     cells, rows = table.cells, len(table.node.rows)
-    if table.whole and len(numbers) == len(cells):
-        yield from (cells[k] for k in wrong)
-    elif len(numbers) % rows == 0 and not table.whole:
-        width = len(numbers) // rows
+    if table.whole and size == len(cells):
+        yield from (cells[k] for k in sorted(wrong))
+    elif size % rows == 0 and not table.whole:
+        width = size // rows
         bad = {k // width for k in wrong}
         yield from (c for c in cells if c[0] in bad)
 

@@ -28,7 +28,7 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
-WEAK = 3.0
+WEAK = 2.0
 """What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""

@@ -10,6 +10,7 @@ from eom.checker.conventions import other_convention
 from eom.checker.corrections import Verified, corrections, levels, workshop
 from eom.checker.counterexample import counterexample
 from eom.checker.explanation import UNEXPLAINED, Correction, Counterexample, Explanation
+from eom.checker.inequalities import ORDERS
 from eom.checker.lines import Line, Place, line
 from eom.checker.notes import Understood
 from eom.checker.orders import unordered
@@ -53,6 +54,20 @@ def explain(
         counterexample=_fails(shop, candidate, place, given) if place is not None else None,
         convention=other_convention(understood, wrong.number, given),
     )
+
+
+def corrected(
+    understood: Understood, judged: Judged, given: Iterable[str] = (), stated: Iterable[str] = ()
+) -> tuple[Correction, ...]:
+    """Return the repairs of a claim alone, without what else `explain` says."""
+    given, stated = tuple(given), tuple(stated)
+    claim = judged.claim
+    apart = claim.parameters is not None or bool(ORDERS & set(claim.relations))
+    wrong = None if apart or judged.verdict not in GRAVE else line(understood, claim)
+    if wrong is None:
+        return explain(understood, judged, given, stated).corrections
+    found = corrections(understood, workshop(understood, wrong, given), given, stated)
+    return tuple(_correction(understood, wrong, v) for v in found)
 
 
 def _fails(

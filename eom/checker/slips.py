@@ -78,6 +78,8 @@ DROPPED = Slip("superfluous term", "a term is too much", 1.6, lambda _, __: ())
 LOST = Slip("lost term", "a term was lost", 1.5, lambda _, __: ())
 """Slips of a whole term of a line."""
 
+MANY = frozenset({"lost factor", "lost vector", "symbol"})
+"""Slips that offer something for every symbol of the note."""
 ALL_OVER = 0.35
 """What the same slip weighs at each place beyond the first."""
 MAX_EDITS = 1200
@@ -96,19 +98,27 @@ def edits(
     ``spared``: tells at which places nothing need be tried.
     """
     found: dict[Node, Edit] = {}
-    for path, here in places(node):
-        if spared(path):
-            continue
-        for slip in SLIPS:
-            for new, extra in slip.rule(here, palette):
-                tree = put(node, path, new)
-                edit = Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
-                _keep(found, edit, node)
-                if len(found) >= MAX_EDITS:
-                    return _sorted(found)
+    for edit in _single(node, palette, spared):
+        _keep(found, edit, node)
+        if len(found) >= MAX_EDITS:
+            return _sorted(found)
     for edit in _everywhere(node, list(found.values())):
         _keep(found, edit, node)
     return _sorted(found)
+
+
+def _single(
+    node: Node, palette: Palette, spared: Callable[[Path], bool]
+) -> Iterator[Edit]:
+    """Yield edits of one place each; the slips that offer much come last, at all places."""
+    here_and_below = [(p, n) for p, n in places(node) if not spared(p)]
+    for many in (False, True):
+        chosen = [s for s in SLIPS if (s.name in MANY) == many]
+        for path, here in here_and_below:
+            for slip in chosen:
+                for new, extra in slip.rule(here, palette):
+                    tree = put(node, path, new)
+                    yield Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
 
 
 def _sorted(found: dict[Node, Edit]) -> list[Edit]:
