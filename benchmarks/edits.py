@@ -384,6 +384,12 @@ class Count:
         return self.these("true, wrong", "true, ill-formed")
 
     @property
+    def words(self) -> str:
+        """The counts so far in a line."""
+        caught = f"{self.alarms} true ones called wrong, {self.caught} of {self.false} false caught"
+        return f"{caught}, {self.undone.total()} of {self.tried.total()} undone"
+
+    @property
     def missed(self) -> bool:
         """Whether the demands are missed."""
         return bool(self.alarms) or 100 * self.caught < 98 * self.false
@@ -422,7 +428,7 @@ def run(found: list[Original], most: int | None, seed: int, corrected: bool = Fa
     for k, (original, kind, tree) in enumerate(all_, 1):
         count.add(kind, original, tree, corrected)
         if k % 50 == 0:
-            click.echo(f"{k} of {len(all_)}: {count.undone.total()} of {count.tried.total()}", err=True)
+            click.echo(f"{k} of {len(all_)}: {count.words}", err=True)
     return count
 
 

@@ -102,9 +102,7 @@ def suspects(
                 continue
             own = values.get(addend)
             size = 9 if own is not None and own.shape == MATRIX else 3
-            wrong = (
-                _unlike(line, table) if own is None else _least(table, size, member, differing)
-            )
+            wrong = _unlike(line, table) if own is None else _least(table, size, member, differing)
             if wrong and len(wrong) < len(table.cells):
                 found[addend] = Suspects(table.path, wrong)
     return found

@@ -120,9 +120,7 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     known = known if wrong.claim.kind != CONSTANT else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
     at_fault = _suspects(shop, tuple(given))
-    return replace(
-        shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends}
-    )
+    return replace(shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends})
 
 
 def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:

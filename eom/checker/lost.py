@@ -6,7 +6,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature, valued, worth
+from eom.checker.lines import (
+    Addend,
+    Line,
+    Member,
+    Place,
+    Signature,
+    agrees,
+    signature,
+    valued,
+    worth,
+)
 from eom.checker.options import Option
 from eom.checker.paths import NOTHING, Path, at, operands, places, put
 from eom.checker.residual import Item, Piece, fits, items, scaled, total

@@ -52,7 +52,9 @@ class _Tried:
     new: str
 
 
-def unordered(understood: Understood, claim: Claim, given: Iterable[str] = ()) -> Explanation | None:
+def unordered(
+    understood: Understood, claim: Claim, given: Iterable[str] = ()
+) -> Explanation | None:
     """Return why a chain with signs of order is wrong; None for a claim that is none."""
     if not ORDERS & set(claim.relations) or understood.formula.reading is None:
         return None
@@ -69,7 +71,9 @@ def unordered(understood: Understood, claim: Claim, given: Iterable[str] = ()) -
         residual=latex(_difference(wrong, k)),
         blamed=tuple(at(wrong.tree, m.path).span for m in members if m.path is not None),
         corrections=tuple(found),
-        counterexample=failing(shop, (members[0], members[1]), given) if len(members) == 2 else None,
+        counterexample=failing(shop, (members[0], members[1]), given)
+        if len(members) == 2
+        else None,
     )
 
 

@@ -201,7 +201,10 @@ def _example(
     for row in DRAWN:
         values = {s: sp.Integer(row[k % len(row)]) for k, s in enumerate(free)}
         sides = [sp.simplify(e.xreplace(values)) for e in (left, right)]
-        if any(s.has(sp.zoo, sp.nan, sp.oo) for s in sides) or sp.simplify(sides[0] - sides[1]) == 0:
+        if (
+            any(s.has(sp.zoo, sp.nan, sp.oo) for s in sides)
+            or sp.simplify(sides[0] - sides[1]) == 0
+        ):
             continue
         texts = [str(sp.latex(s)) for s in sides]
         if max(map(len, texts)) <= 4 * MAX_DIGITS:

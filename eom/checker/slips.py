@@ -102,14 +102,12 @@ def edits(
         _keep(found, edit, node)
         if len(found) >= MAX_EDITS:
             return _sorted(found)
-    for edit in _everywhere(node, list(found.values())):
+    for edit in _everywhere(node, list(found.values()), spared):
         _keep(found, edit, node)
     return _sorted(found)
 
 
-def _single(
-    node: Node, palette: Palette, spared: Callable[[Path], bool]
-) -> Iterator[Edit]:
+def _single(node: Node, palette: Palette, spared: Callable[[Path], bool]) -> Iterator[Edit]:
     """Yield edits of one place each; the slips that offer much come last, at all places."""
     here_and_below = [(p, n) for p, n in places(node) if not spared(p)]
     for many in (False, True):
@@ -131,12 +129,13 @@ def _keep(found: dict[Node, Edit], edit: Edit, before: Node) -> None:
         found[edit.tree] = edit
 
 
-def _everywhere(node: Node, single: list[Edit]) -> Iterator[Edit]:
+def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) -> Iterator[Edit]:
     """Yield what was done at one place done at all places where the same stands."""
     done: set[tuple[str, Node, Node]] = set()
     standing: dict[Node, list[Path]] = {}
     for path, here in places(node):
-        standing.setdefault(here, []).append(path)
+        if not spared(path):
+            standing.setdefault(here, []).append(path)
     for edit in single:
         paths = standing.get(edit.old, [])
         key = (edit.slip.name, edit.old, edit.new)

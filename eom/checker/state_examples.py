@@ -134,9 +134,7 @@ def _implicit(system: System, expression: Expr, rates: Mapping[Expr, Expr]) -> E
 # -- drawing -----------------------------------------------------------------------------------------
 
 
-def points(
-    model: Model, scalars: Mapping[Any, Term], names: Iterable[str]
-) -> Iterator[StatePoint]:
+def points(model: Model, scalars: Mapping[Any, Term], names: Iterable[str]) -> Iterator[StatePoint]:
     """Yield states and parameters in small numbers that keep what is given, the simplest first."""
     given = given_in(model, names)
     angles = _angles(model.system)
@@ -175,9 +173,7 @@ def _halves(
         yield angle, (sine, sp.sqrt((1 + cosine) / 2))
 
 
-def _drawn(
-    model: Model, given: tuple[Restriction, ...], number: int
-) -> dict[Expr, Expr] | None:
+def _drawn(model: Model, given: tuple[Restriction, ...], number: int) -> dict[Expr, Expr] | None:
     """Return numbers for parameters, inputs, states and time; None where a constraint is not known."""
     system, rng = model.system, random.Random(number)  # noqa: S311 - reproducible
     bodies = [q.symbol for q in system.parameters if _MOMENT.fullmatch(q.name)]
@@ -199,9 +195,7 @@ def _drawn(
     return {s: sp.Rational(v) for s, v in found.items()}
 
 
-def _on_constraint(
-    system: System, vanish: Iterable[Expr], number: int
-) -> dict[Expr, Expr] | None:
+def _on_constraint(system: System, vanish: Iterable[Expr], number: int) -> dict[Expr, Expr] | None:
     """Return states on what attitude coordinates must satisfy; nothing for a constraint of none."""
     used = set().union(*(e.free_symbols for e in vanish))
     ordered = [q.symbol for q in system.states if q.symbol in used]
