@@ -112,11 +112,9 @@ def _other_rate(system: System, left: Expr, right: Expr) -> Iterator[System]:
 
 def _named(expression: Expr, speeds: Mapping[Expr, Expr]) -> Expr:
     """Replace rates that are states themselves, from inside out."""
-    inner = (
-        expression.func(*(_named(a, speeds) for a in expression.args))
-        if expression.args
-        else expression
-    )
+    if not expression.args:
+        return expression
+    inner = expression.func(*(_named(a, speeds) for a in expression.args))
     return speeds.get(inner, inner)
 
 
@@ -125,8 +123,10 @@ def _renamed(system: System, left: Expr, right: Expr) -> Iterator[System]:
     for name, value in ((left, right), (right, left)):
         if not name.is_Symbol or value.has(rate) or name in value.free_symbols:
             continue
-        for kind in ("definitions", "outputs", "invariants"):
-            rows = getattr(system, kind)
-            if any(d.symbol == name for d in rows):
-                new = tuple(replace(d, expression=value) if d.symbol == name else d for d in rows)
-                yield replace(system, **{kind: new})
+        named = (system.definitions, system.outputs, system.invariants)
+        if any(d.symbol == name for rows in named for d in rows):
+            own = [
+                tuple(replace(d, expression=value) if d.symbol == name else d for d in rows)
+                for rows in named
+            ]
+            yield replace(system, definitions=own[0], outputs=own[1], invariants=own[2])

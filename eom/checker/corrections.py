@@ -116,8 +116,8 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
     values = {a: worth(wrong, a.node) for a in addends}
-    known = partial(remains, wrong, have.symbols, tuple(given))
-    known = known if wrong.claim.kind != CONSTANT else tuple
+    equal = wrong.claim.kind != CONSTANT
+    known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
     at_fault = _suspects(shop, tuple(given))
     return replace(shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends})

@@ -19,8 +19,8 @@ from typing import Any
 
 from eom.checker.candidates import Candidate, Workshop
 from eom.checker.claims import CONSTANT
-from eom.checker.explanation import Counterexample
 from eom.checker.contexts import contexts, labels_in
+from eom.checker.explanation import Counterexample
 from eom.checker.judge import MENTIONS, needed_names
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
@@ -385,6 +385,7 @@ def _written(value: Any) -> str:
 
 
 def fraction(value: Any) -> str:
+    """Return the LaTeX of a fraction."""
     exact = Fraction(value)
     sign = "-" if exact < 0 else ""
     if exact.denominator == 1:
@@ -393,5 +394,6 @@ def fraction(value: Any) -> str:
 
 
 def too_large(text: str) -> bool:
+    """Tell whether a text shows a number that is no fun by hand."""
     digits = "".join(c if c.isdigit() else " " for c in text).split()
     return any(int(d) > LARGEST for d in digits)

@@ -49,15 +49,21 @@ def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
     if shop.line.claim.kind == CONSTANT:
         shop, candidate = _of_rate(shop), None
     found = pair(shop, candidate)
-    if found is None:
-        return ""
-    left, right = (shop.total(place, m) for m in found)
+    return "" if found is None else _entries(shop, place, found) or _sum(shop, place, found)
+
+
+def _entries(shop: Workshop, place: Place, found: tuple[Member, Member]) -> str:
+    """Return what is left over in a table, entry by entry."""
     tables = shop.difference(place, *found)
-    if tables is not None:
-        table, numbers = tables
-        node = entry_residual(shop.pools, place, table, numbers)
-        if node is not None:
-            return latex(node)
+    if tables is None:
+        return ""
+    node = entry_residual(shop.pools, place, *tables)
+    return "" if node is None else latex(node)
+
+
+def _sum(shop: Workshop, place: Place, found: tuple[Member, Member]) -> str:
+    """Return what is left over as a short sum of products."""
+    left, right = (shop.total(place, m) for m in found)
     if left is None or right is None:
         return ""
     kind = left[0] or right[0]

@@ -54,9 +54,8 @@ def review(
     worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
     alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
     found = _in_worlds(document, worldly, given, alone)
-    slips = carried_on_solutions(
-        [v if k in apart else Verdict(v.verdict) for k, v in enumerate(first)], given
-    )
+    about = [v if k in apart else Verdict(v.verdict) for k, v in enumerate(first)]
+    slips = carried_on_solutions(about, given)
     return tuple(
         _on_solutions(replace(r, understood=u, verdict=v), k, understood, slips)
         if k in apart

@@ -1,4 +1,4 @@
-"""Why a relation between free scalars is wrong: slips that make it an identity, what is left over, numbers."""
+"""Why a relation between free scalars is wrong: slips that were made, what is left over, small numbers."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from eom.checker.claims import Claim
 from eom.checker.counterexample import base_of
 from eom.checker.explanation import Correction, Counterexample, Explanation
 from eom.checker.grammar import read_formula
-from eom.checker.looks import seen
 from eom.checker.lines import _statement
+from eom.checker.looks import seen
 from eom.checker.notes import Understood, reread
 from eom.checker.offers import Palette
 from eom.checker.palette import around, symbols

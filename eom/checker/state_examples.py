@@ -71,7 +71,7 @@ class StatePoint:
         return found
 
     def _plain(self, expression: Expr) -> Expr:
-        """Return an expression without rates: written out, or with those of an implicit system as numbers."""
+        """Return an expression without rates: written out, or those of an implicit system as numbers."""
         system = self.model.system
         if system.mass_matrix is None:
             return without_rates(system, expression)
@@ -102,20 +102,20 @@ class StatePoint:
         return _FUNCTIONS[type(function)](sine, cosine)
 
 
-_FUNCTIONS: dict[Any, Any] = {
-    sp.sin: lambda s, _: s,
-    sp.cos: lambda _, c: c,
-    sp.tan: lambda s, c: _over(s, c),
-    sp.cot: lambda s, c: _over(c, s),
-    sp.sec: lambda _, c: _over(sp.Integer(1), c),
-    sp.csc: lambda s, _: _over(sp.Integer(1), s),
-}
-
-
 def _over(a: Expr, b: Expr) -> Expr:
     if b == 0:
         raise InputError("undefined here")
     return sp.simplify(a / b)
+
+
+_FUNCTIONS: dict[Any, Any] = {
+    sp.sin: lambda s, _: s,
+    sp.cos: lambda _, c: c,
+    sp.tan: _over,
+    sp.cot: lambda s, c: _over(c, s),
+    sp.sec: lambda _, c: _over(sp.Integer(1), c),
+    sp.csc: lambda s, _: _over(sp.Integer(1), s),
+}
 
 
 def _implicit(system: System, expression: Expr, rates: Mapping[Expr, Expr]) -> Expr:
@@ -167,7 +167,7 @@ def _halves(
         if numbers.get(angle) == 0:
             yield angle, (sp.Integer(0), sp.Integer(1))
             continue
-        a, b, c = TRIPLES[(k + number) % len(TRIPLES)]
+        _, b, c = TRIPLES[(k + number) % len(TRIPLES)]
         cosine = sp.Rational(b, c)
         sine = sp.sqrt((1 - cosine) / 2)
         yield angle, (sine, sp.sqrt((1 + cosine) / 2))

@@ -15,15 +15,17 @@ from eom.checker.documents import read_document
 from eom.checker.explaining import corrected, explain
 from eom.checker.lexicon_files import parse_lexicon
 from eom.checker.lines import line
-from eom.checker.model import load_model
+from eom.checker.model import load_model, model_of
 from eom.checker.notes import understand
 from eom.checker.review import review
 from eom.checker.state_examples import points
 from eom.checker.verdicts import GRAVE, verdict
+from eom.solutions import rate
 from eom.special import telling
 from tests.eom.checker.test_parameters import PLATE
 from tests.eom.checker.test_systems import TOP, lexicon
 from tests.eom.checker.true_lines import ARROWS, SUPERSCRIPTS
+from tests.eom.test_solutions import cart
 
 
 def why(text, own, given=GIVEN):
@@ -186,32 +188,19 @@ def test_states_keep_what_systems_assume(name):
                 assert all(point.number(e) == 0 for e in assumption.vanish)
         for quantity, expression in zip(model.system.states, model.system.rates, strict=True):
             if model.system.mass_matrix is None:
-                assert point.number(expression) == point.number(eom_rate(quantity.symbol))
+                assert point.number(expression) == point.number(rate(quantity.symbol))
         if k == 2:
             break
 
 
-def eom_rate(symbol):
-    from eom.solutions import rate
-
-    return rate(symbol)
-
-
 def test_a_system_with_a_mass_matrix():
-    from tests.eom.test_solutions import cart
-
-    model = load_model("heavy-top")
-    system = cart()
-    if system.mass_matrix is None:
-        pytest.skip("explicit")
-    from eom.checker.model import model_of
-
+    system, energy, momentum = cart()
     point = next(points(model_of(system), {}, ()))
-    rates = sp.Matrix([point.number(eom_rate(q.symbol)) for q in system.states])
-    matrix = system.mass_matrix.applyfunc(lambda e: point.number(system.expand(e)))
-    right = sp.Matrix([point.number(system.expand(r)) for r in system.rates])
-    assert sp.simplify(matrix * rates - right) == sp.zeros(*right.shape)
-    assert model.system.mass_matrix is None
+    rates = sp.Matrix([point.number(rate(q.symbol)) for q in system.states])
+    matrix = system.mass_matrix.applyfunc(point.number)
+    right = sp.Matrix([point.number(r) for r in system.rates])
+    assert matrix * rates == right
+    assert point.number(rate(energy)) == point.number(rate(momentum)) == 0
 
 
 CARRIED = r"""
@@ -242,7 +231,14 @@ def test_one_slip_about_a_system_is_one_finding():
     assert ["carried" in k for k in kinds] == [bool(r.carried) for r in found]
 
 
-# -- tables ------------------------------------------------------------------------------------------------
+LETTERED = """
+preset = 'arrow-tilde'
+[symbols]
+'r_{<k>}' = 'position dm O in B component <k>'
+'I_C' = 'inertia O in B'
+"""
+
+# -- tables --------------------------------------------------------------------------------
 
 
 def test_edits_of_a_table_stay_in_the_cell_that_differs():
@@ -259,7 +255,19 @@ def test_edits_of_a_table_stay_in_the_cell_that_differs():
     assert found.corrections[0].change.endswith(
         r"in row 2, column 3: $\cos \theta$ should be $\sin \theta$"
     )
-    assert suspects(wrong, {table: None}, ())  # a cell without a value, or of another kind, alone
+
+
+def test_a_cell_of_another_dimension_is_suspect():
+    text = (
+        r"[I_C] = \int_B \begin{bmatrix} r_2^2 + r_3^2 & -r_1 r_2 & -r_1 r_3 \\"
+        r" -r_1 r_2 & r_1^2 + r_3^2 & -r_2 \\ -r_1 r_3 & -r_2 r_3 & r_1^2 + r_2^2 \end{bmatrix} dm"
+    )
+    lexicon = parse_lexicon(LETTERED)
+    understood, judged, _ = why(text, lexicon)
+    wrong = line(understood, judged.claim)
+    (table,) = wrong.members[1].addends
+    (found,) = suspects(wrong, {table: None}, ()).values()
+    assert found.cells == frozenset({(1, 2)})
 
 
 def test_a_place_outside_of_the_suspects_is_spared():
@@ -270,7 +278,7 @@ def test_a_place_outside_of_the_suspects_is_spared():
     assert not one.spares(())
 
 
-# -- examples ------------------------------------------------------------------------------------------------
+# -- examples --------------------------------------------------------------------------------
 
 
 def test_special_motions_for_examples_are_in_whole_numbers():
