@@ -28,7 +28,7 @@ from benchmarks.checking import GIVEN, lexicon_of, note, read_truth
 from benchmarks.correcting import SHOWN, same
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import load
-from eom.checker.explaining import explain
+from eom.checker.explaining import corrected
 from eom.checker.judge import HOLDS, UNDER, equations
 from eom.checker.looks import DOTS, Look
 from eom.checker.notes import Understood, reread, understand
@@ -327,9 +327,8 @@ def undone(original: Original, tree: Node) -> bool:
     judged = next((j for j in verdict(edited, GIVEN).claims if j.verdict in GRAVE), None)
     if judged is None:
         return False
-    found = explain(edited, judged, GIVEN)
     wanted = latex(original.tree)
-    return any(same(edited, c.latex, wanted) for c in found.corrections[:SHOWN])
+    return any(same(edited, c.latex, wanted) for c in corrected(edited, judged, GIVEN)[:SHOWN])
 
 
 # -- counting ------------------------------------------------------------------------------------
@@ -337,22 +336,28 @@ def undone(original: Original, tree: Node) -> bool:
 
 @dataclass
 class Count:
-    """Outcomes by kind of edit, and what was judged wrongly."""
+    """Outcomes by kind of edit, what was judged wrongly, corrections that were looked for and found."""
 
     by_kind: dict[str, Counter[str]] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
-    tried: int = 0
-    undone: int = 0
+    tried: Counter[str] = field(default_factory=Counter)
+    undone: Counter[str] = field(default_factory=Counter)
+    missing: list[str] = field(default_factory=list)
 
     def add(self, kind: str, original: Original, tree: Node, corrected: bool = False) -> None:
         """Judge an edit and count it; ``corrected``: look for its correction, too."""
-        found, _, _ = outcome(original, tree)
+        found, ours, _ = outcome(original, tree)
         self.by_kind.setdefault(kind, Counter())[found] += 1
         if found in FAULTS:
             self.faults.append(f"{found}: {original.name}, {kind}: {latex(tree)[:200]}")
-        if corrected and found == "false, wrong":
-            self.tried += 1
-            self.undone += undone(original, tree)
+        grave = ours is not None and ours.verdict in CAUGHT and not found.startswith("true")
+        if corrected and grave:
+            self.tried[kind] += 1
+            right = undone(original, tree)
+            self.undone[kind] += right
+            if not right:
+                self.missing.append(f"{found}: {original.name}, {kind}: {latex(tree)[:300]}")
+                click.echo(self.missing[-1], err=True)
 
     @property
     def total(self) -> Counter[str]:
@@ -379,6 +384,12 @@ class Count:
         return self.these("true, wrong", "true, ill-formed")
 
     @property
+    def words(self) -> str:
+        """The counts so far in a line."""
+        caught = f"{self.alarms} true ones called wrong, {self.caught} of {self.false} false caught"
+        return f"{caught}, {self.undone.total()} of {self.tried.total()} undone"
+
+    @property
     def missed(self) -> bool:
         """Whether the demands are missed."""
         return bool(self.alarms) or 100 * self.caught < 98 * self.false
@@ -399,9 +410,13 @@ def report(count: Count) -> Iterator[str]:
         yield f"  {kind}: {words}"
     yield f"true edits called wrong or ill-formed: {count.alarms} of {count.these('true, ')}"
     yield f"false edits called wrong or ill-formed: {count.caught} of {count.false}"
+    for kind, tried in count.tried.items():
+        yield f"  {kind}: undone by one of {SHOWN} corrections: {count.undone[kind]} of {tried}"
     if count.tried:
-        yield f"the line before the edit among three corrections: {count.undone} of {count.tried}"
+        all_ = count.tried.total()
+        yield f"the line before the edit among {SHOWN} corrections: {count.undone.total()} of {all_}"
     yield from count.faults
+    yield from (f"not undone: {text}" for text in count.missing)
 
 
 def run(found: list[Original], most: int | None, seed: int, corrected: bool = False) -> Count:
@@ -412,8 +427,8 @@ def run(found: list[Original], most: int | None, seed: int, corrected: bool = Fa
     count = Count()
     for k, (original, kind, tree) in enumerate(all_, 1):
         count.add(kind, original, tree, corrected)
-        if k % 200 == 0:
-            click.echo(f"{k} of {len(all_)}", err=True)
+        if k % 50 == 0:
+            click.echo(f"{k} of {len(all_)}: {count.words}", err=True)
     return count
 
 

@@ -58,7 +58,10 @@ class Evaluator:
 
     def _agree(self, equation: Equation, env: Env) -> bool:
         left, right = self.value(equation.left, env), self.value(equation.right, env)
-        return all((a - b).is_zero for a, b in zip(_flat(left), _flat(right), strict=True))
+        parts = list(_flat(left)), list(_flat(right))
+        if len(parts[0]) != len(parts[1]):
+            raise InputError("two sides have different numbers of components")
+        return all((a - b).is_zero for a, b in zip(*parts, strict=True))
 
     def value(self, term: Term, env: Env | None = None) -> Value:
         """Return the value of ``term``; ``env`` numbers the particles that indices stand for."""

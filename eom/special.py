@@ -32,7 +32,13 @@ BODIES: dict[str, tuple[Numbers, tuple[str, ...]]] = {
 }
 """Principal moments of inertia, and assumptions that hold for them."""
 
-ORDINARY = frozenset({"three different principal moments", "other principal moments"})
+WHOLE: dict[str, tuple[Numbers, tuple[str, ...]]] = {
+    "three different principal moments, of whole masses": ((6, 8, 10), ()),
+}
+"""A body for examples alone: its six masses are whole numbers."""
+
+ORDINARY_FIRST = ("three different principal moments", "other principal moments")
+ORDINARY = frozenset({*ORDINARY_FIRST, *WHOLE})
 """Bodies of no special shape."""
 
 RATES: tuple[Numbers, ...] = (
@@ -91,6 +97,14 @@ def specials() -> Iterator[Special]:
     return (_special(*case) for case in _cases())
 
 
+def telling(names: frozenset[str]) -> Iterator[Special]:
+    """Yield motions in which some assumptions hold and little vanishes: those that tell most first."""
+    for case in _telling():
+        special = _special(*case)
+        if names <= special.assumed:
+            yield special
+
+
 Case = tuple[str, Numbers, str, str, bool]
 """Body, rates at t = 0, kind of motion, reference point, whether B is turned from the principal axes."""
 
@@ -116,6 +130,17 @@ def _all() -> Iterator[Case]:
             yield first, rates, kind, rest, True
 
 
+@cache
+def _telling() -> tuple[Case, ...]:
+    """Return cases in which all rates differ, with all reference points: in principal axes first."""
+    first, *others = (*ORDINARY_FIRST, *WHOLE, *(b for b in BODIES if "symmetry" in b))
+    cases = [(body, DRIVEN, turned) for turned in (False, True) for body in (first, *WHOLE)]
+    cases += [(b, kind, False) for kind in (FREE, STEADY) for b in (first, *others)]
+    return tuple(
+        (body, RATES[-1], kind, where, turned) for body, kind, turned in cases for where in POINTS
+    )
+
+
 def _possible(body: str, rates: Numbers, kind: str) -> bool:
     """Tell whether a motion differs from others and is determined: a free rod is not."""
     rod = not all(BODIES[body][0])
@@ -124,7 +149,7 @@ def _possible(body: str, rates: Numbers, kind: str) -> bool:
 
 @cache
 def _special(body: str, rates: Numbers, kind: str, where: str, turned: bool) -> Special:
-    moments, more = BODIES[body]
+    moments, more = {**BODIES, **WHOLE}[body]
     omega = _KINDS[kind](moments, rates)
     free = not any(c for s in _torque(moments, omega) for c in s.coefficients)
     assumed = ALWAYS | POINTS[where]

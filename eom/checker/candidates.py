@@ -152,7 +152,15 @@ class Workshop:
                 kind = signature(value) if value is not None else None
                 if kind is not None:
                     kinds[kind] = None
-        return list(kinds)[:4]
+        return [*list(kinds)[:4], *self._beside_zero(kinds)]
+
+    def _beside_zero(self, kinds: Mapping[Signature, None]) -> list[Signature]:
+        """Return what else a single term may be that is said to be zero: anything."""
+        terms = [m for m in self.line.members if not self.is_zero(m)]
+        if len(terms) == len(self.line.members) or len(terms) != 1 or len(terms[0].addends) != 1:
+            return []
+        offered = (o.signature for o in self.offers[terms[0].addends[0]])
+        return list(dict.fromkeys(k for k in offered if k is not None and k not in kinds))[:8]
 
     def _groups(self, place: Place, member: Member, kind: Signature, side: int) -> list[_Group]:
         groups = []

@@ -7,18 +7,20 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from eom.checker.candidates import Candidate, Workshop, repaired
-from eom.checker.claims import Claim
+from eom.checker.cells import Suspects, by_components, suspects
+from eom.checker.claims import CONSTANT, Claim
 from eom.checker.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.levels import penalty, places
-from eom.checker.lines import Line, Place, valued
+from eom.checker.lines import Addend, Line, Place, valued, worth
 from eom.checker.lost import Pools
 from eom.checker.notes import Understood, reread
 from eom.checker.options import options
 from eom.checker.palette import palette
 from eom.checker.paths import at
-from eom.checker.solution_places import remains, solutions
-from eom.checker.syntax import Node
+from eom.checker.solution_places import moves, remains, solutions
+from eom.checker.syntax import Matrix, Node
 from eom.checker.systems import on_solutions
+from eom.checker.trees import walk
 from eom.series import PRIME
 from eom.terms import Term
 
@@ -26,7 +28,7 @@ SHOWN = 3
 """Corrections that are shown at most."""
 JUDGED = 6
 """Repairs of a line that are judged in full at most."""
-WEAK = 3.0
+WEAK = 2.0
 """What the best repair weighs at least if terms of symbols around the line are tried as well."""
 NEAR = 12
 """Symbols around a line that are tried in lost terms, if its own do not help."""
@@ -113,10 +115,21 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     """Return a line with what may stand for each of its terms."""
     have = palette(understood, wrong)
     addends = [a for m in wrong.members for a in m.addends if m.path is not None]
-    values = {a: valued(wrong.elaborator, a.node) for a in addends}
-    offers = {a: options(wrong, a, have) for a in addends}
-    known = partial(remains, wrong, have.symbols, tuple(given))
-    return Workshop(wrong, offers, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    values = {a: worth(wrong, a.node) for a in addends}
+    equal = wrong.claim.kind != CONSTANT
+    known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
+    shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    at_fault = _suspects(shop, tuple(given))
+    return replace(shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends})
+
+
+def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
+    """Return the cells of tables that may be at fault, by the terms of a line."""
+    if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
+        return {}
+    worlds = (p for both in levels(shop, given) for p in both)
+    differing = [by_components(p, shop.line.members, shop.difference) for p in worlds]
+    return suspects(shop.line, shop.values, differing)
 
 
 def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:
@@ -174,6 +187,8 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: C
     is zero may do so where much is assumed.
     """
     members = shop.line.members
+    if shop.line.claim.kind == CONSTANT:
+        return _never_changes(shop, tree, there, candidate)
     nodes = [at(tree, m.path) for m in members if m.path is not None]
     if len(set(nodes)) < len(nodes):
         return True
@@ -181,6 +196,19 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: C
     return any(
         all(t == 0 for t in _totals(shop, place, candidate)) for place in there[: 1 if says else 2]
     )
+
+
+def _never_changes(
+    shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate
+) -> bool:
+    """Tell whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
+    (path,) = (m.path for m in shop.line.members if m.path is not None)
+    value = valued(shop.line.elaborator, at(tree, path))
+    if value is None or there[1].number(value.term) == 0:
+        return True
+    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
+        return not moves(value.term, shop.line, shop.line.claim.model)
+    return all(t == 0 for t in _totals(shop, there[0], candidate))
 
 
 def verified(

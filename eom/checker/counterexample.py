@@ -12,13 +12,16 @@ import random
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from eom.checker.candidates import Candidate, Workshop
+from eom.checker.claims import CONSTANT
+from eom.checker.contexts import contexts, labels_in
 from eom.checker.explanation import Counterexample
-from eom.checker.judge import needed_names
+from eom.checker.judge import MENTIONS, needed_names
 from eom.checker.lines import Member, Place, valued
 from eom.checker.palette import symbols
 from eom.checker.paths import at
@@ -41,8 +44,9 @@ from eom.evaluate import Evaluator
 from eom.generators import built
 from eom.series import PRIME, Field, Series, Singular
 from eom.shapes import Draw
-from eom.terms import Term, add, mul, number
-from eom.worlds import World
+from eom.special import telling
+from eom.terms import Term, add, mul, number, zero
+from eom.worlds import World, closure
 
 STARTS = 3
 TESTS = 32
@@ -85,22 +89,87 @@ def counterexample(
     members = pair(shop, candidate)
     if members is None:
         return None
-    terms = [_term(shop, m) for m in members]
-    if terms[0] is None or terms[1] is None or terms[0].kind != terms[1].kind:
+    terms = terms_of(shop, members)
+    if terms is None:
         return None
-    shown = _shown_nodes(shop, members, candidate)
-    tried = _Tried(place.names, shop.line.elaborator.scalars, (terms[0], terms[1]))
-    least: Counterexample | None = None
-    for watched, drawn in ((tuple(v.term for _, v in shown), FULL), ((), SPARSE)):
+    shown = shown_nodes(shop, members, candidate)
+    return _least(_Telling(shop, members, shown, terms, place.names))
+
+
+def failing(
+    shop: Workshop, members: tuple[Member, Member], given: tuple[str, ...]
+) -> Counterexample | None:
+    """Return small numbers at which two members differ that never do as is claimed, or None."""
+    terms = terms_of(shop, members)
+    if terms is None:
+        return None
+    shown = shown_nodes(shop, members, None)
+    for context in contexts([*terms, *shop.line.elaborator.scalars.values()]):
+        try:
+            names = closure([*given, *context])
+        except InputError:
+            continue
+        found = _least(_Telling(shop, members, shown, terms, names))
+        if found is not None:
+            return found
+    return None
+
+
+def _least(told: _Telling) -> Counterexample | None:
+    """Return the simplest numbers that were found: of special motions, else of worlds that are drawn."""
+    least = _special(told)
+    if least is not None and rank_of(least) <= GOOD:
+        return least
+    tried = _Tried(told.names, told.shop.line.elaborator.scalars, told.terms)
+    for watched, drawn in ((tuple(v.term for _, v in told.shown), FULL), ((), SPARSE)):
         tried = replace(tried, watched=watched, drawn=drawn, tests=0)
         for start in range(STARTS):
             choices = tried.first(start)
-            found = choices and _told(shop, members, shown, tried, tried.small(choices))
+            found = choices and _drawn(told, tried, tried.small(choices))
             if found and _digits(found) <= SIMPLE:
                 return found
-            if found and (least is None or _digits(found) < _digits(least)):
+            if found and (least is None or rank_of(found) < rank_of(least)):
                 least = found
     return least
+
+
+def _special(told: _Telling) -> Counterexample | None:
+    """Return the simplest of the special motions in small numbers for which a line fails.
+
+    They are known before, so that they take less time than worlds that are drawn.
+    """
+    labels = labels_in([*told.terms, *told.shop.line.elaborator.scalars.values()])
+    names = frozenset(n for n in told.names if n not in MENTIONS or MENTIONS[n] & labels)
+    least: Counterexample | None = None
+    for special in telling(names):
+        found = told.told(special.world)
+        if found is not None and (least is None or rank_of(found) < rank_of(least)):
+            least = found
+        if least is not None and rank_of(least) <= BEST:
+            break
+    return least
+
+
+def _drawn(told: _Telling, tried: _Tried, choices: list[int]) -> Counterexample | None:
+    try:
+        return told.told(tried.world(list(choices), 0))
+    except (InputError, Singular, ArithmeticError, KeyError):
+        return None
+
+
+_Rank = tuple[bool, int, int]
+
+
+def rank_of(found: Counterexample) -> _Rank:
+    """Return whether something that is shown vanishes, the length of numbers, how many are fractions."""
+    shown = [v for _, v in found.values]
+    numbers = ([n for n in _NUMBER.findall(v) if int(n)] for v in shown)
+    return not all(numbers), max(_digits(found), SIMPLE), sum(v.count("frac") for v in shown)
+
+
+BEST: _Rank = (False, SIMPLE, 0)
+GOOD: _Rank = (False, SIMPLE, 1_000)
+"""What need not be made simpler, and what other worlds need not be drawn for."""
 
 
 def _digits(found: Counterexample) -> int:
@@ -110,6 +179,18 @@ def _digits(found: Counterexample) -> int:
 
 
 _NUMBER = re.compile(r"\d+")
+
+
+def terms_of(shop: Workshop, members: tuple[Member, Member]) -> tuple[Term, Term] | None:
+    """Return two members as terms that can be compared, None where a part of them has no value."""
+    left, right = (_term(shop, m) for m in members)
+    if left is None and right is not None and shop.is_zero(members[0]):
+        left = zero(right.kind)
+    if right is None and left is not None and shop.is_zero(members[1]):
+        right = zero(left.kind)
+    if left is None or right is None or left.kind != right.kind:
+        return None
+    return left, right
 
 
 def _term(shop: Workshop, member: Member) -> Term | None:
@@ -191,35 +272,48 @@ def _flat(value: Any) -> list[Series]:
 # -- what is shown -------------------------------------------------------------------------------
 
 
-_Shown = tuple[Node, Value]
+Shown = tuple[Node, Value]
 
 
-def _told(
-    shop: Workshop,
-    members: tuple[Member, Member],
-    shown: Sequence[_Shown],
-    tried: _Tried,
-    choices: list[int],
-) -> Counterexample | None:
-    """Return the numbers of a world, None where some are large or have no value."""
-    try:
-        evaluator = Evaluator(tried.world(list(choices), 0), tried.scalars)
-        sides = [_numbers(evaluator, t) for t in tried.terms]
-        values = [*_masses(shop, members, evaluator)]
-        values += [(latex(n), _numbers(evaluator, v.term)) for n, v in shown]
-    except (InputError, Singular, ArithmeticError, KeyError):
-        return None
-    texts = [*sides, *(v for _, v in values)]
-    if sides[0] == sides[1] or any(_large(t) for t in texts):
-        return None
-    heads = [_head(shop, m) for m in members]
-    pairs = tuple(zip(heads, sides, strict=True))
-    return Counterexample(tuple(dict(values).items()), pairs, needed_names(tried.names))
+@dataclass(frozen=True)
+class _Telling:
+    """Two members of a line that disagree, and what is shown of a world where they do."""
+
+    shop: Workshop
+    members: tuple[Member, Member]
+    shown: Sequence[Shown]
+    terms: tuple[Term, Term]
+    names: frozenset[str]
+
+    def told(self, world: World) -> Counterexample | None:
+        """Return the numbers of a world, None where some are large or have no value."""
+        try:
+            evaluator = Evaluator(world, self.shop.line.elaborator.scalars)
+            sides = [_numbers(evaluator, t) for t in self.terms]
+            if sides[0] == sides[1]:
+                return None
+            values = [*_masses(self.shop, self.members, evaluator)]
+            values += list(self._values(evaluator))
+        except (InputError, Singular, ArithmeticError, KeyError):
+            return None
+        if any(too_large(t) for t in (*sides, *(v for _, v in values))):
+            return None
+        heads = [head_of(self.shop, m) for m in self.members]
+        pairs = tuple(zip(heads, sides, strict=True))
+        return Counterexample(tuple(dict(values).items()), pairs, needed_names(self.names))
+
+    def _values(self, evaluator: Evaluator) -> Iterator[tuple[str, str]]:
+        """Yield what is shown with its value; roots have none in a world."""
+        for node, value in self.shown:
+            with suppress(InputError):
+                yield latex(node), _numbers(evaluator, value.term)
 
 
-def _head(shop: Workshop, member: Member) -> str:
+def head_of(shop: Workshop, member: Member) -> str:
     """Return a member as it stands; a long one, and one that stands elsewhere, by its side."""
     text = latex(at(shop.line.tree, member.path)) if member.path is not None else ""
+    if shop.line.claim.kind == CONSTANT:
+        return rf"\frac{{\mathrm{{d}}}}{{\mathrm{{d}} t}} \left( {text} \right)" if text else "0"
     first = member is shop.line.members[0]
     side = "left side" if first else "right side"
     if len(shop.line.members) > 2 and not first:
@@ -232,17 +326,17 @@ def _masses(
 ) -> Iterator[tuple[str, str]]:
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     if any(isinstance(n, Integral) for r in roots for n in walk(r)):
-        masses = [_number(m.coefficients[0]) for m in evaluator.world.masses]
+        masses = [fraction(m.coefficients[0]) for m in evaluator.world.masses]
         yield latex(Differential(Symbol("m"))), ", ".join(m for m in masses if m != "0")
 
 
-def _shown_nodes(
+def shown_nodes(
     shop: Workshop, members: tuple[Member, Member], candidate: Candidate | None
-) -> list[_Shown]:
+) -> list[Shown]:
     """Return what enters: symbols and functions of the members, and of what would make them right."""
     roots = [at(shop.line.tree, m.path) for m in members if m.path is not None]
     roots += [o.node for o in candidate.options] if candidate is not None else []
-    found: list[_Shown] = []
+    found: list[Shown] = []
     for node in list(dict.fromkeys(n for r in roots for n in _quantities(r)))[:SHOWN]:
         value = valued(shop.line.elaborator, node)
         if value is not None and not value.is_zero and node not in roots:
@@ -255,12 +349,12 @@ def _quantities(root: Node) -> Iterator[Node]:
     calls = [n for n in walk(root) if isinstance(n, Call)]
     inside = {n for c in calls for n in symbols(c)}
     outside = Counter(symbols(root)) - Counter(n for c in calls for n in symbols(c))
-    yield from (_base(n) for n in symbols(root) if n not in inside or outside[n] > 0)
+    yield from (base_of(n) for n in symbols(root) if n not in inside or outside[n] > 0)
     yield from (n for n in walk(root) if isinstance(n, Derivative) and n.operand is not None)
     yield from (replace(c, sup=None) for c in calls)
 
 
-def _base(node: Node) -> Node:
+def base_of(node: Node) -> Node:
     """Return a symbol without an exponent."""
     if not isinstance(node, Scripts) or not isinstance(node.sup, Number):
         return node
@@ -283,14 +377,15 @@ def _numbers(evaluator: Evaluator, term: Term) -> str:
 
 def _written(value: Any) -> str:
     if isinstance(value, Series):
-        return _number(value.coefficients[0])
+        return fraction(value.coefficients[0])
     if isinstance(value[0], Series):
         return "(" + ", ".join(_written(v) for v in value) + ")"
     rows = " \\\\ ".join(" & ".join(_written(v) for v in row) for row in value)
     return f"\\begin{{bmatrix}} {rows} \\end{{bmatrix}}"
 
 
-def _number(value: Any) -> str:
+def fraction(value: Any) -> str:
+    """Return the LaTeX of a fraction."""
     exact = Fraction(value)
     sign = "-" if exact < 0 else ""
     if exact.denominator == 1:
@@ -298,6 +393,7 @@ def _number(value: Any) -> str:
     return f"{sign}\\frac{{{abs(exact.numerator)}}}{{{exact.denominator}}}"
 
 
-def _large(text: str) -> bool:
+def too_large(text: str) -> bool:
+    """Tell whether a text shows a number that is no fun by hand."""
     digits = "".join(c if c.isdigit() else " " for c in text).split()
     return any(int(d) > LARGEST for d in digits)

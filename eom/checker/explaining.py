@@ -10,10 +10,14 @@ from eom.checker.conventions import other_convention
 from eom.checker.corrections import Verified, corrections, levels, workshop
 from eom.checker.counterexample import counterexample
 from eom.checker.explanation import UNEXPLAINED, Correction, Counterexample, Explanation
+from eom.checker.inequalities import ORDERS
 from eom.checker.lines import Line, Place, line
 from eom.checker.notes import Understood
+from eom.checker.orders import unordered
 from eom.checker.remainder import leftover
 from eom.checker.rewriting import blamed, rewritten
+from eom.checker.scalar_slips import between_scalars
+from eom.checker.stated import stated
 from eom.checker.systems import on_solutions
 from eom.checker.verdicts import GRAVE, Judged
 from eom.checker.wording import words as told
@@ -31,8 +35,10 @@ def explain(
         return UNEXPLAINED
     given, stated = tuple(given), tuple(stated)
     places = judged.chain.blamed if judged.chain is not None else ()
-    if judged.claim.parameters is not None:
-        return Explanation(blamed=places)
+    scalars = between_scalars(understood, judged.claim)
+    compared = scalars or unordered(understood, judged.claim, given)
+    if compared is not None:
+        return compared
     wrong = line(understood, judged.claim)
     if wrong is None:
         return Explanation(blamed=places or tuple(f.span for f in judged.claim.findings))
@@ -50,11 +56,26 @@ def explain(
     )
 
 
+def corrected(
+    understood: Understood, judged: Judged, given: Iterable[str] = (), stated: Iterable[str] = ()
+) -> tuple[Correction, ...]:
+    """Return the repairs of a claim alone, without what else `explain` says."""
+    given, stated = tuple(given), tuple(stated)
+    claim = judged.claim
+    apart = claim.parameters is not None or bool(ORDERS & set(claim.relations))
+    wrong = None if apart or judged.verdict not in GRAVE else line(understood, claim)
+    if wrong is None:
+        return explain(understood, judged, given, stated).corrections
+    found = corrections(understood, workshop(understood, wrong, given), given, stated)
+    return tuple(_correction(understood, wrong, v) for v in found)
+
+
 def _fails(
     shop: Workshop, candidate: Candidate | None, place: Place, given: tuple[str, ...]
 ) -> Counterexample | None:
     """Return small numbers for which a line fails, with what they assume beyond what is given."""
-    found = counterexample(shop, candidate, place) if not on_solutions(shop.line.claim) else None
+    on_states = on_solutions(shop.line.claim)
+    found = (stated if on_states else counterexample)(shop, candidate, place)
     if found is None:
         return None
     return replace(found, assumptions=tuple(n for n in found.assumptions if n not in given))

@@ -17,6 +17,7 @@ from eom.worlds import SEQUENCES, closure
 LEVELS: tuple[tuple[str, ...], ...] = (
     ("body_frame", "newton_2", "third_law_strong", "about_centre"),
     ("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body", "O_fixed_in_space"),
+    ("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes", "C_at_rest"),
     (
         *("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes"),
         *("A_fixed_in_body", "OA_at_centre", "no_torque_2"),
@@ -43,6 +44,7 @@ PENALTIES: dict[str, float] = {
     "about_centre": 0.35,
     "O_fixed_in_body": 0.4,
     "O_fixed_in_space": 0.5,
+    "C_at_rest": 0.5,
     "spin_312": 0.1,
     **dict.fromkeys(SEQUENCES, 0.1),
     "rotors": 0.1,

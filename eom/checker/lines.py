@@ -10,11 +10,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim, _single
+from eom.checker.claims import (
+    CONSTANT,
+    DEFINITION,
+    EQUALITIES,
+    STATEMENT,
+    Claim,
+    _is_constant,
+    _single,
+    _square,
+)
 from eom.checker.dimensions import Dimension
 from eom.checker.elaborate import RULES
 from eom.checker.elaborator import Elaborator
+from eom.checker.inequalities import ORDERS
 from eom.checker.notes import Understood
+from eom.checker.operations import overdot
 from eom.checker.paths import Path, find
 from eom.checker.statements import Statement
 from eom.checker.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol
@@ -23,7 +34,7 @@ from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import world
 from eom.series import PRIME, Series, Singular
-from eom.terms import Term
+from eom.terms import Term, zero
 
 Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
@@ -93,12 +104,12 @@ class Line:
 
 
 def line(understood: Understood, claim: Claim) -> Line | None:
-    """Return the line of a claim, or None where it is no chain of equations that can be edited."""
+    """Return the line of a claim, or None where it is no chain that can be edited."""
     reading = understood.formula.reading
-    if reading is None or claim.kind not in {STATEMENT, DEFINITION}:
+    if reading is None or claim.kind not in {STATEMENT, DEFINITION, CONSTANT}:
         return None
     statement = _statement(understood, claim)
-    if statement is None or not {s.name for s in statement.signs} <= EQUALITIES:
+    if statement is None or not {s.name for s in statement.signs} <= EQUALITIES | ORDERS:
         return None
     number = next(k for k, c in enumerate(understood.claims) if c is claim)
     members = tuple(_members(reading.tree, statement, claim))
@@ -123,6 +134,9 @@ def _statement(understood: Understood, claim: Claim) -> Statement | None:
 
 
 def _members(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]:
+    if claim.kind == CONSTANT:
+        yield from _steady(tree, statement, claim)
+        return
     for k, node in enumerate(statement.members):
         if k == 0 and claim.kind == DEFINITION:
             continue
@@ -132,6 +146,14 @@ def _members(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]
             continue
         path = find(tree, node)
         yield Member(k, tuple(_addends(node, k)), path)
+
+
+def _steady(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]:
+    """Yield what is said to be constant, whose terms count by their rates, and zero."""
+    named = _is_constant(statement.members[-1])
+    node = statement.members[-2 if named else -1]
+    yield Member(0, tuple(_addends(node, 0)), find(tree, node))
+    yield Member(1, value=replace(claim.members[0], term=zero(claim.members[0].term.kind)))
 
 
 def _addends(node: Node, member: int, path: Path = ()) -> Iterator[Addend]:
@@ -151,6 +173,19 @@ def valued(e: Elaborator, node: Node) -> Value | None:
     """Return the value of a node as it is compared, or None where it has none."""
     try:
         return mixed(e.lexicon.notation, e.value(node))
+    except Refusal:
+        return None
+
+
+def worth(line: Line, node: Node) -> Value | None:
+    """Return what a term counts in a line: its value; in one that something is constant, its rate."""
+    value = valued(line.elaborator, node)
+    if value is None or line.claim.kind != CONSTANT:
+        return value
+    alone = sum(len(m.addends) for m in line.members) == 1
+    notation = line.elaborator.lexicon.notation
+    try:
+        return mixed(notation, overdot(notation, _square(value) if alone else value, 1, node.span))
     except Refusal:
         return None
 

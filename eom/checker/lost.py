@@ -6,7 +6,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from eom.checker.lines import Addend, Line, Member, Place, Signature, agrees, signature, valued
+from eom.checker.lines import (
+    Addend,
+    Line,
+    Member,
+    Place,
+    Signature,
+    agrees,
+    signature,
+    valued,
+    worth,
+)
 from eom.checker.options import Option
 from eom.checker.paths import NOTHING, Path, at, operands, places, put
 from eom.checker.residual import Item, Piece, fits, items, scaled, total
@@ -90,7 +100,7 @@ def lost_terms(
         parts = [scaled(p) for p in pieces]
         sign = -1 if parts[0][0] == "-" else 1
         node = total([replace(p, coefficient=p.coefficient * sign) for p in pieces])
-        value = valued(pools.line.elaborator, node)
+        value = worth(pools.line, node)
         if value is not None:
             addend = replace(member.addends[-1], sign=sign, node=NOTHING)
             kept = (LOST, weight(pieces), NOTHING, node, node, sign, value.term, signature(value))
@@ -126,7 +136,7 @@ def entry_terms(
         changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
         cost += weight(pieces)
     node = put(addend.node, path, tree)
-    value = valued(pools.line.elaborator, node)
+    value = worth(pools.line, node)
     if value is not None and changed:
         inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
         old, new = at(table, inside), at(tree, inside)
@@ -175,7 +185,7 @@ def _entry(
 
 
 def _value(pools: Pools, node: Node) -> Value | None:
-    return valued(pools.line.elaborator, node)
+    return worth(pools.line, node)
 
 
 @dataclass(frozen=True)

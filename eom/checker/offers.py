@@ -16,11 +16,14 @@ class Palette:
 
     ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
     labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
-    ``factors``: of the line itself; ``omegas``: angular velocities.
+    ``factors``: of the line itself; ``near``: others that stand around it; ``vectors``: of the line and
+    around it; ``omegas``: angular velocities.
     """
 
     symbols: tuple[Node, ...] = ()
     factors: tuple[Node, ...] = ()
+    near: tuple[Node, ...] = ()
+    vectors: tuple[Node, ...] = ()
     omegas: tuple[Node, ...] = ()
     labels: tuple[tuple[Node, ...], ...] = ()
     frames: tuple[Node, ...] = ()

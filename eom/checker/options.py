@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from eom.checker.lines import Addend, Line, Signature, signature, valued
+from eom.checker.cells import Suspects
+from eom.checker.lines import Addend, Line, Signature, signature, worth
 from eom.checker.offers import Palette
 from eom.checker.paths import NOTHING, Path
 from eom.checker.slips import DROPPED, TERM, Edit, Slip, edits
@@ -37,10 +38,15 @@ class Option:
     added: tuple[tuple[tuple[int, int], str], ...] = ()
 
 
-def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
-    """Return what may stand for a term and has a value, the most plausible first."""
+def options(
+    line: Line, addend: Addend, palette: Palette, suspects: Suspects | None = None
+) -> list[Option]:
+    """Return what may stand for a term and has a value, the most plausible first.
+
+    ``suspects``: the cells of its table that may be at fault, where that is known.
+    """
     found = []
-    value = valued(line.elaborator, addend.node)
+    value = worth(line, addend.node)
     member = next(m for m in line.members if m.number == addend.member)
     if value is not None:
         own = (value.term, signature(value))
@@ -49,11 +55,16 @@ def options(line: Line, addend: Addend, palette: Palette) -> list[Option]:
         found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
     if len(member.addends) > 1:
         found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
-    for edit in edits(addend.node, palette):
-        new = valued(line.elaborator, edit.tree)
+    spared = suspects.spares if suspects is not None else _nowhere
+    for edit in edits(addend.node, palette, spared):
+        new = worth(line, edit.tree)
         if new is not None and not (value is not None and new.term == value.term):
             found.append(_edited(addend, edit, new))
     return sorted(found, key=lambda o: o.weight)
+
+
+def _nowhere(_: Path) -> bool:
+    return False
 
 
 def _option(

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from eom.checker.grammar import read_formula
 from eom.checker.lexicon import AXES, Lexicon
-from eom.checker.lines import Line
+from eom.checker.lines import Line, valued
 from eom.checker.looks import Labels, labels, seen
 from eom.checker.notes import Understood
 from eom.checker.offers import Palette
@@ -28,22 +28,27 @@ from eom.checker.syntax import (
 )
 from eom.checker.trees import children, walk
 from eom.errors import InputError
-from eom.terms import INDICES
+from eom.terms import COLUMN, INDICES, VECTOR
 
 SYMBOLS = 40
 """Symbols of the note that are tried at most."""
+NEAR, VECTORS = 10, 5
+"""Factors around a line, and vectors, that are tried as lost ones at most."""
 
 
 def palette(understood: Understood, line: Line) -> Palette:
     """Return what may have been meant in a line."""
     lexicon = understood.lexicon
-    trees = list(_near(understood))
+    trees = list(around(understood))
     known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
     own = [at(line.tree, m.path) for m in line.members if m.path is not None]
     factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
+    quantities = tuple(n for n in known if _is_quantity(n))[:SYMBOLS]
     return Palette(
-        symbols=tuple(n for n in known if _is_quantity(n))[:SYMBOLS],
+        symbols=quantities,
         factors=tuple(factors)[:12],
+        near=tuple(n for n in quantities if n not in factors)[:NEAR],
+        vectors=tuple(n for n in quantities if _shape(line, n) in {VECTOR, COLUMN})[:VECTORS],
         omegas=tuple(n for n in known if _is_omega(lexicon, n))[:3],
         labels=tuple(_rows(lexicon, trees)),
         frames=tuple(_frames(lexicon, trees)),
@@ -52,7 +57,7 @@ def palette(understood: Understood, line: Line) -> Palette:
     )
 
 
-def _near(understood: Understood) -> Iterator[Node]:
+def around(understood: Understood) -> Iterator[Node]:
     """Yield the trees of a note, the closest first, the line's own before all."""
     around = understood.around
     if understood.formula.reading is not None:
@@ -88,6 +93,12 @@ def _inside(node: Node) -> tuple[Node, ...]:
 def _is_quantity(node: Node) -> bool:
     given = seen(node)
     return given is not None and given.look.name.isalpha() and not isinstance(node, Group)
+
+
+def _shape(line: Line, node: Node) -> str:
+    """Return the shape of a symbol, "" where it has no value."""
+    value = valued(line.elaborator, node)
+    return "" if value is None else value.shape
 
 
 def _is_omega(lexicon: Lexicon, node: Node) -> bool:

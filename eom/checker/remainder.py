@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 from eom.checker.candidates import Candidate, Workshop
+from eom.checker.claims import CONSTANT, STATEMENT
 from eom.checker.lines import Member, Place
-from eom.checker.lost import entry_residual
+from eom.checker.lost import Pools, entry_residual
 from eom.checker.residual import fits, total
+from eom.checker.solution_places import remains
 from eom.checker.writing import latex
 from eom.series import PRIME
 
@@ -25,21 +30,40 @@ def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] |
     return (wrong, right) if wrong.number < right.number else (right, wrong)
 
 
+def _of_rate(shop: Workshop) -> Workshop:
+    """Return the workshop of the equation that the rate of what should be constant is zero."""
+    line = shop.line
+    first, naught = line.members
+    whole = replace(first, addends=(), value=line.claim.members[0])
+    plain = replace(line, members=(whole, naught), claim=replace(line.claim, kind=STATEMENT))
+    near = shop.pools.near
+    known = partial(remains, line, near, ())
+    return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
+
+
 def leftover(shop: Workshop, candidate: Candidate | None, place: Place) -> str:
     """Return the left less the right side as LaTeX, "" where no short sum of products is that.
 
     It is what is left over under the assumptions of ``place``.
     """
+    if shop.line.claim.kind == CONSTANT:
+        shop, candidate = _of_rate(shop), None
     found = pair(shop, candidate)
-    if found is None:
-        return ""
-    left, right = (shop.total(place, m) for m in found)
+    return "" if found is None else _entries(shop, place, found) or _sum(shop, place, found)
+
+
+def _entries(shop: Workshop, place: Place, found: tuple[Member, Member]) -> str:
+    """Return what is left over in a table, entry by entry."""
     tables = shop.difference(place, *found)
-    if tables is not None:
-        table, numbers = tables
-        node = entry_residual(shop.pools, place, table, numbers)
-        if node is not None:
-            return latex(node)
+    if tables is None:
+        return ""
+    node = entry_residual(shop.pools, place, *tables)
+    return "" if node is None else latex(node)
+
+
+def _sum(shop: Workshop, place: Place, found: tuple[Member, Member]) -> str:
+    """Return what is left over as a short sum of products."""
+    left, right = (shop.total(place, m) for m in found)
     if left is None or right is None:
         return ""
     kind = left[0] or right[0]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction as Ratio
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement, pairwise, product
 
-from eom.checker.dimensions import Dimension
-from eom.checker.lines import Line, Place, Signature, agrees, signature, valued
+from eom.checker.claims import CONSTANT
+from eom.checker.dimensions import RATE, Dimension
+from eom.checker.lines import Line, Place, Signature, agrees, signature, valued, worth
 from eom.checker.looks import seen
 from eom.checker.paths import operands
 from eom.checker.slips_marks import dotted
@@ -24,6 +25,7 @@ from eom.checker.syntax import (
     Scripts,
 )
 from eom.checker.trees import children
+from eom.checker.turns import abbreviated
 from eom.checker.values import ROW, Value
 from eom.series import PRIME
 from eom.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
@@ -61,13 +63,21 @@ def items(line: Line, roots: Iterable[Node], kind: Signature) -> list[Item]:
     """Return products of the factors below some nodes that have a signature, the simplest first."""
     atoms = _atoms(line, roots)
     found: dict[Term, Item] = {}
-    for k, node in enumerate(_products(atoms, kind)):
+    for k, node in enumerate(_products(atoms, _before(line, kind))):
         if k == MOST:
             break
-        value = valued(line.elaborator, node)
+        value = worth(line, node)
         if value is not None and not value.is_zero and agrees(signature(value), kind):
             found.setdefault(value.term, Item(node, value.term, kind))
     return list(found.values())
+
+
+def _before(line: Line, kind: Signature) -> Signature:
+    """Return the signature of what counts by its rate in a line that says what is constant."""
+    dimension = kind[2]
+    if line.claim.kind != CONSTANT or dimension is None:
+        return kind
+    return (*kind[:2], dimension.times(RATE.power(-1)))
 
 
 _Atom = tuple[Node, Value]
@@ -75,7 +85,7 @@ _Atom = tuple[Node, Value]
 
 def _atoms(line: Line, roots: Iterable[Node]) -> list[_Atom]:
     """Return factors with values: as they stand, then with a dot more; the outermost symbols alone."""
-    standing = list(dict.fromkeys(n for root in roots for n in _factors(root)))[:ATOMS]
+    standing = list(dict.fromkeys(n for r in roots for n in _factors(line, r)))[:ATOMS]
     more = [d for n in standing for d in [dotted(n)] if d is not None]
     less = [b for n in standing for b in _bare(n)]
     found: dict[Node, _Atom] = {}
@@ -93,10 +103,16 @@ def _bare(node: Node) -> Iterator[Node]:
         yield base
 
 
-def _factors(root: Node) -> Iterator[Node]:
+def _factors(line: Line, root: Node) -> Iterator[Node]:
     stack = [root]
     while stack:
         node = stack.pop()
+        short = list(_abbreviated(line, node))
+        if short:
+            yield from short
+            left = [f for f in children(node) if not any(f in children(p) for p in short)]
+            stack += reversed(left)
+            continue
         given = seen(node)
         bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
         if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
@@ -106,6 +122,14 @@ def _factors(root: Node) -> Iterator[Node]:
             yield node
         below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
         stack += reversed(below)
+
+
+def _abbreviated(line: Line, node: Node) -> Iterator[Node]:
+    r"""Yield functions that are written with a letter and an angle, like ``s\theta``."""
+    if isinstance(node, Product) and not node.operator:
+        for letter, angle in pairwise(node.factors):
+            if abbreviated(line.elaborator, letter, angle) is not None:
+                yield Product((letter, angle), span=letter.span.join(angle.span))
 
 
 # -- products ------------------------------------------------------------------------------------
@@ -175,7 +199,7 @@ def _powers(parts: list[Node]) -> tuple[Node, ...]:
     found: list[Node] = []
     for node in dict.fromkeys(parts):
         count = parts.count(node)
-        plain = not isinstance(node, Call | Scripts) or (
+        plain = not isinstance(node, Call | Scripts | Product) or (
             isinstance(node, Scripts) and node.sup is None
         )
         if count > 1 and plain and not isinstance(node, Call):
@@ -258,8 +282,8 @@ def _modulo(ratio: Ratio) -> int:
 def scaled(piece: Piece) -> tuple[str, Node]:
     """Return a product with its number as a sign and a tree."""
     size = abs(piece.coefficient)
-    sign = "-" if piece.coefficient < 0 else "+"
-    node = piece.item.node
+    node, minus = _unsigned(piece.item.node)
+    sign = "-" if (piece.coefficient < 0) != minus else "+"
     if size == 1:
         return sign, node
     number: Node = Number(str(size.numerator))
@@ -270,6 +294,13 @@ def scaled(piece: Piece) -> tuple[str, Node]:
     if isinstance(node, Product) and not node.operator:
         parts = node.factors
     return sign, Product((number, *parts))
+
+
+def _unsigned(node: Node) -> tuple[Node, bool]:
+    """Return a term without the minus in front of it, and whether there is one."""
+    if isinstance(node, Addition) and len(node.terms) == 1:
+        return node.terms[0], node.signs[0] == "-"
+    return node, False
 
 
 def total(pieces: Iterable[Piece]) -> Node:

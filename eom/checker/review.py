@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eom.checker.carrying import carried, resting
+from eom.checker.carrying_on_solutions import carried_on_solutions
 from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
@@ -53,10 +54,24 @@ def review(
     worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
     alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
     found = _in_worlds(document, worldly, given, alone)
+    about = [v if k in apart else Verdict(v.verdict) for k, v in enumerate(first)]
+    slips = carried_on_solutions(about, given)
     return tuple(
-        replace(r, understood=u, verdict=v) if k in apart else r
+        _on_solutions(replace(r, understood=u, verdict=v), k, understood, slips)
+        if k in apart
+        else r
         for k, (r, u, v) in enumerate(zip(found, understood, first, strict=True))
     )
+
+
+def _on_solutions(
+    one: Reviewed, number: int, understood: Sequence[Understood], slips: Mapping[int, int]
+) -> Reviewed:
+    """Return a formula about a system with the line of the slip that it carries forward."""
+    if number not in slips:
+        return one
+    line = understood[slips[number]].formula.piece.line
+    return replace(one, remarks=(*one.remarks, remark("carried", line)), carried=line)
 
 
 def _apart(claim: Claim) -> bool:

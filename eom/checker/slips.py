@@ -65,6 +65,7 @@ SLIPS: tuple[Slip, ...] = (
     Slip("superfluous factor", "a factor is too much", 1.4, terms.superfluous_factor),
     Slip("lost factor", "a factor was lost", 1.4, terms.missing_factor),
     Slip("lost cross product", "omega times was lost", 1.4, terms.missing_cross),
+    Slip("lost vector", "a vector with its product was lost", 1.5, terms.missing_vector),
     Slip("lost derivative", "a derivative was lost", 1.4, marks.derived),
     Slip("raised dot", "a dot on the line that was raised", 1.5, marks.raised_dot),
     Slip("upside down", "a fraction upside down", 1.3, terms.upside_down),
@@ -77,26 +78,45 @@ DROPPED = Slip("superfluous term", "a term is too much", 1.6, lambda _, __: ())
 LOST = Slip("lost term", "a term was lost", 1.5, lambda _, __: ())
 """Slips of a whole term of a line."""
 
+MANY = frozenset({"lost factor", "lost vector", "symbol"})
+"""Slips that offer something for every symbol of the note."""
 ALL_OVER = 0.35
 """What the same slip weighs at each place beyond the first."""
-MAX_EDITS = 600
+MAX_EDITS = 1200
 """Edits of one term that are tried at most."""
 
 
-def edits(node: Node, palette: Palette) -> list[Edit]:
-    """Return the slips undone in a tree, one each, and those of one kind at all equal places."""
+def _everywhere_tried(_: Path) -> bool:
+    return False
+
+
+def edits(
+    node: Node, palette: Palette, spared: Callable[[Path], bool] = _everywhere_tried
+) -> list[Edit]:
+    """Return the slips undone in a tree, one each, and those of one kind at all equal places.
+
+    ``spared``: tells at which places nothing need be tried.
+    """
     found: dict[Node, Edit] = {}
-    for path, here in places(node):
-        for slip in SLIPS:
-            for new, extra in slip.rule(here, palette):
-                tree = put(node, path, new)
-                edit = Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
-                _keep(found, edit, node)
-                if len(found) >= MAX_EDITS:
-                    return _sorted(found)
-    for edit in _everywhere(node, list(found.values())):
+    for edit in _single(node, palette, spared):
+        _keep(found, edit, node)
+        if len(found) >= MAX_EDITS:
+            return _sorted(found)
+    for edit in _everywhere(node, list(found.values()), spared):
         _keep(found, edit, node)
     return _sorted(found)
+
+
+def _single(node: Node, palette: Palette, spared: Callable[[Path], bool]) -> Iterator[Edit]:
+    """Yield edits of one place each; the slips that offer much come last, at all places."""
+    here_and_below = [(p, n) for p, n in places(node) if not spared(p)]
+    for many in (False, True):
+        chosen = [s for s in SLIPS if (s.name in MANY) == many]
+        for path, here in here_and_below:
+            for slip in chosen:
+                for new, extra in slip.rule(here, palette):
+                    tree = put(node, path, new)
+                    yield Edit(slip, slip.weight + extra, tree, here, tidy(new), (path,))
 
 
 def _sorted(found: dict[Node, Edit]) -> list[Edit]:
@@ -109,12 +129,13 @@ def _keep(found: dict[Node, Edit], edit: Edit, before: Node) -> None:
         found[edit.tree] = edit
 
 
-def _everywhere(node: Node, single: list[Edit]) -> Iterator[Edit]:
+def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) -> Iterator[Edit]:
     """Yield what was done at one place done at all places where the same stands."""
     done: set[tuple[str, Node, Node]] = set()
     standing: dict[Node, list[Path]] = {}
     for path, here in places(node):
-        standing.setdefault(here, []).append(path)
+        if not spared(path):
+            standing.setdefault(here, []).append(path)
     for edit in single:
         paths = standing.get(edit.old, [])
         key = (edit.slip.name, edit.old, edit.new)

@@ -33,7 +33,8 @@ def labels(node: Node, palette: Palette) -> Iterator[Offer]:
         yield replace(node, base=base), extra
     for corner in ("sub", "sup", "presub", "presup"):
         script = getattr(node, corner)
-        if script is not None and not isinstance(script, Marks):
+        power = corner == "sup" and isinstance(script, Number)
+        if script is not None and not power and not isinstance(script, Marks):
             for new in _relabelled(script, palette):
                 yield _cornered(node, corner, new), 0.0
 

@@ -11,6 +11,7 @@ from eom.checker.paths import NOTHING
 from eom.checker.slips_marks import without_sup
 from eom.checker.syntax import (
     Addition,
+    Braced,
     Call,
     Derivative,
     Fraction,
@@ -122,11 +123,23 @@ def superfluous_term(node: Node, _: Palette) -> Iterator[Offer]:
             yield replace(node, terms=(*node.terms[:k], NOTHING, *node.terms[k + 1 :])), 0.0
 
 
+_PLAIN = -0.35
+"""What it weighs less to leave out a number than any other factor."""
+
+
+def _is_number(node: Node) -> bool:
+    if isinstance(node, Fraction):
+        return isinstance(node.above, Number) and isinstance(node.below, Number)
+    return isinstance(node, Number)
+
+
 def superfluous_factor(node: Node, _: Palette) -> Iterator[Offer]:
     """Offer a product without one of its factors."""
     if isinstance(node, Product):
-        for k in range(len(node.factors)):
-            yield replace(node, factors=(*node.factors[:k], NOTHING, *node.factors[k + 1 :])), 0.0
+        for k, factor in enumerate(node.factors):
+            extra = _PLAIN if _is_number(factor) else 0.0
+            rest = (*node.factors[:k], NOTHING, *node.factors[k + 1 :])
+            yield replace(node, factors=rest), extra
     if isinstance(node, Fraction):
         yield node.above, 0.3
     if isinstance(node, Call) and isinstance(node.argument, Node):
@@ -144,6 +157,9 @@ def missing_factor(node: Node, palette: Palette) -> Iterator[Offer]:
     for new in palette.factors:
         for k in range(len(factors) + 1):
             yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.0
+    for new in palette.near:
+        for k in sorted({0, len(factors)}):
+            yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.3
 
 
 def _factor_like(node: Node) -> bool:
@@ -158,6 +174,24 @@ def missing_cross(node: Node, palette: Palette) -> Iterator[Offer]:
             if new != node:
                 yield Product((new, node), "cross", span=node.span), 0.0
                 yield Group(Product((new, node), "cross"), span=node.span), 0.1
+
+
+_VECTOR_LIKE = (Group, Derivative, Integral, Braced)
+
+
+def missing_vector(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a vector of the line before another one or behind it, with a cross or a dot between."""
+    whole = isinstance(node, Product) and node.operator in {"", "cross"}
+    if not whole and not (seen(node) is not None or isinstance(node, _VECTOR_LIKE)):
+        return
+    body = Group(node, span=node.span) if isinstance(node, Product) and node.operator else node
+    alone = seen(node) is not None or isinstance(node, Group)
+    for rank, new in enumerate(n for n in palette.vectors if n != node):
+        for pair in ((new, body), (body, new)):
+            crossed = Product(pair, "cross", span=node.span)
+            yield Group(crossed) if alone else crossed, 0.01 * rank
+            yield Product(pair, "dot", span=node.span), 0.1 + 0.01 * rank
+        yield Product((Product((HALF, new)), body), "dot", span=node.span), 0.3 + 0.01 * rank
 
 
 def order(node: Node, _: Palette) -> Iterator[Offer]:

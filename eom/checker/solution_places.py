@@ -92,6 +92,15 @@ def _place(
     return None if motion is None else Solution(names, model, motion, line.elaborator.scalars)
 
 
+def moves(term: Term, line: Line, model: Model) -> bool:
+    """Tell whether a scalar depends on more than the parameters of a system."""
+    try:
+        found = written(term, line.elaborator.scalars, model)
+    except InputError:
+        return True
+    return bool(found.free_symbols - {q.symbol for q in model.system.parameters})
+
+
 # -- what is left over ---------------------------------------------------------------------------
 
 
