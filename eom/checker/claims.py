@@ -100,8 +100,10 @@ def claims(
     parts = [*statement.conditions, ("", statement)]
     for role, part in parts:
         for one in _single(part):
-            new = _chain(one, elaborator(lexicon, known).bound(**(indices or {})), before)
-            found += [replace(c, role=role, joined=one.joined) for c in new]
+            e = elaborator(lexicon, known).bound(**(indices or {}))
+            for apart in _apart(one, e):
+                new = _chain(apart, e, before)
+                found += [replace(c, role=role, joined=one.joined) for c in new]
     return tuple(found)
 
 
@@ -247,6 +249,45 @@ def _continued(claim: Claim, e: Elaborator, values: list[Value], before: Sequenc
         return tried[0]
     finding = Finding(UNDECIDED, "a relation continues nothing that is known", claim.span)
     return replace(claim, findings=(*claim.findings, finding))
+
+
+# -- new symbols behind the first place --------------------------------------------------------------
+
+
+def _apart(s: Statement, e: Elaborator) -> Iterator[Statement]:
+    """Yield a chain without a member that it brings in, and that member's definition, else the chain.
+
+    In ``a = b := c = d`` with a new b the claim is a = c = d; b stands for its neighbour.
+    """
+    place = _brought(s, e)
+    if place is None:
+        yield s
+        return
+    sign = Sign("=", span=s.signs[place - 1].span)
+    if len(s.members) > 2:
+        signs = (*s.signs[: place - 1], sign, *s.signs[place + 1 :])
+        kept = (*s.members[:place], *s.members[place + 1 :])
+        yield replace(s, members=kept, signs=signs[: len(kept) - 1])
+    other = s.members[place - 1]
+    if not (s.continues and place == 1):
+        sign = replace(sign, name=":=")
+        yield Statement((s.members[place], other), (sign,), s.members[place].span.join(other.span))
+
+
+def _brought(s: Statement, e: Elaborator) -> int | None:
+    """Return the place of a member behind the first that is a symbol still to be defined."""
+    signs = [g.name for g in s.signs]
+    if not signs or not EQUALITIES.issuperset(signs) or _new(list(s.members), tuple(signs), e):
+        return None
+    for k in range(1, len(s.members)):
+        pair = [s.members[k], s.members[k - 1]]
+        near = {*signs[k - 1 : k + 1]}
+        said = ":=" if near & {":=", "=:", "equiv"} else "="
+        if _is_constant(pair[0]) or e.lexicon.points.get(labels(pair[0])) is not None:
+            continue
+        if _new(pair, (said,), e) is not None:
+            return k
+    return None
 
 
 # -- definitions, constants, points ----------------------------------------------------------------

@@ -54,6 +54,7 @@ NOUNS: dict[str, str] = {
     "principal_axes": "principal axes",
     "symmetric": "inertial symmetry (I1 = I2)",
     "torque_free": "no torque about the centre of mass",
+    "unit_eigenvectors": "eigenvectors of unit length, right-handed",
     "A_fixed_in_body": "that frame A is fixed in the body",
     "OA_at_centre": "the centre of mass as the point OA",
     "thin_rod": "a thin rod",
@@ -67,7 +68,7 @@ NOUNS: dict[str, str] = {
 
 TELLING = frozenset(NOUNS) - {
     *("newton_2", "constant_mass", "body_frame", "one_particle", "rotors"),
-    *("spin_312", "viscous_slug", "A_fixed_in_body"),
+    *("spin_312", "viscous_slug", "A_fixed_in_body", "unit_eigenvectors"),
 }
 """Assumptions of which it is worth saying that they are not needed."""
 

@@ -215,7 +215,7 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
         value = components(value, meaning.frame)
         if meaning.quantity in ALIKE and meaning.frame in meaning.labels:
             value = replace(value, frames=ANY)
-    if value.shape == MATRIX and meaning.quantity == "rotation":
+    if value.shape == MATRIX and meaning.quantity in {"rotation", "eigenvectors"}:
         value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
     if value.shape == SCALAR and meaning.quantity not in _ATOMS:
         value = replace(value, term=expr(e.name(found.look.text, value.term)))

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from eom.checker.chains import Chain, judge_chain
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.degenerate import meant
-from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge import HOLDS, MODELS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.notes import Understood
 from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, RECALLED
 from eom.checker.values import AMBIGUOUS, ILL_FORMED
+from eom.errors import InputError
 from eom.terms import VECTOR, nodes
+from eom.worlds import closure
 
 GRAVE = frozenset({WRONG, ILL_FORMED})
 """Findings that settle a claim without worlds."""
@@ -57,6 +59,7 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
         return Verdict(UNDECIDED, f"not read: {error}")
     given = tuple(given)
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
+    judged = _of_one_model(judged, given, understood)
     judged = _conditional(judged)
     judged = tuple(
         replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
@@ -64,6 +67,37 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     found = {j.verdict: j.reason for j in reversed(judged)}
     gravest = next((v for v in ORDER if v in found), NONE)
     return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _of_one_model(
+    judged: tuple[Judged, ...], given: tuple[str, ...], understood: Understood
+) -> tuple[Judged, ...]:
+    """Return what was judged, where one claim is about a model all of them in that: a line is of one body.
+
+    Sets of assumptions that exclude the model would say that the line holds nowhere.
+    """
+    models = {j.judgement.context for j in judged} & set(MODELS)
+    if len(models) != 1:
+        return judged
+    (model,) = models
+
+    def again(one: Judged) -> Judged:
+        if one.verdict != UNDER or any(_together(model, s) for s in one.judgement.sets):
+            return one
+        found = _judged(one.claim, (*given, *model), understood)
+        reason = f"it fails where the rest of the line has a meaning: {', '.join(model)}"
+        return replace(found, reason=reason) if found.verdict == WRONG else found
+
+    return tuple(map(again, judged))
+
+
+def _together(model: tuple[str, ...], names: tuple[str, ...]) -> bool:
+    """Tell whether assumptions can stand together with a model."""
+    try:
+        closure((*model, *names))
+    except InputError:
+        return False
+    return True
 
 
 def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
