@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from eom.checker.claims import Claim
+from eom.checker.at_points import at_points, number_in
 from eom.checker.context import implied
 from eom.checker.documents import Document, Piece
 from eom.checker.elaborate import elaborator
@@ -22,11 +23,14 @@ from eom.checker.looks import labels
 from eom.checker.notes import Understood
 from eom.checker.phrases import Limits, Said, said
 from eom.checker.places import Source, Span
+from eom.checker.pointing import TERMS, Displays, opened, pointed
 from eom.checker.proposition_words import Formulas, Subject
 from eom.checker.propositions import All, Plain, Proposition, Reading, Test
 from eom.checker.quantified import Decision, decide, quantified
 from eom.checker.report import PROSE, Finding
+from eom.checker.shown import HINTS, numbers_in, shown
 from eom.checker.stability import stability
+from eom.checker.theorems import theorem
 from eom.checker.values import Refusal
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
@@ -118,6 +122,24 @@ def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
             count += 1
             if len(one.text) <= MAX_SENTENCE and count <= MAX_SENTENCES:
                 yield one
+    for k, piece in enumerate(pieces):
+        if piece.kind == "display":
+            yield from _beside(piece, k)
+
+
+_VALID = re.compile(
+    r"\\text\s*\{\s*\(?((?:this )?(?:is )?(?:only )?(?:valid|true|holds|correct)\b[^{}$]*)\}",
+    re.IGNORECASE,
+)
+
+
+def _beside(piece: Piece, number: int) -> Iterator[Sentence]:
+    """Yield what words beside a display say of where it holds."""
+    match = _VALID.search(piece.body)
+    if match is not None:
+        start = piece.span.start + match.start(1)
+        text = f"{_MARK.format(number)} {_plain(match[1]).lower()}"
+        yield Sentence(text, piece.source, Span(start, start + len(match[1])), number, (number,))
 
 
 def _runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
@@ -139,7 +161,7 @@ def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
     for k in run:
         piece = pieces[k]
         inline = piece.kind == "inline"
-        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, piece.body)
+        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, opened(piece.body))
         text += body
         wide = 0 if inline else 1
         places += [piece.span.start + wide * n for n in range(len(body))]
@@ -179,6 +201,7 @@ def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
     kept: Sentence | None = None
     for one in parts:
         goes_on = kept is not None and one.text[0].islower() and _stopped(kept, one)
+        goes_on = goes_on or (kept is not None and _listing(kept, one))
         if kept is not None and goes_on:
             span = Span(kept.span.start, one.span.stop)
             formulas = (*kept.formulas, *one.formulas)
@@ -189,6 +212,15 @@ def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
         kept = one
     if kept is not None:
         yield replace(kept, text=kept.text.lower())
+
+
+_CONDITION = re.compile(r"(?:if|when|whenever) ")
+
+
+def _listing(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether a colon parts a claim from its conditions: "it vanishes in two cases: if ..."."""
+    colon = before.source.text[before.span.stop - 1] == ":"
+    return colon and _CONDITION.match(behind.text) is not None
 
 
 def _stopped(before: Sentence, behind: Sentence) -> bool:
@@ -206,12 +238,18 @@ def _stopped(before: Sentence, behind: Sentence) -> bool:
 ByPiece = Mapping[int, tuple[Understood, frozenset[str]]]
 
 
-def _formulas(sentence: Sentence, by_piece: ByPiece) -> Formulas:
-    """Return what the formulas of a sentence say or stand for."""
+def _formulas(
+    sentence: Sentence, by_piece: ByPiece, text: str, terms: Mapping[int, Subject]
+) -> Formulas:
+    """Return what the formulas of a sentence say or stand for; ``text``: with marks of displays.
+
+    ``terms``: what other marks stand for.
+    """
     propositions: dict[int, Proposition] = {}
-    subjects: dict[int, Subject] = {}
+    subjects: dict[int, Subject] = dict(terms)
     points: dict[int, str] = {}
-    for k in sentence.formulas:
+    marks = {int(n) for n in re.findall("\x02(\\d+)\x03", text)}
+    for k in sorted({*sentence.formulas, *(marks & set(by_piece))}):
         one = by_piece[k][0]
         name = _point(one)
         said_there = _said(one)
@@ -220,6 +258,26 @@ def _formulas(sentence: Sentence, by_piece: ByPiece) -> Formulas:
         subjects |= {} if subject is None else {k: subject}
         points |= {} if name is None else {k: name}
     return Formulas(propositions, subjects, points)
+
+
+_BETWEEN = re.compile(
+    r"(?:the )?(?:distinction|difference) between \x02(\d+)\x03 and \x02(\d+)\x03"
+)
+
+
+def _parted(text: str, formulas: Formulas) -> tuple[str, Formulas]:
+    """Return a sentence with a mark for the difference between two quantities of one kind."""
+    match = _BETWEEN.search(text)
+    pair = [formulas.subjects.get(int(n)) for n in match.groups()] if match else []
+    a, b = (p.terms[0][0] if p is not None else None for p in pair) if pair else (None, None)
+    if match is None or a is None or b is None or a.kind != b.kind:
+        return text, formulas
+    (first, second), number = pair, 2 * TERMS * TERMS + int(match[1])
+    scalars = {**first.scalars, **second.scalars} if first and second else {}
+    name = " - ".join(p.text for p in pair if p is not None)
+    subjects = {**formulas.subjects, number: Subject(name, ((add(a, -b), ""),), scalars)}
+    whole = f"{text[: match.start()]}\x02{number}\x03{text[match.end() :]}"
+    return whole, replace(formulas, subjects=subjects)
 
 
 def _said(one: Understood) -> Proposition | None:
@@ -322,20 +380,46 @@ def _decided(
     given: tuple[str, ...],
 ) -> Decision | None:
     """Return the verdict on a sentence, None where it claims nothing that is understood."""
-    found = stability(sentence.text)
-    formulas = _formulas(sentence, by_piece)
-    one = None if found is not None else quantified(sentence.text, formulas)
+    found = stability(sentence.text) or theorem(sentence.text, given)
+    displays = Displays(pieces, {k: u for k, (u, _) in by_piece.items()})
+    text, terms = pointed(sentence.text, sentence.first, displays)
+    formulas = _formulas(sentence, by_piece, text, terms)
+    text, formulas = _parted(text, formulas)
+    names = _stated(sentence, by_piece, phrases)
+    found = found or _of_equation(text, sentence, pieces, by_piece, formulas, names, limits, given)
+    one = None if found is not None else quantified(text, formulas)
     if found is None and one is None:
         return None
     if found is not None:
         return _softened(found) if _of_others(sentence, pieces, limits) else found
     assert one is not None
     hinted = _hinted(sentence, pieces, limits)
-    names = _stated(sentence, by_piece, phrases)
     decision = decide(one, names, given, hinted)
     if decision.verdict == UNDECIDED and one.kind == "" and decision.counterexample is None:
         return None
     return decision
+
+
+def _of_equation(
+    text: str,
+    sentence: Sentence,
+    pieces: Sequence[Piece],
+    by_piece: ByPiece,
+    formulas: Formulas,
+    names: frozenset[str],
+    limits: Limits,
+    given: tuple[str, ...],
+) -> Decision | None:
+    """Return the verdict on what is said of a display: where it holds, and what it shows."""
+    number = number_in(text)
+    if number is not None and number in by_piece:
+        return at_points(text, by_piece[number][0], names, given)
+    numbers = numbers_in(text)
+    if numbers is None or numbers[0] not in by_piece:
+        return None
+    found = shown(text, by_piece[numbers[0]][0], formulas.subjects, given)
+    hinted = any(HINTS.search(one.text) for one in _before(sentence, pieces, limits))
+    return _softened(found) if found is not None and hinted else found
 
 
 def _softened(found: Decision) -> Decision:
