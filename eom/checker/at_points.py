@@ -22,7 +22,9 @@ from eom.terms import Term, atom, nodes
 from eom.terms import replace as rewritten
 from eom.worlds import closure
 
-_CENTRE = r"(?:the |its )?(?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|c\.?m\.?|c\.?g\.?)"
+_CENTRE = (
+    r"(?:the |its )?(?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|c\.?m\.?|c\.?g\.?)"
+)
 _A = r"(?:an? |any |the |some |every )?(?:arbitrary |any )?"
 POINTS: tuple[tuple[str, tuple[str, ...]], ...] = (
     (_CENTRE, ("about_centre",)),
@@ -32,8 +34,8 @@ POINTS: tuple[tuple[str, tuple[str, ...]], ...] = (
      ("O_fixed_in_space",)),
     (rf"{_A}(?:body[- ]fixed point|point (?:that is |which is )?(?:fixed in|of) the body)",
      ("O_fixed_in_body",)),
-    (rf"{_A}point (?:that is |which is )?fixed (?:both )?in (?:both )?the body and (?:in )?"
-     r"(?:inertial )?space", ("O_fixed_in_body", "O_fixed_in_space")),
+    ((rf"{_A}point (?:that is |which is )?fixed (?:both )?in (?:both )?the body and (?:in )?"
+     r"(?:inertial )?space"), ("O_fixed_in_body", "O_fixed_in_space")),
     (r"(?:any|an arbitrary|every) point", ()),
 )  # fmt: skip
 """Words for a point, and what they say of O."""
@@ -138,7 +140,10 @@ def _largest(names: list[str], known: list[str]) -> Iterator[frozenset[str]]:
 
 def _failing(claim: Claim, words: str, assumed: frozenset[str], given: tuple[str, ...]) -> str:
     """Return that a claim fails about a point, and what else that needs to be."""
-    for more, told in (("O_fixed_in_body", "fixed in the body"), ("O_fixed_in_space", "fixed in space")):
+    for more, told in (
+        ("O_fixed_in_body", "fixed in the body"),
+        ("O_fixed_in_space", "fixed in space"),
+    ):
         try:
             wider = closure([*assumed, more])
         except InputError:

@@ -96,7 +96,9 @@ _THIS = re.compile(
     r"the (?:above|last|previous|preceding) (?:equation|relation(?:ship)?|result|formula)) "
     r"(?=(?:only )?(?:holds?|is (?:only )?(?:valid|true|correct)|applies|shows|proves|demonstrates)\b)"
 )
-_VALID = re.compile(r"(?P<only>only )?(?:is )?(?P<also>only )?(?:valid|true|correct|applies|holds?)\b")
+_VALID = re.compile(
+    r"(?P<only>only )?(?:is )?(?P<also>only )?(?:valid|true|correct|applies|holds?)\b"
+)
 _RANKS = {"first": 1, "second": 2, "third": 3, "fourth": 4, "fifth": 5, "last": -1, "final": -1}
 _TERM = re.compile(
     rf"(?:the )?(?P<rank>{'|'.join(_RANKS)}|middle) term"

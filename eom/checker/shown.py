@@ -19,8 +19,8 @@ from eom.terms import MATRIX, VECTOR, Term, mul, number
 from eom.terms import replace as rewritten
 
 KINDS: tuple[tuple[str, str, str], ...] = (
-    (r"(?:an? )?(?:proper )?rotation(?: matrix)?|(?:an? )?direction cosine matrix|"
-     r"(?:an? )?(?:proper )?(?:orthogonal|orthonormal)(?: matrix)?", MATRIX, "rotation matrix"),
+    ((r"(?:an? )?(?:proper )?rotation(?: matrix)?|(?:an? )?direction cosine matrix|"
+     r"(?:an? )?(?:proper )?(?:orthogonal|orthonormal)(?: matrix)?"), MATRIX, "rotation matrix"),
     (r"(?:an? )?unit vector|normali[sz]ed|of unit (?:length|magnitude|norm)", VECTOR, "unit vector"),
 )  # fmt: skip
 """Properties that twice a quantity does not have, its kind, and the property in a word."""
@@ -33,7 +33,9 @@ _SHOWS = re.compile(
     r"(?:the (?:matrix|vector) )?\x02(?P<subject>\d+)\x03 (?:is|must be|has to be) (?P<kind>.+)"
 )
 _INSERTED = re.compile(r",? (?:in fact|indeed|therefore|thus|itself|necessarily|actually)\b,?")
-HINTS = re.compile(r"normali[sz]|orthonormal|unit (?:vector|length|norm)|right[- ]handed|orthogonal")
+HINTS = re.compile(
+    r"normali[sz]|orthonormal|unit (?:vector|length|norm)|right[- ]handed|orthogonal"
+)
 """Words that may say elsewhere what the equation does not show."""
 
 

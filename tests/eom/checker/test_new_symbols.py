@@ -52,7 +52,9 @@ def test_claims_of_one_line_hold_in_one_model() -> None:
         (r"{}^{\mathcal{B}}\mathbf{h}_G \cdot \mathbf{b}_2 = 0", "wrong"),
         (r"\mathbf{M}_G \cdot \mathbf{b}_2 = 0", "holds under"),
     ):
-        assert verdicts(rf"{left} \implies {rate}", front="", notation="left-superscript") == [verdict]
+        assert verdicts(rf"{left} \implies {rate}", front="", notation="left-superscript") == [
+            verdict
+        ]
 
 
 EIGEN = """+++
