@@ -25,6 +25,9 @@ LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
 NONE = "no claim"
 """The verdict on a formula that claims nothing: a symbol, an expression, words."""
 
+UNMET = "it does not hold without its condition, which no world is drawn under"
+"""Why a claim beside a condition of its own is undecided as long as nobody has looked for such worlds."""
+
 ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
 """Verdicts, the gravest first."""
 
@@ -105,9 +108,8 @@ def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
     conditions = [j for j in judged if CONDITIONS.get(j.claim.role) == ASSUMPTION]
     if all(j.judgement.verdict == HOLDS for j in conditions):
         return judged
-    what = "it does not hold without its condition, which no world is drawn under"
     return tuple(
-        replace(j, verdict=UNDECIDED, reason=what)
+        replace(j, verdict=UNDECIDED, reason=UNMET)
         if j.verdict == WRONG and not j.claim.role and not j.claim.findings
         else j
         for j in judged
