@@ -20,6 +20,7 @@ from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look, labels, seen
 from eom.checker.operations import overdot
 from eom.checker.places import NOWHERE, Span
+from eom.checker.resolving import Component, resolved
 from eom.checker.statements import Statement
 from eom.checker.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
 from eom.checker.trees import walk
@@ -101,6 +102,10 @@ def claims(
     for role, part in parts:
         for one in _single(part):
             e = elaborator(lexicon, known).bound(**(indices or {}))
+            parts_of = resolved(one, e)
+            if parts_of:
+                found += [replace(_component(c, one), role=role, joined=one.joined) for c in parts_of]
+                continue
             for apart in _apart(one, e):
                 new = _chain(apart, e, before)
                 found += [replace(c, role=role, joined=one.joined) for c in new]
@@ -111,6 +116,11 @@ def defined(found: Iterable[Claim]) -> dict[Look, Value]:
     """Return what claims define."""
     new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
     return {c.defines: c.members[0] for c in new if c.defines is not None}
+
+
+def _component(one: Component, s: Statement) -> Claim:
+    """Return that a new symbol is a component of a vector."""
+    return Claim((one.value, one.value), ("=",), DEFINITION, defines=one.look, span=s.span)
 
 
 def _single(statement: Statement) -> Iterator[Statement]:
