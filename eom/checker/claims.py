@@ -18,6 +18,7 @@ from eom.checker.elaborate import elaborator
 from eom.checker.elaborator import Elaborator
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look, labels, seen
+from eom.checker.numbers_given import given_number
 from eom.checker.operations import overdot
 from eom.checker.places import NOWHERE, Span
 from eom.checker.resolving import Component, resolved
@@ -104,7 +105,9 @@ def claims(
             e = elaborator(lexicon, known).bound(**(indices or {}))
             parts_of = resolved(one, e)
             if parts_of:
-                found += [replace(_component(c, one), role=role, joined=one.joined) for c in parts_of]
+                found += [
+                    replace(_component(c, one), role=role, joined=one.joined) for c in parts_of
+                ]
                 continue
             for apart in _apart(one, e):
                 new = _chain(apart, e, before)
@@ -172,9 +175,9 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if unknown is not None:
         finding = Finding(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
         return [Claim((), findings=(finding,), span=s.span)]
-    points = _points(s, e)
-    if points is not None:
-        return [points]
+    whole = _datum(s, e) or _points(s, e)
+    if whole is not None:
+        return [whole]
     nodes = list(s.members)
     constant = _is_constant(nodes[-1])
     if constant:
@@ -353,6 +356,14 @@ def _square(value: Value) -> Value:
         return value
     squared = None if value.dimension is None else value.dimension.power(2)
     return replace(value, term=expr(expression.base), dimension=squared)
+
+
+def _datum(s: Statement, e: Elaborator) -> Claim | None:
+    """Return that a number is given, which nothing tells."""
+    if not given_number(s, e):
+        return None
+    finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    return Claim((), findings=(finding,), span=s.span)
 
 
 def _points(s: Statement, e: Elaborator) -> Claim | None:

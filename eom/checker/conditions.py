@@ -89,9 +89,7 @@ def _is_free(term: Term) -> bool:
     return term.head == "atom" and term.data[0] in FREE
 
 
-def _by_number(
-    scalars: Mapping[Any, Term], left: Term, right: Term
-) -> tuple[Term, Term] | None:
+def _by_number(scalars: Mapping[Any, Term], left: Term, right: Term) -> tuple[Term, Term] | None:
     """Return a free scalar and what an equation between scalars that are constant makes of it."""
     if left.head != "expr" or right.head not in {"expr", "zero"}:
         return None
@@ -168,7 +166,9 @@ def _in_motions(claim: Claim, conditions: Sequence[Claim], names: frozenset[str]
     if not failing:
         return Judgement(UNDECIDED, reason=OPEN)
     if any(not any(h <= f for f in failing) for h in holding):
-        return Judgement(UNDECIDED, reason="under its conditions it holds in some motions, not in others")
+        return Judgement(
+            UNDECIDED, reason="under its conditions it holds in some motions, not in others"
+        )
     return Judgement(WRONG, reason="it fails in motions that fulfil its conditions")
 
 

@@ -19,7 +19,6 @@ from eom.checker.systems import on_solutions
 from eom.checker.verdicts import ORDER, UNMET, Judged, Verdict, verdict
 from eom.errors import InputError
 
-
 BOUNDS = frozenset({"<", ">", "<=", ">=", "!="})
 """Relations that leave open sets of motions, in which an equation fails that fails at all."""
 
@@ -164,7 +163,9 @@ def _conditioned(
     line = max(s.line for s, _ in told)
     found.append(remark("rests on", line) if under(judgement) else remark("condition", line))
     verdict = judgement.verdict
-    return replace(judged, judgement=judgement, verdict=verdict, reason=judgement.reason, chain=None)
+    return replace(
+        judged, judgement=judgement, verdict=verdict, reason=judgement.reason, chain=None
+    )
 
 
 def _rested(

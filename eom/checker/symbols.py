@@ -109,13 +109,18 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
     return number(sp.pi, span) if look == Look("pi") else None
 
 
+_ALIKE = {"circle": "ring"}
+"""Accents that look the same."""
+
+
 def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
     """Return the skew matrix of what stands below an accent that makes one, or its derivative."""
     notation = e.lexicon.notation
-    for mark in look.accents:
+    for stands in look.accents:
+        mark = _ALIKE.get(stands, stands) if stands not in notation.marks else stands
         if mark in notation.skew or mark in notation.marks:
             left = list(look.accents)
-            left.remove(mark)
+            left.remove(stands)
             below = replace(look, accents=tuple(left))
             inside = _look(e, below, span) or _resolved(e, below, span)
             if inside is None or mark in notation.skew:

@@ -46,7 +46,8 @@ _NEWTON: Equation = (
 THEOREMS: tuple[tuple[str, Equation], ...] = (
     (
         (rf"(?:in translation,? )?{_BODY} (?:acts|moves|behaves|translates)"
-         rf"(?: identically| exactly| just)? (?:as|like|to|as if it were|as though it were) (?:a|one) {_POINT_MASS}(?: located)?"
+         r"(?: identically| exactly| just)? (?:as|like|to|as if it were|as though it were)"
+         rf" (?:a|one) {_POINT_MASS}(?: located)?"
          rf"(?: {_THERE})?(?: {_IF_ALL})?{_PUSHED}?"),
         _NEWTON,
     ),

@@ -127,6 +127,8 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
         found = replace(found, verdict=claim.verdict)
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
+    if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
+        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here tells it")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 
@@ -146,6 +148,20 @@ def _played(role: str, claim: Claim, found: Judgement) -> str:
     if role in {RECALLED, INTRODUCED} and found.sets and set(found.sets) <= set(LAWS):
         return ASSUMPTION
     return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
+
+
+_ANGLES = frozenset({"angle", "turn_angle", "free_angle", "principal_angle"})
+
+
+def _gives(claim: Claim) -> bool:
+    """Whether a line only gives an angle by a number that is not zero."""
+    expressions = [m.term.data[0] for m in claim.members if m.term.head == "expr"]
+    if len(expressions) != 2 or claim.role or claim.kind != STATEMENT:
+        return False
+    symbols = [x for x in expressions if x.is_Symbol and x in claim.scalars]
+    numbers = [x for x in expressions if x.is_number and x != 0]
+    meant = [claim.scalars[x] for x in symbols]
+    return bool(numbers) and any(t.head == "atom" and t.data[0] in _ANGLES for t in meant)
 
 
 def _resolves(claim: Claim) -> bool:

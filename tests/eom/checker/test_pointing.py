@@ -34,7 +34,7 @@ HOLD = [
     "The second term vanishes if $O$ is inertially fixed.",
     r"The last term on the right-hand side is zero if $O$ is the centre of mass.",
     (
-        r"The second term in Eq. (3.15) vanishes in two special cases: if $O$ is inertially fixed (such as a "
+        r"The second term in Eq. (3.15) vanishes in two special cases: if $O$ is inertially fixed (a "
         "pivot), or if $O$ is at the center of mass."
     ),
     r"The second term is zero when $\dot{\vec R}_O = 0$.",
