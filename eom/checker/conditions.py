@@ -58,13 +58,19 @@ def _tied(claim: Claim, conditions: Sequence[Claim]) -> Claim | None:
     waiting = [(c.scalars, q.left, q.right) for c in conditions for q in _equalities(c)]
     while waiting:
         scalars, left, right = waiting.pop(0)
-        found = _by_number(scalars, left, right) or _by_vector(left, right)
+        found = _by_number(scalars, left, right)
+        found = found or _by_vector(_meant(scalars, left), _meant(scalars, right))
         if found is None:
             return None
         old, new = found
         claim = _put(claim, old, new)
         waiting = [(s, _swap(a, old, new), _swap(b, old, new)) for s, a, b in waiting]
     return claim
+
+
+def _meant(scalars: Mapping[Any, Term], term: Term) -> Term:
+    """Return what a symbol alone stands for."""
+    return scalars.get(term.data[0], term) if term.head == "expr" else term
 
 
 def _equalities(claim: Claim) -> Iterator[Any]:
