@@ -276,6 +276,7 @@ def _build(draw: Draw, assumed: frozenset[str], seed: int) -> World:
         stage.rotors,
         stage.slug,
         {**{(name, "I"): turn for name, turn in stage.frames.items()}, **stage.relative},
+        assumed,
     )
 
 

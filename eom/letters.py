@@ -74,6 +74,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "rodrigues": ("", ""),
     "modified_rodrigues": ("", ""),
     "shadow_rodrigues": ("", ""),
+    "eigenvectors": ("", ""),
     "rotor_axis": ("index",),
     "rotor_speed": ("index",),
     "rotor_inertia": ("index",),

@@ -109,6 +109,7 @@ LETTERS: dict[str, str] = {
     "position": "r r r p r",
     "angular_velocity": "omega omega omega omega omega",
     "rotation": "C C C C C",
+    "eigenvectors": "E E E E E",
     "unit": "b b b b b",
 }
 """The letter of each quantity: arrow, superscript, underline, kane, plain."""

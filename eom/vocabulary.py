@@ -144,6 +144,9 @@ QUANTITIES: dict[str, Quantity] = {
     "identity": Quantity(DYADIC, "unit dyadic"),
     "identity_matrix": Quantity(MATRIX, "unit matrix"),
     "rotation": Quantity(MATRIX, "rotation matrix from components in {1} to components in {0}"),
+    "eigenvectors": Quantity(
+        MATRIX, "columns along the axes of {1} in any order, of any length, by components in {0}"
+    ),
     "angle": Quantity(SCALAR, "angle {0}"),
     "turn_angle": Quantity(
         SCALAR, "angle {0} of the turns about axes {1} by which frame {2} is reached from {3}"

@@ -68,6 +68,9 @@ ASSUMPTIONS: dict[str, Restriction] = {
         "the resultant torque about the centre of mass is zero",
         ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
     ),
+    "unit_eigenvectors": Restriction(
+        "a matrix of eigenvectors is the rotation from principal axes: unit vectors, right-handed"
+    ),
     "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
     "OA_at_centre": Restriction("the point OA of the body is its centre of mass", ("rigid",)),
     "thin_rod": Restriction(
@@ -169,6 +172,7 @@ class World:
     rotors: tuple[Rotor, ...] = ()
     slug: Slug | None = None
     turns: Mapping[tuple[str, str], Turned] = dataclasses.field(default_factory=dict)
+    assumed: frozenset[str] = frozenset()
     memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -284,6 +288,18 @@ def _slug(world: World) -> Slug:
     return world.slug
 
 
+def _eigenvectors(world: World, frame: str, principal: str) -> Matrix:
+    """Return columns along the axes of a frame, exchanged and stretched unless they are unit vectors."""
+    turn = world.rotation(frame, principal)
+    if "unit_eigenvectors" in world.assumed:
+        return turn
+    generator = world.free("eigenvectors", principal)
+    order = generator.sample(range(3), 3)
+    scales = [world.constant(generator.choice((-3, -2, 2, 3, 5))) for _ in order]
+    x, y, z = (tuple(row[n] * s for n, s in zip(order, scales, strict=True)) for row in turn)
+    return (x, y, z)
+
+
 def _particle(label: Any) -> int:
     return 0 if label == "P" else int(label)
 
@@ -298,6 +314,7 @@ _PRIMITIVES: dict[str, Callable[..., Any]] = {
     "identity": _identity,
     "identity_matrix": _identity,
     "rotation": lambda w, b, a: w.rotation(b, a),
+    "eigenvectors": _eigenvectors,
     **attitudes.PRIMITIVES,
     **gravitation.PRIMITIVES,
     "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),

@@ -121,18 +121,30 @@ def resting(
     premises = [p for p in premises if _related(p, judged.claim)]
     if not premises:
         return None
-    base = closure([*given, *judged.judgement.context])
-    assumed = worlds_of(_ordered(context.names(number)), base)
-    most = next((n for n in _STAGES if follows(judged.claim, premises, assumed, n)), 0)
+    where = judged.judgement.context
+    return rested(judged.claim, premises, context.names(number), given, where)
+
+
+def rested(
+    claim: Claim,
+    premises: Sequence[Claim],
+    names: Iterable[str],
+    given: Iterable[str] = (),
+    context: tuple[str, ...] = (),
+) -> Judgement | None:
+    """Return the judgement on a claim that follows from premises under what is assumed, or None."""
+    base = closure([*given, *context])
+    assumed = worlds_of(_ordered(frozenset(names)), base)
+    most = next((n for n in _STAGES if follows(claim, premises, assumed, n)), 0)
     if not most:
         return None
     for name in reversed([n for n in ASSUMPTIONS if n in assumed - base]):
         fewer = frozenset(n for n in assumed if name not in closure([n]))
-        if name in assumed and base <= fewer and follows(judged.claim, premises, fewer, most):
+        if name in assumed and base <= fewer and follows(claim, premises, fewer, most):
             assumed = fewer
     needed = {n for name in assumed for n in closure([name]) - {name}}
-    names = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
-    return Judgement(UNDER, (names,), judged.judgement.context)
+    left = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
+    return Judgement(UNDER, (left,), context)
 
 
 # -- terms that vanish --------------------------------------------------------------------------------

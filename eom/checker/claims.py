@@ -18,8 +18,10 @@ from eom.checker.elaborate import elaborator
 from eom.checker.elaborator import Elaborator
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look, labels, seen
+from eom.checker.numbers_given import given_number
 from eom.checker.operations import overdot
 from eom.checker.places import NOWHERE, Span
+from eom.checker.resolving import Component, resolved
 from eom.checker.statements import Statement
 from eom.checker.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
 from eom.checker.trees import walk
@@ -100,8 +102,16 @@ def claims(
     parts = [*statement.conditions, ("", statement)]
     for role, part in parts:
         for one in _single(part):
-            new = _chain(one, elaborator(lexicon, known).bound(**(indices or {})), before)
-            found += [replace(c, role=role, joined=one.joined) for c in new]
+            e = elaborator(lexicon, known).bound(**(indices or {}))
+            parts_of = resolved(one, e)
+            if parts_of:
+                found += [
+                    replace(_component(c, one), role=role, joined=one.joined) for c in parts_of
+                ]
+                continue
+            for apart in _apart(one, e):
+                new = _chain(apart, e, before)
+                found += [replace(c, role=role, joined=one.joined) for c in new]
     return tuple(found)
 
 
@@ -109,6 +119,11 @@ def defined(found: Iterable[Claim]) -> dict[Look, Value]:
     """Return what claims define."""
     new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
     return {c.defines: c.members[0] for c in new if c.defines is not None}
+
+
+def _component(one: Component, s: Statement) -> Claim:
+    """Return that a new symbol is a component of a vector."""
+    return Claim((one.value, one.value), ("=",), DEFINITION, defines=one.look, span=s.span)
 
 
 def _single(statement: Statement) -> Iterator[Statement]:
@@ -160,9 +175,9 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if unknown is not None:
         finding = Finding(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
         return [Claim((), findings=(finding,), span=s.span)]
-    points = _points(s, e)
-    if points is not None:
-        return [points]
+    whole = _datum(s, e) or _points(s, e)
+    if whole is not None:
+        return [whole]
     nodes = list(s.members)
     constant = _is_constant(nodes[-1])
     if constant:
@@ -249,6 +264,45 @@ def _continued(claim: Claim, e: Elaborator, values: list[Value], before: Sequenc
     return replace(claim, findings=(*claim.findings, finding))
 
 
+# -- new symbols behind the first place --------------------------------------------------------------
+
+
+def _apart(s: Statement, e: Elaborator) -> Iterator[Statement]:
+    """Yield a chain without a member that it brings in, and that member's definition, else the chain.
+
+    In ``a = b := c = d`` with a new b the claim is a = c = d; b stands for its neighbour.
+    """
+    place = _brought(s, e)
+    if place is None:
+        yield s
+        return
+    sign = Sign("=", span=s.signs[place - 1].span)
+    if len(s.members) > 2:
+        signs = (*s.signs[: place - 1], sign, *s.signs[place + 1 :])
+        kept = (*s.members[:place], *s.members[place + 1 :])
+        yield replace(s, members=kept, signs=signs[: len(kept) - 1])
+    other = s.members[place - 1]
+    if not (s.continues and place == 1):
+        sign = replace(sign, name=":=")
+        yield Statement((s.members[place], other), (sign,), s.members[place].span.join(other.span))
+
+
+def _brought(s: Statement, e: Elaborator) -> int | None:
+    """Return the place of a member behind the first that is a symbol still to be defined."""
+    signs = [g.name for g in s.signs]
+    if not signs or not EQUALITIES.issuperset(signs) or _new(list(s.members), tuple(signs), e):
+        return None
+    for k in range(1, len(s.members)):
+        pair = [s.members[k], s.members[k - 1]]
+        near = {*signs[k - 1 : k + 1]}
+        said = ":=" if near & {":=", "=:", "equiv"} else "="
+        if _is_constant(pair[0]) or e.lexicon.points.get(labels(pair[0])) is not None:
+            continue
+        if _new(pair, (said,), e) is not None:
+            return k
+    return None
+
+
 # -- definitions, constants, points ----------------------------------------------------------------
 
 
@@ -302,6 +356,14 @@ def _square(value: Value) -> Value:
         return value
     squared = None if value.dimension is None else value.dimension.power(2)
     return replace(value, term=expr(expression.base), dimension=squared)
+
+
+def _datum(s: Statement, e: Elaborator) -> Claim | None:
+    """Return that a number is given, which nothing tells."""
+    if not given_number(s, e):
+        return None
+    finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    return Claim((), findings=(finding,), span=s.span)
 
 
 def _points(s: Statement, e: Elaborator) -> Claim | None:

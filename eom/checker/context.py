@@ -7,15 +7,18 @@ equation follows back from it. What matches none is a premise that claims may re
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from eom.checker.claims import SAME_POINT, Claim
+from eom.checker.claims import CONSTANT, SAME_POINT, Claim
 from eom.checker.consequences import follows
 from eom.checker.documents import Document, Piece
+from eom.checker.elaborate import elaborator
 from eom.checker.judge import HOLDS, UNDER
 from eom.checker.notes import Understood
+from eom.checker.operations import overdot
 from eom.checker.phrases import (
     MAX_BEFORE,
     NOTE,
@@ -29,7 +32,7 @@ from eom.checker.phrases import (
 )
 from eom.checker.places import Source
 from eom.checker.roles import ASSUMPTION, RECALLED
-from eom.checker.values import ANY, Value
+from eom.checker.values import ANY, Refusal, Value
 from eom.checker.verdicts import LAWS, Judged, Verdict
 from eom.errors import InputError
 from eom.terms import Term, der, dot, zero
@@ -116,6 +119,7 @@ def assumed(
     ]
     for place, one, verdict in zip(places, understood, verdicts, strict=True):
         found += _formulas(place, one, verdict, leads.get(place[0], ""), limits)
+        found += _steady(document.pieces, place, one, leads.get(place[0], ""), limits)
     sources = tuple(document.pieces[k].source for k in numbers)
     return Context(tuple(sorted(found, key=lambda s: s.start)), places, sources)
 
@@ -150,6 +154,29 @@ def _formulas(
         premises = (judged.claim,) if judged.judgement.verdict != HOLDS else ()
         text = letters(piece.body)
         yield Stated(names, text, piece.source, start, stop, scope, premises)
+
+
+_STEADY = re.compile(r"\s*,?\s*(?:is|are|remains?|stays?|being|is held|is kept) constant\b")
+
+
+def _steady(
+    pieces: Sequence[Piece], place: Place, one: Understood, lead: str, limits: Limits
+) -> Iterator[Stated]:
+    """Yield what "when x is constant" states: that the rate of x is zero."""
+    behind = pieces[place[0] + 1] if place[0] + 1 < len(pieces) else None
+    reading, scope = one.formula.reading, scope_of(lead)
+    said = behind is not None and behind.kind == "prose" and _STEADY.match(behind.body)
+    if not said or scope == NOTE or reading is None or one.formula.relational:
+        return
+    e = elaborator(one.lexicon, dict(one.around.definitions))
+    piece = one.formula.piece
+    try:
+        rate = overdot(one.lexicon.notation, e.value(reading.tree), 1, piece.span)
+    except Refusal:
+        return
+    claim = Claim((rate,), (), CONSTANT, scalars=e.scalars, span=piece.span)
+    text = f"{letters(piece.body)} is constant"
+    yield Stated((), text, piece.source, place, limits.stop(place[0], scope), scope, (claim,))
 
 
 def _assumes(judged: Judged, role: str) -> bool:

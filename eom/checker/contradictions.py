@@ -11,11 +11,12 @@ from typing import Any
 
 from eom.checker.claims import Claim
 from eom.checker.consequences import follows
-from eom.checker.propositions import ZERO, Literal, Proposition, alternatives
+from eom.checker.context import EQUATIONS
+from eom.checker.propositions import ZERO, All, Literal, Proposition, alternatives
 from eom.checker.values import ANY, Value
 from eom.errors import InputError
 from eom.terms import Term, der, dot, zero
-from eom.vocabulary import omega, quantity
+from eom.vocabulary import omega, position, quantity
 from eom.worlds import ASSUMPTIONS, closure
 
 BASES: tuple[tuple[str, ...], ...] = (
@@ -34,12 +35,17 @@ def proved_under(
 ) -> tuple[str, ...] | None:
     """Return what an implication needs besides where it is proved: assumptions and readings; or None.
 
-    What cannot be proved where much is assumed is not tried with less.
+    What cannot be proved where much is assumed is not tried with less. A conclusion that needs no premise
+    about a certain point is not proved by it.
     """
     if all(_assuming(premise, conclusion, given, base) is None for base in BASES[-2:]):
         return None
-    found = (_assuming(premise, conclusion, given, base) for base in BASES)
-    return next((f for f in found if f is not None), None)
+    for base in BASES:
+        found = _assuming(premise, conclusion, given, base)
+        idle = base in BASES[-2:] and _assuming(All(()), conclusion, given, base) is not None
+        if found is not None and not idle:
+            return found
+    return None
 
 
 def _assuming(
@@ -79,6 +85,7 @@ def _told(literals: Sequence[Literal]) -> int:
 def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool:
     """Tell whether the equations that are said to hold give one that is said to fail."""
     held = [x for x in literals if x.positive]
+    assumed = _drawn(held, assumed)
     premises = [
         _equation(term, x.scalars)
         for x in held
@@ -92,6 +99,26 @@ def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool
             if all(any(follows(g, premises, assumed) for g in forms) for forms in goals):
                 return True
     return False
+
+
+def _drawn(held: Sequence[Literal], assumed: frozenset[str]) -> frozenset[str]:
+    """Return what is assumed, with what literals say in the words of worlds and that needs no more."""
+    for x in held:
+        said = {_unsigned(t.term) for t in x.row if t.relation == ZERO}
+        for name, terms in EQUATIONS.items():
+            if said == set(map(_unsigned, terms)):
+                try:
+                    wider = closure([*assumed, name])
+                except InputError:
+                    continue
+                assumed = wider if wider - assumed == {name} else assumed
+    return assumed
+
+
+def _unsigned(term: Term) -> Term:
+    """Return the vector from one point to another as that between them in order of names."""
+    between = term.head == "atom" and term.data[0] == "position"
+    return position(*sorted(map(str, term.data[1:]))) if between else term
 
 
 def _forms(term: Term) -> tuple[Term, ...]:

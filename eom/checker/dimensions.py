@@ -82,6 +82,7 @@ QUANTITY_DIMENSIONS: dict[str, str] = {
     "identity": "1",
     "identity_matrix": "1",
     "rotation": "1",
+    "eigenvectors": "1",
     "angle": "1",
     "turn_angle": "1",
     "free_angle": "1",

@@ -189,6 +189,8 @@ def _scanned(
     """Return the document of one source, and all definitions up to its end."""
     masked = masks.latex(source.text) if kind == "latex" else masks.markdown(source.text)
     definitions = collect(source, masked.text)
+    head = collect(source, source.text[: masked.front.stop]).macros if masked.front else ()
+    known = (*known, *head)
     text, findings = definitions.text, [*definitions.errors]
     for match in _FILES.finditer(text):
         what = "commands that read or write files are not followed"

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import replace
 
+from eom.checker.at_points import at_points, number_in
 from eom.checker.claims import Claim
 from eom.checker.context import implied
 from eom.checker.documents import Document, Piece
@@ -19,35 +19,21 @@ from eom.checker.elaborate import elaborator
 from eom.checker.explanation import Explanation
 from eom.checker.judge import UNDECIDED, WRONG, equations
 from eom.checker.looks import labels
+from eom.checker.marked import Sentence, sentences
 from eom.checker.notes import Understood
 from eom.checker.phrases import Limits, Said, said
-from eom.checker.places import Source, Span
+from eom.checker.pointing import TERMS, Displays, pointed
 from eom.checker.proposition_words import Formulas, Subject
 from eom.checker.propositions import All, Plain, Proposition, Reading, Test
 from eom.checker.quantified import Decision, decide, quantified
 from eom.checker.report import PROSE, Finding
+from eom.checker.shown import HINTS, numbers_in, shown
 from eom.checker.stability import stability
+from eom.checker.theorems import theorem
 from eom.checker.values import Refusal
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
 from eom.terms import add
-
-MAX_SENTENCE = 600
-MAX_SENTENCES = 5000
-
-
-@dataclass(frozen=True)
-class Sentence:
-    """Small letters with marks for formulas, its place, and the numbers of its pieces and formulas.
-
-    ``first``: number of the piece where it begins; ``formulas``: numbers of the pieces of its marks.
-    """
-
-    text: str
-    source: Source
-    span: Span
-    first: int
-    formulas: tuple[int, ...]
 
 
 def in_words(
@@ -95,123 +81,23 @@ def _finding(sentence: Sentence, decision: Decision, number: int) -> Finding:
     )
 
 
-# -- sentences ------------------------------------------------------------------------------------
-
-_END = re.compile(
-    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|"
-    r"\n[ \t]*\n|\n[ \t]*[-*+] "
-)
-_MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
-_BRACKETS = re.compile(r"\([^()]*\)")
-_MARK = "\x02{}\x03"
-
-
-def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
-    """Yield the sentences of a note that may claim something.
-
-    One that begins with a small letter goes on with the one before: its full stop is a slip.
-    """
-    count = 0
-    for run in _runs(pieces):
-        parts = [p for p in _parts(pieces, run) if p.text]
-        for one in _joined(parts):
-            count += 1
-            if len(one.text) <= MAX_SENTENCE and count <= MAX_SENTENCES:
-                yield one
-
-
-def _runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
-    """Yield the numbers of pieces of prose and inline formulas that stand together."""
-    run: list[int] = []
-    for k, piece in enumerate(pieces):
-        apart = bool(run) and piece.source is not pieces[run[-1]].source
-        if apart or piece.kind not in {"prose", "inline"}:
-            yield from [run] if run else []
-            run = []
-        if piece.kind in {"prose", "inline"}:
-            run.append(k)
-    yield from [run] if run else []
-
-
-def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
-    """Yield the sentences of a run, cut at every full stop."""
-    text, places, owners = "", list[int](), list[int]()
-    for k in run:
-        piece = pieces[k]
-        inline = piece.kind == "inline"
-        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, piece.body)
-        text += body
-        wide = 0 if inline else 1
-        places += [piece.span.start + wide * n for n in range(len(body))]
-        owners += [k] * len(body)
-    cuts = [0, *(m.end() for m in _END.finditer(text)), len(text)]
-    for start, stop in pairwise(cuts):
-        inside = text[start:stop]
-        lead = len(inside) - len(inside.lstrip())
-        tail = len(inside.rstrip()) - 1
-        if tail >= lead:
-            first, last = start + lead, start + tail
-            end = pieces[owners[last]].span.stop if text[last] == "\x03" else places[last] + 1
-            yield Sentence(
-                _plain(inside),
-                pieces[run[0]].source,
-                Span(places[first], end),
-                owners[first],
-                tuple(int(n) for n in re.findall("\x02(\\d+)\x03", inside)),
-            )
-
-
-def _blank(match: re.Match[str]) -> str:
-    return " " * len(match[0])
-
-
-def _plain(text: str) -> str:
-    """Return a sentence without what stands in brackets and without its full stop."""
-    bare = _BRACKETS.sub(" ", text)
-    return re.sub(r"\s+", " ", bare).strip(" .!?;:,\n\t")
-
-
-def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
-    """Yield sentences; what begins with a small letter behind a full stop is a part of the one before.
-
-    The first letter alone is made small here; others stay, as they may name points.
-    """
-    kept: Sentence | None = None
-    for one in parts:
-        goes_on = kept is not None and one.text[0].islower() and _stopped(kept, one)
-        if kept is not None and goes_on:
-            span = Span(kept.span.start, one.span.stop)
-            formulas = (*kept.formulas, *one.formulas)
-            kept = replace(kept, text=f"{kept.text} {one.text}", span=span, formulas=formulas)
-            continue
-        if kept is not None:
-            yield replace(kept, text=kept.text.lower())
-        kept = one
-    if kept is not None:
-        yield replace(kept, text=kept.text.lower())
-
-
-def _stopped(before: Sentence, behind: Sentence) -> bool:
-    """Tell whether nothing but a full stop stands between two sentences."""
-    text = before.source.text
-    between = text[before.span.stop - 1 : behind.span.start]
-    return (
-        re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None
-        and text[before.span.stop - 1] in ".,"
-    )
-
-
 # -- formulas -------------------------------------------------------------------------------------
 
 ByPiece = Mapping[int, tuple[Understood, frozenset[str]]]
 
 
-def _formulas(sentence: Sentence, by_piece: ByPiece) -> Formulas:
-    """Return what the formulas of a sentence say or stand for."""
+def _formulas(
+    sentence: Sentence, by_piece: ByPiece, text: str, terms: Mapping[int, Subject]
+) -> Formulas:
+    """Return what the formulas of a sentence say or stand for; ``text``: with marks of displays.
+
+    ``terms``: what other marks stand for.
+    """
     propositions: dict[int, Proposition] = {}
-    subjects: dict[int, Subject] = {}
+    subjects: dict[int, Subject] = dict(terms)
     points: dict[int, str] = {}
-    for k in sentence.formulas:
+    marks = {int(n) for n in re.findall("\x02(\\d+)\x03", text)}
+    for k in sorted({*sentence.formulas, *(marks & set(by_piece))}):
         one = by_piece[k][0]
         name = _point(one)
         said_there = _said(one)
@@ -220,6 +106,26 @@ def _formulas(sentence: Sentence, by_piece: ByPiece) -> Formulas:
         subjects |= {} if subject is None else {k: subject}
         points |= {} if name is None else {k: name}
     return Formulas(propositions, subjects, points)
+
+
+_BETWEEN = re.compile(
+    r"(?:the )?(?:distinction|difference) between \x02(\d+)\x03 and \x02(\d+)\x03"
+)
+
+
+def _parted(text: str, formulas: Formulas) -> tuple[str, Formulas]:
+    """Return a sentence with a mark for the difference between two quantities of one kind."""
+    match = _BETWEEN.search(text)
+    pair = [formulas.subjects.get(int(n)) for n in match.groups()] if match else []
+    a, b = (p.terms[0][0] if p is not None else None for p in pair) if pair else (None, None)
+    if match is None or a is None or b is None or a.kind != b.kind:
+        return text, formulas
+    (first, second), number = pair, 2 * TERMS * TERMS + int(match[1])
+    scalars = {**first.scalars, **second.scalars} if first and second else {}
+    name = " - ".join(p.text for p in pair if p is not None)
+    subjects = {**formulas.subjects, number: Subject(name, ((add(a, -b), ""),), scalars)}
+    whole = f"{text[: match.start()]}\x02{number}\x03{text[match.end() :]}"
+    return whole, replace(formulas, subjects=subjects)
 
 
 def _said(one: Understood) -> Proposition | None:
@@ -322,20 +228,46 @@ def _decided(
     given: tuple[str, ...],
 ) -> Decision | None:
     """Return the verdict on a sentence, None where it claims nothing that is understood."""
-    found = stability(sentence.text)
-    formulas = _formulas(sentence, by_piece)
-    one = None if found is not None else quantified(sentence.text, formulas)
+    found = stability(sentence.text) or theorem(sentence.text, given)
+    displays = Displays(pieces, {k: u for k, (u, _) in by_piece.items()})
+    text, terms = pointed(sentence.text, sentence.first, displays)
+    formulas = _formulas(sentence, by_piece, text, terms)
+    text, formulas = _parted(text, formulas)
+    names = _stated(sentence, by_piece, phrases)
+    found = found or _of_equation(text, sentence, pieces, by_piece, formulas, names, limits, given)
+    one = None if found is not None else quantified(text, formulas)
     if found is None and one is None:
         return None
     if found is not None:
         return _softened(found) if _of_others(sentence, pieces, limits) else found
     assert one is not None
     hinted = _hinted(sentence, pieces, limits)
-    names = _stated(sentence, by_piece, phrases)
     decision = decide(one, names, given, hinted)
     if decision.verdict == UNDECIDED and one.kind == "" and decision.counterexample is None:
         return None
     return decision
+
+
+def _of_equation(
+    text: str,
+    sentence: Sentence,
+    pieces: Sequence[Piece],
+    by_piece: ByPiece,
+    formulas: Formulas,
+    names: frozenset[str],
+    limits: Limits,
+    given: tuple[str, ...],
+) -> Decision | None:
+    """Return the verdict on what is said of a display: where it holds, and what it shows."""
+    number = number_in(text)
+    if number is not None and number in by_piece:
+        return at_points(text, by_piece[number][0], names, given)
+    numbers = numbers_in(text)
+    if numbers is None or numbers[0] not in by_piece:
+        return None
+    found = shown(text, by_piece[numbers[0]][0], formulas.subjects, given)
+    hinted = any(HINTS.search(one.text) for one in _before(sentence, pieces, limits))
+    return _softened(found) if found is not None and hinted else found
 
 
 def _softened(found: Decision) -> Decision:

@@ -53,6 +53,7 @@ SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin
 
 MENTIONS: dict[str, frozenset[str]] = {
     "A_fixed_in_body": frozenset({"A"}),
+    "unit_eigenvectors": frozenset({"eigenvectors"}),
     "OA_at_centre": frozenset({"OA"}),
     "about_centre": frozenset({"O"}),
     "O_fixed_in_body": frozenset({"O"}),

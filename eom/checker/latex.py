@@ -140,6 +140,9 @@ PRODUCT_COMMANDS = {
     "cdotp": "dot",
     "times": "cross",
     "cross": "cross",
+    "cp": "cross",
+    "crossproduct": "cross",
+    "dotproduct": "dot",
     "wedge": "wedge",
     "land": "wedge",
     "otimes": "tensor",
@@ -170,7 +173,7 @@ IGNORED = _words(
     "nobreak hline toprule midrule bottomrule centering noindent null relax mathstrut strut "
     "mathord mathbin mathrel mathopen mathclose mathpunct mathinner smash mathop hskip "
     "displaylimits protect ensuremath footnotesize small normalsize large Large scriptsize "
-    "qedhere bigskip medskip smallskip"
+    "qedhere bigskip medskip smallskip checkmark blacksquare qed"
 )
 """Commands that change how things look and not what stands there."""
 IGNORED_WITH_ARGUMENT = _words(
@@ -397,7 +400,7 @@ KNOWN = frozenset().union(
     _words(
         "left right middle begin end sqrt boxed prescript leftidx sideset partial cancel cancelto "
         "bcancel xcancel underbrace overbrace overset underset stackrel substack abs norm qty dv pdv "
-        "dd not over forall exists operatorname tag label xrightarrow"
+        "dd not over forall SI num ang si unit eqno leqno exists operatorname tag label xrightarrow"
     ),
 )
 """All commands that the reader knows."""

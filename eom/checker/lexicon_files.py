@@ -15,6 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eom.checker.front import yaml_table
 from eom.checker.grammar import read_formula
 from eom.checker.lexicon import Entry, Lexicon, Notation, Scope
 from eom.checker.looks import Labels
@@ -41,6 +42,7 @@ PRESETS = (
 MAX_LEXICON = 1_000_000
 _TABLES = ("notation", "frames", "points", "marks", "symbols")
 _SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols")
+_YAML = re.compile(r"\A---[ ]*\n(.*?)^---[ ]*$", re.DOTALL | re.MULTILINE)
 _FRONT = re.compile(r"\A\ufeff?\+\+\+[ \t]*\r?\n(.*?)^\+\+\+[ \t]*\r?$", re.DOTALL | re.MULTILINE)
 
 
@@ -266,11 +268,12 @@ def preset(name: str) -> Lexicon:
 def front_matter(text: str) -> Mapping[str, Any]:
     """Return the table ``check`` of front matter between lines of ``+++``; none is empty.
 
-    Raises `InputError` for what is no TOML.
+    Between lines of ``---`` it is YAML, see `eom.checker.front`. Raises `InputError` for what is neither.
     """
     match = _FRONT.match(text)
     if match is None:
-        return {}
+        other = _YAML.match(text)
+        return yaml_table(other[1]) if other is not None else {}
     found = _toml(match[1], "front matter").get("check", {})
     if not isinstance(found, Mapping):
         raise InputError("not a table", where="front matter", got=found, expected="[check]")

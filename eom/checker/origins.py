@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eom.checker.documents import Document
+from eom.checker.front import in_yaml
 from eom.checker.lexicon import Lexicon
 from eom.checker.lexicon_files import (
     lexicon_found,
@@ -56,6 +57,8 @@ def meanings(
 
 def _front(document: Document) -> str:
     """Return the front matter as the head of a note, if a table of it is meant for the checker."""
+    if in_yaml(document.front):
+        return f"---\n{document.front}\n---\n"
     toml = any(line.strip().startswith(("[check", "check")) for line in document.front.splitlines())
     return f"+++\n{document.front}\n+++\n" if toml else ""
 

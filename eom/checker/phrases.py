@@ -43,6 +43,8 @@ PHRASES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (rf"{_CENTRE} (?:is|remains|stays|be) (?:at rest|fixed|stationary)", ("C_at_rest",)),
     (r"principal (?:body[- ]fixed |body |inertia )?(?:axis|axes|frame|basis|coordinates|moments?\b)",
      ("principal_axes",)),
+    (r"\b(?:ax[ie]s|frame|basis|coordinates?) (?:are|is|be|being|to be) (?:the )?principal\b",
+     ("principal_axes",)),
     (r"axi[- ]?symmetric|axial(?:ly)?[- ]symmetr\w+|axis of (?:inertial )?symmetry|symmetry axis",
      ("symmetric",)),
     (r"symmetric(?:al)? (?:rigid |spinning |heavy )?(?:body|top|rotor|spacecraft|satellite)",
@@ -88,7 +90,8 @@ SCOPES: tuple[tuple[str, str], ...] = (
     (r"\b(?:from now on|henceforth|throughout|always|in (?:this|these) (?:note|lecture|chapter)s?)\b",
      NOTE),
     ((r"\b(?:if|when|whenever|unless|provided|in (?:the|this|that) case|in case|for an?|as long as|"
-     r"where|whether|iff|eg|e\.g|case (?:of|with|where))\b"), PARAGRAPH),
+     r"where|whether|iff|eg|e\.g|case (?:of|with|where))\b|\b(?:for|at|under|setting|putting)(?=\s*$)"),
+     PARAGRAPH),
     (r"\b(?:suppose|assum\w+|consider|let|restrict|special case|take|taking|choos\w+|focus\w*)\b",
      SECTION),
 )  # fmt: skip

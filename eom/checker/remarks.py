@@ -29,6 +29,7 @@ KINDS: dict[str, str] = {
     "not stated": "needs {what}, which the note does not state",
     "not needed": "{what}, stated in line {line}, is not needed here",
     "rests on": "rests on the assumption of line {line}",
+    "condition": "is judged under the condition of line {line}",
     "contradicts": "contradicts line {line}",
     "contradicts assumption": "cannot stand together with the assumption of line {line}",
     "repeats": "repeats line {line}",
@@ -54,6 +55,7 @@ NOUNS: dict[str, str] = {
     "principal_axes": "principal axes",
     "symmetric": "inertial symmetry (I1 = I2)",
     "torque_free": "no torque about the centre of mass",
+    "unit_eigenvectors": "eigenvectors of unit length, right-handed",
     "A_fixed_in_body": "that frame A is fixed in the body",
     "OA_at_centre": "the centre of mass as the point OA",
     "thin_rod": "a thin rod",
@@ -67,7 +69,7 @@ NOUNS: dict[str, str] = {
 
 TELLING = frozenset(NOUNS) - {
     *("newton_2", "constant_mass", "body_frame", "one_particle", "rotors"),
-    *("spin_312", "viscous_slug", "A_fixed_in_body"),
+    *("spin_312", "viscous_slug", "A_fixed_in_body", "unit_eigenvectors"),
 }
 """Assumptions of which it is worth saying that they are not needed."""
 

@@ -8,16 +8,20 @@ from dataclasses import dataclass, replace
 from eom.checker.carrying import carried, resting
 from eom.checker.carrying_on_solutions import carried_on_solutions
 from eom.checker.claims import Claim
+from eom.checker.conditions import conditioned, under
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
 from eom.checker.notes import Understood
-from eom.checker.phrases import Said, approximate
+from eom.checker.phrases import PARAGRAPH, Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
 from eom.checker.report import Remark
 from eom.checker.systems import on_solutions
-from eom.checker.verdicts import ORDER, Judged, Verdict, verdict
+from eom.checker.verdicts import ORDER, UNMET, Judged, Verdict, verdict
 from eom.errors import InputError
+
+BOUNDS = frozenset({"<", ">", "<=", ">=", "!="})
+"""Relations that leave open sets of motions, in which an equation fails that fails at all."""
 
 
 @dataclass(frozen=True)
@@ -126,8 +130,13 @@ def _claim(
     found: list[Remark],
 ) -> Judged:
     """Return a claim with its verdict in its place; ``found`` takes why it differs."""
-    if judged.verdict not in {WRONG, UNDER} or judged.claim.verdict:
+    unmet = judged.reason == UNMET and judged.verdict == UNDECIDED
+    if not (unmet or judged.verdict in {WRONG, UNDER}) or judged.claim.verdict:
         return judged
+    if unmet or judged.verdict == WRONG:
+        placed = _conditioned(judged, number, context, given, found)
+        if placed is not None:
+            return placed
     known = context.names(number) | implied(given)
     best = [len(implied(s) - known) for s in ranked(judged.judgement.sets, known)[:1]]
     if judged.verdict == UNDER and 0 in best:
@@ -135,7 +144,9 @@ def _claim(
     rested = _rested(judged, number, context, given)
     if rested is not None and not (best and len(implied(rested.sets[0]) - known) >= best[0]):
         found.append(remark("rests on", max(s.line for s in context.premises(number))))
-        judgement = replace(rested, sets=(*rested.sets, *judged.judgement.sets))
+        alone = not any(rested.sets)
+        sets = () if alone else (*rested.sets, *judged.judgement.sets)
+        judgement = replace(rested, sets=sets)
         return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
     if judged.verdict == UNDER:
         return judged
@@ -146,6 +157,30 @@ def _claim(
         reason = "not exactly true; the note speaks of an approximation"
         return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
     return judged
+
+
+def _conditioned(
+    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
+) -> Judged | None:
+    """Return a claim that fails by itself where its conditions hold; None where it has none.
+
+    Those of its line and its paragraph count. What is no equation makes no equation true.
+    """
+    place = context.places[number]
+    near = [s for s in context.premises(number) if s.scope == PARAGRAPH or s.start[0] == place[0]]
+    told = [(s, p) for s in near for p in s.premises if not BOUNDS & set(p.relations)]
+    if not told:
+        return None
+    names = context.names(number)
+    judgement = conditioned(judged.claim, [p for _, p in told], names, given)
+    if judgement.verdict == judged.verdict == WRONG:
+        return None
+    line = max(s.line for s, _ in told)
+    found.append(remark("rests on", line) if under(judgement) else remark("condition", line))
+    verdict = judgement.verdict
+    return replace(
+        judged, judgement=judgement, verdict=verdict, reason=judgement.reason, chain=None
+    )
 
 
 def _rested(

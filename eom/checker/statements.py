@@ -206,7 +206,7 @@ class _Splitter:
             self.within(node)
         elif isinstance(node, Cases) and _relational_rows(node):
             self.cases(node)
-        elif isinstance(node, Group) and node.open == "":
+        elif isinstance(node, Group) and (node.open == "" or isinstance(node.body, _SAYING)):
             self.read(node.body)
         elif isinstance(node, Words):
             self.text(node)
@@ -348,6 +348,10 @@ class _Splitter:
             )
             self.found.append(rest)
         return self.found
+
+
+_SAYING = (Relation, Implication, Rows)
+"""What claims something though brackets are around it."""
 
 
 def _relational_rows(node: Cases) -> bool:

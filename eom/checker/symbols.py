@@ -109,13 +109,18 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
     return number(sp.pi, span) if look == Look("pi") else None
 
 
+_ALIKE = {"circle": "ring"}
+"""Accents that look the same."""
+
+
 def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
     """Return the skew matrix of what stands below an accent that makes one, or its derivative."""
     notation = e.lexicon.notation
-    for mark in look.accents:
+    for stands in look.accents:
+        mark = _ALIKE.get(stands, stands) if stands not in notation.marks else stands
         if mark in notation.skew or mark in notation.marks:
             left = list(look.accents)
-            left.remove(mark)
+            left.remove(stands)
             below = replace(look, accents=tuple(left))
             inside = _look(e, below, span) or _resolved(e, below, span)
             if inside is None or mark in notation.skew:
@@ -215,7 +220,7 @@ def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
         value = components(value, meaning.frame)
         if meaning.quantity in ALIKE and meaning.frame in meaning.labels:
             value = replace(value, frames=ANY)
-    if value.shape == MATRIX and meaning.quantity == "rotation":
+    if value.shape == MATRIX and meaning.quantity in {"rotation", "eigenvectors"}:
         value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
     if value.shape == SCALAR and meaning.quantity not in _ATOMS:
         value = replace(value, term=expr(e.name(found.look.text, value.term)))

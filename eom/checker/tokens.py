@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from eom.checker import latex
 from eom.checker.places import Source, Span, reading_error
+from eom.checker.respelling import respelt
 
 MAX_FORMULA = 100_000
 """Most characters of one formula."""
@@ -67,8 +68,11 @@ _LEXEME = re.compile(
     re.VERBOSE | re.DOTALL,
 )
 _ROW_GAP = re.compile(r"\*?\s*(?:\[\s*-?[0-9.]+\s*[a-z]{2}\s*\])?")
+_BOXED_FORMULA = re.compile(r"\s*\{\s*(\$)[^$]+(\$)\s*\}")
 _OPTION = re.compile(r"\s*\[[^\[\]{}]*\]")
-_STARRED = frozenset({"operatorname", "tag", "hspace", "vspace", "DeclareMathOperator"})
+_STARRED = frozenset(
+    {"operatorname", "tag", "hspace", "vspace", "DeclareMathOperator", "vb", "va", "vu"}
+)
 
 
 def tokenize(
@@ -84,6 +88,7 @@ def tokenize(
     tokens = _Scanner(source, body, start).tokens()
     if macros:
         tokens = _expand(source, tokens, macros)
+    tokens = respelt(tokens)
     if len(tokens) > MAX_TOKENS:
         what = f"a formula of {len(tokens)} signs is too long"
         raise reading_error(source, tokens[0].span, what, expected=f"at most {MAX_TOKENS}")
@@ -146,6 +151,8 @@ class _Scanner:
     def named(self, name: str, first: int) -> None:
         if name in latex.QUADS:
             self.add("quad", "", first)
+        elif name in {"fbox", "framebox"} and self.unfenced():
+            self.add("command", "boxed", first)
         elif name in latex.TEXTS:
             self.add("words", self.argument(first), first)
         elif name in {"begin", "end"}:
@@ -156,6 +163,15 @@ class _Scanner:
             self.add("tag", self.argument(first), first)
         else:
             self.add("command", name, first)
+
+    def unfenced(self) -> bool:
+        """Blank the dollars of a formula that fills the box that follows; False where there is none."""
+        match = _BOXED_FORMULA.match(self.body, self.place)
+        if match is None:
+            return False
+        blank = self.body[: match.start(1)] + " " + self.body[match.end(1) : match.start(2)]
+        self.body = blank + " " + self.body[match.end(2) :]
+        return True
 
     def environment(self, kind: str, first: int) -> None:
         name = self.argument(first).strip().removesuffix("*")

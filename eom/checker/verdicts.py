@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from eom.checker.chains import Chain, judge_chain
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.degenerate import meant
-from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge import HOLDS, MODELS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.notes import Understood
 from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, RECALLED
 from eom.checker.values import AMBIGUOUS, ILL_FORMED
+from eom.errors import InputError
 from eom.terms import VECTOR, nodes
+from eom.worlds import closure
 
 GRAVE = frozenset({WRONG, ILL_FORMED})
 """Findings that settle a claim without worlds."""
@@ -22,6 +24,9 @@ LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
 
 NONE = "no claim"
 """The verdict on a formula that claims nothing: a symbol, an expression, words."""
+
+UNMET = "it does not hold without its condition, which no world is drawn under"
+"""Why a claim beside a condition of its own is undecided as long as nobody has looked for such worlds."""
 
 ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
 """Verdicts, the gravest first."""
@@ -57,6 +62,7 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
         return Verdict(UNDECIDED, f"not read: {error}")
     given = tuple(given)
     judged = tuple(_judged(c, given, understood) for c in understood.claims)
+    judged = _of_one_model(judged, given, understood)
     judged = _conditional(judged)
     judged = tuple(
         replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
@@ -66,14 +72,44 @@ def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
     return Verdict(gravest, found.get(gravest, ""), judged)
 
 
+def _of_one_model(
+    judged: tuple[Judged, ...], given: tuple[str, ...], understood: Understood
+) -> tuple[Judged, ...]:
+    """Return what was judged, where one claim is about a model all of them in that: a line is of one body.
+
+    Sets of assumptions that exclude the model would say that the line holds nowhere.
+    """
+    models = {j.judgement.context for j in judged} & set(MODELS)
+    if len(models) != 1:
+        return judged
+    (model,) = models
+
+    def again(one: Judged) -> Judged:
+        if one.verdict != UNDER or any(_together(model, s) for s in one.judgement.sets):
+            return one
+        found = _judged(one.claim, (*given, *model), understood)
+        reason = f"it fails where the rest of the line has a meaning: {', '.join(model)}"
+        return replace(found, reason=reason) if found.verdict == WRONG else found
+
+    return tuple(map(again, judged))
+
+
+def _together(model: tuple[str, ...], names: tuple[str, ...]) -> bool:
+    """Tell whether assumptions can stand together with a model."""
+    try:
+        closure((*model, *names))
+    except InputError:
+        return False
+    return True
+
+
 def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
     """Return what was judged, but undecided what is false without a condition that stands before it."""
     conditions = [j for j in judged if CONDITIONS.get(j.claim.role) == ASSUMPTION]
     if all(j.judgement.verdict == HOLDS for j in conditions):
         return judged
-    what = "it does not hold without its condition, which no world is drawn under"
     return tuple(
-        replace(j, verdict=UNDECIDED, reason=what)
+        replace(j, verdict=UNDECIDED, reason=UNMET)
         if j.verdict == WRONG and not j.claim.role and not j.claim.findings
         else j
         for j in judged
@@ -91,6 +127,8 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
         found = replace(found, verdict=claim.verdict)
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
+    if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
+        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here tells it")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 
@@ -110,6 +148,20 @@ def _played(role: str, claim: Claim, found: Judgement) -> str:
     if role in {RECALLED, INTRODUCED} and found.sets and set(found.sets) <= set(LAWS):
         return ASSUMPTION
     return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
+
+
+_ANGLES = frozenset({"angle", "turn_angle", "free_angle", "principal_angle"})
+
+
+def _gives(claim: Claim) -> bool:
+    """Whether a line only gives an angle by a number that is not zero."""
+    expressions = [m.term.data[0] for m in claim.members if m.term.head == "expr"]
+    if len(expressions) != 2 or claim.role or claim.kind != STATEMENT:
+        return False
+    symbols = [x for x in expressions if x.is_Symbol and x in claim.scalars]
+    numbers = [x for x in expressions if x.is_number and x != 0]
+    meant = [claim.scalars[x] for x in symbols]
+    return bool(numbers) and any(t.head == "atom" and t.data[0] in _ANGLES for t in meant)
 
 
 def _resolves(claim: Claim) -> bool:

@@ -26,7 +26,8 @@ from eom.worlds import closure
 
 LABELS = {
     "mass": ["i"], "position": ["i", "O"], "force": ["i"], "internal_force": ["i", "j"],
-    "angular_velocity": ["B", "I"], "unit": ["B", "2"], "rotation": ["B", "A"], "scalar": ["s"],
+    "angular_velocity": ["B", "I"], "unit": ["B", "2"], "rotation": ["B", "A"],
+    "eigenvectors": ["A", "B"], "scalar": ["s"],
     "vector": ["v"], "fixed_vector": ["v", "B"], "dyadic": ["d"], "inertia": ["O"], "angle": ["psi"],
     "turn_angle": ["2", "321", "B", "I"], "free_angle": ["psi"], "principal_angle": ["B", "I"],
     "principal_axis": ["B", "I"], "euler_parameter": ["0", "B", "I"], "euler_vector": ["B", "I"],
