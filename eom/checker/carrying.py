@@ -16,6 +16,7 @@ from eom.checker.claims import STATEMENT, Claim
 from eom.checker.consequences import follows, parts
 from eom.checker.context import Context
 from eom.checker.judge import UNDER, WRONG, Judgement
+from eom.checker.laws import own, refuted
 from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
@@ -122,7 +123,7 @@ def resting(
     if not premises:
         return None
     base = closure([*given, *judged.judgement.context])
-    assumed = worlds_of(_ordered(context.names(number)), base)
+    assumed = worlds_of(_ordered(_stated(premises, number, context)), base)
     most = next((n for n in _STAGES if follows(judged.claim, premises, assumed, n)), 0)
     if not most:
         return None
@@ -133,6 +134,21 @@ def resting(
     needed = {n for name in assumed for n in closure([name]) - {name}}
     names = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
     return Judgement(UNDER, (names,), judged.judgement.context)
+
+
+def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozenset[str]:
+    """Return what is stated at a formula: with laws for the motion, none that makes it a special one."""
+    special = SPECIAL_MOTION if any(map(own, premises)) else frozenset()
+    return context.names(number) - special
+
+
+def open_by_laws(judged: Judged, number: int, context: Context, given: Iterable[str] = ()) -> bool:
+    """Tell whether a claim that no world obeys may be true by laws of the writer's own."""
+    premises = [p for s in context.premises(number) for p in s.premises]
+    laws = [p for p in premises if own(p) & own(judged.claim)]
+    base = closure([*given, *judged.judgement.context])
+    assumed = worlds_of(_ordered(_stated(laws, number, context)), base)
+    return bool(laws) and not refuted(judged.claim, laws, assumed)
 
 
 # -- terms that vanish --------------------------------------------------------------------------------
