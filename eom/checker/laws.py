@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 SCALAR = "scalar"
 """Quantity of the vocabulary that is free for the writer."""
+STILL = frozenset({SCALAR, "angle", "turn_angle", "free_angle", "principal_angle"})
+"""Quantities whose functions are known: a line between them alone says nothing of a motion."""
 FACTORS = (-1, 2, sp.Rational(1, 2))
 """What a term may have to be multiplied by where a line does not follow from a law."""
 
@@ -34,7 +36,8 @@ def own(claim: Claim) -> frozenset[str]:
         return frozenset()
     sides = [_atoms(m.term, claim) for m in claim.members]
     free = [_free(s) for s in sides]
-    moving = any(a.data[0] != SCALAR for s, f in zip(sides, free, strict=True) if not f for a in s)
+    others = [a for s, f in zip(sides, free, strict=True) if not f for a in s]
+    moving = any(a.data[0] not in STILL for a in others)
     return frozenset.union(*free) - frozenset.intersection(*free) if moving else frozenset()
 
 

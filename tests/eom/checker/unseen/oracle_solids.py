@@ -1,5 +1,6 @@
 """Integrals by SymPy in Cartesian or other coordinates than those of the note; theorems on masses."""
 
+import mpmath as mp
 import sympy as sp
 
 from tests.eom.checker.unseen.motions import (
@@ -7,7 +8,9 @@ from tests.eom.checker.unseen.motions import (
     attitude,
     case,
     draw,
+    integral,
     number,
+    number_with_digits,
 )
 
 _rng = draw("solids")
@@ -48,10 +51,16 @@ A = attitude(_rng)
 I_ = Masses(body.masses, tuple(A * p for p in _points))
 moved = I_.inertia(I_.centre)
 unit = sp.eye(3)
-# about the edge of the cylinder, in strips across the line from the axis to it
-_strip = 2 * sp.sqrt(a**2 - x**2)
-_inside = (x - a) ** 2 * _strip + _strip**3 / 12
-edge = _cylinder * h * sp.integrate(sp.expand(_inside), (x, -a, a))
+
+
+def _strip(y):
+    """The moment about the edge of a strip of the disc at the distance y from the line to the edge."""
+    radius = number_with_digits(a)
+    half = mp.sqrt(radius**2 - y**2)
+    return 2 * half * (y - radius) ** 2 + 2 * half**3 / 3
+
+
+edge = _cylinder * h * integral(_strip, -a, a)
 # points of the ring about the z-axis, at the angle x
 ring = sp.integrate(m / (2 * sp.pi) * (sp.cos(x) ** 2 + sp.sin(x) ** 2) * a**2, (x, 0, 2 * sp.pi))
 
