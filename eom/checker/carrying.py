@@ -16,7 +16,7 @@ from eom.checker.claims import STATEMENT, Claim
 from eom.checker.consequences import follows, parts
 from eom.checker.context import Context
 from eom.checker.judge import UNDER, WRONG, Judgement
-from eom.checker.laws import own, refuted
+from eom.checker.laws import STILL, own, refuted
 from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
@@ -95,8 +95,11 @@ def _ordered(names: Iterable[str]) -> Iterator[str]:
 
 
 def _related(a: Claim, b: Claim) -> bool:
-    """Whether two claims speak of one quantity."""
-    return bool(_quantities(a) & _quantities(b))
+    """Whether two claims speak of one quantity; an angle counts where one speaks of nothing else."""
+    both = _quantities(a) & _quantities(b)
+    return bool(both - STILL) or (
+        bool(both) and (_quantities(a) <= STILL or _quantities(b) <= STILL)
+    )
 
 
 def _quantities(claim: Claim) -> frozenset[str]:
