@@ -8,7 +8,7 @@ and what comes behind it with the same scalar is judged by what follows from it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,8 @@ import sympy as sp
 
 from eom.checker.claims import EQUALITIES, STATEMENT, Claim
 from eom.checker.consequences import follows
+from eom.checker.degenerate import CHANCE
+from eom.checker.judge import HOLDS, Judgement, judge
 from eom.terms import Term, add, expr, mul, nodes, number, zero
 
 if TYPE_CHECKING:
@@ -58,17 +60,31 @@ def refuted(claim: Claim, laws: Sequence[Claim], assumed: frozenset[str]) -> boo
 
     If both were true, the term would be zero; so it is made sure that this does not follow as well.
     """
+    return any(
+        follows(other, laws, assumed) and not follows(term, laws, assumed)
+        for other, term in _variants(claim)
+    )
+
+
+def slipped(claim: Claim, given: Iterable[str] = ()) -> bool:
+    """Tell whether a claim is exactly true with another factor of one term: no approximation of it."""
+    return any(_exact(judge(other, given)) for other, _ in _variants(claim))
+
+
+def _exact(found: Judgement) -> bool:
+    return found.verdict == HOLDS or any(not CHANCE.intersection(s) for s in found.sets)
+
+
+def _variants(claim: Claim) -> Iterator[tuple[Claim, Claim]]:
+    """Yield a claim of two sides with another factor of one term, and that this term is zero."""
     if len(claim.members) != 2:
-        return False
+        return
     left, right = (m.term for m in claim.members)
     terms = [*_addends(left), *(-t for t in _addends(right))]
     for k, term in enumerate(terms):
         others = [t for n, t in enumerate(terms) if n != k]
         for factor in FACTORS:
-            other = _zero([*others, mul(number(factor), term)], claim)
-            if follows(other, laws, assumed) and not follows(_zero([term], claim), laws, assumed):
-                return True
-    return False
+            yield _zero([*others, mul(number(factor), term)], claim), _zero([term], claim)
 
 
 def _zero(terms: Sequence[Term], claim: Claim) -> Claim:

@@ -10,6 +10,7 @@ from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.laws import slipped
 from eom.checker.notes import Understood
 from eom.checker.phrases import Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
@@ -129,7 +130,7 @@ def _claim(
         return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
     place = context.places[number]
     near = [s for s in loose if s.start <= place and place[0] < s.stop]
-    if near:
+    if near and not slipped(judged.claim, given):
         found.append(remark("approximate", near[-1].line))
         reason = "not exactly true; the note speaks of an approximation"
         return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)

@@ -41,17 +41,20 @@ def test_the_truth_is_that_of_explicit_motions(name):
 
 
 REACHED = {
-    "euler_rates": 16,
-    "gravity_gradient": 13,
-    "gyrostat": 12,
-    "heavy_top": 16,
-    "kane": 17,
-    "moving_point": 14,
-    "particles": 16,
-    "quaternions": 16,
-    "rodrigues": 14,
-    "solids": 12,
-    "transport": 13,
+    "arm": 25,
+    "control": 21,
+    "euler_rates": 22,
+    "gravity_gradient": 18,
+    "gyrostat": 16,
+    "heavy_top": 21,
+    "kane": 25,
+    "moving_point": 21,
+    "particles": 23,
+    "quaternions": 22,
+    "rodrigues": 19,
+    "solids": 13,
+    "transport": 20,
+    "wheel": 22,
 }
 """How many equations of each note have been judged rightly; no change may make them fewer."""
 
