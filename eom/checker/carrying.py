@@ -95,11 +95,10 @@ def _ordered(names: Iterable[str]) -> Iterator[str]:
 
 
 def _related(a: Claim, b: Claim) -> bool:
-    """Whether two claims speak of one quantity; an angle counts where one speaks of nothing else."""
-    both = _quantities(a) & _quantities(b)
-    return bool(both - STILL) or (
-        bool(both) and (_quantities(a) <= STILL or _quantities(b) <= STILL)
-    )
+    """Whether two claims speak of one quantity; an angle counts where both speak of nothing else."""
+    first, second = _quantities(a), _quantities(b)
+    both = first & second
+    return bool(both - STILL) or (bool(both) and first | second <= STILL)
 
 
 def _quantities(claim: Claim) -> frozenset[str]:
