@@ -15,8 +15,8 @@ import sympy as sp
 from eom.checker.claims import STATEMENT, Claim
 from eom.checker.consequences import follows, parts
 from eom.checker.context import Context
-from eom.checker.judge import UNDER, WRONG, Judgement
-from eom.checker.laws import STILL, own, refuted
+from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.laws import STILL, own, refuted, settled
 from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
@@ -144,13 +144,25 @@ def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozens
     return context.names(number) - special
 
 
-def open_by_laws(judged: Judged, number: int, context: Context, given: Iterable[str] = ()) -> bool:
-    """Tell whether a claim that no world obeys may be true by laws of the writer's own."""
+def by_laws(
+    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+) -> Judgement | None:
+    """Return the judgement on a claim that no world obeys by laws of the writer's own.
+
+    Undecided where it may follow from them; None where there are none, or it is wrong by them too.
+    """
+    given = tuple(given)
     premises = [p for s in context.premises(number) for p in s.premises]
     laws = [p for p in premises if own(p) & own(judged.claim)]
+    if not laws:
+        return None
+    known = settled(judged.claim, laws, given)
+    if known is not None and known.verdict in {HOLDS, UNDER}:
+        return replace(known, verdict=UNDER, sets=known.sets or ((),))
     base = closure([*given, *judged.judgement.context])
     assumed = worlds_of(_ordered(_stated(laws, number, context)), base)
-    return bool(laws) and not refuted(judged.claim, laws, assumed)
+    wrong = known.verdict == WRONG if known else refuted(judged.claim, laws, assumed)
+    return None if wrong else Judgement(UNDECIDED, context=judged.judgement.context)
 
 
 # -- terms that vanish --------------------------------------------------------------------------------

@@ -66,6 +66,51 @@ def refuted(claim: Claim, laws: Sequence[Claim], assumed: frozenset[str]) -> boo
     )
 
 
+def settled(claim: Claim, laws: Sequence[Claim], given: Iterable[str] = ()) -> Judgement | None:
+    """Return the judgement on a claim in which what laws give is put in place of what they give it for.
+
+    None where that is not everywhere possible: then nothing is known.
+    """
+    made = claim
+    for law in laws:
+        made = _put(made, law)
+    if made is claim:
+        return None
+    given_for = frozenset().union(*(_atoms(side, law) for law in laws for side in _solved(law)[:1]))
+    left = frozenset().union(*(_atoms(m.term, made) for m in made.members))
+    return judge(made, given) if given_for and not given_for & left else None
+
+
+def _solved(law: Claim) -> tuple[Term, ...]:
+    """Return what a law is solved for, and what it gives for that; nothing where it is not solved."""
+    if len(law.members) != 2:
+        return ()
+    left, right = (m.term for m in law.members)
+    plain = left.head == "atom" or (left.head == "der" and left.args[0].head == "atom")
+    return (left, right) if plain and not _atoms(left, law) & _atoms(right, law) else ()
+
+
+def _put(claim: Claim, law: Claim) -> Claim:
+    """Return a claim with what a law gives in place of what it is solved for."""
+    solved = _solved(law)
+    clash = any(claim.scalars.get(s, t) != t for s, t in law.scalars.items())
+    if not solved or clash:
+        return claim
+    members = tuple(replace(m, term=_exchanged(m.term, *solved)) for m in claim.members)
+    scalars = {s: _exchanged(t, *solved) for s, t in claim.scalars.items()}
+    if members == claim.members and scalars == dict(claim.scalars):
+        return claim
+    return replace(claim, members=members, scalars={**law.scalars, **scalars}, previous=None)
+
+
+def _exchanged(term: Term, old: Term, new: Term) -> Term:
+    """Return a term with another one in place of a part, wherever that stands."""
+    if term == old:
+        return new
+    args = tuple(_exchanged(a, old, new) for a in term.args)
+    return term if args == term.args else replace(term, args=args)
+
+
 def slipped(claim: Claim, given: Iterable[str] = ()) -> bool:
     """Tell whether a claim is exactly true with another factor of one term: no approximation of it."""
     return any(_exact(judge(other, given)) for other, _ in _variants(claim))

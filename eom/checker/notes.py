@@ -120,12 +120,23 @@ def understand(
         relations.add(titles, new.claims)
         around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
-    found = [
-        replace(u, role=LAW) if law and u.role == CLAIM else u
-        for u, law in zip(found, firsts(found), strict=True)
-    ]
+    return _finished(found)
+
+
+def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
+    """Return formulas with the trees of all of them around, and laws of the writer's own told as such."""
+    found = tuple(found)
     trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
-    return tuple(replace(u, around=replace(u.around, trees=trees)) for u in found)
+    placed = [replace(u, around=replace(u.around, trees=trees)) for u in found]
+    return tuple(
+        replace(u, role=LAW) if law and u.role == CLAIM else u
+        for u, law in zip(placed, firsts(placed), strict=True)
+    )
+
+
+def _lasting(found: Iterable[Claim], here: Lexicon, scoped: bool) -> dict[Look, Value]:
+    """Return what claims define beyond their heading; ``scoped``: only what the lexicon leaves to them."""
+    return {k: v for k, v in defined(found).items() if not scoped or here.find(k) is not None}
 
 
 def _named(document: Document) -> frozenset[Look]:

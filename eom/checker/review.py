@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from eom.checker.carrying import carried, open_by_laws, resting
+from eom.checker.carrying import by_laws, carried, resting
 from eom.checker.claims import Claim
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
@@ -125,9 +125,12 @@ def _claim(
         return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
     if judged.verdict == UNDER:
         return judged
-    if open_by_laws(judged, number, context, given):
-        reason = "whether it follows from the laws that the note assumes has not been found out"
-        return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
+    lawful = by_laws(judged, number, context, given)
+    if lawful is not None:
+        kind = "rests on" if lawful.verdict == UNDER else "open by laws"
+        found.append(remark(kind, max(s.line for s in context.premises(number))))
+        why = "" if lawful.verdict == UNDER else "it may follow from the laws that the note assumes"
+        return replace(judged, judgement=lawful, verdict=lawful.verdict, reason=why, chain=None)
     place = context.places[number]
     near = [s for s in loose if s.start <= place and place[0] < s.stop]
     if near and not slipped(judged.claim, given):

@@ -78,3 +78,12 @@ def test_a_wrong_sign_is_not_excused_by_a_term_that_vanishes():
     free = r"I_2\dot\omega_2 = (I_3 - I_1)\,\omega_1\omega_3"
     assert verdicts(right, free) == ["holds under", "holds under"]
     assert verdicts(right.replace("+ M_2", "- M_2")) == ["wrong"]
+
+
+def test_what_a_law_gives_is_put_in_its_place():
+    rolls = rf"\dot{{\mathbf{{r}}}}_{{G/O}} = {W}\times a\,\mathbf{{b}}_3"
+    speed = r"\dot{\mathbf{r}}_{G/O}\cdot\dot{\mathbf{r}}_{G/O} = a^2(\omega_1^2 + \omega_2^2)"
+    other = speed.replace("omega_2", "omega_3")
+    slow = r"\ddot{\mathbf{r}}_{G/O} = a\,\dot{\boldsymbol{\omega}}\times\mathbf{b}_3"
+    slow = slow.replace(r"\dot{\boldsymbol{\omega}}", rf"\frac{{{{}}^{{\mathcal{{I}}}}d}}{{dt}}{W}")
+    assert verdicts(rolls, speed, other, slow) == ["assumption", "holds under", "wrong", "wrong"]
