@@ -112,11 +112,7 @@ def understand(
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
-        definitions |= {
-            k: v
-            for k, v in defined(new.claims).items()
-            if not new_names or here.find(k) is not None
-        }
+        definitions |= _lasting(new.claims, here, new_names)
         relations.add(titles, new.claims)
         around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
