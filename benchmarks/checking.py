@@ -33,8 +33,8 @@ from eom.checker.lexicon import Lexicon
 from eom.checker.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.notes import Understood, understand
 from eom.checker.report import Finding
-from eom.checker.review import review
-from eom.checker.verdicts import NONE, Verdict, verdict
+from eom.checker.review import Reviewed, review
+from eom.checker.verdicts import NONE, verdict
 from eom.errors import InputError
 
 LETTERS = {"display": "E", "inline": "i"}
@@ -137,7 +137,8 @@ def lexicon_of(path: Path, lexica: Path | None) -> Lexicon:
 def results(folder: Path, lexica: Path | None = None) -> Iterator[Result]:
     """Yield a result for each display, and each inline formula that truth or checker calls an equation.
 
-    The time of a formula is that of judging it; reading and elaboration of the note is shared out.
+    Verdicts are those of the report, in the light of all that the note says. The time of a formula is
+    that of judging it; reading, elaboration and review of the note are shared out.
     """
     truth = read_truth(folder / "truth.json")
     for name in sorted({e.split(":")[0] for e in truth}):
@@ -153,31 +154,34 @@ def of_note(folder: Path, name: str, lexica: Path | None = None) -> Iterator[Res
     document = load(path)
     found = understand(document, lexicon_of(path, lexica))
     share = (perf_counter() - start) / max(len(found), 1)
-    verdicts = []
-    for entry, understood in _paired(name, found, truth):
+    verdicts, times = [], []
+    for understood in found:
         start = perf_counter()
-        ours = verdict(understood, GIVEN)
-        verdicts.append(ours)
-        seconds = perf_counter() - start + share
+        verdicts.append(verdict(understood, GIVEN))
+        times.append(perf_counter() - start + share)
+    start = perf_counter()
+    placed = review(document, found, GIVEN, verdicts)
+    share = (perf_counter() - start) / max(len(found), 1)
+    pairs = _paired(name, found, truth)
+    for (entry, understood), here, spent in zip(pairs, placed, times, strict=True):
+        ours, seconds = here.verdict, spent + share
         word = counted(ours.verdict, accepted)
         kind = understood.formula.piece.kind
         if kind == "display" or {entry.verdict, word} != {NO_EQUATION}:
             yield Result(entry, kind, ours.verdict, word, ours.reason, seconds)
     said = [e for e in truth.values() if e.name.startswith(f"{name}:C")]
     if said:
-        yield from _in_words(document, found, verdicts, said, accepted)
+        yield from _in_words(document, placed, said, accepted)
 
 
 def _in_words(
     document: Document,
-    found: Sequence[Understood],
-    verdicts: Sequence[Verdict],
+    placed: Sequence[Reviewed],
     said: Sequence[Entry],
     accepted: Iterable[str],
 ) -> Iterator[Result]:
     """Yield the results of the claims in words of a note; they share the time."""
     start = perf_counter()
-    placed = review(document, found, GIVEN, verdicts)
     stated = [r.stated for r in placed]
     told = in_words(document, [r.understood for r in placed], stated, GIVEN, SECONDS)
     seconds = (perf_counter() - start) / len(said)

@@ -1,8 +1,8 @@
 r"""``python -m benchmarks.correcting FOLDER --lexica FOLDER``: corrections of wrong lines, measured.
 
 Of the displays that are wrong by ``truth.json`` (see `benchmarks.checking`), how many have the stored
-correction, or a line equal to it in all worlds, as the first one. Lines are equal if their members are, up
-to one number for all. Edits of true lines are measured by `benchmarks.edits`.
+correction, or a line equal to it in all worlds, as the first one, or among the first three. Lines are
+equal if their members are, up to one number for all. `benchmarks.edits` measures edits of true lines.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from time import process_time
 
 import click
 
-from benchmarks.checking import GIVEN, LETTERS, read_truth
+from benchmarks import checking
+from benchmarks.checking import GIVEN, LETTERS, lexicon_of, read_truth
 from benchmarks.table import time_text
 from eom.checker.claims import Claim
 from eom.checker.contexts import contexts
@@ -26,7 +27,6 @@ from eom.checker.explaining import explain
 from eom.checker.explanation import Explanation
 from eom.checker.grammar import read_formula
 from eom.checker.lexicon import Lexicon
-from eom.checker.lexicon_files import parse_lexicon
 from eom.checker.lines import place
 from eom.checker.notes import Understood, reread, understand
 from eom.checker.repairs import apply
@@ -43,7 +43,8 @@ SHOWN = 3
 def same(understood: Understood, one: str, other: str) -> bool:
     """Tell whether two lines in the place of a formula are equal: as trees, or by members in worlds."""
     try:
-        trees = [apply(read_formula(t).tree)[0] for t in (one, other)]
+        macros = understood.formula.piece.macros
+        trees = [apply(read_formula(t, macros=macros).tree)[0] for t in (one, other)]
     except InputError:
         return False
     if trees[0] == trees[1]:
@@ -73,9 +74,11 @@ def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
 def _proportional(rows: Sequence[Sequence[int | None]]) -> bool:
     """Tell whether two rows of numbers are equal up to one number that is not zero."""
     pairs = [(x, y) for x, y in zip(*rows, strict=True) if x is not None and y is not None]
-    first = next((p for p in pairs if p[0] and p[1]), None)
-    if first is None or len(pairs) < len(rows[0]):
+    if len(pairs) < len(rows[0]):
         return False
+    first = next((p for p in pairs if p[0] and p[1]), None)
+    if first is None:
+        return not any(map(any, pairs))
     return all((x * first[1] - y * first[0]) % PRIME == 0 for x, y in pairs)
 
 
@@ -107,22 +110,28 @@ def rank(understood: Understood, found: Explanation, wanted: str) -> int:
     return 0
 
 
-def truth_results(folder: Path, lexica: Path) -> Iterator[Result]:
+def truth_results(folder: Path, lexica: Path | None = None) -> Iterator[Result]:
     """Yield a result for every display that is wrong by the truth and by the checker."""
+    rows = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
+    for name in sorted({r["id"].split(":")[0] for r in rows}):
+        yield from truth_of_note(folder, name, lexica)
+
+
+def truth_of_note(folder: Path, name: str, lexica: Path | None = None) -> Iterator[Result]:
+    """Yield the results of one note of a folder, as `truth_results` does. Raises `InputError`."""
     entries = read_truth(folder / "truth.json")
     rows = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     stored = {r["id"]: r.get("correction") for r in rows}
-    for name in sorted({e.split(":")[0] for e in entries}):
-        lexicon = parse_lexicon((lexica / f"{name}.toml").read_text(encoding="utf-8"), name)
-        numbers: Counter[str] = Counter()
-        for understood in understand(load(folder / f"{name}.md"), lexicon):
-            kind = understood.formula.piece.kind
-            numbers[kind] += 1
-            key = f"{name}:{LETTERS[kind]}{numbers[kind]}"
-            wrong = entries[key].verdict == "wrong" and kind == "display"
-            if wrong and verdict(understood, GIVEN).verdict in GRAVE:
-                found, seconds = explained(understood)
-                yield Result(key, found, rank(understood, found, stored[key]), seconds)
+    path = checking.note(folder, name)
+    numbers: Counter[str] = Counter()
+    for understood in understand(load(path), lexicon_of(path, lexica)):
+        kind = understood.formula.piece.kind
+        numbers[kind] += 1
+        key = f"{name}:{LETTERS[kind]}{numbers[kind]}"
+        wrong = kind == "display" and entries[key].verdict == "wrong"
+        if wrong and verdict(understood, GIVEN).verdict in GRAVE:
+            found, seconds = explained(understood)
+            yield Result(key, found, rank(understood, found, stored[key]), seconds)
 
 
 # -- lines of a note -----------------------------------------------------------------------------
@@ -140,14 +149,16 @@ def line_of(note: Sequence[str], k: int, text: str, lexicon: Lexicon) -> Underst
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
-@click.option("--lexica", type=click.Path(path_type=Path, exists=True), required=True)
-def main(folder: Path, lexica: Path) -> None:
+@click.option("--lexica", type=click.Path(path_type=Path, exists=True))
+def main(folder: Path, lexica: Path | None) -> None:
     """Compare with the corrections of judged notes."""
     rows = list(truth_results(folder, lexica))
     for r in rows:
         first = r.found.corrections[0].change if r.found.corrections else "no correction"
         click.echo(f"{r.name}: rank {r.rank or 'none'}, {time_text(r.seconds)}: {first}")
-    click.echo(f"first: {sum(r.rank == 1 for r in rows)} of {len(rows)}")
+    for n in (1, SHOWN):
+        right = sum(0 < r.rank <= n for r in rows)
+        click.echo(f"the stored correction among the first {n}: {right} of {len(rows)}")
     _times([r.seconds for r in rows])
 
 

@@ -118,15 +118,6 @@ def is_square(value: Value) -> bool:
     return rows == columns > 1
 
 
-def determinant(rows: Cells) -> Term:
-    """Return the determinant by its first row (Laplace)."""
-    if len(rows) == 1:
-        return rows[0][0]
-    first, *others = rows
-    minors = (tuple((*r[:k], *r[k + 1 :]) for r in others) for k in range(len(first)))
-    return add(*(mul(number((-1) ** k), first[k], determinant(m)) for k, m in enumerate(minors)))
-
-
 def nought(like: Value) -> Term:
     """Return the table of zeros of a value's size."""
     rows, columns = size(like)

@@ -15,7 +15,8 @@ import sympy as sp
 from eom.checker.claims import STATEMENT, Claim
 from eom.checker.consequences import follows, parts
 from eom.checker.context import Context
-from eom.checker.judge import UNDER, WRONG, Judgement
+from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.laws import STILL, own, refuted, settled
 from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
@@ -94,8 +95,10 @@ def _ordered(names: Iterable[str]) -> Iterator[str]:
 
 
 def _related(a: Claim, b: Claim) -> bool:
-    """Whether two claims speak of one quantity."""
-    return bool(_quantities(a) & _quantities(b))
+    """Whether two claims speak of one quantity; an angle counts where both speak of nothing else."""
+    first, second = _quantities(a), _quantities(b)
+    both = first & second
+    return bool(both - STILL) or (bool(both) and first | second <= STILL)
 
 
 def _quantities(claim: Claim) -> frozenset[str]:
@@ -122,7 +125,7 @@ def resting(
     if not premises:
         return None
     where = judged.judgement.context
-    return rested(judged.claim, premises, context.names(number), given, where)
+    return rested(judged.claim, premises, _stated(premises, number, context), given, where)
 
 
 def rested(
@@ -145,6 +148,33 @@ def rested(
     needed = {n for name in assumed for n in closure([name]) - {name}}
     left = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
     return Judgement(UNDER, (left,), context)
+
+
+def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozenset[str]:
+    """Return what is stated at a formula: with laws for the motion, none that makes it a special one."""
+    special = SPECIAL_MOTION if any(map(own, premises)) else frozenset()
+    return context.names(number) - special
+
+
+def by_laws(
+    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+) -> Judgement | None:
+    """Return the judgement on a claim that no world obeys by laws of the writer's own.
+
+    Undecided where it may follow from them; None where there are none, or it is wrong by them too.
+    """
+    given = tuple(given)
+    premises = [p for s in context.premises(number) for p in s.premises]
+    laws = [p for p in premises if own(p) & own(judged.claim)]
+    if not laws:
+        return None
+    known = settled(judged.claim, laws, given)
+    if known is not None and known.verdict in {HOLDS, UNDER}:
+        return replace(known, verdict=UNDER, sets=known.sets or ((),))
+    base = closure([*given, *judged.judgement.context])
+    assumed = worlds_of(_ordered(_stated(laws, number, context)), base)
+    wrong = known.verdict == WRONG if known else refuted(judged.claim, laws, assumed)
+    return None if wrong else Judgement(UNDECIDED, context=judged.judgement.context)
 
 
 # -- terms that vanish --------------------------------------------------------------------------------

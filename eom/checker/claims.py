@@ -118,7 +118,9 @@ def claims(
 def defined(found: Iterable[Claim]) -> dict[Look, Value]:
     """Return what claims define."""
     new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
-    return {c.defines: c.members[0] for c in new if c.defines is not None}
+    return {
+        c.defines: replace(c.members[0], scalars=c.scalars) for c in new if c.defines is not None
+    }
 
 
 def _component(one: Component, s: Statement) -> Claim:

@@ -25,7 +25,7 @@ from eom.errors import InputError
 from eom.evaluate import Env, Evaluator
 from eom.generators import world
 from eom.series import PRIME, Series, Singular
-from eom.terms import INDICES, Equation, Term, labels_of, nodes
+from eom.terms import INDICES, SCALAR, Equation, Term, labels_of, nodes
 from eom.vocabulary import omega, position, quantity
 
 MAX_UNKNOWNS = 80
@@ -40,8 +40,8 @@ _BY_HAND = tuple(
     frozenset(sign * pow(d, -1, PRIME) % PRIME for sign in (1, -1) for d in (1, *more)) | {0}
     for more in ((), (2,))
 )
-"""Constants of steps by hand: with no factor the sign alone, since a line with the sign of a term
-changed and one without it differ by two; with a factor also the half of energies."""
+"""Constants of steps by hand: with no factor, and for vectors, the sign alone, since a line with the
+sign of a term changed and one without it differ by two; with a factor also the half of energies."""
 
 Measured = tuple[Dimension | None, tuple[Series, ...]]
 """Some components with their dimension, None where it is unknown."""
@@ -180,7 +180,8 @@ def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bo
             if not rows.add(*row):
                 return False
             if rows.count >= rows.width + SPARE:
-                by_hand = (c in _BY_HAND[multiples[n][0]] for n, c in rows.solution())
+                scalar = all(q.left.kind == SCALAR for q in said.right)
+                by_hand = (c in _BY_HAND[scalar and multiples[n][0]] for n, c in rows.solution())
                 return not simple or all(by_hand)
     return False
 

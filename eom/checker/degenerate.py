@@ -14,6 +14,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 
+import sympy as sp
+
 from eom.checker.claims import EQUALITIES, Claim
 from eom.checker.judge import UNDER, WRONG, Judgement, equations
 from eom.checker.lexicon import Lexicon
@@ -22,7 +24,7 @@ from eom.errors import InputError
 from eom.evaluate import Evaluator
 from eom.generators import worlds
 from eom.series import Series, Singular
-from eom.terms import Equation, Term, add, mul, zero
+from eom.terms import Equation, Term, add, expr, mul, zero
 from eom.worlds import closure
 
 WORLDS, TRIALS = 2, 8
@@ -113,6 +115,8 @@ def _addends(term: Term) -> Iterator[Term]:
             yield from _addends(a)
     elif term.head == "mul" and term.args[-1].head == "add":
         yield from (mul(*term.args[:-1], a) for a in _addends(term.args[-1]))
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]) if a != 0)
     elif not term.is_zero:
         yield term
 

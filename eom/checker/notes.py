@@ -16,6 +16,7 @@ from eom.checker.axes import labelled, listed, running, unnamed
 from eom.checker.claims import Claim, claims, defined
 from eom.checker.documents import Document
 from eom.checker.grammar import Reading
+from eom.checker.laws import firsts
 from eom.checker.lexicon import Lexicon
 from eom.checker.looks import Look
 from eom.checker.naming import Named, brings, first, says
@@ -23,7 +24,7 @@ from eom.checker.parameters import Known, Relation, limited, named, read
 from eom.checker.places import Source
 from eom.checker.reading import Formula, read_piece
 from eom.checker.repairs import Repair, Variant, apply, cross_before_column, variants
-from eom.checker.roles import CLAIM, roles
+from eom.checker.roles import CLAIM, LAW, roles
 from eom.checker.statements import Statement, split
 from eom.checker.syntax import Node
 from eom.checker.systems import covered
@@ -111,13 +112,27 @@ def understand(
             previous, before = new.formula.statements, new.claims
         if new_names:
             named_here.add(titles, new.claims)
-        else:
-            definitions |= defined(new.claims)
+        definitions |= _lasting(new.claims, here, new_names)
         relations.add(titles, new.claims)
         around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
         found.append(replace(new, headings=titles, role=role, around=around))
+    return _finished(found)
+
+
+def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
+    """Return formulas with the trees of all of them around, and laws of the writer's own told as such."""
+    found = tuple(found)
     trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
-    return tuple(replace(u, around=replace(u.around, trees=trees)) for u in found)
+    placed = [replace(u, around=replace(u.around, trees=trees)) for u in found]
+    return tuple(
+        replace(u, role=LAW) if law and u.role == CLAIM else u
+        for u, law in zip(placed, firsts(placed), strict=True)
+    )
+
+
+def _lasting(found: Iterable[Claim], here: Lexicon, scoped: bool) -> dict[Look, Value]:
+    """Return what claims define beyond their heading; ``scoped``: only what the lexicon leaves to them."""
+    return {k: v for k, v in defined(found).items() if not scoped or here.find(k) is not None}
 
 
 def _named(document: Document) -> frozenset[Look]:

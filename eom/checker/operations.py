@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations, permutations
 
 from eom.checker import arrays
+from eom.checker.arrays import Cells, cells
 from eom.checker.dimensions import RATE
 from eom.checker.lexicon import Notation
 from eom.checker.places import Span
@@ -17,7 +20,6 @@ from eom.checker.values import (
     UNDECIDED,
     VECTRIX,
     Value,
-    basis,
     mixed,
     refuse,
     turner,
@@ -29,19 +31,16 @@ from eom.terms import (
     SCALAR,
     TABLE,
     VECTOR,
-    Term,
     add,
     column,
     der,
-    inner,
     matmul,
+    mul,
+    number,
     tilde,
     transpose,
 )
 from eom.vocabulary import omega
-
-MOST_ROWS = 5
-"""Of determinants, which are written out."""
 
 
 def skew(notation: Notation, value: Value, span: Span) -> Value:
@@ -97,29 +96,41 @@ def overdot(notation: Notation, value: Value, times: int, span: Span) -> Value:
     return rate(value, notation.dot if value.shape in GEOMETRIC else "", times, span)
 
 
-def element(value: Value, row: int, place: int) -> Term:
-    """Return an element of a matrix."""
-    return inner(basis(row), matmul(value.term, basis(place)))
+MAX_SQUARE = 6
+"""Rows of the largest matrix whose determinant is written out."""
 
 
 def trace(value: Value, span: Span) -> Value:
-    """Return the trace of a matrix."""
-    if value.shape != MATRIX:
-        raise refuse(ILL_FORMED, "a trace of what is no matrix", span, value.words)
-    term = add(*(element(value, k, k) for k in (1, 2, 3)))
+    """Return the trace of a square matrix."""
+    rows = _square(value, "trace", span)
+    term = add(*(row[k] for k, row in enumerate(rows)))
     return Value(term, SCALAR, value.dimension, density=value.density, span=span)
 
 
 def determinant(value: Value, span: Span) -> Value:
-    """Return the determinant of a matrix, or of a square table, written out."""
-    square = value.shape == MATRIX or (value.shape == TABLE and arrays.is_square(value))
-    if not square:
-        raise refuse(ILL_FORMED, "a determinant of what is no matrix", span, value.words)
-    rows = arrays.cells(value)
-    count = len(rows)
-    if count > MOST_ROWS:
-        raise refuse(UNDECIDED, "a determinant of too many rows", span, f"{count} rows")
-    dimension = None if value.dimension is None else value.dimension.power(Fraction(count))
-    return Value(
-        arrays.determinant(rows), SCALAR, dimension, density=count * value.density, span=span
+    """Return the determinant of a square matrix, written out by Leibniz' formula."""
+    rows = _square(value, "determinant", span)
+    size = len(rows)
+    if size > MAX_SQUARE:
+        raise refuse(UNDECIDED, "a determinant that is too large to be written out", span)
+    parts = (
+        mul(number(sign), *(row[c] for row, c in zip(rows, p, strict=True)))
+        for p, sign in _permutations(size)
     )
+    dimension = None if value.dimension is None else value.dimension.power(Fraction(size))
+    return Value(add(*parts), SCALAR, dimension, density=size * value.density, span=span)
+
+
+def _square(value: Value, what: str, span: Span) -> Cells:
+    """Return the cells of a square matrix. Raises `Refusal` for anything else."""
+    rows = cells(value) if value.shape in {MATRIX, TABLE} else ()
+    if not rows or len(rows) != len(rows[0]):
+        raise refuse(ILL_FORMED, f"a {what} of what is no square matrix", span, value.words)
+    return rows
+
+
+def _permutations(size: int) -> Iterator[tuple[tuple[int, ...], int]]:
+    """Yield the permutations of the first numbers with their signs."""
+    for p in permutations(range(size)):
+        swaps = sum(a > b for a, b in combinations(p, 2))
+        yield p, -1 if swaps % 2 else 1

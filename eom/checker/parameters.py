@@ -334,7 +334,7 @@ def reason(found: tuple[Link, ...]) -> str:
         return f"the right side should be multiplied by {false.factor}"
     kinds = {f.kind for f in found}
     if NEW in kinds:
-        return "what stands alone is taken to be what the note calls so"
+        return "what stands alone is what the note calls so"
     return "by relations that the note states above" if RESTS in kinds else ""
 
 

@@ -92,7 +92,7 @@ def propose(document: Document) -> Proposal:
     for given, said, line in sayings:
         look = base.notation.plain(given)
         draft = _draft(look, said, line)
-        if draft is not None and not _names(base, look, draft.table):
+        if draft is not None and not _names(base, look, draft):
             drafts.setdefault(look, draft)
             for part, means in components(look, draft.meaning):
                 more = replace(draft, latex=latex_of(part), meaning=means)
@@ -192,11 +192,31 @@ def _score(lexicon: Lexicon, symbols: list[tuple[Node, int]]) -> int:
     return sum(_known(lexicon, node) for node in looks.values())
 
 
-def _names(lexicon: Lexicon, look: Look, table: str) -> bool:
-    """Tell whether a preset already names this."""
-    if table == "symbols":
-        return lexicon.find(look) is not None
-    names = lexicon.frames if table == "frames" else lexicon.points
+_ALIKE: tuple[frozenset[str], ...] = (
+    frozenset({"angular_momentum", "absolute_angular_momentum"}),
+    frozenset({"kinetic_energy", "rotational_energy"}),
+    frozenset({"mass", "total_mass"}),
+    frozenset({"force", "external_force", "internal_force"}),
+    frozenset({"angle", "turn_angle", "free_angle", "principal_angle"}),
+    frozenset({"torque", "gravity_torque"}),
+    frozenset({"euler_parameter", "euler_vector", "quaternion", "quaternion_last"}),
+)
+"""Quantities that words tell apart worse than a preset does."""
+
+
+def _names(lexicon: Lexicon, look: Look, draft: Draft) -> bool:
+    """Tell whether a preset names this, as the words of the note do: they go before the preset.
+
+    What a preset says more closely stays: of the same quantity, or by a formula.
+    """
+    if draft.table == "symbols":
+        found = lexicon.find(look)
+        if found is None:
+            return False
+        both = {found.meaning.quantity, draft.meaning.split(maxsplit=1)[0]}
+        same = len(both) == 1 or any(both <= alike for alike in _ALIKE)
+        return same or found.meaning.quantity == "equals"
+    names = lexicon.frames if draft.table == "frames" else lexicon.points
     return _as_label(look) in names
 
 

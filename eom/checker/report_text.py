@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from eom.checker.graded import Graded
+from eom.checker.judge import UNDER
 from eom.checker.places import NOWHERE, Source, Span, printable
 from eom.checker.report import FAULTS, Finding, Report
 from eom.worlds import ASSUMPTIONS
@@ -169,13 +170,18 @@ def _finding(finding: Finding) -> Iterator[Line]:
             yield (("", f"{INDENT}why: {printable(finding.reason)}"),)
     else:
         yield _faint(f"{INDENT}{_one_line(finding.latex)}")
+        if finding.verdict == UNDER and not finding.sets and finding.reason:
+            yield (("", f"{INDENT}if {printable(finding.reason)}"),)
     if finding.carried:
         yield (("", f"{INDENT}carries forward the slip of line {finding.carried}"),)
     for words in dict.fromkeys(finding.read_as):
         yield _faint(f"{INDENT}{printable(words)}")
     yield from _explanation(finding)
     for remark in finding.remarks:
-        yield (("", f"{INDENT}{remark.kind}: {printable(remark.text)}"),)
+        if not (remark.kind == "carried" and finding.carried):
+            whole = remark.text.startswith(remark.kind)
+            words = remark.text if whole else f"{remark.kind}: {remark.text}"
+            yield (("", f"{INDENT}{printable(words)}"),)
 
 
 def _where(finding: Finding) -> str:
@@ -191,7 +197,7 @@ def _verdict(finding: Finding) -> str:
 
 
 def _sets(sets: Sequence[tuple[str, ...]]) -> str:
-    return " or ".join("{" + ", ".join(s) + "}" for s in sets)
+    return " or ".join("{" + ", ".join(s) + "}" if s else "what it rests on" for s in sets)
 
 
 def _one_line(latex: str) -> str:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from eom.checker.carrying import carried, resting
+from eom.checker.carrying import by_laws, carried, resting
 from eom.checker.carrying_on_solutions import carried_on_solutions
 from eom.checker.claims import Claim
 from eom.checker.conditions import conditioned, under
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
 from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.laws import slipped
 from eom.checker.notes import Understood
 from eom.checker.phrases import PARAGRAPH, Said, approximate
 from eom.checker.remarks import ranked, remark, remarks
@@ -150,13 +151,39 @@ def _claim(
         return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
     if judged.verdict == UNDER:
         return judged
+    lawful = _by_laws(judged, number, context, given, found)
+    return lawful or _approximate(judged, number, context, loose, given, found) or judged
+
+
+def _by_laws(
+    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
+) -> Judged | None:
+    """Return a claim as laws of the writer's own decide it, None where they do not help."""
+    lawful = by_laws(judged, number, context, given)
+    if lawful is None:
+        return None
+    kind = "rests on" if lawful.verdict == UNDER else "open by laws"
+    found.append(remark(kind, max(s.line for s in context.premises(number))))
+    why = "" if lawful.verdict == UNDER else "it may follow from the laws that the note assumes"
+    return replace(judged, judgement=lawful, verdict=lawful.verdict, reason=why, chain=None)
+
+
+def _approximate(
+    judged: Judged,
+    number: int,
+    context: Context,
+    loose: Sequence[Said],
+    given: tuple[str, ...],
+    found: list[Remark],
+) -> Judged | None:
+    """Return a claim beside words of an approximation as undecided, None where there are none."""
     place = context.places[number]
     near = [s for s in loose if s.start <= place and place[0] < s.stop]
-    if near:
-        found.append(remark("approximate", near[-1].line))
-        reason = "not exactly true; the note speaks of an approximation"
-        return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
-    return judged
+    if not near or slipped(judged.claim, given):
+        return None
+    found.append(remark("approximate", near[-1].line))
+    reason = "not exactly true; the note speaks of an approximation"
+    return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
 
 
 def _conditioned(

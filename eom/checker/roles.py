@@ -16,6 +16,8 @@ from eom.checker.documents import Piece
 CLAIM, ASSUMPTION, DEFINITION, RECALLED = "claim", "assumption", "definition", "recalled"
 INTRODUCED = "introduced"
 """Given to the reader: a definition where it holds by what the words mean, else judged as it is."""
+LAW = "law"
+"""A law of the writer's own, see `eom.checker.laws`: an assumption where it does not hold by itself."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ LEADS: dict[str, Lead] = {
     **dict.fromkeys(("obtain", "find", "gives", "yields", "implies", "follows", "becomes"), _SO),
     **dict.fromkeys(("reduces", "satisfy", "satisfies", "must", "show", "shows", "prove"), _SO),
     **dict.fromkeys(("for which", "whence", "which", "means", "conclude", "but", "that is"), _SO),
+    **dict.fromkeys(("look at", "looking at", "arrive at", "arrives at", "arriving at"), _SO),
     **dict.fromkeys(("holds", "vanishes", "leads", "results", "equals", "follow", "need"), _SO),
 }
 """The words that settle the role; those closest to the formula count, the longest of them."""

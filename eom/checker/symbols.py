@@ -103,10 +103,18 @@ def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
         return meant(e, found, span)
     plain = e.lexicon.notation.plain(look)
     if plain in e.definitions:
-        return replace(e.definitions[plain], span=span)
+        return _recalled(e, plain, span)
     if look.name == "0" and not any(look.corners):
         return Value(expr(sp.Integer(0)), SCALAR, None, span=span)
     return number(sp.pi, span) if look == Look("pi") else None
+
+
+def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
+    """Return what the note has defined, with what its symbols stand for."""
+    found = e.definitions[look]
+    for symbol, term in found.scalars.items():
+        e.scalars.setdefault(symbol, term)
+    return replace(found, span=span, scalars={})
 
 
 _ALIKE = {"circle": "ring"}
@@ -154,7 +162,7 @@ def meant(e: Elaborator, found: Found, span: Span) -> Value:
     if meaning.quantity == "defined":
         if found.look not in e.definitions:
             raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
-        return replace(e.definitions[found.look], span=span)
+        return _recalled(e, found.look, span)
     if meaning.quantity == "equals":
         return _formula(e, found, span)
     if meaning.quantity == "vectrix":

@@ -8,8 +8,9 @@ dimensions is wrong.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from eom.checker import arrays
 from eom.checker.dimensions import NONE, Dimension
@@ -68,7 +69,8 @@ class Refusal(Exception):
 class Value:
     """A term with shape, dimension (None: any), frames of its rows and columns ("": any), density.
 
-    ``density``: how many factors of it are for each unit of volume.
+    ``density``: how many factors of it are for each unit of volume; ``scalars``: of what a note has
+    defined, the meanings of the symbols of SymPy in it.
     """
 
     term: Term
@@ -77,6 +79,7 @@ class Value:
     frames: tuple[str, str] = ANY
     density: int = 0
     span: Span = NOWHERE
+    scalars: Mapping[Any, Term] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def is_zero(self) -> bool:

@@ -9,8 +9,9 @@ from eom.checker.chains import Chain, judge_chain
 from eom.checker.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.degenerate import meant
 from eom.checker.judge import HOLDS, MODELS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.laws import own
 from eom.checker.notes import Understood
-from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, RECALLED
+from eom.checker.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
 from eom.checker.values import AMBIGUOUS, ILL_FORMED
 from eom.errors import InputError
 from eom.terms import VECTOR, nodes
@@ -142,6 +143,8 @@ def _played(role: str, claim: Claim, found: Judgement) -> str:
     """
     equation = EQUALITIES.issuperset(claim.relations)
     if role == ASSUMPTION or (role == DEFINITION and not equation):
+        return ASSUMPTION
+    if role == LAW and found.verdict == WRONG and own(claim):
         return ASSUMPTION
     if found.verdict == HOLDS and (role == INTRODUCED or _resolves(claim)):
         return DEFINITION

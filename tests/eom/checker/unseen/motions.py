@@ -9,6 +9,7 @@ is used.
 import random
 from dataclasses import dataclass
 
+import mpmath as mp
 import sympy as sp
 
 t = sp.Symbol("t", real=True)
@@ -109,6 +110,17 @@ def omega(C):
     """Angular velocity of B in I, from the motion of its unit vectors."""
     rows = [C[k, :].T for k in range(3)]
     return cut(sum((r.cross(r.diff(t)) for r in rows), sp.zeros(3, 1)) / 2)
+
+
+def integral(f, low, high):
+    """The integral of a function of a number, as a number with many digits."""
+    with mp.workdps(PLACES):
+        found = mp.quad(lambda x: mp.mpf(f(x)), [number_with_digits(low), number_with_digits(high)])
+        return sp.Float(str(found), DIGITS)
+
+
+def number_with_digits(x):
+    return mp.mpf(str(sp.N(x, PLACES)))
 
 
 def value(x):

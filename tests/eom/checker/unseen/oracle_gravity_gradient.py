@@ -87,32 +87,33 @@ free = rigid(_rng, C, number(_rng) * place)
 If = constant(C * free.inertia(free.centre) * C.T)
 gf, hf = C * free.torque(free.centre), C * free.momentum(free.centre)
 down = 3 * mu / R**3
+spin = free.energy - free.mass * der(free.centre).dot(der(free.centre)) / 2
 
 CASES = {
     "E1": case((rate**2 * place, -place.diff(t, 2)), (rate**2, mu / R**3)),
-    "E2": case((g, down * skew(c3) * _Ic * c3)),
+    "E3": case((g, down * skew(c3) * _Ic * c3)),
     "i10": case(*((c3[k], C[k, :].dot(o3)) for k in range(3))),
-    "E3": case((g[0], 3 * rate**2 * (I3[2] - I3[1]) * c3[1] * c3[2])),
-    "E4": case(
+    "E5": case((g[0], 3 * rate**2 * (I3[2] - I3[1]) * c3[1] * c3[2])),
+    "E6": case(
         (g[1], 3 * rate**2 * (I3[2] - I3[0]) * c3[2] * c3[0]),
         corrected=[(g[1], 3 * rate**2 * (I3[0] - I3[2]) * c3[2] * c3[0])],
     ),
-    "E5": case(
+    "E7": case(
         (g[2], rate**2 * (I3[1] - I3[0]) * c3[0] * c3[1]),
         corrected=[(g[2], 3 * rate**2 * (I3[1] - I3[0]) * c3[0] * c3[1])],
     ),
-    "E6": case((c3.dot(g), 0)),
-    "E7": case((c3.dot(c3), 1), (c2.dot(c3), 0)),
-    "E8": case((skew(c1) * c2, -c3), corrected=[(skew(c1) * c2, c3)]),
-    "E9": case((If * w.diff(t) + skew(w) * If * w, gf)),
-    "E10": case(
+    "E9": case((c3.dot(g), 0)),
+    "E10": case((c3.dot(c3), 1), (c2.dot(c3), 0)),
+    "E11": case((skew(c1) * c2, -c3), corrected=[(skew(c1) * c2, c3)]),
+    "E12": case((If * w.diff(t) + skew(w) * If * w, gf)),
+    "E13": case(
         (hf, If * w),
         (hf.diff(t), skew(w) * hf + gf),
         corrected=[(hf, If * w), (hf.diff(t), -skew(w) * hf + gf)],
     ),
-    "E11": case((c3.diff(t), -skew(wbo) * c3)),
-    "E12": case((w, wbo - rate * c2)),
-    "E13": case(
+    "E14": case((c3.diff(t), -skew(wbo) * c3)),
+    "E16": case((w, wbo - rate * c2)),
+    "E17": case(
         (
             2 * (free.energy - free.mass * der(free.centre).dot(der(free.centre)) / 2),
             2 * w.dot(If * w),
@@ -124,4 +125,12 @@ CASES = {
             )
         ],
     ),
+    "E2": case((rate, sp.sqrt(mu / R**2)), corrected=[(rate, sp.sqrt(mu / R**3))]),
+    "E4": case((g, down * skew(_Ic * c3) * c3), corrected=[(g, down * skew(c3) * _Ic * c3)]),
+    "E8": case(
+        (c3.dot(_Ic * c3), I3[0] * c3[0] ** 2 + I3[1] * c3[1] ** 2 + I3[2] * c3[1] ** 2),
+        corrected=[(c3.dot(_Ic * c3), sum(I3[k] * c3[k] ** 2 for k in range(3)))],
+    ),
+    "E15": case((c1.diff(t), -skew(w) * c1), corrected=[(c1.diff(t), -skew(wbo) * c1)]),
+    "E18": case((spin.diff(t), w.diff(t).dot(gf)), corrected=[(spin.diff(t), w.dot(gf))]),
 }

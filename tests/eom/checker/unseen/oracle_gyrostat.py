@@ -61,12 +61,27 @@ CASES = {
         corrected=[(IG * der(w, C) + ds + w.cross(IG * w + hs), M)],
     ),
     "E7": case((der(hs, C), ds)),
-    "E8": case((der(hs), ds + turned), corrected=[(der(hs), ds - turned)]),
-    "E9": case((h1, J[0] * (spin[0] + s[0].dot(w)))),
-    "E10": case(
+    "E9": case((der(hs), ds + turned), corrected=[(der(hs), ds - turned)]),
+    "E10": case((h1, J[0] * (spin[0] + s[0].dot(w)))),
+    "E12": case(
         ((J[0] * spin[0] ** 2).diff(t), J[0] * spin[0] * spin[0].diff(t)),
         corrected=[((J[0] * spin[0] ** 2).diff(t), 2 * J[0] * spin[0] * spin[0].diff(t))],
     ),
-    "E11": case((h.dot(h).diff(t), 2 * h.dot(M))),
-    "E12": case((der(h, C), M + w.cross(h)), corrected=[(der(h, C), M - w.cross(h))]),
+    "E15": case((h.dot(h).diff(t), 2 * h.dot(M))),
+    "E16": case((der(h, C), M + w.cross(h)), corrected=[(der(h, C), M - w.cross(h))]),
+    "E8": case(
+        (IG * der(w, C) + der(hs, C) + w.cross(IG * w) + hs.cross(w), M),
+        corrected=[(IG * der(w, C) + der(hs, C) + w.cross(IG * w) + w.cross(hs), M)],
+    ),
+    "E11": case(
+        (h1.diff(t), J[0] * (spin[0].diff(t) + s[0].dot(w))),
+        corrected=[(h1.diff(t), J[0] * (spin[0].diff(t) + s[0].dot(der(w, C))))],
+    ),
+    "E13": case(
+        (w.dot(h), w.dot(IG * w) + 2 * hs.dot(w)), corrected=[(w.dot(h), w.dot(IG * w) + hs.dot(w))]
+    ),
+    "E14": case(
+        (s[0].dot(h).diff(t), s[0].dot(M) + h.dot(s[0].cross(w))),
+        corrected=[(s[0].dot(h).diff(t), s[0].dot(M) + h.dot(w.cross(s[0])))],
+    ),
 }

@@ -41,27 +41,41 @@ CASES = {
         corrected=[(Jb, -body.over(lambda x: skew(C * x) ** 2))],
     ),
     "E5": case((Jb, C * IC * C.T - m * skew(rb) ** 2)),
-    "E6": case((h.diff(t), M)),
-    "E7": case(
+    "E7": case((h.diff(t), M)),
+    "E8": case(
         (h.diff(t), der(h, C) - w.cross(h)), corrected=[(h.diff(t), der(h, C) + w.cross(h))]
     ),
-    "E8": case((J * der(w, C) + w.cross(J * w), M)),
+    "E9": case((J * der(w, C) + w.cross(J * w), M)),
     # a column times the cross of a matrix has no meaning; nor is it what is left without the mark
-    "E9": case(
+    "E10": case(
         (Jb * w_.diff(t) + Jb * w_, C * M),
         corrected=[(Jb * w_.diff(t) + skew(w_) * Jb * w_, C * M)],
     ),
-    "E10": case(_euler(0, 1, 2)),
-    "E11": case(_euler(1, 2, 0, -1), corrected=[_euler(1, 2, 0)]),
-    "E12": case(_euler(2, 0, 1)),
-    "E13": case((body.energy, w.dot(J * w) / 2)),
-    "E14": case(
+    "E12": case(_euler(0, 1, 2)),
+    "E13": case(_euler(1, 2, 0, -1), corrected=[_euler(1, 2, 0)]),
+    "E14": case(_euler(2, 0, 1)),
+    "E16": case((body.energy, w.dot(J * w) / 2)),
+    "E18": case(
         (body.energy, m * der(r).dot(der(r)) / 2 + w.dot(J * w) / 2),
         corrected=[(body.energy, m * der(r).dot(der(r)) / 2 + w.dot(IC * w) / 2)],
     ),
-    "E15": case((body.energy.diff(t), w.dot(M))),
-    "E16": case(
+    "E19": case((body.energy.diff(t), w.dot(M))),
+    "E21": case(
         (r.diff(t, 2), der(w, C).cross(r) + w.cross(r)),
         corrected=[(r.diff(t, 2), der(w, C).cross(r) + w.cross(w.cross(r)))],
+    ),
+    "E6": case((h, IC * w + m * der(r).cross(r)), corrected=[(h, IC * w + m * r.cross(der(r)))]),
+    "E11": case((M, C * (C * M)), corrected=[(M, C.T * (C * M))]),
+    "E15": case(
+        (A[0, 0] * w_[0].diff(t), (A[1, 1] - A[2, 2]) * w_[0] * w_[2] + tau[0]),
+        corrected=[(A[0, 0] * w_[0].diff(t), (A[1, 1] - A[2, 2]) * w_[1] * w_[2] + tau[0])],
+    ),
+    "E17": case(
+        (2 * rolled.energy, A[0, 0] * w_[0] ** 2 + A[1, 1] * w_[1] ** 2 + A[2, 2] * w_[2]),
+        corrected=[(2 * rolled.energy, sum(A[k, k] * w_[k] ** 2 for k in range(3)))],
+    ),
+    "E20": case(
+        (body.energy.diff(t), w.dot(J * w)),
+        corrected=[(body.energy.diff(t), w.dot(J * der(w, C)))],
     ),
 }

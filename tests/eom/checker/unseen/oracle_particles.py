@@ -51,6 +51,7 @@ _pair = Masses(masses[:2], _places[:2])
 _mu = masses[0] * masses[1] / (masses[0] + masses[1])
 _f = path(_rng)  # force of 2 on 1; accelerations follow from it
 _relative = _f / masses[0] + _f / masses[1]
+P = total(lambda i: masses[i] * v[i])
 
 CASES = {
     "E1": case(*((masses[i] * r[i].diff(t, 2), F[i] + sum(system.inner[i], nought)) for i in N)),
@@ -62,18 +63,18 @@ CASES = {
     "E5": case(
         (M * V, total(lambda i: F[i])), corrected=[(M * R.diff(t, 2), total(lambda i: F[i]))]
     ),
-    "E6": case((total(lambda i: masses[i] * v[i]), M * V)),
-    "E7": case((L, total(lambda i: r[i].cross(masses[i] * v[i])))),
-    "E8": case((L.diff(t), total(lambda i: r[i].cross(F[i])))),
-    "E9": case((L, M * R.cross(V) - inside), corrected=[(L, M * R.cross(V) + inside)]),
-    "E10": case((L_.diff(t), total(lambda i: r_[i].cross(F[i]))), (L_.diff(t), torque_)),
-    "E11": case(
+    "E7": case((total(lambda i: masses[i] * v[i]), M * V)),
+    "E10": case((L, total(lambda i: r[i].cross(masses[i] * v[i])))),
+    "E12": case((L.diff(t), total(lambda i: r[i].cross(F[i])))),
+    "E13": case((L, M * R.cross(V) - inside), corrected=[(L, M * R.cross(V) + inside)]),
+    "E15": case((L_.diff(t), total(lambda i: r_[i].cross(F[i]))), (L_.diff(t), torque_)),
+    "E16": case(
         (torque - torque_, system.outer.cross(R)),
         corrected=[(torque - torque_, R.cross(system.outer))],
     ),
-    "E12": case((T, M * V.dot(V) / 2 + own / 2)),
-    "E13": case((T, M * V.dot(V) / 2 + own), corrected=[(T, M * V.dot(V) / 2 + own / 2)]),
-    "E14": case(
+    "E17": case((T, M * V.dot(V) / 2 + own / 2)),
+    "E18": case((T, M * V.dot(V) / 2 + own), corrected=[(T, M * V.dot(V) / 2 + own / 2)]),
+    "E21": case(
         (
             T.diff(t),
             number_of(lambda i: F[i].dot(v[i]))
@@ -83,4 +84,29 @@ CASES = {
     "i10": case((1 / _mu, 1 / masses[0] + 1 / masses[1])),
     "i11": case((r[0] - r[1], r_[0] - r_[1])),
     "i12": case((_mu * _relative, _f)),
+    "E6": case(
+        (total(lambda i: masses[i] * r_[i].diff(t, 2)), system.outer),
+        corrected=[(total(lambda i: masses[i] * r[i].diff(t, 2)), system.outer)],
+    ),
+    "E8": case(
+        *((masses[i] * v[i], masses[i] * V - masses[i] * v_[i]) for i in N),
+        corrected=[(masses[i] * v[i], masses[i] * V + masses[i] * v_[i]) for i in N],
+    ),
+    "E9": case((P.diff(t), M * V), corrected=[(P.diff(t), M * V.diff(t))]),
+    "E11": case(
+        (torque, total(lambda i: F[i].cross(r[i]))),
+        corrected=[(torque, total(lambda i: r[i].cross(F[i])))],
+    ),
+    "E14": case(
+        (L_, total(lambda i: masses[i] * r_[i].cross(r_[i]))),
+        corrected=[(L_, total(lambda i: masses[i] * r_[i].cross(v_[i])))],
+    ),
+    "E19": case(
+        (T, number_of(lambda i: v[i].dot(v[i]) / 2)),
+        corrected=[(T, number_of(lambda i: (masses[i] * v[i]).dot(v[i]) / 2))],
+    ),
+    "E20": case(
+        ((M * V.dot(V) / 2).diff(t), system.outer.dot(V) / 2),
+        corrected=[((M * V.dot(V) / 2).diff(t), system.outer.dot(V))],
+    ),
 }

@@ -1,5 +1,6 @@
 """Integrals by SymPy in Cartesian or other coordinates than those of the note; theorems on masses."""
 
+import mpmath as mp
 import sympy as sp
 
 from tests.eom.checker.unseen.motions import (
@@ -7,7 +8,9 @@ from tests.eom.checker.unseen.motions import (
     attitude,
     case,
     draw,
+    integral,
     number,
+    number_with_digits,
 )
 
 _rng = draw("solids")
@@ -49,6 +52,18 @@ I_ = Masses(body.masses, tuple(A * p for p in _points))
 moved = I_.inertia(I_.centre)
 unit = sp.eye(3)
 
+
+def _strip(y):
+    """The moment about the edge of a strip of the disc at the distance y from the line to the edge."""
+    radius = number_with_digits(a)
+    half = mp.sqrt(radius**2 - y**2)
+    return 2 * half * (y - radius) ** 2 + 2 * half**3 / 3
+
+
+edge = _cylinder * h * integral(_strip, -a, a)
+# points of the ring about the z-axis, at the angle x
+ring = sp.integrate(m / (2 * sp.pi) * (sp.cos(x) ** 2 + sp.sin(x) ** 2) * a**2, (x, 0, 2 * sp.pi))
+
 CASES = {
     "E1": case(
         (about_z, sp.integrate(rho * c * (x**2 + y**2), (y, -b / 2, b / 2), (x, -a / 2, a / 2)))
@@ -67,18 +82,18 @@ CASES = {
         ],
     ),
     "E6": case((_cylinder * _slice, m * (3 * a**2 + h**2) / 12)),
-    "E7": case((Ixx + Iyy + Izz, 2 * _box * box(x**2 + y**2 + z**2, a, b, c))),
-    "E8": case(
+    "E9": case((Ixx + Iyy + Izz, 2 * _box * box(x**2 + y**2 + z**2, a, b, c))),
+    "E10": case(
         (3 * rho * _discs, 2 * rho * sp.integrate(4 * sp.pi * r**4, (r, 0, R))),
         (3 * rho * _discs, sp.Rational(8, 5) * sp.pi * rho * R**5),
     ),
-    "i13": case(
+    "i14": case(
         (rho * sp.integrate(sp.pi * (R**2 - z**2), (z, -R, R)), 4 * sp.pi * rho * R**3 / 3)
     ),
-    "E9": case(
+    "E11": case(
         (_sphere * _discs, 2 * m * R**2 / 3), corrected=[(_sphere * _discs, 2 * m * R**2 / 5)]
     ),
-    "E10": case(
+    "E12": case(
         (Ixx, m * (b**2 + c**2) / 12),
         (Iyy, m * (a**2 + c**2) / 12),
         (Izz, m * (a**2 - b**2) / 12),
@@ -88,10 +103,23 @@ CASES = {
             (Izz, m * (a**2 + b**2) / 12),
         ],
     ),
-    "E11": case(
+    "E13": case(
         (IP, I + M * (d.dot(d) * unit + d * d.T)),
         corrected=[(IP, I + M * (d.dot(d) * unit - d * d.T))],
     ),
-    "E12": case((IP.trace(), 2 * body.over(lambda p: p.dot(p)))),
-    "E13": case((moved, A.T * I * A), corrected=[(moved, A * I * A.T)]),
+    "E15": case((IP.trace(), 2 * body.over(lambda p: p.dot(p)))),
+    "E16": case((moved, A.T * I * A), corrected=[(moved, A * I * A.T)]),
+    "E7": case(
+        (edge, _cylinder * h * disc(2) + m * a**2),
+        (edge, sp.Rational(5, 4) * m * a**2),
+        corrected=[
+            (edge, _cylinder * h * disc(2) + m * a**2),
+            (edge, sp.Rational(3, 2) * m * a**2),
+        ],
+    ),
+    "E8": case((ring, m * a), corrected=[(ring, m * a**2)]),
+    "E14": case(
+        (I, IP + M * (d.dot(d) * unit - d * d.T)),
+        corrected=[(I, IP - M * (d.dot(d) * unit - d * d.T))],
+    ),
 }
