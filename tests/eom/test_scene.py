@@ -13,7 +13,8 @@ from eom import catalogue
 from eom.errors import AssumptionError, InputError
 from eom.identity import equal
 from eom.reduce import cost
-from eom.scene import MAX_FILE_BYTES, Scene
+from eom.scene import Scene
+from eom.scene_files import MAX_FILE_BYTES
 
 MOMENTS = {"moments": [1.0, 2.0, 2.5]}
 WHEEL = {"moments": [0.06, 0.12]}
