@@ -8,6 +8,14 @@ from pathlib import Path
 
 from eom.errors import unknown_name
 
+TOML, URDF = ".toml", ".urdf"
+"""How names of scene files end."""
+
+
+def is_file(name: str) -> bool:
+    """Tell files from names of scenes, problems and derivations."""
+    return name.endswith((TOML, URDF)) or "/" in name
+
 
 def _folder() -> Path:
     return Path(str(resources.files("eom"))) / "scenes"
@@ -17,7 +25,7 @@ def names() -> list[str]:
     """Return the names of the ready scenes, sorted.
 
     >>> names()
-    ['bicycle-wheel', 'gravity-gradient-satellite', 'heavy-top', 't-handle', 't-handle-in-angles']
+    ['bicycle-wheel', 'double-pendulum', 'gravity-gradient-satellite', 'heavy-top', 't-handle', 't-handle-in-angles']
     """
     return sorted(p.stem for p in _folder().glob("*.toml"))
 

@@ -15,10 +15,10 @@ import pydantic
 from eom import assembly, catalogue, start
 from eom.description import Description, check
 from eom.errors import InputError, unknown_name
+from eom.kinematics import attitude
 from eom.reduce import Explanation
 from eom.scene_files import data_of, in_file, readable
 from eom.system import System
-
 
 TREE = "tree"
 """The ``model`` of scenes that `eom.multibody.scene.TreeScene` reads."""
@@ -116,6 +116,14 @@ class Scene(Description):
     def input_values(self) -> dict[str, float]:
         """Return the value at which each input of `derive` is held."""
         return {n: v.value for n, v in self.inputs.items() if n in self.derive().input_names}
+
+    @property
+    def attitudes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states that are one attitude together, and cannot vary alone."""
+        if self.model == "spinner" or self.attitude == "none":
+            return ()
+        chosen = attitude(self.attitude)
+        return (tuple(q.name for q in chosen.coordinates),) if chosen.constraints else ()
 
 
 def _is_a_tree() -> InputError:

@@ -12,7 +12,7 @@ from eom import parse
 from eom.errors import InputError, unknown_name
 from eom.kinematics import SEQUENCES, rotation_sequence
 from eom.multibody.description import Turned
-from eom.multibody.spatial import IDENTITY
+from eom.multibody.spatial import IDENTITY, Matrix
 from eom.multibody.values import Value, is_number, value
 
 Names = Mapping[str, Any]
@@ -47,7 +47,7 @@ class Formulas:
             return self.values(given, where)
         return self.value(given, where)
 
-    def rotation(self, given: Turned | None, where: str) -> tuple[tuple[Value, ...], ...]:
+    def rotation(self, given: Turned | None, where: str) -> Matrix:
         """Return the matrix of a rotation. Raises `InputError` unless it is given in one way."""
         if given is None:
             return IDENTITY

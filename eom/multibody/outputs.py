@@ -51,7 +51,9 @@ class Saved:
         if self.states:
             lines.append(f"- {', '.join(self.states)}: no output needs them")
         lines += [f"- {note}" for note in self.notes]
-        total = f"{self.savings.without} operations an evaluation without, {self.savings.done} of these"
+        total = (
+            f"{self.savings.without} operations an evaluation without, {self.savings.done} of these"
+        )
         return "\n".join([*lines, total])
 
 
@@ -74,21 +76,22 @@ def smallest(system: System, requested: Sequence[str]) -> System:
 
 
 def _restricted(
-    system: System, kept: Sequence[int], outputs: tuple[Definition, ...], depends: dict[Any, set[Any]]
+    system: System,
+    kept: Sequence[int],
+    outputs: tuple[Definition, ...],
+    depends: dict[Any, set[Any]],
 ) -> System:
     states = {system.states[k].symbol for k in kept}
     lost = {q.symbol for q in system.states} - states
     rates = tuple(system.rates[k] for k in kept)
-    invariants = tuple(
-        d for d in system.invariants if not _reached(d.expression, depends) & lost
-    )
-    singular = tuple(
-        s for s in system.singularities if not _reached(s.expression, depends) & lost
-    )
+    invariants = tuple(d for d in system.invariants if not _reached(d.expression, depends) & lost)
+    singular = tuple(s for s in system.singularities if not _reached(s.expression, depends) & lost)
     results = [*rates, *(d.expression for d in (*outputs, *invariants))]
     definitions = used(system.definitions, results)
     everything = [*results, *(d.expression for d in definitions)]
-    free = set().union(*(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular))
+    free = set().union(
+        *(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular)
+    )
     return replace(
         system,
         states=tuple(system.states[k] for k in kept),

@@ -86,9 +86,7 @@ def _numbers(key: str, counts: Mapping[str, int], place: str) -> Iterator[Number
 def _step(text: str, whole: str, place: str) -> tuple[str, int]:
     match = _STEP.fullmatch(text.strip())
     if match is None:
-        raise InputError(
-            "not an index", where=place, got=whole, expected="{i}, {i-1} or {i+1}"
-        )
+        raise InputError("not an index", where=place, got=whole, expected="{i}, {i-1} or {i+1}")
     return match[1], {None: 0, "+": 1, "-": -1}[match[2]]
 
 

@@ -144,6 +144,6 @@ class TreeScene(TreeDescription):
         return {n: given.get(n, 0.0) for n in self.derive().input_names}
 
     @property
-    def attitude_parts(self) -> frozenset[str]:
-        """Names of states that are parts of an attitude, none of which can vary alone."""
-        return frozenset(n for names in quaternions(self.tree) for n in names)
+    def attitudes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states that are one attitude together, and cannot vary alone."""
+        return tuple(quaternions(self.tree))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from eom.multibody.description import BodyPart, JointPart, LoadPart, Place, Tree
 from eom.multibody.formulas import Formulas
 from eom.multibody.joints import KINDS
 from eom.multibody.model import Body, Joint, Load, Motion, Placement, Tree
-from eom.multibody.spatial import IDENTITY, ZERO
+from eom.multibody.spatial import ZERO
 from eom.multibody.values import is_number
 from eom.naming import check_names, spelling
 from eom.system import TIME, Quantity
@@ -79,9 +79,7 @@ def _bare(name: str, part: JointPart) -> Joint:
     """Return a joint of the kind, for the names of its coordinates, speeds and motors."""
     if part.kind not in KINDS:
         raise unknown_name("kind of joint", part.kind, KINDS, f"joint {name!r}")
-    return Joint(
-        name, part.kind, part.parent, part.child, attitude=part.attitude, motor=part.motor
-    )
+    return Joint(name, part.kind, part.parent, part.child, attitude=part.attitude, motor=part.motor)
 
 
 def _body(name: str, part: BodyPart, reading: Reading) -> Body:
@@ -126,7 +124,9 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     elif set(size) != set(solids.SOLIDS[name].sizes):
         expected = ", ".join(solids.SOLIDS[name].sizes)
         raise InputError(f"sizes of a {name}", where=where, got=", ".join(size), expected=expected)
-    values = {sp.Symbol(n, positive=True): sp.sympify(v) for n, v in (*size.items(), ("mass", mass))}
+    values = {
+        sp.Symbol(n, positive=True): sp.sympify(v) for n, v in (*size.items(), ("mass", mass))
+    }
     return solids.central_inertia(name).xreplace(values).tolist()
 
 
@@ -213,7 +213,7 @@ def tree_of(reading: Reading) -> Tree:
     scene = reading.scene
     check_names([*scene.parameters], "[parameters]")
     check_names([q.name for q in reading.inputs], "[inputs]")
-    parts: dict[str, Sequence[Any]] = {
+    parts: dict[str, Any] = {
         section.key: tuple(
             section.make(name, part, reading) for name, part in getattr(scene, section.key).items()
         )
