@@ -386,8 +386,8 @@ SYSTEMS = {
         full_inertia(), gravity_gradient, attitude("quaternion"), name="full_gradient"
     ),
     "lecture": lambda: eom.lecture_torque().system(),
-    **{n: lambda n=n: eom.Scene.ready(n).derive() for n in catalogue.names()},
-    **{f"{n}, all of it": lambda n=n: eom.Scene.ready(n).full_system for n in catalogue.names()},
+    **{n: lambda n=n: eom.load_scene(n).derive() for n in catalogue.names()},
+    **{f"{n}, all of it": lambda n=n: eom.load_scene(n).full_system for n in catalogue.names()},
 }
 
 

@@ -13,6 +13,7 @@ from codegen.pipeline import specialised
 from codegen.targets import load_module
 from eom import catalogue
 from eom.errors import InputError
+from eom.opening import load_scene
 from eom.scene import Scene
 from eom.system import Definition, Quantity, System
 
@@ -164,7 +165,7 @@ def test_other_words_are_refused(compiled):
 @pytest.mark.parametrize("name", catalogue.names())
 def test_generated_files_may_hold_jacobians(name):
     """Rates first, then the entries; the pattern is exported, and both agree with the functions."""
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program, layout = with_jacobians(*specialised(system), ["states", "parameters", "states"])
     text = generate(program, layout, "numpy")[f"{identifier(layout.name)}.py"]
     module = load_module(text, "derived")

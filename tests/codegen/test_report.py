@@ -6,7 +6,7 @@ from codegen.passes import prune
 from codegen.pipeline import specialised
 from codegen.report import report, tree_operations
 from eom import catalogue
-from eom.scene import Scene
+from eom.opening import load_scene
 from eom.system import Definition, Quantity, System
 
 x, y = sp.symbols("x y", real=True)
@@ -14,7 +14,7 @@ x, y = sp.symbols("x y", real=True)
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_stages_never_cost_more_and_end_with_what_is_compiled(name):
-    scene = Scene.ready(name)
+    scene = load_scene(name)
     system, values = scene.derive(), scene.parameter_values()
     found = report(system, values)
     counts = [s.operations for s in found.stages]

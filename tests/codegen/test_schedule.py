@@ -11,7 +11,7 @@ from codegen.passes import prune
 from codegen.program import Builder
 from codegen.schedule import MAX_SHARE, _Scheduler, pressure, reordered, schedule
 from eom import catalogue
-from eom.scene import Scene
+from eom.opening import load_scene
 from tests.clock import growth_within
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -55,7 +55,7 @@ def test_a_sum_of_products_needs_few_values():
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_ready_scenes_keep_their_instructions_and_bits(name):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program = prune(lower_system(system), [RATES])
     after = chosen(program)
     assert after.counts() == program.counts()

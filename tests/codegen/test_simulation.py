@@ -125,7 +125,7 @@ def test_every_method_comes_back_when_it_runs_backwards(built, method):
 
 def test_ready_scenes_keep_their_constants(built):
     for name in catalogue.names():
-        scene = eom.Scene.ready(name)
+        scene = eom.load_scene(name)
         compiled = built(scene.derive())
         end = min(scene.integration.t_end, 5000.0)
         result = simulate(

@@ -18,7 +18,7 @@ from codegen.pipeline import as_written
 from codegen.program import Builder
 from codegen.stable import EVERY, rewritten, rewritten_freely
 from codegen.structure import Structure
-from eom import Scene, catalogue
+from eom import catalogue, load_scene
 from eom.system import System
 
 x, y, a, b, c = VARIABLES = sp.symbols("x y a b c", real=True)
@@ -291,7 +291,7 @@ def test_names_stay_with_their_values():
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_ready_scenes_never_cost_more(name):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     before, _ = as_written(system, Structure.of(system))
     assert rewritten_freely(before).program.cost() <= before.cost()
 

@@ -163,7 +163,7 @@ def test_the_order_follows_from_the_tolerance():
 @needs_compiler
 @pytest.mark.parametrize("name", catalogue.names())
 def test_ready_scenes_agree_with_dop853(name):
-    scene = eom.Scene.ready(name)
+    scene = eom.load_scene(name)
     compiled = compile_system(scene.derive(), "c")
     end = min(scene.integration.t_end, 5000.0)
     times = np.linspace(0, end, 7)
