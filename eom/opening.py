@@ -7,7 +7,7 @@ from pathlib import Path
 from eom import catalogue
 from eom.multibody.scene import TreeScene
 from eom.multibody.urdf import load_urdf
-from eom.scene import TREE, Scene
+from eom.scene import Scene
 from eom.scene_files import data_of
 
 AnyScene = Scene | TreeScene
@@ -29,5 +29,5 @@ def load_scene(name: str | Path) -> AnyScene:
 
 
 def _from_toml(file: Path) -> AnyScene:
-    tree = data_of(file).get("model") == TREE
+    tree = data_of(file).get("model") == catalogue.TREE
     return TreeScene.from_toml(file) if tree else Scene.from_toml(file)

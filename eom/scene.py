@@ -20,9 +20,6 @@ from eom.reduce import Explanation
 from eom.scene_files import data_of, in_file, readable
 from eom.system import System
 
-TREE = "tree"
-"""The ``model`` of scenes that `eom.multibody.scene.TreeScene` reads."""
-
 
 class Scene(Description):
     """A checked description, with the systems and numbers that follow from it.
@@ -61,7 +58,7 @@ class Scene(Description):
         file = Path(path)
         data = data_of(file)
         with in_file(file):
-            if data.get("model") == TREE:
+            if data.get("model") == catalogue.TREE:
                 raise _is_a_tree()
             return cls(**data)
 

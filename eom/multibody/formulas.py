@@ -81,7 +81,7 @@ def rounded(expression: Any, where: str) -> Value:
 
 
 RIGHT = 4
-"""Spacings of doubles by which a right angle may be off: rounded, its sines are zero or one all the same."""
+"""Spacings of doubles by which a right angle may be off and still have sines of exactly 0 and 1."""
 
 
 def right(angle: Any) -> Any:

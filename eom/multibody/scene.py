@@ -133,10 +133,14 @@ class TreeScene(TreeDescription):
         """Return the value of each state of `derive` at t = 0."""
         return {n: self._start[n] for n in self.derive().state_names}
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The value of each parameter of the scene."""
+        return {n: v.value for n, v in self.parameters.items()}
+
     def parameter_values(self) -> dict[str, float]:
         """Return the value of each parameter of `derive`."""
-        values = {n: v.value for n, v in self.parameters.items()}
-        return pick(values, self.derive().parameter_names, "parameter", "[parameters]")
+        return pick(self.numbers, self.derive().parameter_names, "parameter", "[parameters]")
 
     def input_values(self) -> dict[str, float]:
         """Return the value at which each input of `derive` is held; of a motor 0 if none is given."""
