@@ -72,6 +72,12 @@ class TreeScene(TreeDescription):
         file = Path(path)
         data = data_of(file)
         with in_file(file):
+            if data.get("model") != catalogue.TREE:
+                raise InputError(
+                    "this scene is one body, not a tree",
+                    where="model",
+                    hint="eom.load_scene opens scenes of every model",
+                )
             return cls(**data)
 
     @classmethod

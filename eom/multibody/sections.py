@@ -213,6 +213,7 @@ def tree_of(reading: Reading) -> Tree:
     scene = reading.scene
     check_names([*scene.parameters], "[parameters]")
     check_names([q.name for q in reading.inputs], "[inputs]")
+    _check_clash(reading)
     parts: dict[str, Any] = {
         section.key: tuple(
             section.make(name, part, reading) for name, part in getattr(scene, section.key).items()
@@ -226,6 +227,18 @@ def tree_of(reading: Reading) -> Tree:
         parameters=reading.parameters,
         **parts,
     )
+
+
+def _check_clash(reading: Reading) -> None:
+    """Refuse names of coordinates, speeds and motors as names of parameters and inputs."""
+    bare = [_bare(name, part) for name, part in reading.scene.joints.items()]
+    own = {q.name for j in bare for q in (*j.coordinates, *j.speeds)}
+    groups = (("[parameters]", {*own, *reading.motors}, reading.parameters),
+              ("[inputs]", own, reading.inputs))  # fmt: skip
+    for where, taken, quantities in groups:
+        for quantity in quantities:
+            if quantity.name in taken:
+                raise InputError("a joint has this name", where=where, got=quantity.name)
 
 
 def check_used(reading: Reading) -> None:
