@@ -151,10 +151,12 @@ def test_rotations_by_angles_are_those_of_the_sequence(sequence):
         np.testing.assert_allclose(np.array(found.on_parent.rotation, float), expected, atol=1e-15)
 
 
-@pytest.mark.parametrize("angle", [90, 90.0, "360/4"])
-@pytest.mark.parametrize("key", ["degrees", "radians"])
+@pytest.mark.parametrize(
+    ("key", "angle"),
+    [("degrees", 90), ("degrees", 90.0), ("degrees", "360/4"),
+     ("radians", math.pi / 2), ("radians", 1.570796326794897), ("radians", "pi/2")],
+)  # fmt: skip
 def test_right_angles_are_exact(key, angle):
-    angle = {90: math.pi / 2, 90.0: 1.5707963267948966, "360/4": "pi/2"}[angle] if key == "radians" else angle  # fmt: skip
     place = {"rotation": {"sequence": "1-2-3", key: [angle, 0, 0]}}
     found = scene(joints__knee__on_parent=place).tree.joint_of["lower"]
     assert found.on_parent.rotation == ((1, 0, 0), (0, 0, 1), (0, -1, 0))
@@ -257,102 +259,247 @@ MISTAKES = {
     "unknown key": ({"bodies__upper__mas": 1}, r"unknown key 'mas'", "bodies.upper.mas", "mass"),
     "key of a joint": ({"joints__knee__axes": "x"}, "unknown key 'axes'", "joints.knee", "axis"),
     "key of a scene": ({"boddies": {}}, "unknown key 'boddies'", "boddies", "bodies"),
-    "key of a place": ({"joints__knee__on_parent__positon": [0, 0, 0]}, "unknown key", "on_parent.positon", "position"),
+    "key of a place": (
+        {"joints__knee__on_parent__positon": [0, 0, 0]},
+        "unknown key",
+        "on_parent.positon",
+        "position",
+    ),
     "no bodies": ({"bodies": None}, "missing key 'bodies'", "bodies", ""),
     "no parent": ({"joints__knee__parent": None}, "missing key 'parent'", "joints.knee.parent", ""),
-    "kind": ({"joints__knee__kind": "revolut"}, "unknown kind of joint", "joint 'knee'", "revolute"),
-    "unknown body": ({"joints__knee__parent": "uper"}, "unknown parent 'uper'", "joint 'knee'", "upper"),
+    "kind": (
+        {"joints__knee__kind": "revolut"},
+        "unknown kind of joint",
+        "joint 'knee'",
+        "revolute",
+    ),
+    "unknown body": (
+        {"joints__knee__parent": "uper"},
+        "unknown parent 'uper'",
+        "joint 'knee'",
+        "upper",
+    ),
     "unknown child": ({"joints__knee__child": "lowr"}, "unknown child", "joint 'knee'", "lower"),
     "axis": ({"joints__knee__axis": "w"}, "unusable value", "joints.knee.axis", ""),
     "zero axis": ({"joints__knee__axis": [0, 0, 0]}, "axis is zero", "joint 'knee': axis", ""),
-    "two components": ({"bodies__upper__centre": [0, 1]}, "too few values", "bodies.upper.centre", ""),
+    "two components": (
+        {"bodies__upper__centre": [0, 1]},
+        "too few values",
+        "bodies.upper.centre",
+        "",
+    ),
     "attitude": ({"joints__hip__attitude": "3-2-2"}, "unknown attitude", "joint 'hip'", ""),
     "formula": ({"bodies__upper__mass": "m*"}, "a number, a name", "body 'upper': mass", ""),
-    "name in a formula": ({"bodies__upper__mass": "n"}, "unknown name 'n'", "body 'upper': mass", ""),
-    "time in a mass": ({"bodies__upper__mass": "m*t"}, "unknown name 't'", "body 'upper': mass", ""),
+    "name in a formula": (
+        {"bodies__upper__mass": "n"},
+        "unknown name 'n'",
+        "body 'upper': mass",
+        "",
+    ),
+    "time in a mass": (
+        {"bodies__upper__mass": "m*t"},
+        "unknown name 't'",
+        "body 'upper': mass",
+        "",
+    ),
     "state in a placement": (
         {"joints__knee__on_parent": {"position": ["q_knee", 0, 0]}},
-        "unknown name 'q_knee'", "joint 'knee': on_parent: position", "",
+        "unknown name 'q_knee'",
+        "joint 'knee': on_parent: position",
+        "",
     ),
-    "state in a motion": ({"joints__knee__motion": {"position": "u_knee"}}, "unknown name", "joint 'knee': motion", ""),
+    "state in a motion": (
+        {"joints__knee__motion": {"position": "u_knee"}},
+        "unknown name",
+        "joint 'knee': motion",
+        "",
+    ),
     "state that is driven": (
         {"joints__knee__motion": {"position": "t"}, "joints__hip__force": "q_knee"},
-        "unknown name 'q_knee'", "joint 'hip': force", "",
+        "unknown name 'q_knee'",
+        "joint 'hip': force",
+        "",
     ),
-    "code in a formula": ({"bodies__upper__mass": "__import__('os')"}, "cannot be read", "mass", ""),
+    "code in a formula": (
+        {"bodies__upper__mass": "__import__('os')"},
+        "cannot be read",
+        "mass",
+        "",
+    ),
     "true as a mass": ({"bodies__upper__mass": True}, "unusable value", "bodies.upper.mass", ""),
     "infinite mass": ({"bodies__upper__mass": math.inf}, "unusable value", "bodies.upper.mass", ""),
     "negative mass": ({"bodies__upper__mass": -1}, "mass is negative", "body 'upper'", ""),
     "motor by a number": ({"joints__knee__motor": 1}, "unusable value", "joints.knee.motor", ""),
-    "impossible inertia": ({"bodies__lower__moments": [1, 1, 3]}, "no body has this inertia", "body 'lower'", "signs"),
-    "two inertias": ({"bodies__lower__solid": "cylinder"}, "more than one inertia", "body 'lower'", ""),
-    "unknown solid": (
-        {"bodies__lower": {"mass": 1, "solid": "cylnder"}}, "unknown solid", "body 'lower': solid", "cylinder",
+    "impossible inertia": (
+        {"bodies__lower__moments": [1, 1, 3]},
+        "no body has this inertia",
+        "body 'lower'",
+        "signs",
     ),
-    "size without a solid": ({"bodies__lower__size": {"radius": 1}}, "size belongs to a solid", "body 'lower'", ""),
+    "two inertias": (
+        {"bodies__lower__solid": "cylinder"},
+        "more than one inertia",
+        "body 'lower'",
+        "",
+    ),
+    "unknown solid": (
+        {"bodies__lower": {"mass": 1, "solid": "cylnder"}},
+        "unknown solid",
+        "body 'lower': solid",
+        "cylinder",
+    ),
+    "size without a solid": (
+        {"bodies__lower__size": {"radius": 1}},
+        "size belongs to a solid",
+        "body 'lower'",
+        "",
+    ),
     "sizes of a solid": (
-        {"bodies__lower": {"mass": 1, "solid": "cylinder", "size": {"radius": "l"}}}, "sizes of a cylinder",
-        "body 'lower'", "",
+        {"bodies__lower": {"mass": 1, "solid": "cylinder", "size": {"radius": "l"}}},
+        "sizes of a cylinder",
+        "body 'lower'",
+        "",
     ),
     "rotation in two ways": (
         {"joints__knee__on_child": {"rotation": {"degrees": [0, 0, 0], "radians": [0, 0, 0]}}},
-        "exactly one description", "joint 'knee': on_child: rotation", "",
+        "exactly one description",
+        "joint 'knee': on_child: rotation",
+        "",
     ),
-    "rotation in no way": ({"joints__knee__on_child": {"rotation": {}}}, "exactly one", "on_child: rotation", ""),
+    "rotation in no way": (
+        {"joints__knee__on_child": {"rotation": {}}},
+        "exactly one",
+        "on_child: rotation",
+        "",
+    ),
     "no rotation matrix": (
         {"joints__knee__on_child": {"rotation": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 1, 1]]}}},
-        "not a rotation", "rotation", "",
+        "not a rotation",
+        "rotation",
+        "",
     ),
     "sequence": (
         {"joints__knee__on_child": {"rotation": {"sequence": "3-3-1", "degrees": [0, 0, 0]}}},
-        "unknown rotation sequence", "joint 'knee'", "",
+        "unknown rotation sequence",
+        "joint 'knee'",
+        "",
     ),
-    "values a speed": ({"joints__hip__damping": [1, 2]}, "one value a speed", "joint 'hip': damping", ""),
-    "spring of a ball joint": ({"joints__hip__stiffness": 1}, "a spring needs a coordinate", "joint 'hip'", ""),
-    "load on nothing": ({"loads__jet": {"body": "uper"}}, "unknown body 'uper'", "load 'jet'", "upper"),
-    "axes of a load": ({"loads__jet": {"body": "upper", "axes": "earth"}}, "unusable value", "loads.jet.axes", ""),
+    "values a speed": (
+        {"joints__hip__damping": [1, 2]},
+        "one value a speed",
+        "joint 'hip': damping",
+        "",
+    ),
+    "spring of a ball joint": (
+        {"joints__hip__stiffness": 1},
+        "a spring needs a coordinate",
+        "joint 'hip'",
+        "",
+    ),
+    "load on nothing": (
+        {"loads__jet": {"body": "uper"}},
+        "unknown body 'uper'",
+        "load 'jet'",
+        "upper",
+    ),
+    "axes of a load": (
+        {"loads__jet": {"body": "upper", "axes": "earth"}},
+        "unusable value",
+        "loads.jet.axes",
+        "",
+    ),
     "unused parameter": ({"parameters__mm": 1}, "no formula uses 'mm'", "[parameters]", ""),
     "unused input": ({"inputs__tau_knee": 1}, "no formula uses 'tau_knee'", "[inputs]", ""),
     "reserved name": ({"parameters__lambda": 1}, "reserved", "[parameters]", ""),
-    "name of a state": ({"parameters__q_knee": 1, "gravity": ["q_knee", 0, "-g"]}, "a joint has this name", "[parameters]", ""),
+    "name of a state": (
+        {"parameters__q_knee": 1, "gravity": ["q_knee", 0, "-g"]},
+        "a joint has this name",
+        "[parameters]",
+        "",
+    ),
     "name of a body": ({"bodies__a-b": {"mass": 1}}, "not a name", "body 'a-b'", ""),
     "two joints to a body": (
         {"joints__other": {"kind": "fixed", "parent": "ground", "child": "lower"}},
-        "two joints lead to body 'lower'", "", "loops",
+        "two joints lead to body 'lower'",
+        "",
+        "loops",
     ),
     "a body on nothing": ({"bodies__loose": {"mass": 1}}, "hangs on nothing", "", "free joint"),
     "nothing to move": ({"bodies__lower": {}}, "moves no mass", "joint 'knee'", ""),
-    "state at the start": ({"initial": {"q_kne": 1}}, "unknown state 'q_kne'", "[initial]", "q_knee"),
-    "quaternion": ({"initial": {"e_hip_1": 1}}, "unit norm", "[initial] e_hip_0", "initial_attitude"),
+    "state at the start": (
+        {"initial": {"q_kne": 1}},
+        "unknown state 'q_kne'",
+        "[initial]",
+        "q_knee",
+    ),
+    "quaternion": (
+        {"initial": {"e_hip_1": 1}},
+        "unit norm",
+        "[initial] e_hip_0",
+        "initial_attitude",
+    ),
     "zero quaternion": ({"initial": {"e_hip_0": 0}}, "unit norm", "[initial] e_hip_0", ""),
     "attitude of a hinge": (
-        {"initial_attitude": {"knee": {"degrees": [1, 2, 3]}}}, "unknown joint with an attitude 'knee'",
-        "[initial_attitude.knee]", "hip",
+        {"initial_attitude": {"knee": {"degrees": [1, 2, 3]}}},
+        "unknown joint with an attitude 'knee'",
+        "[initial_attitude.knee]",
+        "hip",
     ),
     "attitude in two ways": (
         {"initial_attitude": {"hip": {"degrees": [1, 2, 3], "radians": [1, 2, 3]}}},
-        "exactly one", "[initial_attitude.hip]", "",
+        "exactly one",
+        "[initial_attitude.hip]",
+        "",
     ),
     "attitude twice": (
         {"initial_attitude": {"hip": {"degrees": [1, 2, 3]}}, "initial": {"e_hip_1": 0}},
-        "e_hip_1 is given twice", "[initial] and", "",
+        "e_hip_1 is given twice",
+        "[initial] and",
+        "",
     ),
     "attitude in others": (
         {"joints__hip__attitude": "3-1-3", "initial_attitude": {"hip": {"degrees": [1, 2, 3]}}},
-        "other coordinates", "[initial_attitude.hip]", "",
+        "other coordinates",
+        "[initial_attitude.hip]",
+        "",
     ),
     "output": ({"outputs": ["energie"]}, "unknown output 'energie'", "outputs", "energies"),
     "hand-over": ({"integration__handover": True}, "not handed over", "handover", "quaternion"),
     "no time": ({"integration__t_end": 0}, "end time is zero", "t_end", ""),
     "index": ({"bodies__rod{i}": {"mass": 1}}, "unknown index 'i'", "bodies", ""),
-    "step of an index": ({"repeat": {"i": 2}, "bodies__rod{2*i}": {}}, "not an index", "bodies", ""),
-    "index inside": ({"repeat": {"i": 2}, "bodies__rod{i}": {"mass": "{k}"}}, "unknown index 'k'", "rod{i}", ""),
-    "two indices": ({"repeat": {"i": 2, "k": 2}, "bodies__rod{i}{k}": {}}, "two indices", "bodies", ""),
+    "step of an index": (
+        {"repeat": {"i": 2}, "bodies__rod{2*i}": {}},
+        "not an index",
+        "bodies",
+        "",
+    ),
+    "index inside": (
+        {"repeat": {"i": 2}, "bodies__rod{i}": {"mass": "{k}"}},
+        "unknown index 'k'",
+        "rod{i}",
+        "",
+    ),
+    "two indices": (
+        {"repeat": {"i": 2, "k": 2}, "bodies__rod{i}{k}": {}},
+        "two indices",
+        "bodies",
+        "",
+    ),
     "no repetitions": ({"repeat": {"i": 0}}, "not a number of repetitions", "[repeat] i", ""),
-    "too many repetitions": ({"repeat": {"i": MOST + 1}}, "not a number of repetitions", "[repeat] i", ""),
-    "repeated by a flag": ({"repeat": {"i": True}}, "not a number of repetitions", "[repeat] i", ""),
+    "too many repetitions": (
+        {"repeat": {"i": MOST + 1}},
+        "not a number of repetitions",
+        "[repeat] i",
+        "",
+    ),
+    "repeated by a flag": (
+        {"repeat": {"i": True}},
+        "not a number of repetitions",
+        "[repeat] i",
+        "",
+    ),
     "repeat": ({"repeat": 3}, "not a table", "[repeat]", ""),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", MISTAKES)
@@ -417,19 +564,20 @@ def test_an_output_has_the_value_that_the_whole_system_gives(name):
 def test_states_that_nothing_needs_are_left_out_and_told():
     cart = TreeScene.ready("pendulum-on-cart")
     data = cart.model_dump(exclude_unset=True)
-    data["bodies"] = {n: b for n, b in data["bodies"].items() if n not in {"rod4", "rod5"}}
-    data["joints"] = {n: b for n, b in data["joints"].items() if n not in {"hinge4", "hinge5"}}
-    part = TreeScene(**{**data, "outputs": ("q_hinge3",)})
+    gone = ("rod3", "rod4", "rod5", "hinge3", "hinge4", "hinge5")
+    for table in ("bodies", "joints"):
+        data[table] = {n: part for n, part in data[table].items() if n not in gone}
+    part = TreeScene(**{**data, "outputs": ("q_hinge2",)})
     cart = TreeScene(**data)
     assert set(cart.derive().state_names) - set(part.derive().state_names) == {"q_track", "u_track"}
     assert "q_track, u_track: no output needs them" in str(part.explain())
     ends = []
     for s in (cart, part):
         run = codegen.simulate(
-            codegen.compile(s.derive(), "numpy"), s.initial_values(), (0, 0.5),
+            codegen.compile(s.derive(), "python"), s.initial_values(), (0, 0.5),
             s.parameter_values(), "DOP853", 1e-11,
         )  # fmt: skip
-        ends.append(run["q_hinge3"][-1])
+        ends.append(run["q_hinge2"][-1])
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
 
 
