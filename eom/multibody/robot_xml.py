@@ -97,7 +97,7 @@ def checked(file: Path) -> tuple[bytes, tuple[str, ...]]:
     an attribute of `NEEDED`.
     """
     data = text_of(file, "*.urdf").encode()
-    parser = expat.ParserCreate("utf-8")
+    parser = expat.ParserCreate("utf-8", " ")
     reader = _Reader(parser)
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end

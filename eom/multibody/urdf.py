@@ -35,7 +35,7 @@ KINDS: Mapping[str, str] = {
 }
 """Kinds of joints here by those of URDF."""
 
-_UNREADABLE = (AttributeError, IndexError, KeyError, TypeError, ValueError)
+_UNREADABLE = (AttributeError, IndexError, KeyError, SyntaxError, TypeError, ValueError)
 """What the parser raises for elements that it cannot read."""
 
 

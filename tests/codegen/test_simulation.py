@@ -133,7 +133,7 @@ def test_ready_scenes_keep_their_constants(built):
             inputs=scene.input_values(),
         )  # fmt: skip
         assert result.status == 0
-        assert result.drift
+        assert result.drift or not scene.derive().invariants
         for invariant, drift in result.drift.items():
             assert drift.relative < 1e-8, (name, invariant)
 
