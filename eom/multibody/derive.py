@@ -25,7 +25,7 @@ from eom.multibody.quantities import (
     mass,
     momentum,
 )
-from eom.multibody.scalars import add, is_zero, mul, sub
+from eom.multibody.scalars import add, is_zero, mul, reciprocal, sub
 from eom.multibody.skeleton import Skeleton, skeleton
 from eom.multibody.values import is_number
 from eom.system import TIME, Definition, Expr, Quantity, Singularity, System
@@ -263,7 +263,7 @@ def _momentum(told: _Told) -> list[Definition]:
 
 def _centre(told: _Told) -> list[Definition]:
     whole = mass(told.flow)
-    inverse = told.work.keep("inverse", told.tree.name, "", 1 / whole)
+    inverse = told.work.keep("inverse", told.tree.name, "", reciprocal(whole))
     return _vector(
         "centre", "m", "centre of mass", [mul(inverse, x) for x in first_moments(told.flow)]
     )

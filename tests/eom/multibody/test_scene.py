@@ -626,3 +626,29 @@ def test_momentum_stays_whatever_joints_do_inside():
     data = ready.model_dump(exclude_unset=True)
     data["joints"]["base"] = {**data["joints"]["base"], "damping": 0.1}
     assert "p_1" not in TreeScene(**data).derive().invariant_names
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_the_centre_of_mass_moves_as_the_momentum_says(name):
+    """Numbers alone, or parameters among them: momentum is mass times the rate of the centre."""
+    ready = TreeScene.ready(name)
+    system = ready.full_system
+    mass = float(sum(evaluated_value(b.mass, ready.numbers) for b in ready.tree.bodies))
+    x = {n: 0.1 * k for k, n in enumerate(system.state_names, 1)}
+    for parts in ready.attitudes:
+        norm = math.hypot(*(x[n] for n in parts))
+        x |= {n: x[n] / norm for n in parts}
+    rates = evaluated(system, x, ready.numbers)
+    step = 1e-6
+    ends = [
+        evaluated(system, {n: v + h * rates[n] for n, v in x.items()}, ready.numbers)
+        for h in (-step, step)
+    ]
+    for k in (1, 2, 3):
+        speed = (ends[1][f"centre_{k}"] - ends[0][f"centre_{k}"]) / (2 * step)
+        assert mass * speed == pytest.approx(rates[f"p_{k}"], rel=1e-7, abs=1e-6)
+
+
+def evaluated_value(value, numbers):
+    value = sp.sympify(value)
+    return value.xreplace({s: sp.Float(numbers[s.name]) for s in value.free_symbols})
