@@ -57,6 +57,7 @@ BAD = {
     "code": (("--recognise", "__import__('os'),0,0;0,1,0;0,0,1"), "--recognise"),
     "a letter twice": (("--angles", "1,2,3", "--body", "ffu"), "right-handed"),
     "no scene": (("no-such",), "no-such"),
+    "a tree": (("double-pendulum",), "a tree has no one attitude"),
     "ragged": (("--matrix", "1,0;0,1"), "three rows"),
 }
 

@@ -16,6 +16,7 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from eom.conventions import Convention, Stated
     from eom.rotations import Matrix
+    from eom.scene import Scene
 
 MOST_READINGS = 3
 DIGITS = 10
@@ -103,9 +104,20 @@ def _stated(kind: str, text: str, options: dict[str, Any]) -> Stated:
     chosen = {name: options[name] for name in FIELDS if options[name] is not None}
     target = conventions.changed(conventions.book(options["target"]), chosen)
     if kind == "SCENE":
-        return conventions.of_scene(scene_of(text), target)
+        return conventions.of_scene(_single(text), target)
     source = conventions.book(options["source"])
     return conventions.state(_attitude(kind, text, source, options["radians"]), target)
+
+
+def _single(name: str) -> Scene:
+    from eom.scene import Scene
+
+    scene = scene_of(name)
+    if not isinstance(scene, Scene):
+        raise InputError(
+            "a tree has no one attitude", where=name, hint="give --quaternion, --angles or --matrix"
+        )
+    return scene
 
 
 def _attitude(kind: str, text: str, source: Convention, radians: bool) -> Matrix:

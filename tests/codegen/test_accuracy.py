@@ -30,9 +30,10 @@ from codegen.formula import MAX_LENGTH, formula
 from codegen.interpret import Point, interpret_exactly
 from codegen.layout import Layout
 from codegen.lower import lower_expressions, lower_system
-from eom import Scene, catalogue
+from eom import Scene, load_scene
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System
+from tests.codegen.scenes import SCENES
 
 x, y, a, b, c, u = sp.symbols("x y a b c u", real=True)
 
@@ -111,9 +112,9 @@ def test_well_conditioned_polynomial_and_exact_results(target):
     assert card.unstable == ()
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
-    scene = Scene.ready(name)
+    scene = load_scene(name)
     around = {**scene.initial_values(), **scene.parameter_values()}
     card = accuracy(compile_system(scene.derive(), target), samples=25, around=around)
     assert card.unstable == ()

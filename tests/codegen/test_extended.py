@@ -13,6 +13,7 @@ from codegen.interpret import constants
 from eom import problems
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System
+from tests.codegen.scenes import SCENES
 
 x, y, z = sp.symbols("x y z", real=True)
 
@@ -125,7 +126,12 @@ def test_known_closed_forms_are_those_that_are_tested():
 
 
 @pytest.mark.parametrize(
-    "name", [n for n in problems.names() if n not in {"damped-body-stiff", "gravity-gradient-100"}]
+    "name",
+    [
+        n
+        for n in (*(p.name for p in problems.PROBLEMS), *SCENES)
+        if n not in {"damped-body-stiff", "gravity-gradient-100"}
+    ],
 )
 def test_invariants_hold_to_all_digits(name):
     """Over the first part of each problem: constants by their expressions, with many digits."""

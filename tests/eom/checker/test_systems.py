@@ -20,7 +20,7 @@ TOLD = {
     "half": "should be 2 times",
     "dropped": "missing on the right side",
 }
-SYSTEMS = [*catalogue.names(), *BUILTIN]
+SYSTEMS = [*catalogue.single(), *BUILTIN]
 
 
 def lexicon(name):
@@ -49,6 +49,23 @@ def test_all_equations_of_a_system_hold(name):
     ]
     found = judged(lexicon(name), *lines)
     assert [v.verdict for v in found] == ["holds"] * len(lines), lines
+
+
+def test_a_tree_of_bodies_is_a_system_too():
+    model = load_model("double-pendulum")
+    names = names_of(model)
+    (energy,) = (d.expression for d in model.system.invariants)
+    half = energy.xreplace({model.symbol("g"): 2 * model.symbol("g")})
+    lines = [rf"{latex(e, names)} = \text{{const}}" for e in (energy, half)]
+    lines += [
+        r"\dot{q_{\mathrm{elbow}}} = u_{\mathrm{elbow}}",
+        r"\dot{q_{\mathrm{elbow}}} = 2 u_{\mathrm{elbow}}",
+    ]
+    found = [v.verdict for v in judged(lexicon("double-pendulum"), *lines)]
+    assert found[0] == found[2] == "holds"
+    assert "holds" not in {found[1], found[3]}
+    with pytest.raises(InputError, match="belong to its joints"):
+        load_model("double-pendulum", attitude="3-2-1")
 
 
 def mutants(name, count):

@@ -1,0 +1,141 @@
+"""The command line on trees: ready scenes, TOML files and robots from URDF."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from eom.__main__ import main
+
+WALKER = Path(__file__).parent / "eom" / "multibody" / "robots" / "walker.urdf"
+SPRING = """
+model = "tree"
+outputs = ["q_slide", "energies"]
+[parameters]
+k = { value = 4.0, unit = "N/m", meaning = "stiffness" }
+[bodies.block]
+mass = 1.0
+[bodies.ball]
+mass = 2.0
+moments = [1, 1, 1]
+[joints.slide]
+kind = "prismatic"
+parent = "ground"
+child = "block"
+stiffness = "k"
+[joints.float]
+kind = "free"
+parent = "ground"
+child = "ball"
+[initial]
+q_slide = 1.0
+[integration]
+t_end = 3.0
+points = 4
+"""
+
+
+@pytest.fixture
+def run():
+    runner = CliRunner()
+    return lambda *words: runner.invoke(main, [str(w) for w in words], catch_exceptions=False)
+
+
+@pytest.fixture
+def spring(tmp_path):
+    file = tmp_path / "spring.toml"
+    file.write_text(SPRING, encoding="utf-8")
+    return file
+
+
+def test_a_file_goes_all_the_way(run, spring, tmp_path):
+    done = run("derive", spring)
+    assert done.exit_code == 0, done.output
+    assert "k  stiffness [N/m]" in done.output
+    assert "kinetic_energy" in done.output
+    saved = tmp_path / "run.npz"
+    done = run("simulate", spring, "--method", "DOP853", "--target", "numpy", "--out", saved)
+    assert done.exit_code == 0, done.output
+    with np.load(saved) as data:
+        np.testing.assert_allclose(data["q_slide"], np.cos(2 * data["t"]), atol=1e-8)
+    assert "drift of energy" in done.output
+
+
+def test_states_that_no_output_needs_are_told(run, spring):
+    spring.write_text(SPRING.replace(', "energies"', ""), encoding="utf-8")
+    done = run("simulate", spring, "--target", "numpy")
+    assert "w_float_1" in done.output
+    assert "no output needs them" in done.output
+
+
+@pytest.mark.parametrize("target", ["c", "numpy", "python", "javascript"])
+def test_generate(run, spring, tmp_path, target):
+    done = run("generate", spring, "--target", target, "--out", tmp_path / "code")
+    assert done.exit_code == 0, done.output
+    assert "wrote" in done.output
+
+
+def test_a_robot_goes_all_the_way(run, tmp_path):
+    pytest.importorskip("yourdfpy")
+    done = run("derive", WALKER)
+    assert "tau_hip" in done.output
+    assert "not used: <link/visual>" in done.output
+    done = run("simulate", WALKER, "--t-end", "0.1", "--target", "numpy", "--method", "DOP853")
+    assert done.exit_code == 0, done.output
+    assert "reached t = 0.1 s" in done.output
+    done = run("accuracy", WALKER, "--target", "python", "--samples", 2)
+    assert done.exit_code == 0, done.output
+    assert "u_mast_pin'" in done.output
+    done = run("generate", WALKER, "--target", "python", "--out", tmp_path)
+    assert [f.name for f in tmp_path.iterdir()] == ["walker.py"]
+
+
+def test_an_ensemble_varies_starts_and_parameters(run, spring):
+    words = (
+        "ensemble",
+        spring,
+        "--vary",
+        "k=uniform(3, 5)",
+        "--count",
+        4,
+        "--t-end",
+        "0.5",
+        "--json",
+    )
+    done = run(*words)
+    assert done.exit_code == 0, done.output
+    assert set(json.loads(done.stdout)["statistics"]) == {
+        "q_slide", "kinetic_energy", "potential_energy",
+    }  # fmt: skip
+    done = run("ensemble", "satellite-with-panels", "--vary", "e_base_1=0.1", "--count", 2)
+    assert done.exit_code == 2
+    assert "one component of an attitude" in done.stderr
+    assert "e_base_0,e_base_1,e_base_2,e_base_3=attitude()" in done.stderr
+
+
+MISTAKES = {
+    "hand-over": (["simulate", "double-pendulum", "--handover"], "not handed over"),
+    "closed form": (["generate", "double-pendulum", "--closed-form", "--out", "x"], "closed form"),
+    "near name": (["derive", "doubl-pendulum"], "double-pendulum"),
+    "near name to run": (["simulate", "doubl-pendulum"], "double-pendulum"),
+    "no robot": (["simulate", "no/robot.urdf"], "no such scene file"),
+    "no state": (
+        ["ensemble", "double-pendulum", "--vary", "q_shouldr=1", "--count", "2"],
+        "q_shoulder",
+    ),
+    "explained": (
+        ["derive", "double-pendulum", "--notation", "arrow"],
+        "--notation is for derivations",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_one_message(run, name):
+    words, expected = MISTAKES[name]
+    done = run(*words)
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+    assert expected in done.stderr
