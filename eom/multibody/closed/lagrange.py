@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from eom.derivation import DerivationError
 from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.mechanism import Link, Mechanism
 from eom.multibody.closed.polynomials import Scalar
@@ -32,6 +31,7 @@ from eom.multibody.spatial import (
     times,
     transposed,
 )
+from eom.verification import DerivationError
 
 HALF = Fraction(1, 2)
 

@@ -7,7 +7,7 @@ from the origin of F. Rotations take components before to components after.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,19 +18,16 @@ from eom.errors import InputError, near_matches
 from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
 from eom.multibody.joints import QUATERNION, Setting
 from eom.multibody.model import GROUND, Joint, Load, Tree
-from eom.multibody.scalars import add, is_zero, mul, negative, sub
+from eom.multibody.scalars import is_zero, negative
 from eom.multibody.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
     Pair,
     Vector,
-    back,
     matrix_of,
-    minus,
     plus,
     product,
-    scaled,
     times,
     transposed,
 )
@@ -229,7 +226,9 @@ class _Building:
                 hint="derive(tree) has no such limit",
             )
         self.speeds.append(u)
-        self.accelerations.append(sp.Symbol(f"{u.name}_dot", real=True))
+        self.accelerations.append(
+            sp.Symbol(f"{u.name.removesuffix('_dot')}_{_DOTS[u.name.endswith('_dot')]}", real=True)
+        )
         self.basis.append(moved)
 
     def vector(self, v: Vector) -> Vector:
@@ -257,29 +256,31 @@ class _Building:
         arm = plus(origin, times(transposed(before), self.vector(joint.on_parent.position)))
         moved = times(transposed(to_joint), local.position)
         F = self.matrix(joint.on_child.rotation)
-        made = self._made(joint, F, parent, start)(
+        made = Link(
+            name=joint.child,
+            joint=joint,
+            parent=parent,
             position=plus(arm, moved),
             rotation=product(matrix_of(local.rotation), to_joint),
             subspace=local.subspace,
+            start=start,
+            **self._weight(joint, F),
         )
         self.seats[joint.child] = len(self.done)
         self.done.append(made)
         return made
 
-    def _made(self, joint: Joint, F: Matrix, parent: int, start: int) -> Any:
+    def _weight(self, joint: Joint, F: Matrix) -> dict[str, Any]:
+        """Return the mass properties of a body in the axes of its joint, and where the body is there."""
         body = self.tree.body[joint.child]
         origin = [negative(x) for x in times(F, self.vector(joint.on_child.position))]
-        J = product(F, product(self.matrix(body.central_inertia), transposed(F)))
-        mass = self.algebra.lift(body.mass)
-        centre = plus(origin, times(F, self.vector(body.centre)))
-
-        def make(**geometry: Any) -> Link:
-            return Link(
-                name=body.name, joint=joint, parent=parent, mass=mass, centre=centre,
-                inertia=J, seat=transposed(F), origin=origin, start=start, **geometry,
-            )  # fmt: skip
-
-        return make
+        return {
+            "mass": self.algebra.lift(body.mass),
+            "centre": plus(origin, times(F, self.vector(body.centre))),
+            "inertia": product(F, product(self.matrix(body.central_inertia), transposed(F))),
+            "seat": transposed(F),
+            "origin": origin,
+        }
 
     # -- coordinates and speeds --------------------------------------------------------------
 
@@ -359,6 +360,11 @@ class _Building:
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
 
 
+def dotted(name: str) -> str:
+    """Return the name of a rate: ``u_dot`` of ``u``, ``q_ddot`` of ``q_dot``."""
+    return f"{name.removesuffix('_dot')}_ddot" if name.endswith("_dot") else f"{name}_dot"
+
+
 def q_dot(q: Quantity) -> Quantity:
     """Return the rate of a chosen coordinate, as a quantity."""
     unit = {"rad": "rad/s", "m": "m/s"}.get(q.unit, "")
@@ -384,11 +390,15 @@ def _new_coordinates(tree: Tree, chosen: Mapping[Expr, Expr]) -> tuple[Quantity,
             )
     for j in tree.ordered:
         if 0 < sum(c.symbol in chosen for c in j.coordinates) < len(j.coordinates):
-            raise InputError("replace all coordinates of a joint or none", where=f"{where}: {j.name}")
+            raise InputError(
+                "replace all coordinates of a joint or none", where=f"{where}: {j.name}"
+            )
+    if any(TIME in e.free_symbols for e in chosen.values()):
+        raise InputError("new coordinates cannot depend on time", where=where)
     parameters = set().union(*(_constants(tree)))
     new: dict[Expr, Quantity] = {}
     for old in (o for o in allowed if o in chosen):
-        for s in sorted(chosen[old].free_symbols - parameters - {TIME}, key=str):
+        for s in sorted(chosen[old].free_symbols - parameters, key=str):
             new.setdefault(s, Quantity(s, allowed[old].unit, "coordinate"))
     others = [s for s in new if s in allowed and s not in chosen]
     if others or len(new) != len(chosen):
@@ -409,6 +419,3 @@ def _constants(tree: Tree) -> list[set[Expr]]:
             given = (*place.position, *(x for row in place.rotation for x in row), *j.rest)
             found += [x.free_symbols for x in given if not is_number(x)]
     return found
-
-
-__all__ = ["Link", "Mechanism", "Pull", "add", "mechanism", "minus", "mul", "q_dot", "scaled", "sub"]

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.mechanism import Mechanism
 from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.scalars import is_zero, negative
+from eom.multibody.scalars import is_zero
 from eom.multibody.spatial import (
     IDENTITY,
     ZERO,
@@ -183,6 +183,3 @@ class NewtonEuler:
                 if not is_zero(part) and not is_zero(value):
                     found.append(Contribution(row, source, label, part * value))
         return found
-
-
-__all__ = ["Moved", "NewtonEuler", "Wrench", "negative"]

@@ -64,13 +64,13 @@ class Algebra:
         if base not in self._sines:
             self._sines[base] = keep_sine
             left, kept = pair[::-1] if keep_sine else pair
-            self._squares[left] = {(): 1, ((kept, 2),): -1}
+            self._squares[left] = _less({kept})
         return self.atom(sine), self.atom(cosine)
 
     def sphere(self, parts: Iterable[Expr]) -> None:
         """Let the squares of these generators add to one."""
         first, *others = (self.index(p) for p in parts)
-        self._squares[first] = {(): 1} | {((k, 2),): -1 for k in others}
+        self._squares[first] = _less(others)
 
     # -- SymPy expressions -------------------------------------------------------------------
 
@@ -292,6 +292,14 @@ class Polynomial:
             key = tuple(x for x in m if wanted(x[0]))
             found.setdefault(key, {})[tuple(x for x in m if not wanted(x[0]))] = n
         return {m: self.algebra.scalar(terms) for m, terms in found.items()}
+
+
+def _less(generators: Iterable[int]) -> Terms:
+    """Return one less the squares of generators."""
+    found: Terms = {(): 1}
+    for g in generators:
+        found[((g, 2),)] = -1
+    return found
 
 
 def terms_of(x: Scalar) -> Terms:
