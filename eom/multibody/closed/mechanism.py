@@ -226,9 +226,7 @@ class _Building:
                 hint="derive(tree) has no such limit",
             )
         self.speeds.append(u)
-        self.accelerations.append(
-            sp.Symbol(f"{u.name.removesuffix('_dot')}_{_DOTS[u.name.endswith('_dot')]}", real=True)
-        )
+        self.accelerations.append(sp.Symbol(dotted(u.name), real=True))
         self.basis.append(moved)
 
     def vector(self, v: Vector) -> Vector:
