@@ -255,7 +255,7 @@ def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedFor
     speeds = [given.speeds[k] for k in given.free]
     terms = []
     for key, part in parts(given, found).items():
-        origins = tuple((label, given.algebra.expression(x)) for label, x in part.origins)
+        origins = tuple((label, write(x)) for label, x in part.origins)
         terms.append(
             Term(
                 speeds[key.row].symbol,

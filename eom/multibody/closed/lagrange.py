@@ -42,8 +42,8 @@ class Lagrange:
 
     mechanism: Mechanism
 
-    def _moved(self, x: Scalar, s: int) -> Scalar:
-        """Return X_s x."""
+    def moved(self, x: Scalar, s: int) -> Scalar:
+        """Return X_s x: how fast a unit of one speed changes ``x``."""
         return self.mechanism.algebra.along(x, self.mechanism.basis[s])
 
     @cached_property
@@ -68,12 +68,12 @@ class Lagrange:
 
     def velocity(self, x: Vector, s: int) -> Vector:
         """Return what one speed adds to the velocity of a point: X_s x."""
-        return [self._moved(c, s) for c in x]
+        return [self.moved(c, s) for c in x]
 
     def turning(self, k: int, s: int) -> Vector:
         """Return what one speed adds to the angular velocity, in the link's axes: tilde = -(X_s C) C^T."""
         C = self.poses[k][0]
-        rates = [[self._moved(c, s) for c in row] for row in C]
+        rates = [[self.moved(c, s) for c in row] for row in C]
         tilde = product(rates, transposed(C))
         return [tilde[1][2], tilde[2][0], tilde[0][1]]
 
@@ -187,7 +187,7 @@ class Lagrange:
     def _test(self, i: int, j: int, coefficients: dict[int, Scalar]) -> None:
         basis = self.mechanism.basis
         for q in basis[i].keys() | basis[j].keys():
-            bracket = self._moved(basis[j].get(q, 0), i) - self._moved(basis[i].get(q, 0), j)
+            bracket = self.moved(basis[j].get(q, 0), i) - self.moved(basis[i].get(q, 0), j)
             for r, c in coefficients.items():
                 bracket = bracket - c * basis[r].get(q, 0)
             if not is_zero(bracket):
@@ -202,10 +202,10 @@ class Lagrange:
             p = self.momenta[s]
             found += [
                 Contribution(row, "motion", "d/dt(dT/du)", self.mechanism.rate(p)),
-                Contribution(row, "motion", "-dT/dq", negative(self._moved(self.kinetic, s))),
+                Contribution(row, "motion", "-dT/dq", negative(self.moved(self.kinetic, s))),
                 Contribution(row, "motion", "brackets", self.brackets(s)),
-                Contribution(row, "gravity", "dV/dq", self._moved(self.gravity, s)),
-                Contribution(row, "spring", "dV/dq", self._moved(self.springs, s)),
+                Contribution(row, "gravity", "dV/dq", self.moved(self.gravity, s)),
+                Contribution(row, "spring", "dV/dq", self.moved(self.springs, s)),
                 Contribution(row, "damper", "dR/du", self.mechanism.part(self.dissipation, s)),
                 *self._work(row, s),
             ]

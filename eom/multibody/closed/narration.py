@@ -16,7 +16,8 @@ from eom.multibody.closed.forms import ClosedForm
 from eom.multibody.closed.kane import Kane
 from eom.multibody.closed.lagrange import Lagrange
 from eom.multibody.closed.newton_euler import NewtonEuler
-from eom.multibody.closed.polynomials import Polynomial, Scalar
+from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
+from eom.multibody.closed.readable import content
 from eom.multibody.scalars import is_zero
 
 Expr = Any
@@ -50,13 +51,15 @@ class _Pen:
         names = [*given.accelerations, *(u.symbol for u in given.speeds)]
         moving = {given.algebra.index(s) for s in names}
         found = x.by(lambda g: g in moving)
-        generators = given.algebra.generators
-        return sp.Add(
-            *(
-                sp.Mul(self.form.write(c), *(generators[g] ** p for g, p in m))
-                for m, c in found.items()
-            )
-        )
+        return sp.Add(*(self._product(m, c) for m, c in found.items()))
+
+    def _product(self, moving: Monomial, x: Scalar) -> Expr:
+        """Return a product of speeds with its coefficient, the number in it kept in front."""
+        number = content(list(terms_of(x).values()))
+        bare = self.form.write(x * (1 / number))
+        generators = self.form.steps.mechanism.algebra.generators
+        front = sp.Rational(number.numerator, number.denominator)
+        return sp.Mul(front, bare, *(generators[g] ** p for g, p in moving))
 
     def vector(self, v: Sequence[Scalar]) -> tuple[Expr, ...]:
         return tuple(map(self, v))
@@ -149,7 +152,7 @@ def _differentiated(form: ClosedForm, steps: Lagrange, pen: _Pen) -> Iterator[St
     )
     yield Stage(
         "how the kinetic energy changes with the coordinates",
-        _lines((_turned(form, "T", s), pen(steps._moved(steps.kinetic, s))) for s, _ in rows),
+        _lines((_turned(form, "T", s), pen(steps.moved(steps.kinetic, s))) for s, _ in rows),
     )
     yield Stage(
         "speeds that are no rates of coordinates: the terms of Boltzmann and Hamel",
@@ -158,7 +161,7 @@ def _differentiated(form: ClosedForm, steps: Lagrange, pen: _Pen) -> Iterator[St
     yield Stage(
         "how the potential energy changes with the coordinates",
         _lines(
-            (_turned(form, "V", s), pen(steps._moved(steps.gravity + steps.springs, s)))
+            (_turned(form, "V", s), pen(steps.moved(steps.gravity + steps.springs, s)))
             for s, _ in rows
         ),
     )

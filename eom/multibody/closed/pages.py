@@ -71,7 +71,7 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
         yield _derivation(form)
     if isinstance(given, Comparison) and len(forms) > 1:
         yield from _side_by_side(given)
-    yield from _equations(forms[0])
+    yield from _by_kind(forms[0])
 
 
 # -- names -------------------------------------------------------------------------------------
@@ -219,7 +219,7 @@ def _plain(s: Expr) -> str:
 
 def _about(term: Term, names: Names) -> tuple[Box, ...]:
     """Return the kind of a term and what its coefficient goes with."""
-    kind = Words(KINDS[term.kind].title.lower())
+    kind = Words(KINDS[term.kind].title)
     if term.factor == 1:
         return (kind,)
     return (kind, Words(", "), Operator("times"), Formula(term.factor.xreplace(names)))
@@ -239,10 +239,8 @@ def _cell(form: ClosedForm, term: Term | None) -> Cell:
 # -- the result --------------------------------------------------------------------------------
 
 
-def _equations(form: ClosedForm) -> Iterator[Block]:
+def _by_kind(form: ClosedForm) -> Iterator[Block]:
     names = display_names(form)
-    yield Heading("Equations of motion")
-    yield Display(tuple(equation_lines(form)))
     yield Heading("Terms by kind")
     for kind, meaning in KINDS.items():
         terms = [t for t in form.terms if t.kind == kind]

@@ -80,12 +80,12 @@ class Writer:
 
     def shortest(self, terms: Terms) -> Sum:
         """Return the shortest way to write a polynomial in sines and cosines, the first of equal ones."""
-        content = _content(list(terms.values()))
-        terms = {m: n / content for m, n in terms.items()}
+        shared = content(list(terms.values()))
+        terms = {m: n / shared for m, n in terms.items()}
         key = frozenset(terms.items())
         if key not in self._ways:
             self._ways[key] = self._shortest(terms)
-        return [(content * n, f) for n, f in self._ways[key]]
+        return [(shared * n, f) for n, f in self._ways[key]]
 
     def _shortest(self, terms: Terms) -> Sum:
         ways = [_plain(self.algebra, terms)]
@@ -225,8 +225,8 @@ def _factors(algebra: Algebra, terms: Terms) -> list[Expr]:
     """Return the factors of a sum: what all its terms share, then the rest, in it what several share."""
     outer = _common(list(terms))
     inner = {_divided(m, outer): n for m, n in terms.items()}
-    content = _content(list(inner.values()))
-    inner = {m: n / content for m, n in inner.items()}
+    shared = content(list(inner.values()))
+    inner = {m: n / shared for m, n in inner.items()}
     groups: list[Expr] = []
     while inner:
         best = _best(list(inner))
@@ -236,7 +236,7 @@ def _factors(algebra: Algebra, terms: Terms) -> list[Expr]:
         mine = {m: n for m, n in inner.items() if _contains(m, best)}
         groups.append(sp.Mul(*_factors(algebra, mine)))
         inner = {m: n for m, n in inner.items() if m not in mine}
-    return [_product(algebra, outer, content), sp.Add(*groups)]
+    return [_product(algebra, outer, shared), sp.Add(*groups)]
 
 
 def _best(monomials: list[Monomial]) -> Monomial | None:
@@ -275,7 +275,7 @@ def _divided(m: Monomial, by: Monomial) -> Monomial:
     return tuple((g, p) for g, p in powers.items() if p)
 
 
-def _content(numbers: list[Number]) -> Fraction:
+def content(numbers: list[Number]) -> Fraction:
     """Return what coefficients share, negative if most of them are."""
     found = Fraction(0)
     for n in numbers:
