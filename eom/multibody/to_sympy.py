@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 from sympy.physics import mechanics as me
 
 from eom.errors import InputError
@@ -32,8 +33,8 @@ class Exported:
     """A tree in SymPy's mechanics.
 
     ``frame``, ``origin``: of the ground. ``frames``, ``origins``, ``centres``: of the bodies, by name,
-    with their velocities in the ground set. ``q``, ``u``: functions of time; ``kinematics``: expressions that
-    are zero. ``bodies``: with one more for every rotor of a joint. ``loads``: gravity, springs,
+    with their velocities in the ground set. ``q``, ``u``: functions of time; ``kinematics``: expressions
+    that are zero. ``bodies``: with one more for every rotor of a joint. ``loads``: gravity, springs,
     dampers, motors and applied loads. ``names``: functions of time by the tree's symbols.
     """
 
@@ -56,7 +57,7 @@ class Exported:
 
     def plain(self, expression: Expr) -> Expr:
         """Return an expression of SymPy's mechanics over the tree's symbols."""
-        back = {v: k for k, v in self.names.items()}
+        back = {v: k for k, v in self.names.items() if isinstance(v, AppliedUndef | sp.Derivative)}
         rates = {k: v for k, v in back.items() if isinstance(k, sp.Derivative)}
         found = as_expression(expression).xreplace(rates).xreplace(back)
         return found.xreplace({me.dynamicsymbols._t: TIME})
@@ -166,11 +167,11 @@ class _Maker:
 
     def _prescribed(self, joint: Joint) -> None:
         motion = joint.motion
-        for q, u, x, v, a in zip(
-            joint.coordinates, joint.speeds, motion.position, motion.rate, motion.acceleration,
-            strict=True,
-        ):  # fmt: skip
-            x, v, a = (as_expression(e) for e in (x, v, a))
+        for k, (q, u) in enumerate(zip(joint.coordinates, joint.speeds, strict=True)):
+            x, v, a = (
+                as_expression(given[k])
+                for given in (motion.position, motion.rate, motion.acceleration)
+            )
             if not (vanishes(x.diff(TIME) - v) and vanishes(v.diff(TIME) - a)):
                 raise InputError(
                     "SymPy needs prescribed motion as a function of time with its derivatives",
