@@ -68,7 +68,7 @@ def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
     yield from _variables(forms[0])
     for form in forms:
         yield Heading(METHODS[form.method][0] if len(forms) > 1 else "Derivation")
-        yield _derivation(form)
+        yield from _derivation(form)
     if isinstance(given, Comparison) and len(forms) > 1:
         yield from _side_by_side(given)
     yield from _by_kind(forms[0])
@@ -113,17 +113,14 @@ def _variables(form: ClosedForm) -> Iterator[Block]:
 # -- steps -------------------------------------------------------------------------------------
 
 
-def _derivation(form: ClosedForm) -> Steps:
-    names = display_names(form)
-    told = stages(form)
-    notes = [
-        Note(k, stage.reason[:1].upper() + stage.reason[1:]) for k, stage in enumerate(told, 1)
-    ]
-    lines = [tuple(_stage_lines(stage, names)) for stage in told]
-    last = len(notes) + 1
-    notes.append(Note(last, "The equations of motion", "their terms are sorted by kind below"))
-    lines.append(tuple(equation_lines(form)))
-    return Steps(tuple(notes), tuple(lines))
+def _derivation(form: ClosedForm) -> Iterator[Steps]:
+    """Yield a block a stage, so that every format puts the reason before its formulas."""
+    names, number = display_names(form), 0
+    for number, stage in enumerate(stages(form), 1):
+        note = Note(number, stage.reason[:1].upper() + stage.reason[1:])
+        yield Steps((note,), (tuple(_stage_lines(stage, names)),))
+    last = Note(number + 1, "The equations of motion", "their terms are sorted by kind below")
+    yield Steps((last,), (tuple(equation_lines(form)),))
 
 
 def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:

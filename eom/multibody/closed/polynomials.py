@@ -95,6 +95,12 @@ class Algebra:
             return self.turned(self.lift(e.args[0]))[int(isinstance(e, sp.cos))]
         if e.is_Float:
             return value(e, self.where)
+        return self._root(e) if e.is_Pow and e.is_number else self.atom(e)
+
+    def _root(self, e: Expr) -> Scalar:
+        """Return a number that is a power; the square of a square root is known."""
+        if e.exp == sp.Rational(1, 2) and e.base.is_Rational and e.base > 0:
+            self._squares[self.index(e)] = {(): value(e.base, self.where)}
         return self.atom(e)
 
     def _power(self, e: Expr) -> Scalar:

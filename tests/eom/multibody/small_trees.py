@@ -15,9 +15,7 @@ DOWN = (0, 0, -g)
 
 def hung(name, parent, child, at=0, axis="y", **options):
     """A joint at a distance ``at`` below the origin of its parent."""
-    return Joint(
-        name, "revolute", parent, child, axis, on_parent=Placement((0, 0, -at)), **options
-    )
+    return Joint(name, "revolute", parent, child, axis, on_parent=Placement((0, 0, -at)), **options)
 
 
 def pendulum(count=2, **options):
@@ -49,7 +47,9 @@ def spherical_pendulum():
 def top(attitude):
     """Symmetric, its tip fixed, with angular velocity in its axes as speeds."""
     bodies = [Body("top", m, (0, 0, l), (I1, I1, I3))]
-    return Tree("top", bodies, [Joint("tip", "spherical", "ground", "top", attitude=attitude)], DOWN)
+    return Tree(
+        "top", bodies, [Joint("tip", "spherical", "ground", "top", attitude=attitude)], DOWN
+    )
 
 
 def top_by_angles():

@@ -32,7 +32,7 @@ def assert_same_equations(given, made, mass, forcing):
         assert equal(made.plain(theirs).xreplace(sphere), expanded)
 
 
-@pytest.mark.parametrize("name", [n for n in SCENES if n != "top by 3-2-1"])
+@pytest.mark.parametrize("name", [n for n in SCENES if n != "top by 3-1-3"])
 def test_kanes_method_of_sympy_on_every_small_scene(name):
     made = to_sympy(SCENES[name])
     kane = made.kane()
@@ -47,7 +47,7 @@ def test_kanes_method_of_sympy_on_tilted_joints(kind):
     assert_same_equations(given, made, kane.mass_matrix, kane.forcing)
 
 
-@pytest.mark.parametrize("name", ["double pendulum", "cart and pendulum", "spherical pendulum"])
+@pytest.mark.parametrize("name", ["cart and pendulum", "spherical pendulum"])
 def test_lagranges_method_of_sympy(name):
     given = SCENES[name]
     made, method = to_sympy(given), lagranges_method(given)
@@ -77,7 +77,7 @@ def test_sympy_s_equations_of_a_tree_compile_to_the_same_rates():
     assert codegen.compile(theirs, "numpy").rhs(0.0, [0.0] * 4, [1.0] * 7).tolist() == [0.0] * 4
 
 
-@pytest.mark.parametrize("attitude", ["3-1-2", "1-2-1"])
+@pytest.mark.parametrize("attitude", ["1-2-1"])
 def test_direction_cosines_point_the_right_way(attitude):
     """``B.dcm(N)`` takes components in the ground to those in the body, as C of the sequence."""
     given = top(attitude)
@@ -143,7 +143,7 @@ JOINTS = {
 def test_every_joint_of_sympy(kind):
     wall, system = wall_and_system()
     body = solid("body")
-    system.add_joints(JOINTS[kind](wall.frame and wall, body))
+    system.add_joints(JOINTS[kind](wall, body))
     system.apply_uniform_gravity(-g * system.y)
     imported = tree_from_sympy(system)
     assert imported.tree.gravity == (0, -g, 0)
@@ -157,7 +157,7 @@ def furnished():
     link, plate = solid("link"), solid("plate", (2, 3, 4))
     bob = me.Particle("bob", mass=2 * m)
     tilted = me.ReferenceFrame("tilted")
-    tilted.orient_axis(link.frame, link.x, sp.pi / 6)
+    tilted.orient_axis(link.frame, link.z, sp.Symbol("alpha", real=True))
     joints = [
         me.PinJoint("first", wall, link, parent_point=l * wall.x, child_point=l * link.y,
                     joint_axis=wall.z),
@@ -188,8 +188,7 @@ def test_loads_actuators_inputs_particles_and_welds():
     ours = derive(imported.tree, invariants=False)
     accelerations = sp.Matrix([ours.expand(ours.rates[n]) for n in (2, 3)])
     residual = imported.plain(system.mass_matrix) * accelerations - imported.plain(system.forcing)
-    values = {s: sp.Rational(n + 2, 3) for n, s in enumerate(sorted(residual.free_symbols, key=str))}
-    assert max(abs(x) for x in residual.xreplace(values).evalf(30)) < sp.Float("1e-20", 30)
+    assert equal(residual, sp.zeros(2, 1))
 
 
 def test_there_and_back():
@@ -241,7 +240,9 @@ def test_bodies_and_kinematics_that_trees_do_not_have_are_refused():
     refused(lambda: tree_from_sympy(system), "kinematic differential equations")
     wall, chain = wall_and_system()
     bead = me.Particle("bead", mass=m)
-    chain.add_joints(me.PrismaticJoint("a", wall, bead), me.PrismaticJoint("b", bead, solid("body")))
+    chain.add_joints(
+        me.PrismaticJoint("a", wall, bead), me.PrismaticJoint("b", bead, solid("body"))
+    )
     refused(lambda: tree_from_sympy(chain), "a particle carries a joint")
 
 
@@ -267,11 +268,12 @@ def test_what_sympy_does_not_have_is_refused():
 def test_a_body_on_placed_joints_goes_over():
     """Centre of mass and joint away from the origin, a turned frame on the child."""
     turned = ((0, 1, 0), (-1, 0, 0), (0, 0, 1))
+    cyclic = ((0, 1, 0), (0, 0, 1), (1, 0, 0))
     given = Tree(
         "placed",
         [Body("body", m, (l, 0, 0), (J, 2 * J, 2 * J))],
         [Joint("j", "revolute", "ground", "body", "z", stiffness=k, rest=1, armature=J,
-               on_parent=Placement((0, l, 0), turned), on_child=Placement((0, 0, l), turned))],
+               on_parent=Placement((0, l, 0), turned), on_child=Placement((0, 0, l), cyclic))],
         gravity=(0, -g, 0),
     )  # fmt: skip
     made = to_sympy(given)
