@@ -5,7 +5,7 @@ A value is an expression, or three of them: components in the axes that the reas
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -181,45 +181,42 @@ def _turned(form: ClosedForm, letter: str, s: int) -> Box:
 
 def _kane(form: ClosedForm, steps: Kane) -> Iterator[Stage]:
     pen, given = _Pen(form), steps.mechanism
-    links = given.links
-    heavy = [k for k, link in enumerate(links) if not is_zero(link.mass)]
+    heavy = [(k, link.name) for k, link in enumerate(given.links) if not is_zero(link.mass)]
     yield Stage(
         "angular velocities and velocities of the centres of mass, in the bodies' axes",
-        _lines(
-            pair
-            for k in heavy
-            for pair in (
-                (_of("omega", links[k].name), pen.vector(steps.origins[k].angular)),
-                (_of("v", links[k].name), pen.vector(steps.centres[k])),
-            )
+        _pairs(
+            pen, "omega", "v", ((n, steps.origins[k].angular, steps.centres[k]) for k, n in heavy)
         ),
+    )
+    partials = (
+        (n, str(row), steps.partial(k, s)) for row, s in enumerate(given.free, 1) for k, n in heavy
     )
     yield Stage(
         "partial angular velocities and partial velocities: the coefficients of the speeds",
         _lines(
-            pair
-            for row, s in enumerate(given.free, 1)
-            for k in heavy
-            for pair in (
-                (_of("omega", links[k].name, str(row)), pen.vector(steps.partial(k, s).angular)),
-                (_of("v", links[k].name, str(row)), pen.vector(steps.partial(k, s).linear)),
-            )
+            (_of(letter, name, row), pen.vector(v))
+            for name, row, pair in partials
+            for letter, v in zip(("omega", "v"), pair, strict=True)
         ),
     )
     yield Stage(
         "angular accelerations and accelerations, by differentiation in turning axes",
-        _lines(
-            pair
-            for k in heavy
-            for pair in (
-                (_of("alpha", links[k].name), pen.vector(steps.accelerations[k].angular)),
-                (_of("a", links[k].name), pen.vector(steps.accelerations[k].linear)),
-            )
-        ),
+        _pairs(pen, "alpha", "a", ((n, *steps.accelerations[k]) for k, n in heavy)),
     )
     yield _generalised(form, pen, "motion", "generalised inertia forces, less their sign", "F*")
     for source, words in _ACTIVE:
         yield _generalised(form, pen, source, words, "F")
+
+
+def _pairs(
+    pen: _Pen, first: str, second: str, found: Iterable[tuple[str, Sequence[Any], Sequence[Any]]]
+) -> tuple[tuple[Box, Value], ...]:
+    """Return two vectors of each body, with their letters."""
+    return _lines(
+        (_of(letter, name), pen.vector(v))
+        for name, *vectors in found
+        for letter, v in zip((first, second), vectors, strict=True)
+    )
 
 
 _ACTIVE = (
@@ -246,30 +243,20 @@ def _generalised(form: ClosedForm, pen: _Pen, source: str, reason: str, letter: 
 
 
 def _newton_euler(form: ClosedForm, steps: NewtonEuler) -> Iterator[Stage]:
-    pen, given = _Pen(form), steps.mechanism
-    links = given.links
-    heavy = [k for k, link in enumerate(links) if not is_zero(link.mass)]
-    yield Stage(
-        "angular accelerations, and accelerations of the centres of mass, in the bodies' axes",
-        _lines(
-            pair
-            for k in heavy
-            for pair in (
-                (_of("alpha", links[k].name), pen.vector(steps.motions[k].alpha)),
-                (_of("a", links[k].name), pen.vector(steps.acceleration(k, links[k].centre))),
-            )
-        ),
+    pen, links = _Pen(form), steps.mechanism.links
+    heavy = [(k, link) for k, link in enumerate(links) if not is_zero(link.mass)]
+    moving = (
+        (link.name, steps.motions[k].alpha, steps.acceleration(k, link.centre)) for k, link in heavy
     )
     yield Stage(
+        "angular accelerations, and accelerations of the centres of mass, in the bodies' axes",
+        _pairs(pen, "alpha", "a", moving),
+    )
+    rates = ((link.name, steps.momentum_rate(k)) for k, link in heavy)
+    balances = ((name, rate.linear, rate.angular) for name, rate in rates)
+    yield Stage(
         "balances of each body: force m a, and moment J alpha + omega x J omega about the centre",
-        _lines(
-            pair
-            for k in heavy
-            for pair in (
-                (_of("f", links[k].name), pen.vector(steps.momentum_rate(k).linear)),
-                (_of("n", links[k].name), pen.vector(steps.momentum_rate(k).angular)),
-            )
-        ),
+        _pairs(pen, "f", "n", balances),
     )
     yield Stage(
         "moments and forces are handed on towards the ground; along the directions that a joint leaves "

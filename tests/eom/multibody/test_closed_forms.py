@@ -394,4 +394,5 @@ def test_work_is_bounded(monkeypatch):
 def test_a_tree_without_motion_has_no_equations():
     given = Tree("still", [Body("box", 1)], [Joint("nail", "fixed", "ground", "box")], DOWN)
     form = closed_form(given)
-    assert form.terms == () and form.speeds == ()
+    assert form.terms == ()
+    assert form.speeds == ()

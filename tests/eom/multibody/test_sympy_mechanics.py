@@ -77,6 +77,32 @@ def test_sympy_s_equations_of_a_tree_compile_to_the_same_rates():
     assert codegen.compile(theirs, "numpy").rhs(0.0, [0.0] * 4, [1.0] * 7).tolist() == [0.0] * 4
 
 
+def test_more_coordinates_than_speeds_compile():
+    """A quaternion: seven states, of which three are speeds."""
+    given = top("quaternion")
+    theirs, ours = as_system(to_sympy(given).kane()), derive(given, invariants=False)
+    assert theirs.state_names == ours.state_names
+    x = [0.8, 0.36, -0.48, 0.0, 0.3, -0.2, 2.0]
+    values = dict.fromkeys(("I1", "I3", "g", "l", "m"), 1.5)
+    found = [
+        codegen.compile(s, "numpy").rhs(0.0, x, [values[n] for n in s.parameter_names])
+        for s in (theirs, ours)
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
+def test_dependent_speeds_are_refused_by_the_compiler():
+    q, u = me.dynamicsymbols("q1:3"), me.dynamicsymbols("u1:3")
+    N, P = me.ReferenceFrame("N"), me.Point("P")
+    P.set_vel(N, u[0] * N.x + u[1] * N.y)
+    kane = me.KanesMethod(
+        N, q, u[:1], kd_eqs=[x.diff() - y for x, y in zip(q, u, strict=True)],
+        u_dependent=u[1:], velocity_constraints=[u[0] - 2 * u[1]],
+    )  # fmt: skip
+    kane.kanes_equations([me.Particle("p", P, m)], [(P, -m * g * N.y)])
+    refused(lambda: as_system(kane), "with constraints")
+
+
 @pytest.mark.parametrize("attitude", ["1-2-1"])
 def test_direction_cosines_point_the_right_way(attitude):
     """``B.dcm(N)`` takes components in the ground to those in the body, as C of the sequence."""
@@ -217,7 +243,7 @@ def pinned(**options):
 def test_what_is_no_tree_is_refused():
     refused(lambda: tree_from_sympy(3), "not a mechanics System")
     refused(lambda: tree_from_sympy(me.System()), "without joints")
-    wall, body, system = pinned()
+    _, _, system = pinned()
     system.add_holonomic_constraints(system.q[0] - 1)
     refused(lambda: tree_from_sympy(system), "holonomic constraints")
     floating = me.System()
