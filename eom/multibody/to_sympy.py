@@ -19,9 +19,10 @@ from sympy.physics import mechanics as me
 
 from eom.errors import InputError
 from eom.identity import vanishes
-from eom.multibody.joints import Setting
+from eom.multibody.joints import QUATERNION, Setting
 from eom.multibody.model import GROUND, Joint, Tree
 from eom.multibody.scalars import Numbers, is_zero
+from eom.multibody.spatial import IDENTITY
 from eom.system import TIME, as_expression
 
 Expr = Any
@@ -188,11 +189,7 @@ class _Maker:
         q = [self.names[c.symbol] for c in joint.coordinates]
         u = [self.names[s.symbol] for s in joint.speeds]
         local = joint.row.place(self._setting(joint), q, _WORK)
-        C = sp.eye(3)
-        for turn in local.rotation:
-            C = self._matrix(turn.matrix) * C
-        F = me.ReferenceFrame(f"{joint.name}_F")
-        F.orient_dcm(P, C)
+        F = self._turned(joint, P, q, local)
         angular, linear = (
             sum((speed * _vector(column[k], F) for speed, column in zip(u, local.subspace, strict=True)),
                 me.Vector(0))
@@ -211,6 +208,22 @@ class _Maker:
         if joint.motion is None:
             self._rates(joint, q, u, local)
             self._act(joint, F, end, q, u, local.subspace)
+
+    def _turned(self, joint: Joint, P: Any, q: list[Expr], local: Any) -> Any:
+        """Return the frame F of a joint, by SymPy's own turns about axes where these are exact."""
+        turns = _turns(joint, q)
+        if turns is None or any(not vanishes(sum(x * x for x in a) - 1) for a, _ in turns):
+            C = sp.eye(3)
+            for turn in local.rotation:
+                C = self._matrix(turn.matrix) * C
+            F = me.ReferenceFrame(f"{joint.name}_F")
+            F.orient_dcm(P, C)
+            return F
+        frame = P
+        for k, (axis, angle) in enumerate(turns, 1):
+            before, frame = frame, me.ReferenceFrame(f"{joint.name}_turn{k}")
+            frame.orient_axis(before, self.vector(axis, before), angle)
+        return frame if turns else _fixed(f"{joint.name}_F", P, sp.eye(3))
 
     def _setting(self, joint: Joint) -> Setting:
         axes = tuple(tuple(_exact(x) for x in axis) for axis in joint.axes)
@@ -309,6 +322,19 @@ class _Maker:
             self.loads.append((at, force))
         if torque != 0:
             self.loads.append((self.frames[load.body], torque))
+
+
+def _turns(joint: Joint, q: list[Expr]) -> list[tuple[Sequence[Any], Expr]] | None:
+    """Return the turns of a joint about unit vectors, one after the other; None for a quaternion."""
+    if joint.row.attitude:
+        if joint.attitude == QUATERNION:
+            return None
+        axes = [IDENTITY[int(n) - 1] for n in joint.attitude.split("-")]
+        return list(zip(axes, q[-3:], strict=True))
+    if joint.kind == "planar":
+        return [((0, 0, 1), q[2])]
+    turning = joint.row.spins or joint.kind == "universal"
+    return list(zip(joint.axes, q, strict=False)) if turning else []
 
 
 def _fixed(name: str, before: Any, C: Expr) -> Any:
