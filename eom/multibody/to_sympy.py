@@ -19,6 +19,7 @@ from sympy.physics import mechanics as me
 
 from eom.errors import InputError
 from eom.identity import vanishes
+from eom.multibody.closed.known import refuse_unknown
 from eom.multibody.joints import QUATERNION, Setting
 from eom.multibody.model import GROUND, Joint, Tree
 from eom.multibody.scalars import Numbers, is_zero
@@ -85,7 +86,8 @@ class Exported:
 def to_sympy(tree: Tree) -> Exported:
     """Return a tree in SymPy's mechanics.
 
-    Raises `InputError` for prescribed motion whose rates are no derivatives of its position.
+    Raises `InputError` for prescribed motion whose rates are no derivatives of its position, and
+    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`.
     """
     return _Maker(tree).make()
 
@@ -126,6 +128,7 @@ class _Maker:
     loads: list[tuple[Any, Any]] = field(default_factory=list)
 
     def make(self) -> Exported:
+        refuse_unknown(self.tree, "SymPy's mechanics")
         self.N, self.O = me.ReferenceFrame("N"), me.Point("O")
         self.O.set_vel(self.N, 0)
         self.frames = {GROUND: self.N}

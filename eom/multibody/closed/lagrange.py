@@ -3,7 +3,7 @@
 Positions in the ground's axes are differentiated; forces and accelerations of bodies do not occur. Where
 speeds are no rates of coordinates the equations are those of Boltzmann and Hamel, which are Lagrange's
 where they are. X_s f is the sum over the coordinates of df/dq times how fast speed s moves q.
-Source: Greenwood, Advanced Dynamics (2003), sec. 2.2 and 4.3.
+Source: Greenwood, Advanced Dynamics (2003), ch. 2 and 4.
 """
 
 from __future__ import annotations

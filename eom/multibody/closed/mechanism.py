@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, near_matches
+from eom.multibody.closed.known import refuse_unknown
 from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
 from eom.multibody.joints import QUATERNION, Setting
 from eom.multibody.model import GROUND, Joint, Load, Tree
@@ -187,8 +188,10 @@ def mechanism(tree: Tree, coordinates: Mapping[Expr, Expr] | None = None) -> Mec
     """Return a tree over polynomials.
 
     ``coordinates``: other coordinates, for each coordinate that is replaced an expression over the
-    new ones. Raises `InputError` for systems with too many speeds, and coordinates that do not fit.
+    new ones. Raises `InputError` for systems with too many speeds, coordinates that do not fit, and
+    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`.
     """
+    refuse_unknown(tree, "a closed form")
     builder = _Building(tree, dict(coordinates or {}))
     links = tuple(builder.link(joint) for joint in tree.ordered)
     return builder.finish(links)
