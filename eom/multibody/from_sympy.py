@@ -56,6 +56,45 @@ def tree_from_sympy(system: Any, name: str = "system") -> Imported:
     return _Reader(system, name).read()
 
 
+def placement_from_sympy(frame: Any, point: Any, body_frame: Any, origin: Any) -> Placement:
+    """Return where a frame and a point are on a body with that frame and origin.
+
+    Raises `InputError` for those that are not fixed to it.
+    """
+    where = f"frame {frame}, point {point}"
+    position = [_constant(x, where) for x in point.pos_from(origin).to_matrix(body_frame)]
+    turned = frame.dcm(body_frame).tolist()
+    return Placement(position, [[_constant(x, where) for x in row] for row in turned])
+
+
+def body_from_sympy(body: Any) -> Body:
+    """Return a `RigidBody` or `Particle` with its origin at the centre of mass.
+
+    Raises `InputError` for masses that change, and potential energies.
+    """
+    where = f"body {body.name!r}"
+    if body.potential_energy != 0:
+        raise InputError(
+            "potential energy of a body", where=where, got=body.potential_energy,
+            expected="forces as loads, or apply_uniform_gravity",
+        )  # fmt: skip
+    mass = _constant(body.mass, where)
+    if not isinstance(body, me.RigidBody):
+        return Body(body.name, mass)
+    inertia = body.central_inertia.to_matrix(body.frame).tolist()
+    return Body(body.name, mass, (0, 0, 0), [[_constant(x, where) for x in row] for row in inertia])
+
+
+def _constant(e: Expr, where: str) -> Expr:
+    """Return an expression of parameters. Raises `InputError` for what changes."""
+    found = sp.sympify(e, strict=True)
+    if _moving(found):
+        raise InputError(
+            "changes in time", where=where, got=found, expected="numbers and parameters"
+        )
+    return found
+
+
 @dataclass
 class _Reader:
     system: Any
@@ -73,7 +112,7 @@ class _Reader:
         self._kinematics()
         loads = self._loads()
         gravity, loads = self._gravity(loads)
-        bodies = [self._body(b) for b in self.system.bodies if b is not self.ground]
+        bodies = [body_from_sympy(b) for b in self.system.bodies if b is not self.ground]
         applied = tuple(self._load(x) for x in loads if self._acts(x))
         tree = Tree(
             self.name,
@@ -94,31 +133,6 @@ class _Reader:
             hint="make the system by System.from_newtonian(wall), and join the others to the wall",
         )  # fmt: skip
 
-    # -- bodies ------------------------------------------------------------------------------
-
-    def _body(self, body: Any) -> Body:
-        where = f"body {body.name!r}"
-        if body.potential_energy != 0:
-            raise InputError(
-                "potential energy of a body", where=where, got=body.potential_energy,
-                expected="forces as loads, or apply_uniform_gravity",
-            )  # fmt: skip
-        mass = self.constant(body.mass, where)
-        if not isinstance(body, me.RigidBody):
-            return Body(body.name, mass)
-        inertia = body.central_inertia.to_matrix(body.frame)
-        entries = [[self.constant(x, where) for x in row] for row in inertia.tolist()]
-        return Body(body.name, mass, (0, 0, 0), entries)
-
-    def constant(self, e: Expr, where: str) -> Expr:
-        """Return an expression of parameters. Raises `InputError` for what changes."""
-        found = sp.sympify(e, strict=True)
-        if _moving(found):
-            raise InputError(
-                "changes in time", where=where, got=found, expected="numbers and parameters"
-            )
-        return found
-
     # -- joints ------------------------------------------------------------------------------
 
     def _joint(self, joint: Any) -> Joint:
@@ -135,7 +149,7 @@ class _Reader:
             )
         self._particle(joint.child, joint.child_interframe, True, where)
         self._particle(joint.parent, joint.parent_interframe, False, where)
-        made: Joint = kind(self, joint, self._placements(joint, where))
+        made: Joint = kind(self, joint, self._placements(joint))
         return made
 
     def _particle(self, body: Any, frame: Any, leads: bool, where: str) -> None:
@@ -149,26 +163,18 @@ class _Reader:
             )  # fmt: skip
         self.frames[body] = frame
 
-    def _placements(self, joint: Any, where: str) -> dict[str, Any]:
+    def _placements(self, joint: Any) -> dict[str, Any]:
         return {
             "name": joint.name,
             "parent": GROUND if joint.parent is self.ground else joint.parent.name,
             "child": joint.child.name,
-            "on_parent": self._placed(
-                joint.parent, joint.parent_point, joint.parent_interframe, where
-            ),
-            "on_child": self._placed(joint.child, joint.child_point, joint.child_interframe, where),
+            "on_parent": self._placed(joint.parent, joint.parent_point, joint.parent_interframe),
+            "on_child": self._placed(joint.child, joint.child_point, joint.child_interframe),
         }
 
-    def _placed(self, body: Any, point: Any, interframe: Any, where: str) -> Placement:
-        frame = self.frames[body]
+    def _placed(self, body: Any, point: Any, interframe: Any) -> Placement:
         origin = self.system.fixed_point if body is self.ground else body.masscenter
-        position = self._components(point.pos_from(origin), frame, where)
-        turned = interframe.dcm(frame).tolist()
-        return Placement(position, [[self.constant(x, where) for x in row] for row in turned])
-
-    def _components(self, v: Any, frame: Any, where: str) -> list[Expr]:
-        return [self.constant(x, where) for x in v.to_matrix(frame)]
+        return placement_from_sympy(interframe, point, self.frames[body], origin)
 
     def name_states(self, joint: Any, made: Joint, speeds: Iterable[Expr]) -> Joint:
         """Note what the coordinates and speeds of a joint are called."""

@@ -11,7 +11,7 @@ from eom.identity import equal, vanishes
 from eom.kinematics import rotation_sequence
 from eom.multibody import Body, Joint, Motion, Placement, Tree, derive
 from eom.multibody.closed import closed_form
-from eom.multibody.from_sympy import tree_from_sympy
+from eom.multibody.from_sympy import body_from_sympy, placement_from_sympy, tree_from_sympy
 from eom.multibody.to_sympy import lagranges_method, to_sympy
 from eom.system import TIME
 from tests.eom.multibody.small_trees import SCENES, J, c, g, k, l, m, pendulum, rotating, top
@@ -175,6 +175,20 @@ def test_every_joint_of_sympy(kind):
     assert imported.tree.gravity == (0, -g, 0)
     assert imported.tree.loads == ()
     assert_same_motion(system, imported)
+
+
+def test_frames_and_points_become_placements():
+    body, angle = solid("body"), sp.Symbol("alpha", real=True)
+    frame = body.frame.orientnew("F", "Axis", (angle, body.z))
+    point = body.masscenter.locatenew("P", l * frame.x)
+    found = placement_from_sympy(frame, point, body.frame, body.masscenter)
+    s, c = sp.sin(angle), sp.cos(angle)
+    assert found == Placement((l * c, l * s, 0), ((c, s, 0), (-s, c, 0), (0, 0, 1)))
+    turning = body.frame.orientnew("G", "Axis", (me.dynamicsymbols("q"), body.z))
+    refused(
+        lambda: placement_from_sympy(turning, point, body.frame, body.masscenter), "changes in time"
+    )
+    assert body_from_sympy(body) == Body("body", m, (0, 0, 0), (J, 2 * J, 2 * J))
 
 
 def furnished():
