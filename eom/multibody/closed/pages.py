@@ -24,8 +24,8 @@ from eom.blocks import (
 from eom.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symbol
 from eom.errors import unknown_name
 from eom.markup import render
+from eom.multibody.closed.coordinates import dotted
 from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, compare
-from eom.multibody.closed.mechanism import dotted
 from eom.multibody.closed.narration import Stage, Value, stages
 from eom.multibody.closed.terms import KINDS
 from eom.multibody.model import Tree

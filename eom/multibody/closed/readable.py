@@ -167,8 +167,8 @@ def fourier(algebra: Algebra, terms: Terms) -> Sum | None:
     >>> a = Algebra()
     >>> x, y = sp.symbols("x y")
     >>> s, c = a.turned(a.lift(x + y))
-    >>> fourier(a, c.terms)
-    [(1, cos(x + y))]
+    >>> [(str(number), wave) for number, wave in fourier(a, c.terms)]
+    [('1', cos(x + y))]
     """
     if any(sum(p for _, p in m) > MOST_POWER for m in terms):
         return None
