@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import sympy as sp
@@ -25,7 +25,7 @@ from eom.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symb
 from eom.errors import unknown_name
 from eom.markup import render
 from eom.multibody.closed.coordinates import dotted
-from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, compare
+from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
 from eom.multibody.closed.narration import Stage, Value, stages
 from eom.multibody.closed.terms import KINDS
 from eom.multibody.model import Tree
@@ -43,20 +43,25 @@ def show(given: ClosedForm | Comparison, style: str = "text") -> str:
     return FORMATS[style](list(blocks(given)))
 
 
-def tree_page(tree: Tree, method: str = "all", style: str = "text", **options: Any) -> str:
+def tree_page(
+    tree: Tree,
+    method: str = "all",
+    style: str = "text",
+    *,
+    coordinates: Mapping[Expr, Expr] | None = None,
+) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``options``: those of `closed_form`. Raises `InputError` for unknown methods and formats.
+    ``style``: a format of `eom.showing.FORMATS`. ``coordinates``: as of `closed_form`. Raises
+    `InputError` for unknown methods and formats, else as `compare`.
     """
-    from eom.multibody.closed.forms import closed_form
-
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
     if method == "all":
-        return show(compare(tree, **options), style)
+        return show(compare(tree, coordinates=coordinates), style)
     if method not in METHODS:
         raise unknown_name("method", method, [*METHODS, "all"], f"tree {tree.name!r}")
-    return show(closed_form(tree, method, **options), style)
+    return show(closed_form(tree, method, coordinates=coordinates), style)
 
 
 def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
