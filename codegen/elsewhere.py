@@ -87,18 +87,22 @@ def _ready(method: Any, kind: str, call: str) -> None:
         mass, forcing = method.mass_matrix, method.forcing
     except (ValueError, AttributeError) as error:
         raise InputError(f"{kind} has no equations yet", hint=f"call {call} first") from error
-    n = len(method.q)
-    if mass.shape != (n, n) or len(forcing) != n:
+    n = len(method.u)
+    dependent = [v for group in _DEPENDENT for v in getattr(method, group, ())]
+    if mass.shape != (n, n) or len(forcing) != n or dependent:
         raise InputError(
             f"{kind} with constraints",
-            got=f"{len(forcing)} equations for {n} coordinates",
+            got=f"{len(forcing)} equations for {n} speeds",
             expected="independent coordinates and speeds",
         )
 
 
+_DEPENDENT = ("_qdep", "_udep")
+"""Where KanesMethod keeps dependent coordinates and speeds."""
+
+
 def _second_order(method: Any, speeds: list[Expr], velocities: list[Expr]) -> Parts:
-    n = len(speeds)
-    mass = sp.diag(sp.eye(n), method.mass_matrix)
+    mass = sp.diag(sp.eye(len(velocities)), method.mass_matrix)
     return [*method.q, *speeds], [*velocities, *method.forcing], mass
 
 

@@ -79,7 +79,22 @@ class Steps:
         return Row(()) if left is None or is_wide(left) else left
 
 
-Block = Heading | Paragraph | Bullets | Display | Steps
+@dataclass(frozen=True)
+class Cell:
+    """Formulas one under the other, each with words in front."""
+
+    lines: tuple[tuple[str, tuple[Box, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells side by side; each row is about a formula."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[tuple[Box, ...], tuple[Cell, ...]], ...]
+
+
+Block = Heading | Paragraph | Bullets | Display | Steps | Table
 
 WIDTH = 78
 """Letters that fit on a line of a formula."""

@@ -71,6 +71,7 @@ OPERATORS: dict[str, tuple[str, str, str]] = {
     "close": (r" \bigr)", ")", ")"),
     "star": ("*", "*", "*"),
     "d": (r"\mathrm{d}", "d", "d"),
+    "partial": (r"\partial ", "∂", "d"),
 }
 """An operator in LaTeX, in Unicode and in ASCII, with the space around it."""
 

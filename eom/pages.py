@@ -11,6 +11,7 @@ import html
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
+from eom import tabular
 from eom.blocks import (
     EQUALS,
     WIDTH,
@@ -22,6 +23,7 @@ from eom.blocks import (
     Note,
     Paragraph,
     Steps,
+    Table,
     broken,
     is_wide,
 )
@@ -89,6 +91,7 @@ def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
         Bullets: lambda b: _text_bullets(b, letters),
         Display: lambda b: _text_display(b, letters),
         Steps: lambda b: _text_steps(b, letters),
+        Table: lambda b: tabular.text(b, letters),
     }
 
 
@@ -173,6 +176,7 @@ _LATEX: dict[type, Callable[[Any], list[str]]] = {
     Bullets: _latex_bullets,
     Display: _latex_display,
     Steps: lambda b: _latex_aligned(_latex_noted(b)),
+    Table: tabular.latex,
 }
 
 LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
@@ -241,6 +245,7 @@ _MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
     Bullets: lambda b: [*(f"- {_named(n, w, _markdown_name)}" for n, w in b.items), ""],
     Display: _markdown_display,
     Steps: _markdown_steps,
+    Table: tabular.markdown,
 }
 
 # -- HTML ------------------------------------------------------------------------------------
@@ -302,6 +307,7 @@ _HTML: dict[type, Callable[[Any], list[str]]] = {
     Bullets: _html_bullets,
     Display: _html_display,
     Steps: _html_steps,
+    Table: tabular.html_table,
 }
 
 HTML_DOCUMENT = """<!DOCTYPE html>
@@ -317,6 +323,8 @@ body {{ max-width: 60rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 Geo
 h1, h2, h3 {{ line-height: 1.2; }}
 table {{ border-collapse: collapse; }}
 th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }}
+.aligned {{ display: block; overflow-x: auto; }}
+.aligned th, .aligned td {{ border-top: 1px solid var(--line); vertical-align: top; }}
 .chain {{ border-top: 1px solid var(--line); padding: .3rem 0; }}
 .why {{ margin: .5rem 0 .2rem; }}
 .assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}

@@ -1,0 +1,17 @@
+"""Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term."""
+
+from eom.multibody.closed.angles import absolute_angles
+from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
+from eom.multibody.closed.pages import show, tree_page
+
+__all__ = [
+    "METHODS",
+    "ClosedForm",
+    "Comparison",
+    "Term",
+    "absolute_angles",
+    "closed_form",
+    "compare",
+    "show",
+    "tree_page",
+]

@@ -1,0 +1,313 @@
+"""The closed form of a tree by one method, several of them side by side, and the system that they give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import unknown_name
+from eom.identity import equal
+from eom.kinematics import rotation_sequence
+from eom.multibody.closed.angles import runs
+from eom.multibody.closed.contributions import Contribution
+from eom.multibody.closed.kane import Kane
+from eom.multibody.closed.lagrange import Lagrange
+from eom.multibody.closed.mechanism import Mechanism, mechanism
+from eom.multibody.closed.newton_euler import NewtonEuler
+from eom.multibody.closed.readable import Writer
+from eom.multibody.closed.terms import KINDS, factor, parts
+from eom.multibody.joints import QUATERNION
+from eom.multibody.model import Tree
+from eom.multibody.values import is_number
+from eom.system import TIME, Definition, Quantity, Singularity, System, as_expression
+from eom.verification import DerivationError
+
+Expr = Any
+
+METHODS: dict[str, tuple[str, Callable[[Mechanism], Any]]] = {
+    "lagrange": ("Lagrange", Lagrange),
+    "kane": ("Kane", Kane),
+    "newton-euler": ("Newton-Euler", NewtonEuler),
+}
+"""Titles and steps of the methods."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term of one equation: ``coefficient`` times ``factor``.
+
+    ``equation``: the speed that the equation belongs to. ``kind``: a row of
+    `eom.multibody.closed.terms.KINDS`. ``factor``: an acceleration, a product of speeds, or 1.
+    ``origins``: what each step of the method gave to the coefficient.
+    """
+
+    equation: Expr
+    kind: str
+    factor: Expr
+    coefficient: Expr
+    origins: tuple[tuple[str, Expr], ...] = ()
+
+    @property
+    def expression(self) -> Expr:
+        """The term."""
+        return self.coefficient * self.factor
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """The equations of motion of a tree: the terms on the left add to those on the right (applied).
+
+    ``coordinates``, ``speeds``: those with equations; ``accelerations``: the speeds' rates, as symbols.
+    ``kinematics``: rates of the coordinates. ``prescribed``: what the symbols of prescribed coordinates,
+    speeds and accelerations stand for. Where a speed is the rate of a coordinate, its equation is
+    the one that Lagrange's method gives for it.
+    """
+
+    tree: Tree
+    method: str
+    coordinates: tuple[Quantity, ...]
+    speeds: tuple[Quantity, ...]
+    accelerations: tuple[Expr, ...]
+    kinematics: tuple[Expr, ...]
+    prescribed: tuple[Definition, ...]
+    terms: tuple[Term, ...]
+    steps: Any = field(repr=False, compare=False)
+    """The method at work, whose intermediate results the pages show."""
+    write: Writer = field(repr=False, compare=False)
+
+    def of(self, equation: Expr, kind: str = "") -> tuple[Term, ...]:
+        """Return the terms of the equation of a speed, all or those of one kind."""
+        return tuple(t for t in self.terms if t.equation == equation and kind in {"", t.kind})
+
+    @cached_property
+    def mass_matrix(self) -> Expr:
+        """The coefficients of the accelerations, symmetric."""
+        known = {(t.equation, t.factor): t.coefficient for t in self.terms if t.kind == "inertial"}
+        rows = [
+            [known.get((u.symbol, a), sp.S.Zero) for a in self.accelerations] for u in self.speeds
+        ]
+        return sp.ImmutableMatrix(rows)
+
+    def column(self, *kinds: str) -> Expr:
+        """Return the sums of the terms of some kinds, one a speed."""
+        return sp.ImmutableMatrix(
+            [
+                sp.Add(*(t.expression for k in kinds for t in self.of(u.symbol, k)))
+                for u in self.speeds
+            ]
+        )
+
+    @property
+    def forcing(self) -> Expr:
+        """What the mass matrix times the accelerations equals."""
+        left = [k for k, kind in KINDS.items() if kind.left and k != "inertial"]
+        right = [k for k, kind in KINDS.items() if not kind.left]
+        return sp.ImmutableMatrix(self.column(*right) - self.column(*left))
+
+    @cached_property
+    def system(self) -> System:
+        """The equations as a `System` with a mass matrix; right for small trees."""
+        n = len(self.coordinates)
+        rates = (*self.kinematics, *self.forcing)
+        mass = sp.ImmutableMatrix(sp.diag(sp.eye(n), self.mass_matrix)) if self.speeds else None
+        inputs = _inputs(self.tree)
+        defined = [d.symbol for d in self.prescribed]
+        own = [q.symbol for q in (*self.coordinates, *self.speeds, *inputs)]
+        everything = [*rates, *(mass if mass is not None else ())]
+        everything += [d.expression for d in self.prescribed]
+        free = set().union(*(e.free_symbols for e in everything)) - {*own, *defined, TIME}
+        described = {p.symbol: p for p in self.tree.parameters}
+        return System(
+            name=self.tree.name,
+            states=(*self.coordinates, *self.speeds),
+            rates=rates,
+            mass_matrix=mass,
+            parameters=tuple(described.get(s, Quantity(s)) for s in sorted(free, key=str)),
+            inputs=inputs,
+            definitions=self.prescribed,
+            singularities=_singularities(self.tree),
+        )
+
+    def show(self, style: str = "text") -> str:
+        """Return the derivation as a page: text, latex, markdown or html."""
+        from eom.multibody.closed.pages import show
+
+        return show(self, style)
+
+    def latex(self) -> str:
+        """Return the equations as LaTeX: one aligned display."""
+        from eom.multibody.closed.pages import equations_latex
+
+        return equations_latex(self)
+
+    def _repr_markdown_(self) -> str:
+        return self.show("markdown")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One term of the equations by every method; ``coefficients`` in the order of the methods."""
+
+    equation: Expr
+    kind: str
+    factor: Expr
+    terms: tuple[Term | None, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all methods give the same coefficient, in exact randomised arithmetic."""
+        found = [sp.S.Zero if t is None else t.coefficient for t in self.terms]
+        return all(equal(found[0], other) for other in found[1:])
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Closed forms of one tree by several methods, term by term."""
+
+    forms: tuple[ClosedForm, ...]
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """The terms, in the order of the equations and of `KINDS`."""
+        found: dict[tuple[Expr, str, Expr], dict[int, Term]] = {}
+        for k, form in enumerate(self.forms):
+            for t in form.terms:
+                found.setdefault((t.equation, t.kind, t.factor), {})[k] = t
+        count = range(len(self.forms))
+        rows = (Row(*key, tuple(terms.get(k) for k in count)) for key, terms in found.items())
+        places = {u.symbol: k for k, u in enumerate(self.forms[0].speeds)}
+        kinds = list(KINDS)
+        return tuple(sorted(rows, key=lambda r: (places[r.equation], kinds.index(r.kind))))
+
+    @cached_property
+    def differences(self) -> tuple[Row, ...]:
+        """The terms on which the methods differ."""
+        return tuple(row for row in self.rows if not row.agrees)
+
+    def checked(self) -> Comparison:
+        """Return the comparison. Raises `DerivationError` that names the first term that differs."""
+        for row in self.differences:
+            got = {
+                form.method: str(t.coefficient if t else 0)
+                for form, t in zip(self.forms, row.terms, strict=True)
+            }
+            raise DerivationError(
+                f"the methods differ in a term ({row.kind})",
+                where=f"equation of {row.equation}, coefficient of {row.factor}",
+                got="; ".join(f"{m}: {c}" for m, c in got.items()),
+                expected="equal coefficients",
+            )
+        return self
+
+    def show(self, style: str = "text") -> str:
+        """Return the comparison as a page: text, latex, markdown or html."""
+        from eom.multibody.closed.pages import show
+
+        return show(self, style)
+
+    def _repr_markdown_(self) -> str:
+        return self.show("markdown")
+
+
+def closed_form(
+    tree: Tree, method: str = "lagrange", *, coordinates: Mapping[Expr, Expr] | None = None
+) -> ClosedForm:
+    """Return the equations of motion of a small tree as a person would write them.
+
+    ``method``: a row of `METHODS`. ``coordinates``: other coordinates in place of the joints', as
+    expressions over new symbols (`absolute_angles`). Raises `InputError` for an unknown method, and for
+    a tree whose closed form nobody would read.
+    """
+    return _forms(tree, (method,), coordinates)[0]
+
+
+def compare(
+    tree: Tree,
+    methods: Iterable[str] = tuple(METHODS),
+    *,
+    coordinates: Mapping[Expr, Expr] | None = None,
+) -> Comparison:
+    """Return the closed forms of a tree by several methods, their agreement verified term by term.
+
+    Raises `DerivationError` if two methods differ, else as `closed_form`.
+    """
+    return Comparison(_forms(tree, tuple(methods), coordinates)).checked()
+
+
+def _forms(
+    tree: Tree, methods: Iterable[str], coordinates: Mapping[Expr, Expr] | None
+) -> tuple[ClosedForm, ...]:
+    """Return closed forms over the same geometry, written in the same way."""
+    for method in methods:
+        if method not in METHODS:
+            raise unknown_name("method", method, METHODS, f"tree {tree.name!r}")
+    given = mechanism(tree, coordinates)
+    write = Writer(given.algebra, runs(given))
+    return tuple(_form(given, m, METHODS[m][1](given), write) for m in methods)
+
+
+def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedForm:
+    found: Iterable[Contribution] = steps.contributions()
+    speeds = [given.speeds[k] for k in given.free]
+    terms = []
+    for key, part in parts(given, found).items():
+        origins = tuple((label, write(x)) for label, x in part.origins)
+        terms.append(
+            Term(
+                speeds[key.row].symbol,
+                key.kind,
+                factor(given, key.factor),
+                write(part.coefficient),
+                origins,
+            )
+        )
+    return ClosedForm(
+        tree=given.tree,
+        method=method,
+        coordinates=given.variables,
+        speeds=tuple(speeds),
+        accelerations=tuple(given.accelerations[k] for k in given.free),
+        kinematics=tuple(
+            given.algebra.expression(given.rates.get(q.symbol, 0)) for q in given.variables
+        ),
+        prescribed=tuple(_prescribed(given)),
+        terms=tuple(terms),
+        steps=steps,
+        write=write,
+    )
+
+
+def _prescribed(given: Mechanism) -> Iterable[Definition]:
+    """Yield coordinates, speeds and accelerations that are prescribed."""
+    numbers = {u.symbol: k for k, u in enumerate(given.speeds)}
+    for joint in given.tree.ordered:
+        if joint.motion is None:
+            continue
+        for k, (q, u) in enumerate(zip(joint.coordinates, joint.speeds, strict=True)):
+            if is_number(joint.motion.position[k]):
+                continue
+            a = Quantity(given.accelerations[numbers[u.symbol]], f"{u.unit}^2", f"rate of {u.name}")
+            for quantity, value in (
+                (q, joint.motion.position),
+                (u, joint.motion.rate),
+                (a, joint.motion.acceleration),
+            ):
+                yield Definition(quantity, as_expression(value[k]))
+
+
+def _inputs(tree: Tree) -> tuple[Quantity, ...]:
+    return (*(m for j in tree.ordered for m in j.motors if j.motion is None), *tree.inputs)
+
+
+def _singularities(tree: Tree) -> tuple[Singularity, ...]:
+    """Return where angles of sequences fail."""
+    found: list[Singularity] = []
+    for joint in tree.ordered:
+        if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
+            angles = [c.symbol for c in joint.coordinates[-3:]]
+            found += rotation_sequence(joint.attitude, angles).singularities
+    return tuple(found)

@@ -1,0 +1,362 @@
+"""A tree over polynomials: links with their geometry, the speeds, and how symbols change in time.
+
+Shared by the three methods: the description of the tree and the table of joints, nothing that a
+method derives. Every body is a link of its own; a link's vectors are in the axes of its joint's frame F,
+from the origin of F. Rotations take components before to components after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+from eom.multibody.closed.coordinates import dotted, new_coordinates, q_dot
+from eom.multibody.closed.known import refuse_unknown
+from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
+from eom.multibody.joints import QUATERNION, Setting
+from eom.multibody.model import GROUND, Joint, Load, Tree
+from eom.multibody.scalars import is_zero, negative
+from eom.multibody.spatial import (
+    IDENTITY,
+    ZERO,
+    Matrix,
+    Pair,
+    Vector,
+    matrix_of,
+    plus,
+    product,
+    times,
+    transposed,
+)
+from eom.multibody.values import is_number
+from eom.system import Quantity, as_expression
+
+Expr = Any
+
+MOST = 12
+"""Speeds beyond which nobody reads a closed form."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body and the joint that leads to it.
+
+    ``position``: of the origin of F, in the parent's axes, from the parent's origin; ``rotation`` from
+    the parent's axes. ``subspace``: what each speed of the joint adds to the motion of F. ``inertia``:
+    about the centre of mass. ``seat``: rotation from F to the body's axes; ``origin``: of the body.
+    """
+
+    name: str
+    joint: Joint
+    parent: int
+    position: Vector
+    rotation: Matrix
+    subspace: tuple[Pair, ...]
+    mass: Scalar
+    centre: Vector
+    inertia: Matrix
+    seat: Matrix
+    origin: Vector
+    start: int
+
+    @property
+    def speeds(self) -> range:
+        """The numbers of its joint's speeds among those of all joints."""
+        return range(self.start, self.start + len(self.joint.speeds))
+
+    def point(self, position: Vector) -> Vector:
+        """Return a point of the body (from its origin, in its axes) from the origin of F."""
+        return plus(self.origin, times(transposed(self.seat), position))
+
+
+@dataclass(frozen=True)
+class Pull:
+    """A load in scalars: ``point`` from the origin of F, in its axes."""
+
+    link: int
+    force: Vector
+    torque: Vector
+    point: Vector
+    grounded: bool
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Links, and symbols with their rates.
+
+    ``speeds``: of all joints, in order; ``free``: those that have equations, ``forced``: those that
+    are prescribed. ``accelerations``: their derivatives. ``joint_speeds``: each joint's own speed over
+    ``speeds``; the same unless other coordinates were chosen. ``basis``: for each speed, how fast it
+    moves the coordinates. ``coordinates``: joint's coordinates over the chosen ones.
+    """
+
+    tree: Tree
+    algebra: Algebra
+    links: tuple[Link, ...]
+    coordinates: tuple[Scalar, ...]
+    variables: tuple[Quantity, ...]
+    speeds: tuple[Quantity, ...]
+    accelerations: tuple[Expr, ...]
+    free: tuple[int, ...]
+    basis: tuple[Mapping[Expr, Scalar], ...]
+    joint_speeds: tuple[Scalar, ...]
+    gravity: Vector
+    pulls: tuple[Pull, ...]
+
+    @cached_property
+    def rates(self) -> dict[Expr, Scalar]:
+        """How each coordinate and each speed changes in time."""
+        found: dict[Expr, Scalar] = {}
+        for u, column in zip(self.speeds, self.basis, strict=True):
+            speed = self.algebra.atom(u.symbol)
+            for q, rate in column.items():
+                found[q] = found.get(q, 0) + speed * rate
+        for u, a in zip(self.speeds, self.accelerations, strict=True):
+            found[u.symbol] = self.algebra.atom(a)
+        return found
+
+    @property
+    def forced(self) -> tuple[int, ...]:
+        """The numbers of the prescribed speeds that are no constants."""
+        return tuple(k for k in range(len(self.speeds)) if k not in self.free)
+
+    def rate(self, x: Scalar) -> Scalar:
+        """Return the derivative in time."""
+        return self.algebra.along(x, self.rates)
+
+    def rate_of(self, v: Vector) -> Vector:
+        """Return the derivatives of components in time."""
+        return [self.rate(x) for x in v]
+
+    @cached_property
+    def _numbers(self) -> dict[int, int]:
+        return {self.algebra.index(u.symbol): k for k, u in enumerate(self.speeds)}
+
+    def part(self, x: Scalar, speed: int) -> Scalar:
+        """Return the derivative of ``x`` by a speed."""
+        index = self.algebra.index(self.speeds[speed].symbol)
+        return x.partial(index) if isinstance(x, Polynomial) else 0
+
+    def part_of(self, v: Vector, speed: int) -> Vector:
+        """Return the derivatives of components by a speed."""
+        return [self.part(x, speed) for x in v]
+
+    def own(self, link: Link) -> list[Scalar]:
+        """Return the speeds of a link's joint over the chosen speeds."""
+        return [self.joint_speeds[k] for k in link.speeds]
+
+    def rotors(self) -> list[tuple[Link, Scalar, Scalar]]:
+        """Return joint speeds that move a rotor: link, inertia, speed."""
+        return [
+            (link, self.algebra.lift(J), u)
+            for link in self.links
+            for J, u in zip(link.joint.armature, self.own(link), strict=True)
+            if not is_zero(J) and not is_zero(u)
+        ]
+
+    def moves(self, k: int, link: int) -> bool:
+        """Tell whether link ``k`` is carried by, or is, the link."""
+        while k >= 0 and k != link:
+            k = self.links[k].parent
+        return k == link
+
+
+class _Trigonometry:
+    """Sines and cosines in an algebra; nothing gets a name."""
+
+    def __init__(self, algebra: Algebra) -> None:
+        self.algebra = algebra
+
+    def sin(self, x: Scalar) -> Scalar:
+        return self.algebra.turned(x)[0] if isinstance(x, Polynomial) else self._number(sp.sin, x)
+
+    def cos(self, x: Scalar) -> Scalar:
+        return self.algebra.turned(x)[1] if isinstance(x, Polynomial) else self._number(sp.cos, x)
+
+    def _number(self, function: Any, x: Scalar) -> Scalar:
+        return self.algebra.lift(function(as_expression(x)))
+
+    def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
+        return value
+
+
+def mechanism(tree: Tree, coordinates: Mapping[Expr, Expr] | None = None) -> Mechanism:
+    """Return a tree over polynomials.
+
+    ``coordinates``: other coordinates, for each coordinate that is replaced an expression over the
+    new ones. Raises `InputError` for systems with too many speeds, coordinates that do not fit, and
+    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`.
+    """
+    refuse_unknown(tree, "a closed form")
+    builder = _Building(tree, dict(coordinates or {}))
+    links = tuple(builder.link(joint) for joint in tree.ordered)
+    return builder.finish(links)
+
+
+class _Building:
+    def __init__(self, tree: Tree, chosen: dict[Expr, Expr]) -> None:
+        self.tree = tree
+        self.algebra = Algebra(f"tree {tree.name!r}")
+        self.work = _Trigonometry(self.algebra)
+        self.chosen = {k: as_expression(e) for k, e in chosen.items()}
+        self.new = new_coordinates(tree, self.chosen)
+        self.seats = {GROUND: -1}
+        self.done: list[Link] = []
+        self.coordinates: list[Scalar] = []
+        self.joint_speeds: list[Scalar] = []
+        self.speeds: list[Quantity] = []
+        self.accelerations: list[Expr] = []
+        self.free: list[int] = []
+        self.basis: list[dict[Expr, Scalar]] = []
+        self._new_speeds()
+
+    def _new_speeds(self) -> None:
+        for q in self.new:
+            self._speed(q_dot(q), True, {q.symbol: 1})
+
+    def _speed(self, u: Quantity, free: bool, moved: dict[Expr, Scalar]) -> None:
+        if free:
+            self.free.append(len(self.speeds))
+        if len(self.free) > MOST:
+            raise InputError(
+                "too many speeds for a closed form that can be read",
+                where=f"tree {self.tree.name!r}",
+                expected=f"at most {MOST}",
+                hint="derive(tree) has no such limit",
+            )
+        self.speeds.append(u)
+        self.accelerations.append(sp.Symbol(dotted(u.name), real=True))
+        self.basis.append(moved)
+
+    def vector(self, v: Vector) -> Vector:
+        return [self.algebra.lift(x) for x in v]
+
+    def matrix(self, A: Matrix) -> Matrix:
+        return [self.vector(row) for row in A]
+
+    def link(self, joint: Joint) -> Link:
+        """Return the link that a joint leads to."""
+        parent = self.seats[joint.parent]
+        before, origin = (
+            (self.done[parent].seat, self.done[parent].origin) if parent >= 0 else (IDENTITY, ZERO)
+        )
+        q, start = self._coordinates(joint), len(self.joint_speeds)
+        setting = Setting(
+            joint.name,
+            tuple(tuple(self.vector(a)) for a in joint.axes),
+            self.algebra.lift(joint.pitch),
+            joint.attitude,
+        )
+        local = joint.row.place(setting, q, self.work)
+        self._speeds(joint, setting, q, local)
+        to_joint = product(self.matrix(joint.on_parent.rotation), before)
+        arm = plus(origin, times(transposed(before), self.vector(joint.on_parent.position)))
+        moved = times(transposed(to_joint), local.position)
+        F = self.matrix(joint.on_child.rotation)
+        made = Link(
+            name=joint.child,
+            joint=joint,
+            parent=parent,
+            position=plus(arm, moved),
+            rotation=product(matrix_of(local.rotation), to_joint),
+            subspace=local.subspace,
+            start=start,
+            **self._weight(joint, F),
+        )
+        self.seats[joint.child] = len(self.done)
+        self.done.append(made)
+        return made
+
+    def _weight(self, joint: Joint, F: Matrix) -> dict[str, Any]:
+        """Return the mass properties of a body in the axes of its joint, and where the body is there."""
+        body = self.tree.body[joint.child]
+        origin = [negative(x) for x in times(F, self.vector(joint.on_child.position))]
+        return {
+            "mass": self.algebra.lift(body.mass),
+            "centre": plus(origin, times(F, self.vector(body.centre))),
+            "inertia": product(F, product(self.matrix(body.central_inertia), transposed(F))),
+            "seat": transposed(F),
+            "origin": origin,
+        }
+
+    # -- coordinates and speeds --------------------------------------------------------------
+
+    def _coordinates(self, joint: Joint) -> list[Scalar]:
+        if joint.motion is not None:
+            given = zip(joint.coordinates, joint.motion.position, strict=True)
+            q = [self.algebra.lift(p if is_number(p) else c.symbol) for c, p in given]
+        else:
+            q = [self.algebra.lift(self.chosen.get(c.symbol, c.symbol)) for c in joint.coordinates]
+        self._attitude(joint)
+        self.coordinates += q
+        return q
+
+    def _attitude(self, joint: Joint) -> None:
+        """Choose the normal form of attitude coordinates: what rates are divided by is kept."""
+        if joint.row.attitude and joint.attitude == QUATERNION:
+            self.algebra.sphere(c.symbol for c in joint.coordinates[-4:])
+        elif joint.row.attitude:
+            first, _, third = joint.attitude.split("-")
+            self.algebra.angle(joint.coordinates[-2].symbol, keep_sine=first == third)
+
+    def _speeds(self, joint: Joint, setting: Setting, q: list[Scalar], local: Any) -> None:
+        """Add the speeds of a joint, and how they move its coordinates."""
+        if joint.motion is not None:
+            self._prescribed(joint)
+            return
+        replaced = [c.symbol in self.chosen for c in joint.coordinates]
+        if any(replaced):
+            self.joint_speeds += [self._over_new(x) for x in q]
+            return
+        for k, u in enumerate(joint.speeds):
+            unit = [int(n == k) for n in range(len(joint.speeds))]
+            rates = joint.row.rates(setting, q, unit, local)
+            names = [c.symbol for c in joint.coordinates]
+            moved = {c: r for c, r in zip(names, rates, strict=True) if not is_zero(r)}
+            self._speed(u, True, moved)
+            self.joint_speeds.append(self.algebra.atom(u.symbol))
+
+    def _prescribed(self, joint: Joint) -> None:
+        for k, u in enumerate(joint.speeds):
+            if is_number(joint.motion.position[k]):
+                self.joint_speeds.append(0)
+                continue
+            self._speed(u, False, {joint.coordinates[k].symbol: 1})
+            self.joint_speeds.append(self.algebra.atom(u.symbol))
+
+    def _over_new(self, q: Scalar) -> Scalar:
+        rates = {n.symbol: self.algebra.atom(q_dot(n).symbol) for n in self.new}
+        return self.algebra.along(q, rates)
+
+    # -- the whole ---------------------------------------------------------------------------
+
+    def finish(self, links: tuple[Link, ...]) -> Mechanism:
+        free = [j for j in self.tree.ordered if j.motion is None]
+        kept = [c for j in free for c in j.coordinates if c.symbol not in self.chosen]
+        return Mechanism(
+            tree=self.tree,
+            algebra=self.algebra,
+            links=links,
+            coordinates=tuple(self.coordinates),
+            variables=(*self.new, *kept),
+            speeds=tuple(self.speeds),
+            accelerations=tuple(self.accelerations),
+            free=tuple(self.free),
+            basis=tuple(self.basis),
+            joint_speeds=tuple(self.joint_speeds),
+            gravity=self.vector(self.tree.gravity),
+            pulls=tuple(self._pull(load) for load in self.tree.loads),
+        )
+
+    def _pull(self, load: Load) -> Pull:
+        link = self.done[self.seats[load.body]]
+        force, torque = self.vector(load.force), self.vector(load.torque)
+        if load.axes != GROUND:
+            force, torque = (times(transposed(link.seat), v) for v in (force, torque))
+        point = link.point(self.vector(load.point))
+        return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)

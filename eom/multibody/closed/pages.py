@@ -1,0 +1,273 @@
+"""Pages of closed forms: one method with its steps, or several side by side, term by term."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import sympy as sp
+
+from eom.blocks import (
+    EQUALS,
+    Block,
+    Bullets,
+    Cell,
+    Display,
+    Heading,
+    Line,
+    Note,
+    Paragraph,
+    Steps,
+    Table,
+    broken,
+)
+from eom.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symbol
+from eom.errors import unknown_name
+from eom.markup import render
+from eom.multibody.closed.coordinates import dotted
+from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
+from eom.multibody.closed.narration import Stage, Value, stages
+from eom.multibody.closed.terms import KINDS
+from eom.multibody.model import Tree
+from eom.showing import FORMATS
+from eom.writing import expression_pieces
+
+Expr = Any
+Names = dict[Expr, Expr]
+
+
+def show(given: ClosedForm | Comparison, style: str = "text") -> str:
+    """Return a page in a format of `eom.showing.FORMATS`. Raises `InputError` for others."""
+    if style not in FORMATS:
+        raise unknown_name("format", style, FORMATS)
+    return FORMATS[style](list(blocks(given)))
+
+
+def tree_page(
+    tree: Tree,
+    method: str = "all",
+    style: str = "text",
+    *,
+    coordinates: Mapping[Expr, Expr] | None = None,
+) -> str:
+    """Return the page of a tree by one of `METHODS`, or by all of them side by side.
+
+    ``style``: a format of `eom.showing.FORMATS`. ``coordinates``: as of `closed_form`. Raises
+    `InputError` for unknown methods and formats, else as `compare`.
+    """
+    if style not in FORMATS:
+        raise unknown_name("format", style, FORMATS)
+    if method == "all":
+        return show(compare(tree, coordinates=coordinates), style)
+    if method not in METHODS:
+        raise unknown_name("method", method, [*METHODS, "all"], f"tree {tree.name!r}")
+    return show(closed_form(tree, method, coordinates=coordinates), style)
+
+
+def blocks(given: ClosedForm | Comparison) -> Iterator[Block]:
+    """Yield what there is to show, in reading order."""
+    forms = given.forms if isinstance(given, Comparison) else (given,)
+    titles = " | ".join(METHODS[f.method][0] for f in forms)
+    name = given.forms[0].tree.name if isinstance(given, Comparison) else given.tree.name
+    yield Heading(f"{name.replace('_', ' ')} by {titles}", 1)
+    yield from _variables(forms[0])
+    for form in forms:
+        yield Heading(METHODS[form.method][0] if len(forms) > 1 else "Derivation")
+        yield from _derivation(form)
+    if isinstance(given, Comparison) and len(forms) > 1:
+        yield from _side_by_side(given)
+    yield from _by_kind(forms[0])
+
+
+# -- names -------------------------------------------------------------------------------------
+
+
+def display_names(form: ClosedForm) -> Names:
+    """Return how speeds and accelerations are shown: those of a coordinate q as rates of q."""
+    found: Names = {}
+    given = form.steps.mechanism
+    for u, a, moved in zip(given.speeds, given.accelerations, given.basis, strict=True):
+        if len(moved) == 1 and set(moved.values()) == {1}:
+            q = next(iter(moved)).name
+            found[u.symbol] = sp.Symbol(dotted(q), real=True)
+            found[a] = sp.Symbol(dotted(dotted(q)), real=True)
+    return found
+
+
+def _variables(form: ClosedForm) -> Iterator[Block]:
+    names = display_names(form)
+    items = [(Formula(q.symbol), q.description) for q in form.coordinates]
+    for u in form.speeds:
+        shown = u.symbol.xreplace(names)
+        if shown == u.symbol:
+            items.append((Formula(u.symbol), u.description))
+        elif not u.name.endswith("_dot"):
+            items.append((Formula(shown), f"{u.description}, elsewhere {u.name}"))
+    yield Heading("Variables")
+    yield Bullets(tuple(items))
+    if form.prescribed:
+        yield Heading("Prescribed motion")
+        yield Display(
+            tuple(
+                _line(Formula(d.symbol.xreplace(names)), d.expression, names)
+                for d in form.prescribed
+            )
+        )
+
+
+# -- steps -------------------------------------------------------------------------------------
+
+
+def _derivation(form: ClosedForm) -> Iterator[Steps]:
+    """Yield a block a stage, so that every format puts the reason before its formulas."""
+    names, number = display_names(form), 0
+    for number, stage in enumerate(stages(form), 1):
+        note = Note(number, stage.reason[:1].upper() + stage.reason[1:])
+        yield Steps((note,), (tuple(_stage_lines(stage, names)),))
+    last = Note(number + 1, "The equations of motion", "their terms are sorted by kind below")
+    yield Steps((last,), (tuple(equation_lines(form)),))
+
+
+def _stage_lines(stage: Stage, names: Names) -> Iterator[Line]:
+    for left, value in stage.lines:
+        yield Line(left, EQUALS, _pieces(value, names))
+
+
+def _pieces(value: Value, names: Names) -> tuple[Box, ...]:
+    if isinstance(value, tuple):
+        return (Grid(tuple((row(*_pieces(x, names)),) for x in value)),)
+    return expression_pieces(value.xreplace(names))
+
+
+def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
+    return Line(left, EQUALS, _pieces(right, names), words)
+
+
+def equation_lines(form: ClosedForm) -> Iterator[Line]:
+    """Yield the equations: left side in the order of the kinds, the applied forces on the right."""
+    names = display_names(form)
+    for u in form.speeds:
+        left = [t for t in form.of(u.symbol) if KINDS[t.kind].left]
+        right = [t for t in form.of(u.symbol) if not KINDS[t.kind].left]
+        pieces = _sum(left, names)
+        yield Line(row(*pieces), EQUALS, _sum(right, names), broken_left=pieces)
+
+
+def _sum(terms: list[Term], names: Names) -> tuple[Box, ...]:
+    """Return the terms in the order given, with their signs."""
+    signed = [pair for t in terms for pair in _signed(t, names)]
+    if not signed:
+        return expression_pieces(sp.S.Zero)
+    first = (Operator("negative"),) if signed[0][0] else ()
+    others = [Row((Operator("minus" if minus else "plus"), box)) for minus, box in signed[1:]]
+    return (row(*first, signed[0][1]), *others)
+
+
+def _signed(term: Term, names: Names) -> Iterator[tuple[bool, Box]]:
+    """Yield the parts of a term with whether they are subtracted; a factor stands behind a sum."""
+    coefficient, factor = term.coefficient.xreplace(names), term.factor.xreplace(names)
+    whole = [coefficient] if factor != 1 else sp.Add.make_args(coefficient)
+    for part in whole:
+        minus = bool(part.as_coeff_Mul()[0].is_negative)
+        bare = -part if minus else part
+        pieces = expression_pieces(bare)
+        box = Fence(row(*pieces)) if isinstance(bare, sp.Add) and factor != 1 else row(*pieces)
+        if factor == 1:
+            yield minus, box
+        elif bare == 1:
+            yield minus, Formula(factor)
+        else:
+            yield minus, Row((box, Operator("times"), Formula(factor)))
+
+
+def equations_latex(form: ClosedForm) -> str:
+    """Return the equations as one aligned display."""
+    rows = []
+    for line in equation_lines(form):
+        for part in broken(line):
+            left = render(part.left, "latex") if part.left else ""
+            relation = render(part.relation, "latex")
+            rows.append(f"{left} &{relation} {render(Row(part.right), 'latex')}".rstrip())
+    return "\\begin{align*}\n" + " \\\\\n".join(rows) + "\n\\end{align*}"
+
+
+# -- side by side ------------------------------------------------------------------------------
+
+
+def _side_by_side(given: Comparison) -> Iterator[Block]:
+    yield Heading("Side by side")
+    count = len(given.rows)
+    yield Paragraph(
+        f"Of each term the steps that give it, by method; the {count} coefficients agree, each verified "
+        "by exact arithmetic at random points."
+    )
+    titles = tuple(METHODS[f.method][0] for f in given.forms)
+    for u in given.forms[0].speeds:
+        names = display_names(given.forms[0])
+        rows = [r for r in given.rows if r.equation == u.symbol]
+        yield Heading(f"Equation of {_plain(u.symbol.xreplace(names))}", 3)
+        table = []
+        for r in rows:
+            first = next(t for t in r.terms if t is not None)
+            about = _about(first, names)
+            cells = tuple(_cell(form, t) for form, t in zip(given.forms, r.terms, strict=True))
+            table.append((about, cells))
+        yield Table(titles, tuple(table))
+
+
+def _plain(s: Expr) -> str:
+    return render(symbol(s.name), "text")
+
+
+def _about(term: Term, names: Names) -> tuple[Box, ...]:
+    """Return the kind of a term and what its coefficient goes with."""
+    kind = Words(KINDS[term.kind].title)
+    if term.factor == 1:
+        return (kind,)
+    return (kind, Words(", "), Operator("times"), Formula(term.factor.xreplace(names)))
+
+
+def _cell(form: ClosedForm, term: Term | None) -> Cell:
+    """Return what the steps of a method give to a coefficient, and the sum of several."""
+    names = display_names(form)
+    if term is None:
+        return Cell((("", _pieces(sp.S.Zero, names)),))
+    lines = [(label, _pieces(x, names)) for label, x in term.origins]
+    if len(lines) > 1:
+        lines.append(("sum", _pieces(term.coefficient, names)))
+    return Cell(tuple(lines))
+
+
+# -- the result --------------------------------------------------------------------------------
+
+
+def _by_kind(form: ClosedForm) -> Iterator[Block]:
+    names = display_names(form)
+    yield Heading("Terms by kind")
+    for kind, meaning in KINDS.items():
+        terms = [t for t in form.terms if t.kind == kind]
+        if terms and kind == "inertial":
+            matrix = form.mass_matrix.xreplace(names)
+            yield Paragraph("Mass matrix, over the accelerations in the order of the variables:")
+            yield Display((Line(symbol("M"), EQUALS, (_grid(matrix),)),))
+        elif terms:
+            column = form.column(kind).xreplace(names)
+            side = "" if meaning.left else " (right side)"
+            yield Paragraph(f"{meaning.title}{side}:")
+            yield Display((Line(symbol(_LETTERS[kind]), EQUALS, (_grid(column),)),))
+
+
+_LETTERS = {
+    "centrifugal": "h_centrifugal",
+    "coriolis": "h_Coriolis",
+    "gyroscopic": "h_gyroscopic",
+    "prescribed": "h_prescribed",
+    "gravity": "h_gravity",
+    "spring": "h_springs",
+    "damper": "h_dampers",
+    "applied": "Q",
+}
+
+
+def _grid(matrix: Expr) -> Box:
+    return Grid(tuple(tuple(row(*expression_pieces(x)) for x in line) for line in matrix.tolist()))
