@@ -270,7 +270,7 @@ def _symbols(tree: Tree, quantities: str) -> list[Any]:
 
 
 def _equation(given: Equation, tree: Tree, scene: Scene) -> Rows:
-    """phi' = sum of phi_q N u + phi_t."""
+    """The rate of phi is the sum of phi_q N u, plus phi_t."""
     coordinates = _symbols(tree, "coordinates")
     lift = scene.arithmetic.lift
     slopes = {k: sp.diff(given.expression, c) for k, c in enumerate(coordinates)
