@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -198,8 +198,19 @@ def ordered(given: Tree) -> tuple[Joint, ...]:
 
 def _massless(given: Tree) -> None:
     """Raise `InputError` for a joint that moves freely and moves no mass, and is not bound to any."""
+    found = moves_nothing(given, {b for c in given.constraints for b in c.bodies})
+    if found is not None:
+        raise InputError(
+            "the joint moves no mass",
+            where=f"joint {found.name!r}",
+            got=f"body {found.child!r} of mass 0, and nothing heavy on it",
+            hint="give it mass, or fix the joint",
+        )
+
+
+def moves_nothing(given: Tree, bound: Collection[str]) -> Joint | None:
+    """Return a free joint that moves neither mass nor a body of ``bound``, if there is one."""
     heavy: dict[str, bool] = {}
-    bound = {b for c in given.constraints for b in c.bodies}
     bodies = {b.name: b for b in given.bodies}
     children: dict[str, list[Joint]] = {}
     for j in given.joints:
@@ -209,12 +220,8 @@ def _massless(given: Tree) -> None:
         below = any(heavy[k.child] or _armed(k) for k in children.get(j.child, ()))
         heavy[j.child] = own or below
         if not heavy[j.child] and j.speeds and j.motion is None and not _armed(j):
-            raise InputError(
-                "the joint moves no mass",
-                where=f"joint {j.name!r}",
-                got=f"body {j.child!r} of mass 0, and nothing heavy on it",
-                hint="give it mass, or fix the joint",
-            )
+            return j
+    return None
 
 
 def _armed(j: Joint) -> bool:
