@@ -87,7 +87,7 @@ def _in_one(scene: Scene, target: str, project: tuple[str, ...], events: tuple[s
             _times(scene),
             inputs=scene.input_values(),
             max_steps=plan.max_steps,
-            project=EVERY in project or project,
+            project=EVERY in project or project or None,
             events=found,
             progress=progress,
         )

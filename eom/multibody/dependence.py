@@ -174,6 +174,15 @@ def not_met(tree: Tree, found: Closed) -> InputError:
     )
 
 
+def independent_rows(sample: Sample) -> list[int]:
+    """Return the components whose rows do not follow from those before, at one configuration."""
+    kept: list[int] = []
+    for k in range(len(sample.found.at.rows)):
+        if _remainder(sample, k, kept) > RANK:
+            kept.append(k)
+    return kept
+
+
 def _remainder(sample: Sample, k: int, kept: Sequence[int]) -> float:
     """Return what is left of a row beside the kept ones, relative to the row."""
     row = sample.row(k)

@@ -118,12 +118,12 @@ def _inputs(tree: Tree) -> tuple[Quantity, ...]:
 
 def _named(tree: Tree) -> list[Quantity]:
     """Return everything that has a name before the derivation."""
-    symbols = [Quantity(s) for s in _symbols(tree)]
+    symbols = [Quantity(s) for s in symbols_of(tree)]
     driven = [q for j in tree.ordered if j.motion is not None for q in (*j.coordinates, *j.speeds)]
     return [*_states(tree), *_inputs(tree), *driven, *symbols, Quantity(TIME)]
 
 
-def _symbols(tree: Tree) -> list[Expr]:
+def symbols_of(tree: Tree) -> list[Expr]:
     """Return the free symbols of a description, by name."""
     return _symbols_in([*_values(tree), *(x for c in tree.constraints for x in c.values)])
 
@@ -156,7 +156,7 @@ def _parameters(tree: Tree) -> tuple[Quantity, ...]:
     moving = [q for j in tree.ordered for q in (*j.coordinates, *j.speeds)]
     other = {q.symbol for q in (*moving, *_inputs(tree))} | {TIME}
     described = {p.symbol: p for p in tree.parameters}
-    return tuple(described.get(s, Quantity(s)) for s in _symbols(tree) if s not in other)
+    return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
 
 
 def _variables(tree: Tree, bones: Skeleton, treated: Plan, work: Naming) -> Variables:

@@ -143,14 +143,16 @@ def _parallel(cut: _Cut) -> Rows:
     """The axis of the second stays parallel to that of the first."""
     a, b, c = cut.triad
     for letter, e in zip(("t1", "t2"), (b, c), strict=True):
-        relation = Square(cut.on_first(e), cut.first, cut.on_second(a), cut.second)
+        alike = cut.on_first(a), cut.on_second(a)
+        relation = Square(cut.on_first(e), cut.first, alike[1], cut.second, alike=alike)
         yield _torque(cut.loop.name, letter, f"on {cut.loop.second}, across its axis", relation)
 
 
 def _locked(cut: _Cut) -> Rows:
     """No turn about the axis either."""
     _, b, c = cut.triad
-    relation = Square(cut.on_first(c), cut.first, cut.on_second(b), cut.second)
+    alike = cut.on_first(b), cut.on_second(b)
+    relation = Square(cut.on_first(c), cut.first, alike[1], cut.second, alike=alike)
     yield _torque(cut.loop.name, "t3", f"on {cut.loop.second}, about its axis", relation)
 
 

@@ -38,6 +38,10 @@ class Relation:
         """Return what is left of the second rate without u'."""
         raise NotImplementedError
 
+    def side(self) -> Scalar | None:
+        """Return what is positive on the right side where the equation holds on two; or None."""
+        return None
+
 
 def difference(first: Row, second: Row) -> Row:
     """Return second less first."""
@@ -104,6 +108,12 @@ class Square(Relation):
     h: Vector
     second: Spot
     cosine: Scalar = 0
+    alike: tuple[Vector, Vector] | None = None
+    """Two directions that coincide where the joint is as it should be, and not turned round."""
+
+    def side(self) -> Scalar | None:
+        """Return the cosine between the directions that coincide."""
+        return None if self.alike is None else dot(*self.alike)
 
     def value(self) -> Scalar:
         """Return g . h less its value."""
