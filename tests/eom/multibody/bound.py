@@ -1,7 +1,5 @@
 """Trees with constraints that several tests need."""
 
-import math
-
 import sympy as sp
 
 from eom.multibody import (
@@ -30,9 +28,6 @@ def rod(name, mass, length):
 
 def four_bar(kind="revolute", coupler=2, rotation=PLAIN.rotation, extra=(), **options):
     """Crank, coupler and rocker about z; ``rotation`` turns the whole mechanism in space."""
-    columns = list(zip(*rotation, strict=True))
-    back = tuple(d * x for x in columns[0])
-    fall = tuple(-g * x for x in columns[1])
     return Tree(
         "four_bar",
         [rod("crank", 1, L1), rod("coupler", coupler, L2), rod("rocker", 3, L3)],
@@ -141,7 +136,10 @@ def squeezer():
     ends = (("k3", (0, -0.035, 0)), ("k4", (0, -0.02, 0)), ("k6", (0.02, 0, 0)))
     return Tree(
         "squeezer",
-        [Body(name, mass, centre, (inertia / 2, inertia / 2, inertia)) for name, mass, centre, inertia, _, _ in rows],
+        [
+            Body(name, mass, centre, (inertia / 2, inertia / 2, inertia))
+            for name, mass, centre, inertia, _, _ in rows
+        ],
         [
             Joint(name, "revolute", parent, name, on_parent=Placement(where),
                   force=0.033 if name == "k1" else 0)
@@ -154,6 +152,3 @@ def squeezer():
             for name, end in ends
         ],
     )  # fmt: skip
-
-
-assert math.isclose(sum(x * x for x in ROTATION[0]), 1)
