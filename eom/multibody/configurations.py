@@ -173,9 +173,17 @@ def closed(geometry: Geometry, q: Sequence[float], mobility: Sequence[float]) ->
 
     ``mobility``: how freely each speed's coordinate changes; each turn makes the least change, in
     which squares are divided by the squares of these; 0 for what stays.
+
+    Raises `InputError` where the constraints have no derivative at ``q``.
     """
     q = geometry.completed(q)
-    here = geometry.linear(q)
+    here = _tried(geometry, q)
+    if here is None:
+        raise InputError(
+            "the constraints have no derivative at the start values",
+            where=f"tree {geometry.tree.name!r}",
+            hint="a wheel must not lie flat",
+        )
     damping = 1.0
     for turn in range(TURNS):
         size = _norm(here)
@@ -184,14 +192,24 @@ def closed(geometry: Geometry, q: Sequence[float], mobility: Sequence[float]) ->
         trial_q = geometry.moved(
             q, _step(geometry, here, mobility, damping * min(size * size, size))
         )
-        trial = geometry.linear(trial_q)
-        if _norm(trial) < size:
+        trial = _tried(geometry, trial_q)
+        if trial is not None and _norm(trial) < size:
             q, here, damping = trial_q, trial, damping / 4
         elif damping > 1e12 or size < 1e-15:
             return Closed(q, here, turn)
         else:
             damping *= 8
     return Closed(q, here, TURNS)
+
+
+def _tried(geometry: Geometry, q: Sequence[float]) -> Linear | None:
+    """Return the constraints at a configuration, None where they have no derivative: a flat wheel."""
+    try:
+        found = geometry.linear(q)
+    except (ZeroDivisionError, ValueError):
+        return None
+    sizes = [x for row in found.rows for x in row]
+    return found if all(map(math.isfinite, sizes)) else None
 
 
 def _norm(at: Linear) -> float:

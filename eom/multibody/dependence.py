@@ -23,6 +23,8 @@ RANK = 1e-8
 """Remainder of a row, relative to the row, below which it counts as dependent."""
 WANTED, TRIES = 5, 40
 """Configurations that are tested, and how often one is looked for."""
+NOTHING = 1e-12
+"""Size of a row, relative to the largest, below which it is zero but for rounding."""
 NOTABLE = 1e-6
 """Coefficients of a combination that are told."""
 
@@ -37,6 +39,11 @@ class Sample:
     def row(self, k: int) -> Row:
         """Return the row of a component over the free speeds."""
         return [self.found.at.rows[k][s] for s in self.geometry.free]
+
+    @property
+    def largest(self) -> float:
+        """The size of the largest row."""
+        return max(math.hypot(*row) for row in self.found.at.rows)
 
     def wanted(self, k: int) -> float:
         """Return what the row times the free speeds is to be."""
@@ -79,7 +86,7 @@ def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination
     random, always the same. Raises `InputError` where constraints cannot be met together, where they
     contradict each other in their rates, and where they leave no motion.
     """
-    samples = _samples(tree, dict(start or {}))
+    samples = _regular(_samples(tree, dict(start or {})))
     parts = samples[0].found.at.components
     kept: list[int] = []
     dropped = []
@@ -101,6 +108,12 @@ def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination
             + ", ".join(names[k] for k in kept),
         )
     return Examination(names, tuple(kept), tuple(dropped), freedom, samples)
+
+
+def _regular(samples: Sequence[Sample]) -> tuple[Sample, ...]:
+    """Return the configurations at which most rows are independent; the others are singular."""
+    ranks = [len(independent_rows(s)) for s in samples]
+    return tuple(s for s, rank in zip(samples, ranks, strict=True) if rank == max(ranks))
 
 
 def _driven(tree: Tree) -> bool:
@@ -187,7 +200,7 @@ def _remainder(sample: Sample, k: int, kept: Sequence[int]) -> float:
     """Return what is left of a row beside the kept ones, relative to the row."""
     row = sample.row(k)
     size = math.hypot(*row)
-    if size <= RANK * RANK:
+    if size <= NOTHING * sample.largest:
         return 0.0
     rest = row
     for base in _orthonormal([sample.row(i) for i in kept]):
@@ -204,7 +217,7 @@ def _orthonormal(rows: Sequence[Row]) -> list[Row]:
             for base in found:
                 rest = _without(rest, base)
         size = math.hypot(*rest)
-        if size > RANK * RANK:
+        if size > NOTHING:
             found.append([x / size for x in rest])
     return found
 
@@ -330,6 +343,6 @@ def _distance(found: Examination, columns: Sequence[int]) -> float:
                     rest = _without(rest, base)
             size = math.hypot(*rest)
             least = min(least, (size / math.hypot(*whole)) ** 2)
-            if size > RANK * RANK:
+            if size > NOTHING:
                 bases.append([x / size for x in rest])
     return least

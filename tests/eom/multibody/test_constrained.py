@@ -66,10 +66,6 @@ def outputs(system, values, parameters, t=0.0):
 WAYS = {"multipliers": {"multipliers": True}, "elimination": {"independent": ("u_a",)}}
 
 
-def started(given, q_a=0.3, u_a=2.0):
-    return assemble(given, {**LENGTHS, **NEAR, "q_a": q_a, "u_a": u_a}, keep=("q_a", "u_a")).values
-
-
 def linkage(angle):
     """Angles of coupler and rocker over the crank's: two circles meet (Freudenstein's equation)."""
     l1, l2, l3, d = (mpmath.mpf(LENGTHS[n]) for n in ("L1", "L2", "L3", "d"))
@@ -80,6 +76,13 @@ def linkage(angle):
     px = l1 * mpmath.cos(angle) + l2 * mpmath.cos(coupler) - d
     py = l1 * mpmath.sin(angle) + l2 * mpmath.sin(coupler)
     return coupler, mpmath.atan2(py, px)
+
+
+def started(given, q_a=0.3, u_a=2.0):
+    """Consistent values from some a tenth of a radian off."""
+    coupler, rocker = (float(x) for x in linkage(q_a))
+    near = {"q_a": q_a, "q_b": coupler - q_a + 0.1, "q_c": rocker - 0.1, "u_a": u_a}
+    return assemble(given, {**LENGTHS, **near}, keep=("q_a", "u_a")).values
 
 
 def reduced_acceleration(angle, rate):
@@ -173,14 +176,14 @@ def test_a_mass_on_a_rod_is_a_pendulum(constraint, way):
 
 
 def test_a_bead_on_a_turning_wire():
-    """y = tan(t) x, a constraint that depends on time: along the wire s'' = s - g sin t."""
+    """y = tan(t) x, a constraint that depends on time: gravity acts along it, 2 s' across."""
     t = sp.Symbol("t", real=True)
     wire = Equation("wire", y * sp.cos(t) - x * sp.sin(t))
     system = derive(point_mass(wire))
     at, s, v, fall = 0.4, 1.3, 0.7, 9.81
     c, n = math.cos(at), math.sin(at)
     values = {"q_x": s * c, "q_y": s * n, "u_x": v * c - s * n, "u_y": v * n + s * c}
-    a, w = s - fall * n, 2 * v
+    a, w = -fall * n, 2 * v
     found = rates(system, values, {"g": fall}, at)
     assert found["u_x"] == pytest.approx(a * c - w * n, rel=1e-13)
     assert found["u_y"] == pytest.approx(a * n + w * c, rel=1e-13)
@@ -196,13 +199,13 @@ def test_chaplygins_sleigh():
     assert len(system.states) == 5
     v, w = 1.7, -0.6
     p = {"b": 0.3, "m": 2.0, "J": 0.5}
-    speeds = {"v_j_x": v, "v_j_y": 0.0, "u_j": w}
+    speeds = {"v_j_1": v, "v_j_2": 0.0, "u_j": w}
     values = {"x_j": 1.0, "y_j": 2.0, "q_j": 0.9, **speeds}
     names = [n for n in system.state_names if n in speeds]
-    assert len(names) == 2
+    assert names == ["v_j_1", "u_j"]
     found = rates(system, values, p)
     turning = -2.0 * 0.3 * v * w / (0.5 + 2.0 * 0.09)
-    expected = {"v_j_x": 0.3 * w**2, "u_j": turning}
+    expected = {"v_j_1": 0.3 * w**2, "u_j": turning}
     for name in names:
         assert found[name] == pytest.approx(expected[name], rel=1e-13)
     force = outputs(system, values, p)["lambda_edge"]
@@ -218,10 +221,10 @@ def test_a_sleigh_ends_straight_as_its_closed_form_says():
     k = 0.3 * A * 2.0 / whole
     W = math.sqrt(k * A / 0.3)
     system = derive(sleigh())
-    speeds = {"v_j_x": 0.0, "v_j_y": 0.0, "u_j": W}
+    speeds = {"v_j_1": 0.0, "v_j_2": 0.0, "u_j": W}
     start = {n: speeds.get(n, 0.0) for n in system.state_names}
     found = codegen.simulate(system, start, (0, 3), p, rtol=1e-12, method="DOP853")
-    assert found["v_j_x"][-1] == pytest.approx(A * math.tanh(3 * k), rel=1e-10)
+    assert found["v_j_1"][-1] == pytest.approx(A * math.tanh(3 * k), rel=1e-10)
     assert found["u_j"][-1] == pytest.approx(W / math.cosh(3 * k), rel=1e-9)
     assert found.drift["energy"].relative < 1e-11
 
@@ -256,9 +259,9 @@ def test_a_rolling_disc_obeys_its_classical_equations(attitude, way):
         spin = u2 - u3 * slope
         expected = (
             (4 * fall * math.sin(lean) + 6 * radius * u2 * u3 - radius * u3**2 * slope)
-            / (5 * radius) + spin * u3,
+            / (5 * radius) - spin * u3,
             -2 * u1 * u3 / 3,
-            (-2 * u2 + u3 * slope) * u1 - spin * u1,
+            (-2 * u2 + u3 * slope) * u1 + spin * u1,
         )  # fmt: skip
         for name, value in zip(("w_j_1", "w_j_2", "w_j_3"), expected, strict=True):
             assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-13)
@@ -344,7 +347,7 @@ def test_a_crank_that_is_turned_by_an_equation():
     for name in ("lambda_pin_x", "lambda_pin_y"):
         assert first[name] == pytest.approx(second[name], rel=1e-11)
     assert first["u_c"] == pytest.approx(values["u_c"], rel=1e-13)
-    with pytest.raises(InputError, match="expected: 0 of|wrong number"):
+    with pytest.raises(InputError, match="wrong number"):
         derive(by_equation, independent=("u_a",))
 
 
@@ -388,20 +391,17 @@ def test_start_values_that_do_not_meet_the_constraints_are_refused():
         codegen.simulate(system, start, (0, 1), LENGTHS)
 
 
-def test_a_singular_configuration_stops_a_run():
-    """A parallelogram that becomes straight: its rates are not determined there."""
+@needs_compiler
+def test_speeds_that_stop_to_determine_the_others_stop_a_run():
+    """The rocker turns back where crank and coupler are in line; there its speed says nothing."""
     given = four_bar()
-    lengths = {"L1": 0.5, "L2": 1.0, "L3": 0.5, "d": 1.0, "g": 0.0}
-    values = assemble(
-        given, {**lengths, "q_a": 1.5, "q_b": -1.5, "q_c": 1.5, "u_a": -2.0}, keep=("q_a", "u_a")
-    ).values
-    system = derive(given, start={**lengths, "q_a": 1.5, "q_b": -1.5, "q_c": 1.5})
+    values = started(given, 0.3, 30.0)
+    system = derive(given, independent=("u_c",))
     start = {n: values[n] for n in system.state_names}
-    found = codegen.compile(system, "numpy")
-    run = codegen.simulate(found, start, (0, 2), lengths, method="scipy:DOP853")
+    run = codegen.simulate(system, start, (0, 1), LENGTHS, method="DOP853")
     assert run.status == 1
-    assert "dependent" in run.message
-    assert abs(math.sin(run["q_a"][-1])) < 1e-2
+    assert "no longer determine the others" in run.message
+    assert abs(math.sin(run.y_stop[1])) < 0.05
 
 
 def test_a_helper_without_constraints_has_none_to_eliminate():
