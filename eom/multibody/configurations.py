@@ -29,6 +29,8 @@ from eom.multibody.values import is_number
 from eom.system import TIME
 
 TURNS = 200
+SLOW, BARELY = 8, 1e-4
+"""Turns that reduce what is left by no more than this share, after which the iteration ends."""
 CLOSE = 1e-11
 """What may be left of a constraint, relative to the lengths of the tree (1 m at least)."""
 FLOATS = Numbers(math.sin, math.cos)
@@ -184,16 +186,17 @@ def closed(geometry: Geometry, q: Sequence[float], mobility: Sequence[float]) ->
             where=f"tree {geometry.tree.name!r}",
             hint="a wheel must not lie flat",
         )
-    damping = 1.0
+    damping, slow = 1.0, 0
     for turn in range(TURNS):
         size = _norm(here)
-        if size == 0.0:
+        if size == 0.0 or slow > SLOW:
             return Closed(q, here, turn)
         trial_q = geometry.moved(
             q, _step(geometry, here, mobility, damping * min(size * size, size))
         )
         trial = _tried(geometry, trial_q)
         if trial is not None and _norm(trial) < size:
+            slow = slow + 1 if _norm(trial) > size * (1 - BARELY) else 0
             q, here, damping = trial_q, trial, damping / 4
         elif damping > 1e12 or size < 1e-15:
             return Closed(q, here, turn)
@@ -206,6 +209,8 @@ def _tried(geometry: Geometry, q: Sequence[float]) -> Linear | None:
     """Return the constraints at a configuration, None where they have no derivative: a flat wheel."""
     try:
         found = geometry.linear(q)
+    except InputError:
+        raise
     except (ZeroDivisionError, ValueError):
         return None
     sizes = [x for row in found.rows for x in row]

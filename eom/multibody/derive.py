@@ -70,10 +70,10 @@ def derive(
     for name in wanted:
         if name not in OUTPUTS:
             raise unknown_name("output", name, OUTPUTS, f"tree {tree.name!r}")
-    work = Naming(q.name for q in _named(tree))
+    work = Naming(q.name for q in named_of(tree))
     bones = skeleton(tree, work.atom, work)
     treated = plan(tree, start, independent, multipliers)
-    variables = _variables(tree, bones, treated, work)
+    variables = variables_of(tree, bones, treated, work)
     rates = coordinate_rates(bones, variables.q, variables.u, work)
     accelerations = _accelerations(bones, variables, work)
     free = [j.motion is None for j in tree.ordered]
@@ -104,7 +104,8 @@ def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) 
     return found
 
 
-def _states(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
+def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
+    """Return coordinates and speeds that are free, without those that follow."""
     free = [j for j in tree.ordered if j.motion is None]
     speeds = [s for j in tree.ordered for s in j.speeds]
     followed = {speeds[k] for k in dependent}
@@ -112,15 +113,16 @@ def _states(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
     return (*(c for j in free for c in j.coordinates), *kept)
 
 
-def _inputs(tree: Tree) -> tuple[Quantity, ...]:
+def inputs_of(tree: Tree) -> tuple[Quantity, ...]:
+    """Return motors and given inputs."""
     return (*(m for j in tree.ordered for m in j.motors if j.motion is None), *tree.inputs)
 
 
-def _named(tree: Tree) -> list[Quantity]:
+def named_of(tree: Tree) -> list[Quantity]:
     """Return everything that has a name before the derivation."""
     symbols = [Quantity(s) for s in symbols_of(tree)]
     driven = [q for j in tree.ordered if j.motion is not None for q in (*j.coordinates, *j.speeds)]
-    return [*_states(tree), *_inputs(tree), *driven, *symbols, Quantity(TIME)]
+    return [*states_of(tree), *inputs_of(tree), *driven, *symbols, Quantity(TIME)]
 
 
 def symbols_of(tree: Tree) -> list[Expr]:
@@ -151,15 +153,15 @@ def _values(tree: Tree) -> Iterable[Any]:
         yield from (*load.force, *load.torque, *load.point)
 
 
-def _parameters(tree: Tree) -> tuple[Quantity, ...]:
+def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
     """Return the symbols that are nothing else, as they are described."""
     moving = [q for j in tree.ordered for q in (*j.coordinates, *j.speeds)]
-    other = {q.symbol for q in (*moving, *_inputs(tree))} | {TIME}
+    other = {q.symbol for q in (*moving, *inputs_of(tree))} | {TIME}
     described = {p.symbol: p for p in tree.parameters}
     return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
 
 
-def _variables(tree: Tree, bones: Skeleton, treated: Plan, work: Naming) -> Variables:
+def variables_of(tree: Tree, bones: Skeleton, treated: Plan, work: Naming) -> Variables:
     """Return coordinates, speeds (those that follow from others among them) and applied forces."""
     q: list[Any] = []
     u: list[Any] = []
@@ -225,10 +227,10 @@ def _system(
     ]
     return System(
         name=tree.name,
-        states=_states(tree, binding.plan.dependent or ()),
+        states=states_of(tree, binding.plan.dependent or ()),
         rates=tuple(rates),
-        parameters=_parameters(tree),
-        inputs=_inputs(tree),
+        parameters=parameters_of(tree),
+        inputs=inputs_of(tree),
         definitions=used(work.definitions, results),
         outputs=tuple(outputs),
         invariants=tuple(invariants),
