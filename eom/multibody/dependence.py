@@ -11,6 +11,7 @@ import math
 import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from eom.errors import InputError, near_matches
 from eom.multibody.configurations import Closed, Geometry, Row, closed, random_values, solved
@@ -122,14 +123,14 @@ def _driven(tree: Tree) -> bool:
     return any(j.motion is not None for j in tree.joints) or any(x.has(TIME) for x in given)
 
 
-def _symbols(tree: Tree) -> list[object]:
+def _symbols(tree: Tree) -> list[Any]:
     """Return the symbols that the geometry depends on, beside coordinates and speeds, by name."""
     moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
     found = {s for x in _geometry(tree) if not is_number(x) for s in x.free_symbols}
     return sorted(found - moving, key=lambda s: str(s.name))
 
 
-def _geometry(tree: Tree) -> Iterable[object]:
+def _geometry(tree: Tree) -> Iterable[Any]:
     for j in tree.joints:
         yield from (*(x for a in j.axes for x in a), j.pitch)
         for place in (j.on_parent, j.on_child):

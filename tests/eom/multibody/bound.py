@@ -152,3 +152,8 @@ def squeezer():
             for name, end in ends
         ],
     )  # fmt: skip
+
+
+def point_mass_free():
+    """A body without constraints."""
+    return Tree("free", [Body("b", 1)], [Joint("x", "prismatic", GROUND, "b", "x")])
