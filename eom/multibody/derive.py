@@ -339,23 +339,17 @@ OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
 def _invariants(told: _Told) -> list[Definition]:
     """Return norms of quaternions; energy if nothing drives or brakes; momentum if nothing holds."""
     tree = told.tree
-    found = []
+    found = [*told.variables.binding.sums()]
     for joint in tree.ordered:
         if joint.row.attitude and joint.attitude == QUATERNION and joint.motion is None:
             square = sp.Add(*(c.symbol**2 for c in joint.coordinates[-4:]))
             meaning = f"norm of the quaternion of {joint.name}"
             symbol = sp.Symbol(f"norm_{joint.name}", real=True)
             found.append(Definition(Quantity(symbol, "1", meaning), sp.sqrt(square)))
-    found += told.variables.binding.sums()
     if conservative(tree):
         found += _energy(told)
         roots = [p for p in told.bones.parts if p.parent < 0]
-        if (
-            inner(tree)
-            and len(roots) == 1
-            and roots[0].kind.name == "free"
-            and all(map(is_zero, tree.gravity))
-        ):
+        if len(roots) == 1 and roots[0].kind.name == "free" and all(map(is_zero, tree.gravity)):
             found += _momentum(told)
     return found
 
