@@ -25,7 +25,7 @@ PAIRS = 400
 def measure(settings: Settings) -> Section:
     """Return two rows a ready scene; the short form counts operations alone."""
     rows: list[Row] = []
-    for name in catalogue.names():
+    for name in catalogue.single():
         compiled = compile_system(Scene.ready(name).derive(), "c")
         jacobian = compiled.jacobian()
         rows.append(_operations(name, compiled, jacobian))

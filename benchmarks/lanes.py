@@ -73,7 +73,7 @@ def _clock() -> Any:
 
 def measure(settings: Settings) -> Section:
     """Return the rows of each ready scene; threads in the long form alone."""
-    rows = [row for name in catalogue.names() for row in _rows(name, settings)]
+    rows = [row for name in catalogue.single() for row in _rows(name, settings)]
     return Section("points a second and core: in lanes | without", tuple(rows))
 
 

@@ -25,7 +25,7 @@ STAGES = (*TO_TEXT, *TO_CODE)
 
 def measure(settings: Settings) -> Section:  # noqa: ARG001 - all measurements are called alike
     """Return one row a ready scene; no targets."""
-    rows = tuple(_row(name) for name in catalogue.names())
+    rows = tuple(_row(name) for name in catalogue.single())
     return Section("from nothing: to text | to code | size", rows)
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from eom.derivations import derive as derive
     from eom.errors import AssumptionError as AssumptionError
     from eom.errors import InputError as InputError
+    from eom.multibody.scene import TreeScene as TreeScene
+    from eom.opening import load_scene as load_scene
     from eom.rigidbody import euler_equations as euler_equations
     from eom.rigidbody import free_rigid_body as free_rigid_body
     from eom.rigidbody import full_inertia as full_inertia
@@ -49,6 +51,8 @@ _HOME = {
     "principal_inertia": "rigidbody",
     "rigid_body": "rigidbody",
     "Scene": "scene",
+    "TreeScene": "multibody.scene",
+    "load_scene": "opening",
     "SpinningSymmetricBody": "spinning",
     "lecture_torque": "spinning",
     "Assumption": "system",

@@ -5,8 +5,20 @@ from __future__ import annotations
 import tomllib
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from eom.errors import unknown_name
+
+TOML, URDF = ".toml", ".urdf"
+"""How names of scene files end."""
+
+TREE = "tree"
+"""The ``model`` of scenes with many bodies, which `eom.multibody.scene.TreeScene` reads."""
+
+
+def is_file(name: str) -> bool:
+    """Tell files from names of scenes, problems and derivations."""
+    return name.endswith((TOML, URDF)) or "/" in name
 
 
 def _folder() -> Path:
@@ -16,15 +28,28 @@ def _folder() -> Path:
 def names() -> list[str]:
     """Return the names of the ready scenes, sorted.
 
-    >>> names()
-    ['bicycle-wheel', 'gravity-gradient-satellite', 'heavy-top', 't-handle', 't-handle-in-angles']
+    >>> names()[:3]
+    ['bicycle-wheel', 'double-pendulum', 'floating-tree']
     """
     return sorted(p.stem for p in _folder().glob("*.toml"))
 
 
+def single() -> list[str]:
+    """Return the names of the ready scenes of one body, sorted.
+
+    >>> "heavy-top" in single(), "double-pendulum" in single()
+    (True, False)
+    """
+    return [n for n in names() if _data(n).get("model") != TREE]
+
+
 def titles() -> dict[str, str]:
     """Return the title of each ready scene by name."""
-    return {n: tomllib.loads(path_of(n).read_text(encoding="utf-8"))["title"] for n in names()}
+    return {n: _data(n)["title"] for n in names()}
+
+
+def _data(name: str) -> dict[str, Any]:
+    return tomllib.loads(path_of(name).read_text(encoding="utf-8"))
 
 
 def path_of(name: str) -> Path:

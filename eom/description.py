@@ -36,13 +36,13 @@ def _formula(value: Any) -> Any:
 Formula = Annotated[str | float, pydantic.BeforeValidator(_formula)]
 
 
-class _Part(pydantic.BaseModel):
+class Part(pydantic.BaseModel):
     """What all parts of a scene share: frozen, and no key without a meaning."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
-class Body(_Part):
+class Body(Part):
     """The body by principal moments, by its inertia matrix, or as a named uniform solid.
 
     ``moments``: I1, I2, I3 (kg m^2); for a spinner I1 (transverse) and I2 (about the axle).
@@ -58,7 +58,7 @@ class Body(_Part):
     size: dict[str, Positive] = Field(default_factory=dict)
 
 
-class Weight(_Part):
+class Weight(Part):
     """Weight about a fixed point: gravity along -a3."""
 
     mass: Positive
@@ -66,13 +66,13 @@ class Weight(_Part):
     centre_of_mass: Triple
 
 
-class GravityGradient(_Part):
+class GravityGradient(Part):
     """Gravity gradient on a circular orbit; attitude is measured in the orbit frame."""
 
     orbital_rate: Positive
 
 
-class Torque(_Part):
+class Torque(Part):
     """At most one of: components in B (numbers or formulas), weight, gravity gradient."""
 
     components: tuple[Formula, Formula, Formula] | None = None
@@ -80,7 +80,7 @@ class Torque(_Part):
     gravity_gradient: GravityGradient | None = None
 
 
-class Value(_Part):
+class Value(Part):
     """A number with its unit and meaning."""
 
     value: Number
@@ -88,7 +88,7 @@ class Value(_Part):
     meaning: str = ""
 
 
-class InitialAttitude(_Part):
+class InitialAttitude(Part):
     """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion."""
 
     sequence: str = "3-1-2"
@@ -97,7 +97,7 @@ class InitialAttitude(_Part):
     quaternion: tuple[Number, Number, Number, Number] | None = None
 
 
-class Integration(_Part):
+class Integration(Part):
     """End time (s), method, tolerances, number of output times, and of steps to try at most.
 
     ``handover``: near the singularity of Euler angles go on in quaternions (`eom.handover`).
@@ -123,28 +123,35 @@ def _as_value(value: Any) -> Any:
 Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
 
 
-class Description(_Part):
-    """One body, its attitude coordinates and torque, numbers, and what is asked for.
+class Request(Part):
+    """What scenes of every model have: names, numbers of formulas, and what is asked for.
 
-    ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
-    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences.
     ``outputs``: names of states and outputs; nothing else is derived. Empty means all states.
-    ``initial``: values of states at t = 0, or of outputs that determine a missing state.
     """
 
     name: str = "scene"
     title: str = ""
     description: str = ""
+    parameters: Values = Field(default_factory=dict)
+    inputs: Values = Field(default_factory=dict)
+    outputs: tuple[str, ...] = ()
+    integration: Integration = Integration()
+
+
+class Description(Request):
+    """One body, its attitude coordinates and torque, numbers, and what is asked for.
+
+    ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
+    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences.
+    ``initial``: values of states at t = 0, or of outputs that determine a missing state.
+    """
+
     model: Literal["rigid body", "spinner"] = "rigid body"
     body: Body
     attitude: str = "none"
     torque: Torque = Torque()
-    parameters: Values = Field(default_factory=dict)
-    inputs: Values = Field(default_factory=dict)
     initial: dict[str, Number] = Field(default_factory=dict)
     initial_attitude: InitialAttitude | None = None
-    outputs: tuple[str, ...] = ()
-    integration: Integration = Integration()
 
 
 def check(scene: Description) -> None:
@@ -154,7 +161,13 @@ def check(scene: Description) -> None:
     _check_attitude(scene)
     _check_body(scene)
     _check_torque(scene)
-    _check_initial_attitude(scene.initial_attitude)
+    if scene.initial_attitude is not None:
+        check_initial_attitude(scene.initial_attitude, "[initial_attitude]")
+    check_end(scene)
+
+
+def check_end(scene: Request) -> None:
+    """Raise `InputError` for an integration that takes no time."""
     if scene.integration.t_end == 0:
         raise InputError(
             "end time is zero", where="[integration] t_end", hint="give the time in seconds"
@@ -297,10 +310,8 @@ def _check_torque(scene: Description) -> None:
             )
 
 
-def _check_initial_attitude(initial: InitialAttitude | None) -> None:
-    if initial is None:
-        return
-    where = "[initial_attitude]"
+def check_initial_attitude(initial: InitialAttitude, where: str) -> None:
+    """Raise `InputError` unless an attitude is given in one way, and is one."""
     given = [k for k in ("radians", "degrees", "quaternion") if getattr(initial, k) is not None]
     if len(given) != 1:
         raise InputError(

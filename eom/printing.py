@@ -58,7 +58,10 @@ def _latex_names(system: System) -> Names:
     groups = (system.states, system.parameters, system.inputs)
     quantities = [q for group in groups for q in group]
     quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
-    return {q.symbol: q.latex for q in quantities if _OWN_LATEX.fullmatch(q.latex)}
+    return {
+        q.symbol: q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
+        for q in quantities
+    }
 
 
 def _variables(heading: str, quantities: Iterable[Quantity], names: Names) -> list[Block]:

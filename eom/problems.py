@@ -19,8 +19,8 @@ import sympy as sp
 from eom import catalogue
 from eom.dissipation import viscous_slug
 from eom.errors import unknown_name
+from eom.opening import AnyScene, load_scene
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
-from eom.scene import Scene
 from eom.spinning import lecture_torque
 from eom.system import TIME, System
 
@@ -54,7 +54,7 @@ class Problem:
         return self.derive()
 
 
-def from_scene(scene: Scene) -> Problem:
+def from_scene(scene: AnyScene) -> Problem:
     """Return a scene as a problem: the smallest system for its outputs, until its end time."""
     return Problem(
         name=scene.name,
@@ -181,8 +181,6 @@ def ready(name: str) -> Problem:
     rows = {row.name: row for row in PROBLEMS}
     if name in rows:
         return rows[name]
-    if name.endswith(".toml") or "/" in name:
-        return from_scene(Scene.from_toml(name))
-    if name not in catalogue.names():
+    if not catalogue.is_file(name) and name not in catalogue.names():
         raise unknown_name("problem or scene", name, names())
-    return from_scene(Scene.ready(name))
+    return from_scene(load_scene(name))

@@ -6,8 +6,6 @@ what was skipped and why. Every formula in a scene is read by the restricted par
 
 from __future__ import annotations
 
-import re
-import tomllib
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -15,12 +13,12 @@ from typing import Any, Self
 import pydantic
 
 from eom import assembly, catalogue, start
-from eom.description import Description, Value, check
-from eom.errors import InputError, near_matches, unknown_name
+from eom.description import Description, check
+from eom.errors import InputError, unknown_name
+from eom.kinematics import attitude
 from eom.reduce import Explanation
+from eom.scene_files import data_of, in_file, readable
 from eom.system import System
-
-MAX_FILE_BYTES = 1_000_000
 
 
 class Scene(Description):
@@ -34,7 +32,7 @@ class Scene(Description):
         try:
             super().__init__(**data)
         except pydantic.ValidationError as error:
-            raise _readable(error) from None
+            raise readable(error, Description) from None
 
     def __hash__(self) -> int:
         """Scenes are values; hash by content that matters for lookup only."""
@@ -58,19 +56,11 @@ class Scene(Description):
     def from_toml(cls, path: str | Path) -> Scene:
         """Read a scene file. Raises `InputError` with the file's name for whatever is wrong in it."""
         file = Path(path)
-        text = _read(file)
-        try:
-            data = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:  # a huge integer, deep nesting
-            raise InputError("not a valid TOML file", where=str(file), got=str(error)) from None
-        data.setdefault("name", file.stem)
-        try:
+        data = data_of(file)
+        with in_file(file):
+            if data.get("model") == catalogue.TREE:
+                raise _is_a_tree()
             return cls(**data)
-        except InputError as error:
-            where = f"{file}: {error.where}" if error.where else str(file)
-            raise type(error)(
-                error.what, where=where, got=error.got, expected=error.expected, hint=error.hint
-            ) from None
 
     @classmethod
     def ready(cls, name: str) -> Scene:
@@ -124,57 +114,18 @@ class Scene(Description):
         """Return the value at which each input of `derive` is held."""
         return {n: v.value for n, v in self.inputs.items() if n in self.derive().input_names}
 
-
-def _read(file: Path) -> str:
-    if not file.is_file():
-        known = [p.name for p in file.parent.glob("*.toml")] if file.parent.is_dir() else []
-        raise InputError("no such scene file", where=str(file), hint=near_matches(file.name, known))
-    if file.stat().st_size > MAX_FILE_BYTES:
-        raise InputError(
-            "scene file is too large", where=str(file), expected=f"at most {MAX_FILE_BYTES} bytes"
-        )
-    try:
-        return file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError("scene file cannot be read", where=str(file), got=str(error)) from None
+    @property
+    def attitudes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states that are one attitude together, and cannot vary alone."""
+        if self.model == "spinner" or self.attitude == "none":
+            return ()
+        chosen = attitude(self.attitude)
+        return (tuple(q.name for q in chosen.coordinates),) if chosen.constraints else ()
 
 
-def _readable(error: pydantic.ValidationError) -> InputError:
-    """Turn the first finding into one error; count the others."""
-    findings = error.errors(include_url=False)
-    ours = [f["ctx"]["error"] for f in findings if "error" in f.get("ctx", {})]
-    if ours and isinstance(ours[0], InputError):
-        return ours[0]
-    first, *others = sorted(findings, key=lambda f: f["type"] != "extra_forbidden")
-    place = ".".join(str(part) for part in first["loc"])
-    more = f" (and {len(others)} more)" if others else ""
-    if first["type"] == "extra_forbidden":
-        key = str(first["loc"][-1])
-        return InputError(
-            f"unknown key {key!r}{more}",
-            where=place,
-            hint=near_matches(key, _keys_at(Description, first["loc"][:-1])),
-        )
-    if first["type"] == "missing":
-        last = first["loc"][-1]
-        what = f"missing key {last!r}" if isinstance(last, str) else "too few values"
-        return InputError(f"{what}{more}", where=place)
-    expected = re.sub("^(Input should be|Value error, expected) ", "", first["msg"])
+def _is_a_tree() -> InputError:
     return InputError(
-        f"unusable value{more}", where=place, got=repr(first["input"])[:200], expected=expected
+        "this scene is a tree of bodies, not one body",
+        where="model",
+        hint="eom.load_scene opens scenes of every model",
     )
-
-
-def _keys_at(model: type[pydantic.BaseModel], place: tuple[int | str, ...]) -> list[str]:
-    """Field names of the part at ``place``."""
-    for step in place:
-        field = model.model_fields.get(str(step))
-        if field is None:
-            return list(Value.model_fields) if model is Description else []
-        parts = [
-            a
-            for a in (field.annotation, *getattr(field.annotation, "__args__", ()))
-            if isinstance(a, type)
-        ]
-        model = next((p for p in parts if issubclass(p, pydantic.BaseModel)), model)
-    return list(model.model_fields)

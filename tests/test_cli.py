@@ -56,11 +56,11 @@ print(sorted({"sympy", "numpy", "scipy", "matplotlib"} & set(sys.modules)))
 @pytest.mark.parametrize("name", catalogue.names())
 @pytest.mark.parametrize("style", ["text", "latex", "markdown"])
 def test_derive_prints_every_state_and_output(run, name, style):
-    from eom import Scene
+    from eom import load_scene
 
     done = run("derive", name, "--as", style)
     assert done.exit_code == 0
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     assert system.title in done.output
     if style == "text":
         for state in system.state_names:
@@ -313,11 +313,11 @@ def test_generate_needs_a_folder_or_a_report(run):
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_accuracy_tells_of_every_result(run, name):
-    from eom import Scene
+    from eom import load_scene
 
     done = run("accuracy", name, "--target", "numpy", "--samples", 3)
     assert done.exit_code == 0, done.output
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     for result in (*(f"{n}'" for n in system.state_names), *system.output_names):
         assert any(line.startswith(f"{result} ") for line in done.output.splitlines())
     assert "3 samples, seed 0" in done.output

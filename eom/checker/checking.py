@@ -33,7 +33,7 @@ from eom.limits import Overdue, deadline
 from eom.worlds import closure
 
 if TYPE_CHECKING:
-    from eom.scene import Scene
+    from eom.opening import AnyScene
     from eom.system import System
 
 MAX_SETS = 24
@@ -61,7 +61,7 @@ def check(
     lexicon: str | Path = "",
     given: Iterable[str] = GIVEN,
     kind: str = "",
-    system: str | System | Scene | None = None,
+    system: str | System | AnyScene | None = None,
     seconds: float = FORMULA_SECONDS,
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.

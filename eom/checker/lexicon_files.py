@@ -24,7 +24,7 @@ from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from eom.checker.model import Model
-    from eom.scene import Scene
+    from eom.opening import AnyScene
     from eom.system import System
 
 PRESETS = (
@@ -211,7 +211,7 @@ def _entries_of(
 
 
 def about(
-    lexicon: Lexicon, system: str | System | Scene, symbols: Mapping[str, str] | None = None
+    lexicon: Lexicon, system: str | System | AnyScene, symbols: Mapping[str, str] | None = None
 ) -> Lexicon:
     """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
 

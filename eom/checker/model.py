@@ -22,6 +22,7 @@ from eom.errors import InputError, unknown_name
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude as attitude_of
 from eom.markup import symbol_latex
+from eom.opening import AnyScene, load_scene
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
 from eom.series import Singular
@@ -139,11 +140,11 @@ class Model:
         return known[name]
 
 
-def model_of(system: System | Scene | Model, assume: Iterable[str] = ()) -> Model:
+def model_of(system: System | AnyScene | Model, assume: Iterable[str] = ()) -> Model:
     """Return a system or scene with what may be assumed of it; ``assume``: names that are given."""
     if isinstance(system, Model):
         made = system
-    elif isinstance(system, Scene):
+    elif isinstance(system, AnyScene):
         made = _of_scene(system)
     else:
         made = Model(system, (), tuple(restrictions(system)), system.name)
@@ -163,10 +164,11 @@ def _solution(
         return error
 
 
-def _of_scene(scene: Scene) -> Model:
+def _of_scene(scene: AnyScene) -> Model:
     """Sort the restrictions of parameters by what the scene's numbers say."""
     system = scene.full_system
-    values = {**constants(scene), **{n: v.value for n, v in scene.inputs.items()}}
+    own = constants(scene) if isinstance(scene, Scene) else scene.numbers
+    values = {**own, **{n: v.value for n, v in scene.inputs.items()}}
     given, possible = [], []
     for r in restrictions(system):
         names = {str(s.name) for s in (*r.zero, *(s for pair in r.equal for s in pair))}
@@ -176,8 +178,8 @@ def _of_scene(scene: Scene) -> Model:
             values[s.name] for s in r.zero
         ):
             given.append(r)
-    own = {n: values[n] for n in (*system.parameter_names, *system.input_names) if n in values}
-    return Model(system, tuple(given), tuple(possible), scene.name, values=own)
+    kept = {n: values[n] for n in (*system.parameter_names, *system.input_names) if n in values}
+    return Model(system, tuple(given), tuple(possible), scene.name, values=kept)
 
 
 def restrictions(system: System) -> Iterator[Restriction]:
@@ -213,7 +215,7 @@ def printed(q: Quantity) -> str:
 # -- by name -----------------------------------------------------------------------------------------
 
 
-def model_from(system: str | System | Scene | Model) -> Model:
+def model_from(system: str | System | AnyScene | Model) -> Model:
     """Return the model of a system, a scene, the name of one, or a scene file (it ends in .toml)."""
     if not isinstance(system, str):
         return model_of(system)
@@ -235,9 +237,9 @@ def load_model(
     for files outside of the folder.
     """
     if name.endswith(".toml"):
-        return model_of(_turned(Scene.from_toml(_beside(name, folder)), attitude), assume)
+        return model_of(_turned(load_scene(_beside(name, folder)), attitude), assume)
     if name in catalogue.names():
-        return model_of(_turned(Scene.ready(name), attitude), assume)
+        return model_of(_turned(load_scene(name), attitude), assume)
     if name in BUILTIN:
         return model_of(BUILTIN[name](attitude), assume)
     if name in SOLIDS:
@@ -254,9 +256,13 @@ def _beside(name: str, folder: Path | None) -> Path:
     return file
 
 
-def _turned(scene: Scene, attitude: str) -> Scene:
+def _turned(scene: AnyScene, attitude: str) -> AnyScene:
     """Return a scene in other attitude coordinates, all of whose states are asked for."""
-    if not attitude or attitude == scene.attitude:
+    if not attitude:
+        return scene
+    if not isinstance(scene, Scene):
+        raise InputError("attitudes of a tree belong to its joints", got=attitude)
+    if attitude == scene.attitude:
         return scene
     left_out = {"outputs", "initial_attitude", "attitude"}
     data = {k: v for k, v in scene.model_dump(exclude_unset=True).items() if k not in left_out}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from eom.scene import Scene
+    from eom.opening import AnyScene
     from eom.system import System
 
 GIVEN = ("constant_mass",)
@@ -29,6 +29,6 @@ class Settings:
     lexicon: str = ""
     given: tuple[str, ...] = GIVEN
     kind: str = ""
-    system: str | System | Scene | None = None
+    system: str | System | AnyScene | None = None
     seconds: float = FORMULA_SECONDS
     note_seconds: float = NOTE_SECONDS

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from eom import catalogue
-from eom.commands.shared import is_file, print_equations, scene_of
+from eom.commands.shared import print_equations, scene_of
 from eom.errors import InputError, unknown_name
 
 
@@ -40,7 +40,7 @@ def derive(
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
-    NAME is the name of a ready scene or derivation (see: eom list) or a TOML file.
+    NAME is the name of a ready scene or derivation (see: eom list) or a file: .toml, .urdf.
     """
     if _is_derivation(name):
         _refuse(name, "scenes", {"--explain": explain})
@@ -54,7 +54,7 @@ def _is_derivation(name: str) -> bool:
     """Tell derivations from scenes and files. Raises `InputError` for names of neither."""
     from eom import derivations
 
-    if is_file(name) or name in catalogue.names():
+    if catalogue.is_file(name) or name in catalogue.names():
         return False
     if name not in derivations.names():
         raise unknown_name("scene or derivation", name, [*catalogue.names(), *derivations.names()])

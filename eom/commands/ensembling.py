@@ -26,7 +26,7 @@ from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Ensemble, Sampler, Summary
-    from eom.scene import Scene
+    from eom.opening import AnyScene
 
 STOPPED = 1
 """Exit status where a trajectory ended before its time."""
@@ -186,7 +186,7 @@ def _shares(text: str | None) -> list[float]:
 
 
 def _run(
-    scene: Scene,
+    scene: AnyScene,
     plan: _Plan,
     statistics: str | None,
     quantiles: bool,
@@ -221,14 +221,14 @@ def _run(
         )
 
 
-def _counted(scene: Scene) -> tuple[str, ...]:
+def _counted(scene: AnyScene) -> tuple[str, ...]:
     """Return what the scene asks for that varies."""
     system = scene.derive()
     known = (*system.state_names, *system.output_names)
     return tuple(n for n in scene.requested if n in known)
 
 
-def _samples(scene: Scene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
+def _samples(scene: AnyScene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
     from codegen import Sampler, distributions
 
@@ -243,25 +243,16 @@ def _samples(scene: Scene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
     return Sampler(values, varied.count, varied.seed), parameters
 
 
-def _check_attitude(scene: Scene, sampler: Sampler) -> None:
+def _check_attitude(scene: AnyScene, sampler: Sampler) -> None:
     """Refuse to vary one component of a quaternion or a matrix: what results is no attitude."""
-    from eom.kinematics import attitude
-
-    if (
-        scene.model == "spinner"
-        or scene.attitude == "none"
-        or not attitude(scene.attitude).constraints
-    ):
-        return
-    parts = {q.name for q in attitude(scene.attitude).coordinates}
-    for names in sampler.values:
-        if isinstance(names, str) and names in parts:
-            hint = (
-                "q0,q1,q2,q3=attitude()"
-                if scene.attitude == "quaternion"
-                else "attitude = one of Euler angles"
-            )
-            raise InputError("one component of an attitude cannot vary alone", got=names, hint=hint)
+    for parts in scene.attitudes:
+        for names in sampler.values:
+            if isinstance(names, str) and names in parts:
+                quaternion = len(parts) == 4
+                hint = f"{','.join(parts)}=attitude()" if quaternion else "take Euler angles"
+                raise InputError(
+                    "one component of an attitude cannot vary alone", got=names, hint=hint
+                )
 
 
 @contextmanager

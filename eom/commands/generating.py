@@ -24,6 +24,7 @@ from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen.integrate.written import Choice
+    from eom.opening import AnyScene
     from eom.scene import Scene
 
 
@@ -78,18 +79,19 @@ def generate(scene: str, folder: Path | None, handover: bool | None, **options: 
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
     chosen = scene_of(scene, rtol=options["rtol"], handover=handover)
     if options.pop("closed_form"):
-        _write_alone(_closed_form_files, "--closed-form", chosen, folder, options)
-    elif chosen.integration.handover:
+        files = partial(_closed_form_files, chosen)
+        _write_alone(files, "--closed-form", folder, options)
+    elif chosen.model != "tree" and chosen.integration.handover:
         integrator = _choice(options.pop("integrator"), chosen)
         del options["rtol"]  # the scene has it
-        files = partial(_handover_files, integrator=integrator)
-        _write_alone(files, "hand-over", chosen, folder, options)
+        files = partial(_handover_files, chosen, integrator)
+        _write_alone(files, "hand-over", folder, options)
     else:
         _generate(chosen, folder, **options)
 
 
 def _generate(
-    scene: Scene, folder: Path | None, target: str, fixed: bool, report: bool, **options: Any
+    scene: AnyScene, folder: Path | None, target: str, fixed: bool, report: bool, **options: Any
 ) -> None:
     from codegen.compiled import generate as generate_files
     from codegen.compiled import write_files
@@ -108,9 +110,8 @@ def _generate(
 
 
 def _write_alone(
-    files: Callable[[Scene], Mapping[str, str]],
+    files: Callable[[], Mapping[str, str]],
     what: str,
-    scene: Scene,
     folder: Path | None,
     options: Mapping[str, Any],
 ) -> None:
@@ -121,10 +122,10 @@ def _write_alone(
         if value and (name, value) != ("target", "c"):
             raise InputError(f"--{name} does not go with {what}", hint=f"leave out --{name}")
     assert folder is not None
-    report_files(write_files(files(scene), folder))
+    report_files(write_files(files(), folder))
 
 
-def _closed_form_files(scene: Scene) -> Mapping[str, str]:
+def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
     import codegen
     from codegen import closed_c
 
@@ -142,7 +143,7 @@ def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str
     return handover_c.files(compile_charts(charts(scene), "python"), integrator)
 
 
-def _choice(name: str | None, scene: Scene) -> Choice | None:
+def _choice(name: str | None, scene: AnyScene) -> Choice | None:
     from codegen.integrate.written import Choice
 
     return None if name is None else Choice(name, scene.integration.rtol)

@@ -15,6 +15,7 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen import Compiled, Result
     from codegen.charts import CompiledCharts
+    from eom.opening import AnyScene
     from eom.scene import Scene
     from eom.system import System
 
@@ -30,7 +31,7 @@ class Job:
     handed over.
     """
 
-    scene: Scene
+    scene: AnyScene
     system: System
     files: Mapping[str, str]
     integrate: Callable[[Progress], Result]
@@ -48,10 +49,10 @@ class Job:
 
 
 def job_of(
-    scene: Scene, target: str, project: tuple[str, ...], events: tuple[str, ...] = ()
+    scene: AnyScene, target: str, project: tuple[str, ...], events: tuple[str, ...] = ()
 ) -> Job:
     """Return the job of a scene. Raises `InputError` for what does not go together."""
-    if not scene.integration.handover:
+    if scene.model == "tree" or not scene.integration.handover:
         return _in_one(scene, target, project, events)
     if events:
         raise InputError(
@@ -63,12 +64,12 @@ def job_of(
     return _with_handover(scene, target, project)
 
 
-def _times(scene: Scene) -> list[float]:
+def _times(scene: AnyScene) -> list[float]:
     plan = scene.integration
     return [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
 
 
-def _in_one(scene: Scene, target: str, project: tuple[str, ...], events: tuple[str, ...]) -> Job:
+def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tuple[str, ...]) -> Job:
     import codegen
 
     compiled = compiled_of(scene, target)

@@ -12,7 +12,7 @@ import click
 
 if TYPE_CHECKING:
     from codegen import Compiled
-    from eom.scene import Scene
+    from eom.opening import AnyScene
 
 Rows = list[tuple[str, str]]
 
@@ -56,22 +56,17 @@ class WithTable(click.Command):
         super().format_epilog(ctx, formatter)
 
 
-def is_file(name: str) -> bool:
-    """Tell files from names of scenes and derivations."""
-    return name.endswith(".toml") or "/" in name
-
-
-def scene_of(name: str, **options: Any) -> Scene:
+def scene_of(name: str, **options: Any) -> AnyScene:
     """Return a ready scene or one from a file, with the options that were given."""
-    from eom.scene import Scene
+    from eom.opening import load_scene
 
-    scene = Scene.from_toml(name) if is_file(name) else Scene.ready(name)
+    scene = load_scene(name)
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene
     data = scene.model_dump(exclude_unset=True)
     data["integration"] = {**data.get("integration", {}), **changed}
-    return Scene(**data)
+    return type(scene)(**data)
 
 
 def methods() -> Rows:
@@ -81,7 +76,7 @@ def methods() -> Rows:
     return [(row.name, row.meaning) for row in ROWS]
 
 
-def print_equations(scene: Scene, style: str, explain: bool) -> None:
+def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
     from eom.printing import show
 
@@ -90,7 +85,7 @@ def print_equations(scene: Scene, style: str, explain: bool) -> None:
         click.echo(f"\nLeft out\n{scene.explain()}")
 
 
-def compiled_of(scene: Scene, target: str, stable: bool = False) -> Compiled:
+def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error."""
     import codegen
 

@@ -88,11 +88,11 @@ def _material() -> Material:
     from eom.commands.random_scenes import draw_scene
     from eom.rigidbody import free_rigid_body
 
-    scenes = catalogue.names()
+    ready, scenes = catalogue.names(), catalogue.single()
     return Material(
         free_body=free_rigid_body("quaternion"),
         in_angles={name: free_rigid_body(name) for name in ("3-2-1", "3-1-3")},
-        problems=tuple(_case(n) for n in problems.names() if n not in scenes),
+        problems=tuple(_case(n) for n in problems.names() if n not in ready),
         scenes=tuple(_case(n) for n in scenes),
         draw=draw_scene,
     )

@@ -14,7 +14,7 @@ from eom.multibody.articulated import forward_dynamics
 from eom.multibody.binding import Binding, Plan, bind, inner, lossless, plan
 from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
-from eom.multibody.model import Joint, Tree
+from eom.multibody.model import GROUND, Joint, Tree
 from eom.multibody.motion import coordinate_rates
 from eom.multibody.quantities import (
     HALF,
@@ -337,7 +337,7 @@ OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
 
 
 def _invariants(told: _Told) -> list[Definition]:
-    """Return norms of quaternions; energy if nothing drives or brakes; momentum if nothing holds."""
+    """Return norms of quaternions; energy if nothing drives or brakes; momentum if it floats alone."""
     tree = told.tree
     found = [*told.variables.binding.sums()]
     for joint in tree.ordered:
@@ -348,10 +348,19 @@ def _invariants(told: _Told) -> list[Definition]:
             found.append(Definition(Quantity(symbol, "1", meaning), sp.sqrt(square)))
     if conservative(tree):
         found += _energy(told)
-        roots = [p for p in told.bones.parts if p.parent < 0]
-        if len(roots) == 1 and roots[0].kind.name == "free" and all(map(is_zero, tree.gravity)):
-            found += _momentum(told)
+    if afloat(tree):
+        found += _momentum(told)
     return found
+
+
+def afloat(tree: Tree) -> bool:
+    """Tell whether nothing acts from outside on a tree of one free root: what joints do is internal."""
+    roots = [j for j in tree.joints if j.parent == GROUND]
+    held = any(
+        j.kind != "free" or j.motor or not all(map(is_zero, (*j.damping, *j.force, *j.armature)))
+        for j in roots
+    )
+    return not (held or len(roots) > 1 or tree.loads) and all(map(is_zero, tree.gravity))
 
 
 def conservative(tree: Tree) -> bool:

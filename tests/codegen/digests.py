@@ -21,10 +21,11 @@ def digests():
     from codegen.lower import RATES
     from codegen.pipeline import specialised
     from codegen.targets.registry import ROWS
-    from eom import catalogue, gravity_gradient_satellite, heavy_top
-    from eom.scene import Scene
+    from eom import gravity_gradient_satellite, heavy_top
+    from eom.opening import load_scene
+    from tests.codegen.scenes import SCENES
 
-    systems = {name: Scene.ready(name).derive() for name in catalogue.names()}
+    systems = {name: load_scene(name).derive() for name in SCENES}
     systems["pendulum"] = as_system(n_link_pendulum_on_cart(LINKS))
     systems["top in other angles"] = heavy_top("3-1-2")
     systems["satellite by cosines"] = gravity_gradient_satellite("dcm")

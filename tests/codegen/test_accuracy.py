@@ -30,7 +30,7 @@ from codegen.formula import MAX_LENGTH, formula
 from codegen.interpret import Point, interpret_exactly
 from codegen.layout import Layout
 from codegen.lower import lower_expressions, lower_system
-from eom import Scene, catalogue
+from eom import Scene, catalogue, load_scene
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System
 
@@ -113,7 +113,7 @@ def test_well_conditioned_polynomial_and_exact_results(target):
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
-    scene = Scene.ready(name)
+    scene = load_scene(name)
     around = {**scene.initial_values(), **scene.parameter_values()}
     card = accuracy(compile_system(scene.derive(), target), samples=25, around=around)
     assert card.unstable == ()

@@ -62,7 +62,7 @@ def none_closed(monkeypatch):
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel", "gravity-gradient-satellite"])
 @pytest.mark.usefixtures("none_closed")
 def test_ready_scenes_without_a_closed_form_go_to_taylor_series(name):
-    scene = eom.Scene.ready(name)
+    scene = eom.load_scene(name)
     plan = scene.initial_values(), (0.0, 5.0), scene.parameter_values()
     result = simulate(compile_system(scene.derive(), "c"), *plan)
     assert result.method.startswith("Taylor series of order")

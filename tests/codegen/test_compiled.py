@@ -25,13 +25,13 @@ from codegen.ops import BLOCKS, OPS
 from codegen.passes import prune
 from codegen.pipeline import costs
 from codegen.program import Program
-from eom import catalogue
 from eom.errors import AssumptionError, InputError
 from eom.kinematics import SEQUENCES, attitude
 from eom.rigidbody import full_inertia, rigid_body
 from eom.system import TIME, Definition, Quantity, System
 from eom.tables import Table
 from eom.torques import applied, gravity_gradient
+from tests.codegen.scenes import SCENES
 
 x, y, z, p, q = sp.symbols("x y z p q", real=True)
 VARIABLES = (x, y, z, p, q, TIME)
@@ -386,8 +386,8 @@ SYSTEMS = {
         full_inertia(), gravity_gradient, attitude("quaternion"), name="full_gradient"
     ),
     "lecture": lambda: eom.lecture_torque().system(),
-    **{n: lambda n=n: eom.Scene.ready(n).derive() for n in catalogue.names()},
-    **{f"{n}, all of it": lambda n=n: eom.Scene.ready(n).full_system for n in catalogue.names()},
+    **{n: lambda n=n: eom.load_scene(n).derive() for n in SCENES},
+    **{f"{n}, all of it": lambda n=n: eom.load_scene(n).full_system for n in SCENES},
 }
 
 

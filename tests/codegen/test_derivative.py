@@ -11,12 +11,12 @@ from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
 from codegen.passes import prune
 from codegen.program import Builder
-from eom import catalogue
 from eom.kinematics import attitude
+from eom.opening import load_scene
 from eom.rigidbody import full_inertia, rigid_body
-from eom.scene import Scene
 from eom.tables import Table
 from eom.torques import weight
+from tests.codegen.scenes import SCENES
 from tests.draws import nonzero
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -113,7 +113,7 @@ def test_expressions_against_differences_at_high_precision(expression, at):
 
 
 SYSTEMS = {
-    **{n: lambda n=n: Scene.ready(n).derive() for n in catalogue.names()},
+    **{n: lambda n=n: load_scene(n).derive() for n in SCENES},
     "full inertia": lambda: rigid_body(
         full_inertia(), lambda C, J: weight(C), attitude("3-1-2"), name="full"
     ),
@@ -182,18 +182,18 @@ def test_columns_of_one_colour_share_no_row(pattern):
     assert max(colours.values(), default=-1) + 1 >= widest
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_value_and_jacobian_cost_little_more_than_the_value(name):
-    program = prune(lower_system(Scene.ready(name).derive()), [RATES])
+    program = prune(lower_system(load_scene(name).derive()), [RATES])
     derived = jacobian(program, RATES)
     counts = [sum(p.counts().values()) for p in (derived.program, program)]
     assert counts[0] <= 3 * counts[1]
     assert derived.program.cost() <= 2.5 * program.cost()
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_the_cheapest_mode_is_chosen(name):
-    program = prune(lower_system(Scene.ready(name).derive()), [RATES])
+    program = prune(lower_system(load_scene(name).derive()), [RATES])
     costs = {m: jacobian(program, RATES, modes=[m]).program.cost() for m in ORDERS}
     chosen = jacobian(program, RATES)
     assert chosen.program.cost() == costs[chosen.mode] == min(costs.values())

@@ -60,7 +60,7 @@ def column(values, j):
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_every_trajectory_is_that_of_simulate(name, method):
-    scene = eom.Scene.ready(name)
+    scene = eom.load_scene(name)
     compiled = scene_once(name)
     start, p, times = scattered(scene, 11), scene.parameter_values(), [0.5, 1.0, 2.0]
     found = codegen.ensemble(compiled, start, (0, 2), p, method, 1e-7, t_eval=times)
@@ -121,7 +121,7 @@ def compiled_once(system):
 
 def scene_once(name):
     if name not in COMPILED:
-        COMPILED[name] = compile_system(eom.Scene.ready(name).derive(), "c")
+        COMPILED[name] = compile_system(eom.load_scene(name).derive(), "c")
     return COMPILED[name]
 
 

@@ -14,8 +14,8 @@ from codegen.pipeline import join, specialised
 from codegen.program import Builder
 from codegen.rescale import rescale
 from codegen.stages import by_parameters, reciprocals
-from eom import catalogue
-from eom.scene import Scene
+from eom.opening import load_scene
+from tests.codegen.scenes import SCENES
 from tests.codegen.test_compiled import TIME, expressions, modest, p, points, q, reliable, x, y, z
 from tests.codegen.test_stages import PROGRAMS
 
@@ -108,9 +108,9 @@ def test_a_product_with_a_power_of_two_inside_another_one():
     assert rescale(program).counts() == {"add": 2, "mul": 2}
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_errors_stay_within_a_few_units_in_the_last_place(name):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program = lower_system(system)
     changed, _ = specialised(system, {})
     for seed in range(20):

@@ -28,9 +28,9 @@ from codegen.program import Builder
 from codegen.targets import lanes
 from codegen.targets.lanes import single_text
 from codegen.targets.lanes_math import LARGEST_ANGLE, ULPS
-from eom import catalogue
 from eom.errors import InputError
 from eom.system import System
+from tests.codegen.scenes import SCENES
 from tests.codegen.test_compiled import (
     ARITHMETIC,
     SYSTEMS,
@@ -202,7 +202,7 @@ def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, v
         np.testing.assert_array_equal(got[:, k], interpret(program, as_point(v))["outputs"])
 
 
-READY = [*catalogue.names(), *(f"{n}, all of it" for n in catalogue.names())]
+READY = [*SCENES, *(f"{n}, all of it" for n in SCENES)]
 
 
 def columns_of(system, seeds):

@@ -11,10 +11,11 @@ from codegen.linear import KINDS, compiled_jacobian, linearise, with_jacobians
 from codegen.names import identifier
 from codegen.pipeline import specialised
 from codegen.targets import load_module
-from eom import catalogue
 from eom.errors import InputError
+from eom.opening import load_scene
 from eom.scene import Scene
 from eom.system import Definition, Quantity, System
+from tests.codegen.scenes import SCENES
 
 x, v, m, k, c, f = sp.symbols("x v m k c f", real=True)
 
@@ -161,10 +162,10 @@ def test_other_words_are_refused(compiled):
         compiled_jacobian(compiled)(0.0, (1.0,), P, (1.0,))
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_generated_files_may_hold_jacobians(name):
     """Rates first, then the entries; the pattern is exported, and both agree with the functions."""
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program, layout = with_jacobians(*specialised(system), ["states", "parameters", "states"])
     text = generate(program, layout, "numpy")[f"{identifier(layout.name)}.py"]
     module = load_module(text, "derived")

@@ -21,8 +21,8 @@ from codegen.program import Builder
 from eom import catalogue
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude
+from eom.opening import load_scene
 from eom.rigidbody import full_inertia, rigid_body
-from eom.scene import Scene
 from eom.torques import weight
 from tests.clock import growth_within
 
@@ -34,7 +34,7 @@ def full(sequence):
 
 
 SYSTEMS = {
-    **{n: lambda n=n: Scene.ready(n).derive() for n in catalogue.names()},
+    **{n: lambda n=n: load_scene(n).derive() for n in catalogue.names()},
     "full 3-1-2": lambda: full("3-1-2"),
     "full 1-2-3": lambda: full("1-2-3"),
     "full quaternion": lambda: full("quaternion"),

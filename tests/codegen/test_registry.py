@@ -225,6 +225,6 @@ def test_a_target_of_a_handful_of_rows_works_by_the_steps_of_the_how_to(monkeypa
 
 def test_every_ready_scene_is_written_by_every_target():
     for name in ("heavy-top", "t-handle"):
-        compiled = compile_system(eom.Scene.ready(name).derive(), "numpy")
+        compiled = compile_system(eom.load_scene(name).derive(), "numpy")
         for target in ROWS:
             assert generate(compiled.program, compiled.layout, target)

@@ -10,8 +10,9 @@ from codegen.interpret import Point, interpret_exactly
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, lower_expressions, lower_system
 from codegen.passes import prune
 from codegen.reverse import HESSIAN, PRODUCT, gradient, hessian, hessian_product, jvp, vjp
-from eom import catalogue
+from eom.opening import load_scene
 from eom.scene import Scene
+from tests.codegen.scenes import SCENES
 from tests.codegen.test_derivative import EXPRESSIONS, SYSTEMS, values
 from tests.draws import nonzero
 
@@ -125,10 +126,10 @@ def test_hessians_against_sympy(expression, at):
                 assert close(lower[row, column], mpmath.mpf(str(wanted[row, column])))
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_hessian_products_are_symmetric_and_those_of_the_hessian(name):
     """For w^T rates: u^T (H v) = v^T (H u), and both are the sparse matrix times the direction."""
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program = prune(lower_system(system), [RATES])
     n, held = len(system.states), len(system.inputs)
     base = values(system, 11)

@@ -10,9 +10,9 @@ from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.passes import prune
 from codegen.program import Builder
 from codegen.schedule import MAX_SHARE, _Scheduler, pressure, reordered, schedule
-from eom import catalogue
-from eom.scene import Scene
+from eom.opening import load_scene
 from tests.clock import growth_within
+from tests.codegen.scenes import SCENES
 
 x, y, z = sp.symbols("x y z", real=True)
 
@@ -53,9 +53,9 @@ def test_a_sum_of_products_needs_few_values():
     assert interpret(after, at) == interpret(program, at)
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_keep_their_instructions_and_bits(name):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     program = prune(lower_system(system), [RATES])
     after = chosen(program)
     assert after.counts() == program.counts()

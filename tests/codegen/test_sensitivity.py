@@ -10,10 +10,11 @@ from codegen.layout import names_of
 from codegen.lower import OUTPUTS, RATES, lower_system
 from codegen.ops import OPS
 from codegen.sensitivity import sensitivities, variational
-from eom import catalogue
 from eom.errors import InputError
+from eom.opening import load_scene
 from eom.scene import Scene
 from eom.system import System
+from tests.codegen.scenes import SCENES
 
 x, v, k, m, c, t = sp.symbols("x v k m c t", real=True)
 DECAY = System.from_rates("decay", {x: -k * x})
@@ -90,10 +91,10 @@ def runge_kutta(program, states, parameters, steps=2, h=0.125):
     return x
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_against_differences_of_their_motions_at_high_precision(name):
     """Differences of width 1e-25 in 60 digits, of the very steps that carry the sensitivities."""
-    scene = Scene.ready(name)
+    scene = load_scene(name)
     system = scene.derive()
     program = lower_system(system)
     n, count = len(system.states), len(system.parameters)

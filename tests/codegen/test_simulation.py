@@ -125,7 +125,7 @@ def test_every_method_comes_back_when_it_runs_backwards(built, method):
 
 def test_ready_scenes_keep_their_constants(built):
     for name in catalogue.names():
-        scene = eom.Scene.ready(name)
+        scene = eom.load_scene(name)
         compiled = built(scene.derive())
         end = min(scene.integration.t_end, 5000.0)
         result = simulate(
@@ -133,7 +133,7 @@ def test_ready_scenes_keep_their_constants(built):
             inputs=scene.input_values(),
         )  # fmt: skip
         assert result.status == 0
-        assert result.drift
+        assert result.drift or not scene.derive().invariants
         for invariant, drift in result.drift.items():
             assert drift.relative < 1e-8, (name, invariant)
 

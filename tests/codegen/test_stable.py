@@ -18,8 +18,9 @@ from codegen.pipeline import as_written
 from codegen.program import Builder
 from codegen.stable import EVERY, rewritten, rewritten_freely
 from codegen.structure import Structure
-from eom import Scene, catalogue
+from eom import load_scene
 from eom.system import System
+from tests.codegen.scenes import SCENES
 
 x, y, a, b, c = VARIABLES = sp.symbols("x y a b c", real=True)
 DIGITS = 120
@@ -289,9 +290,9 @@ def test_names_stay_with_their_values():
     assert {n.name for n in program.names.values()} == {"versine"}
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_never_cost_more(name):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     before, _ = as_written(system, Structure.of(system))
     assert rewritten_freely(before).program.cost() <= before.cost()
 

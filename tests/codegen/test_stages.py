@@ -15,12 +15,12 @@ from codegen.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.lower import RATES, lower_expressions, lower_system
 from codegen.ops import LEAVES
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
-from eom import catalogue
-from eom.scene import Scene
+from eom.opening import load_scene
 from eom.system import System
+from tests.codegen.scenes import SCENES
 from tests.codegen.test_compiled import TIME, expressions, modest, p, points, q, x, y, z
 
-PROGRAMS = {n: lambda n=n: lower_system(Scene.ready(n).derive()) for n in catalogue.names()}
+PROGRAMS = {n: lambda n=n: lower_system(load_scene(n).derive()) for n in SCENES}
 
 
 def staged(program, point):

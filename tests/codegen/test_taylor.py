@@ -17,9 +17,9 @@ from codegen.integrate import taylor as method
 from codegen.interpret import Point, interpret_exactly
 from codegen.lower import RATES
 from codegen.program import Builder
-from eom import catalogue
 from eom.errors import InputError
 from eom.system import TIME, System
+from tests.codegen.scenes import SCENES
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 y1, y2, y3, k, u = sp.symbols("y1 y2 y3 k u", real=True)
@@ -161,9 +161,9 @@ def test_the_order_follows_from_the_tolerance():
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_agree_with_dop853(name):
-    scene = eom.Scene.ready(name)
+    scene = eom.load_scene(name)
     compiled = compile_system(scene.derive(), "c")
     end = min(scene.integration.t_end, 5000.0)
     times = np.linspace(0, end, 7)

@@ -5,7 +5,7 @@ import re
 import pytest
 import sympy as sp
 
-from eom import Scene, catalogue
+from eom import Scene, catalogue, load_scene
 from eom.errors import InputError
 from eom.printing import FORMATS, show
 from eom.system import Definition, Quantity, System
@@ -14,7 +14,7 @@ from eom.system import Definition, Quantity, System
 @pytest.mark.parametrize("name", catalogue.names())
 @pytest.mark.parametrize("style", FORMATS)
 def test_meanings_and_units_are_printed(name, style):
-    system = Scene.ready(name).derive()
+    system = load_scene(name).derive()
     shown = show(system, style).replace("\\^{}", "^").replace("\\_", "_")
     for d in (*system.definitions, *system.outputs, *system.invariants):
         assert d.quantity.description in shown

@@ -13,7 +13,8 @@ from eom import catalogue
 from eom.errors import AssumptionError, InputError
 from eom.identity import equal
 from eom.reduce import cost
-from eom.scene import MAX_FILE_BYTES, Scene
+from eom.scene import Scene
+from eom.scene_files import MAX_FILE_BYTES
 
 MOMENTS = {"moments": [1.0, 2.0, 2.5]}
 WHEEL = {"moments": [0.06, 0.12]}
@@ -24,7 +25,7 @@ def rates_of(system):
     return {n: system.expand(r) for n, r in zip(system.state_names, system.rates, strict=True)}
 
 
-@pytest.mark.parametrize("name", catalogue.names())
+@pytest.mark.parametrize("name", catalogue.single())
 def test_ready_scene_is_whole(name):
     scene = Scene.ready(name)
     system = scene.derive()
@@ -813,7 +814,7 @@ def test_same_scene_gives_the_same_system():
 
 
 SCENES = {
-    **{name: Scene.ready(name) for name in catalogue.names()},
+    **{name: Scene.ready(name) for name in catalogue.single()},
     "full inertia": Scene(
         body={"matrix": [[2, 0.1, 0], [0.1, 2.5, 0], [0, 0, 3]]},
         attitude="dcm",

@@ -13,7 +13,7 @@ from eom.errors import InputError
 from tests.eom.checker.system_lines import is_same, slips
 from tests.eom.test_solutions import cart
 
-SYSTEMS = [*catalogue.names(), *BUILTIN]
+SYSTEMS = [*catalogue.single(), *BUILTIN]
 TOLD = {
     "sign": ("wrong sign",),
     "factor": ("2 times",),

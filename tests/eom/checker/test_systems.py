@@ -20,7 +20,7 @@ TOLD = {
     "half": "should be 2 times",
     "dropped": "missing on the right side",
 }
-SYSTEMS = [*catalogue.names(), *BUILTIN]
+SYSTEMS = [*catalogue.single(), *BUILTIN]
 
 
 def lexicon(name):

@@ -1,0 +1,133 @@
+"""What can be asked of a tree by name, and the smallest system that gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from eom.multibody.derive import OUTPUTS
+from eom.multibody.light import used
+from eom.multibody.tally import Savings
+from eom.system import Definition, System
+
+GROUPS: dict[str, tuple[str, ...]] = {
+    "energies": ("kinetic_energy", "potential_energy"),
+    "momentum": tuple(f"{letter}_{k}" for letter in "pL" for k in (1, 2, 3)),
+    "centre_of_mass": tuple(f"centre_{k}" for k in (1, 2, 3)),
+}
+"""Names of the outputs that a row of `eom.multibody.derive.OUTPUTS` gives."""
+
+
+def names(wanted: Iterable[str]) -> tuple[str, ...]:
+    """Return what is asked for with groups written out."""
+    return tuple(dict.fromkeys(n for w in wanted for n in GROUPS.get(w, (w,))))
+
+
+def groups(wanted: Iterable[str]) -> tuple[str, ...]:
+    """Return the rows of outputs that are needed for names, in the order of the table."""
+    asked = set(names(wanted))
+    return tuple(g for g in OUTPUTS if asked & set(GROUPS.get(g, (g,))))
+
+
+def known() -> tuple[str, ...]:
+    """Return all names beside those of states."""
+    return (*OUTPUTS, *(n for group in GROUPS.values() for n in group))
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What was left out of a tree's equations: operations by structure, states that nothing needs.
+
+    ``notes``: what a file said that is not used.
+    """
+
+    savings: Savings
+    states: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [f"- {reason}" for reason in self.savings.reasons]
+        if self.states:
+            lines.append(f"- {', '.join(self.states)}: no output needs them")
+        lines += [f"- {note}" for note in self.notes]
+        total = (
+            f"{self.savings.without} operations an evaluation without, {self.savings.done} of these"
+        )
+        return "\n".join([*lines, total])
+
+
+def smallest(system: System, requested: Sequence[str]) -> System:
+    """Leave out the states, outputs and definitions that ``requested`` names do not depend on.
+
+    Law: what is kept has the same values along every motion. Dependence is that of names: nothing
+    is expanded, so that a long chain of definitions costs no more than reading it.
+    """
+    depends = _dependence(system)
+    outputs = tuple(d for d in system.outputs if d.name in requested)
+    wanted = {q.symbol for q in system.states if q.name in requested}
+    wanted |= {s for d in outputs for s in _reached(d.expression, depends)}
+    kept = _closure(system, wanted, depends)
+    if not kept:
+        kept = _closure(system, {system.states[0].symbol}, depends)
+    if len(kept) == len(system.states) and len(outputs) == len(system.outputs):
+        return system
+    return _restricted(system, kept, outputs, depends)
+
+
+def _restricted(
+    system: System,
+    kept: Sequence[int],
+    outputs: tuple[Definition, ...],
+    depends: dict[Any, set[Any]],
+) -> System:
+    states = {system.states[k].symbol for k in kept}
+    lost = {q.symbol for q in system.states} - states
+    rates = tuple(system.rates[k] for k in kept)
+    invariants = tuple(d for d in system.invariants if not _reached(d.expression, depends) & lost)
+    singular = tuple(s for s in system.singularities if not _reached(s.expression, depends) & lost)
+    results = [*rates, *(d.expression for d in (*outputs, *invariants))]
+    definitions = used(system.definitions, results)
+    everything = [*results, *(d.expression for d in definitions)]
+    free = set().union(
+        *(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular)
+    )
+    return replace(
+        system,
+        states=tuple(system.states[k] for k in kept),
+        rates=rates,
+        parameters=tuple(q for q in system.parameters if q.symbol in free),
+        inputs=tuple(q for q in system.inputs if q.symbol in free),
+        definitions=definitions,
+        outputs=outputs,
+        invariants=invariants,
+        singularities=singular,
+    )
+
+
+def _dependence(system: System) -> dict[Any, set[Any]]:
+    """Return the variables that each definition depends on."""
+    found: dict[Any, set[Any]] = {}
+    for d in system.definitions:
+        found[d.symbol] = _reached(d.expression, found)
+    return found
+
+
+def _reached(expression: Any, depends: dict[Any, set[Any]]) -> set[Any]:
+    reached: set[Any] = set()
+    for s in expression.free_symbols:
+        reached |= depends.get(s, {s})
+    return reached
+
+
+def _closure(system: System, wanted: set[Any], depends: dict[Any, set[Any]]) -> list[int]:
+    """Return the places of the states that ``wanted`` symbols depend on through the rates."""
+    index = {q.symbol: k for k, q in enumerate(system.states)}
+    stack = [index[s] for s in wanted if s in index]
+    found: set[int] = set()
+    while stack:
+        k = stack.pop()
+        if k not in found:
+            found.add(k)
+            stack += [index[s] for s in _reached(system.rates[k], depends) if s in index]
+    return sorted(found)

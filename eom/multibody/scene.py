@@ -1,0 +1,159 @@
+"""A scene with many bodies: in Python or as a TOML file, with its systems and numbers.
+
+It answers what `eom.scene.Scene` answers, so that commands need not know which of the two they have.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import pydantic
+
+from eom import catalogue
+from eom.description import check_end
+from eom.errors import InputError, unknown_name
+from eom.multibody import outputs
+from eom.multibody.derive import OUTPUTS, derive
+from eom.multibody.description import TreeDescription
+from eom.multibody.model import Tree
+from eom.multibody.outputs import Saved
+from eom.multibody.repeats import written_out
+from eom.multibody.sections import Reading, check_used, tree_of
+from eom.multibody.starting import quaternions, start_values
+from eom.multibody.tally import savings
+from eom.scene_files import data_of, in_file, readable
+from eom.start import pick
+from eom.system import System
+
+
+class TreeScene(TreeDescription):
+    """A checked description, with the tree, systems and numbers that follow from it.
+
+    Fields: see `eom.multibody.description.TreeDescription`; ``repeat`` writes out repeated parts first
+    (`eom.multibody.repeats`). ``notes``: what a file said that is not used, for `explain`. Raises
+    `InputError` for anything that is misspelt, missing or impossible.
+    """
+
+    notes: tuple[str, ...] = ()
+
+    def __init__(self, /, **data: Any) -> None:
+        try:
+            super().__init__(**written_out(data))
+        except pydantic.ValidationError as error:
+            raise readable(error, TreeDescription) from None
+
+    def __hash__(self) -> int:
+        """Scenes are values; hash by content that matters for lookup only."""
+        return hash((self.title, self.model, tuple(self.bodies), self.outputs))
+
+    @pydantic.model_validator(mode="after")
+    def _check(self) -> Self:
+        """Check everything that one field alone cannot tell."""
+        check_end(self)
+        if self.integration.handover:
+            raise InputError(
+                "angles of a tree are not handed over",
+                where="[integration] handover",
+                hint='attitude = "quaternion" has no singularity',
+            )
+        states = self._start
+        check_used(self._reading)
+        for name in self.outputs:
+            if name not in states and name not in outputs.known():
+                raise unknown_name("output", name, [*states, *outputs.known()], "outputs")
+        return self
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> TreeScene:
+        """Read a scene file. Raises `InputError` with the file's name for whatever is wrong in it."""
+        file = Path(path)
+        data = data_of(file)
+        with in_file(file):
+            if data.get("model") != catalogue.TREE:
+                raise InputError(
+                    "this scene is one body, not a tree",
+                    where="model",
+                    hint="eom.load_scene opens scenes of every model",
+                )
+            return cls(**data)
+
+    @classmethod
+    def ready(cls, name: str) -> TreeScene:
+        """Return one of the scenes that ship with the package. Raises `InputError` for other names.
+
+        >>> TreeScene.ready("double-pendulum").derive().state_names
+        ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
+        """
+        return cls.from_toml(catalogue.path_of(name))
+
+    @cached_property
+    def _reading(self) -> Reading:
+        return Reading(self)
+
+    @cached_property
+    def tree(self) -> Tree:
+        """The bodies and joints."""
+        return tree_of(self._reading)
+
+    @cached_property
+    def _start(self) -> dict[str, float]:
+        return start_values(self.tree, self._reading)
+
+    @cached_property
+    def full_system(self) -> System:
+        """The system with every state and output that can be asked for."""
+        return self._named(derive(self.tree, OUTPUTS))
+
+    @cached_property
+    def _derived(self) -> System:
+        wanted = outputs.groups(self.outputs)
+        whole = self._named(derive(self.tree, wanted))
+        return outputs.smallest(whole, outputs.names(self.requested)) if self.outputs else whole
+
+    def _named(self, system: System) -> System:
+        return replace(system, name=self.name, title=self.title)
+
+    @property
+    def requested(self) -> tuple[str, ...]:
+        """What is asked for: the outputs, or all states where none are named."""
+        return outputs.names(self.outputs) or tuple(self._start)
+
+    def requested_names(self) -> tuple[str, ...]:
+        """Return what is asked for, groups of outputs by their names."""
+        return self.requested
+
+    def derive(self) -> System:
+        """Return the smallest system that the requested outputs need."""
+        return self._derived
+
+    def explain(self) -> Saved:
+        """Return what was skipped, why, and the operations saved; print it to read it."""
+        kept = self.derive().state_names
+        lost = tuple(n for n in self._start if n not in kept)
+        return Saved(savings(self.tree), lost, self.notes)
+
+    def initial_values(self) -> dict[str, float]:
+        """Return the value of each state of `derive` at t = 0."""
+        return {n: self._start[n] for n in self.derive().state_names}
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The value of each parameter of the scene."""
+        return {n: v.value for n, v in self.parameters.items()}
+
+    def parameter_values(self) -> dict[str, float]:
+        """Return the value of each parameter of `derive`."""
+        return pick(self.numbers, self.derive().parameter_names, "parameter", "[parameters]")
+
+    def input_values(self) -> dict[str, float]:
+        """Return the value at which each input of `derive` is held; of a motor 0 if none is given."""
+        given = {n: v.value for n, v in self.inputs.items()}
+        return {n: given.get(n, 0.0) for n in self.derive().input_names}
+
+    @property
+    def attitudes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states that are one attitude together, and cannot vary alone."""
+        return tuple(quaternions(self.tree))

@@ -1,0 +1,33 @@
+"""Scenes of every model by name or file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from eom import catalogue
+from eom.multibody.scene import TreeScene
+from eom.multibody.urdf import load_urdf
+from eom.scene import Scene
+from eom.scene_files import data_of
+
+AnyScene = Scene | TreeScene
+"""A scene of one body, or of many."""
+
+
+def load_scene(name: str | Path) -> AnyScene:
+    """Return a ready scene by its name, or one from a file: ``.toml``, or ``.urdf`` (extra ``urdf``).
+
+    Raises `InputError` for other names, and with the file's name for whatever is wrong in it.
+
+    >>> load_scene("double-pendulum").derive().state_names
+    ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
+    """
+    if isinstance(name, str) and not catalogue.is_file(name):
+        return _from_toml(catalogue.path_of(name))
+    file = Path(name)
+    return load_urdf(file) if file.suffix == catalogue.URDF else _from_toml(file)
+
+
+def _from_toml(file: Path) -> AnyScene:
+    tree = data_of(file).get("model") == catalogue.TREE
+    return TreeScene.from_toml(file) if tree else Scene.from_toml(file)
