@@ -360,7 +360,8 @@ def afloat(tree: Tree) -> bool:
         j.kind != "free" or j.motor or not all(map(is_zero, (*j.damping, *j.force, *j.armature)))
         for j in roots
     )
-    return not (held or len(roots) > 1 or tree.loads) and all(map(is_zero, tree.gravity))
+    alone = not (held or len(roots) > 1 or tree.loads) and inner(tree)
+    return alone and all(map(is_zero, tree.gravity))
 
 
 def conservative(tree: Tree) -> bool:
