@@ -126,6 +126,15 @@ def test_forces_of_constraints_can_be_asked_for():
     assert one.derive().output_names == ("lambda_pin_y",)
 
 
+def test_a_coupler_without_mass_is_explained():
+    ready = TreeScene.ready("four-bar-linkage").model_dump(exclude_unset=True)
+    parameters = {n: v for n, v in ready["parameters"].items() if n != "m2"}
+    bodies = {**ready["bodies"], "coupler": {}}
+    light = TreeScene(**{**ready, "bodies": bodies, "parameters": parameters})
+    assert "joint knee moves no mass" in str(light.explain())
+    assert len(light.derive().state_names) == 4
+
+
 def test_the_ready_disc_has_three_speeds_and_tells_the_others():
     system = TreeScene.ready("rolling-disc").derive()
     assert len(system.state_names) == 10
