@@ -22,8 +22,8 @@ from eom.system import TIME
 
 RANK = 1e-8
 """Remainder of a row, relative to the row, below which it counts as dependent."""
-WANTED, TRIES = 5, 40
-"""Configurations that are tested, and how often one is looked for."""
+WANTED, TRIES, VAIN = 5, 40, 12
+"""Configurations that are tested, how often one is looked for, and how often while none is found."""
 NOTHING = 1e-12
 """Size of a row, relative to the largest, below which it is zero but for rounding."""
 NOTABLE = 1e-6
@@ -164,7 +164,7 @@ def _samples(tree: Tree, start: dict[str, float]) -> tuple[Sample, ...]:
             found.append(sample)
         elif worst is None or sample.found.at.left < worst.found.at.left:
             worst = sample
-        if len(found) == WANTED:
+        if len(found) == WANTED or (not found and k + 1 == VAIN):
             break
     if not found:
         assert worst is not None

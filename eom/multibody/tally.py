@@ -86,7 +86,9 @@ def savings(tree: Tree) -> Savings:
     """
     light = checks.moves_nothing(tree, frozenset())
     if light is not None:
-        reason = f"not counted: joint {light.name} moves no mass, its motion follows from constraints"
+        reason = (
+            f"not counted: joint {light.name} moves no mass, its motion follows from constraints"
+        )
         return Savings(0, 0, (reason,))
     counter = _Counter()
     work = _Counting(counter)
