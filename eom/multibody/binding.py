@@ -37,6 +37,8 @@ from eom.system import TIME, Assumption, Definition, Quantity, Singularity
 
 OF_SPEEDS = (Coupling, Rolling, Skate, SpeedEquation)
 """Constraints whose dependent speeds are eliminated unless one asks for multipliers."""
+LONGEST = 20_000
+"""Size up to which constraints are written out, so that start values are tested against them."""
 ASSEMBLED = 1e-6
 """How far from meeting the constraints start values may be, relative to the largest of them."""
 
@@ -187,11 +189,14 @@ class Binding:
 
     def assumptions(self, invariants: Sequence[Definition]) -> tuple[Assumption, ...]:
         """Return that start values meet the constraints, and what was dropped, as assumptions."""
-        known: dict[Any, Any] = {}
         results = [d.expression for d in invariants]
-        for d in used(self.work.definitions, results):
-            known[d.symbol] = d.expression.xreplace(known)
-        found = tuple(e.xreplace(known) for e in results)
+        needed = used(self.work.definitions, results)
+        found: tuple[Any, ...] = ()
+        if _written_out(needed, results) <= LONGEST:
+            known: dict[Any, Any] = {}
+            for d in needed:
+                known[d.symbol] = d.expression.xreplace(known)
+            found = tuple(e.xreplace(known) for e in results)
         met = Assumption(
             "assembled", "start values meet the constraints; eom.multibody.assemble finds such",
             vanish=found, tolerance=ASSEMBLED,
@@ -220,6 +225,20 @@ def bind(
 
 def _definition(name: str, unit: str, meaning: str, x: Scalar) -> Definition:
     return Definition(Quantity(sp.Symbol(name, real=True), unit, meaning), plain(x))
+
+
+def _written_out(definitions: Sequence[Definition], results: Sequence[Any]) -> int:
+    """Return how many symbols and numbers stand in results in which definitions are written out."""
+    sizes: dict[Any, int] = {}
+
+    def size(expression: Any) -> int:
+        if not expression.args:
+            return sizes.get(expression, 1)
+        return sum(map(size, expression.args))
+
+    for d in definitions:
+        sizes[d.symbol] = size(d.expression)
+    return sum(map(size, results))
 
 
 def lossless(tree: Tree) -> bool:

@@ -224,3 +224,27 @@ def test_a_wheel_on_a_chain_of_joints_is_the_same_wheel():
             before = child
     given = Tree("chain", bodies, joints, constraints=[Rolling("floor", "wheel", 2, axis="y")])
     assert len(names) == examine(given).freedom == 3
+
+
+def chain(n):
+    """Links on universal joints, the last of which ends on the ground."""
+    joints, before = [], GROUND
+    for k in range(1, n + 1):
+        place = Placement() if k == 1 else Placement((1, 0, 0))
+        joints.append(Joint(f"j{k}", "universal", before, f"b{k}", "y", "z", on_parent=place))
+        before = f"b{k}"
+    bodies = [Body(f"b{k}", 1, (0.5, 0, 0), (0.01, 0.1, 0.1)) for k in range(1, n + 1)]
+    end = Loop("end", "spherical", GROUND, before, on_first=Placement((n / 2, 0, 0)),
+               on_second=Placement((1, 0, 0)))  # fmt: skip
+    return Tree("chain", bodies, joints, constraints=[end])
+
+
+def test_definitions_of_a_closed_chain_grow_linearly():
+    """And what would grow exponentially, constraints written out, is left out."""
+    short, middle, long = (derive(chain(n)) for n in (3, 6, 9))
+    assert [a.name for a in short.assumptions] == ["assembled"]
+    assert long.assumptions == ()
+    first, second = (
+        len(b.definitions) - len(a.definitions) for a, b in ((short, middle), (middle, long))
+    )
+    assert second <= 1.1 * first
