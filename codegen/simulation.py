@@ -19,7 +19,7 @@ from codegen.compiled import compile as compile_system
 from codegen.events import Event, Given, Occurrences
 from codegen.identity import SameObject
 from codegen.integrate import scipy_
-from codegen.integrate.methods import Task, integrator_of
+from codegen.integrate.methods import Task, can_project, integrator_of
 from codegen.integrate.projection import chosen
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
@@ -146,7 +146,7 @@ def simulate(
     max_step: float = math.inf,
     max_steps: int = MAX_STEPS,
     margin: float = DEFAULT_MARGIN,
-    project: bool | str | Sequence[str] = False,
+    project: bool | str | Sequence[str] | None = None,
     events: Given = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
@@ -158,7 +158,8 @@ def simulate(
     the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
     every step without it. ``margin``: the run stops where a singularity's expression gets below it.
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
-    step, by the least change (`codegen.integrate.projection`); all stored points lie on them. The
+    step, by the least change (`codegen.integrate.projection`); all stored points lie on them. Without
+    it, those that the system maintains: what constraints leave, if the method can project. The
     dense output goes through the points of the steps, and off the invariants between them by its own
     error. Methods that carry values of earlier steps along cannot project. ``events``: zeros of
     expressions to find, `codegen.events.Event` or expressions, in order or by name; of the methods
@@ -183,10 +184,21 @@ def simulate(
         t_eval=None if t_eval is None else arguments.grid(t_eval, span),
         dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
         max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
-        project=chosen(part.compiled.layout, project),
+        project=_projected(part.compiled, project, method),
         progress=progress, events=looked_for.filters(found),
     )  # fmt: skip
     return _run(part, problem, method, signals, found)
+
+
+def _projected(
+    compiled: Compiled, project: bool | str | Sequence[str] | None, method: str
+) -> tuple[str, ...]:
+    """Return the invariants to project onto: by default those maintained, where the method can."""
+    if project is not None:
+        return chosen(compiled.layout, project)
+    known = compiled.layout.results[INVARIANTS]
+    maintained = tuple(n for n in compiled.system.maintained if n in known)
+    return maintained if can_project(method) else ()
 
 
 def _part(

@@ -221,6 +221,11 @@ METHODS = tuple(row.name for row in ROWS)
 """Names that ``method`` takes; `ROWS` says what they are."""
 
 
+def can_project(method: str) -> bool:
+    """Tell whether a method brings states back onto invariants; an unknown one cannot."""
+    return any(row.name == method and row.projects for row in ROWS)
+
+
 def integrator_of(task: Task, method: str) -> tuple[Integrator, str]:
     """Choose the integrator; return it, ready to run, and what it is called."""
     row = next((row for row in ROWS if row.name == method), None)

@@ -88,7 +88,7 @@ def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tupl
             _times(scene),
             inputs=scene.input_values(),
             max_steps=plan.max_steps,
-            project=EVERY in project or project,
+            project=EVERY in project or project or None,
             events=found,
             progress=progress,
         )

@@ -8,22 +8,45 @@ from eom.multibody.closed import (
     compare,
     tree_page,
 )
+from eom.multibody.consistent import Assembly, assemble
+from eom.multibody.constraints import (
+    Coupling,
+    Distance,
+    Equation,
+    Loop,
+    Rolling,
+    Skate,
+    SpeedEquation,
+)
+from eom.multibody.dependence import Examination, examine
 from eom.multibody.derive import derive
-from eom.multibody.model import GROUND, Body, Joint, Load, Motion, Placement, Tree
+from eom.multibody.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
 
 __all__ = [
     "GROUND",
+    "Assembly",
     "Body",
     "ClosedForm",
     "Comparison",
+    "Constraint",
+    "Coupling",
+    "Distance",
+    "Equation",
+    "Examination",
     "Joint",
     "Load",
+    "Loop",
     "Motion",
     "Placement",
+    "Rolling",
+    "Skate",
+    "SpeedEquation",
     "Tree",
     "absolute_angles",
+    "assemble",
     "closed_form",
     "compare",
     "derive",
+    "examine",
     "tree_page",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -86,12 +86,17 @@ def joint(given: Joint) -> None:
                 where=f"{where}: speed {given.speeds[k].name}",
                 hint="use a load or an applied force",
             )
-    for axis, other in ((given.axis, given.second_axis),) if given.row.axes == 2 else ():
-        cosine = total(mul(a, b) for a, b in zip(axis, other, strict=True))
-        if is_number(cosine) and abs(cosine) > 1 - SLACK:
-            raise InputError("the two axes are parallel", where=where, got=float(cosine))
+    if given.row.axes == 2:
+        not_parallel(given.axis, given.second_axis, where)
     if given.motion is not None:
         _motion(given, where, paired)
+
+
+def not_parallel(axis: Vector, other: Vector, where: str) -> None:
+    """Raise `InputError` for two unit vectors along one line."""
+    cosine = total(mul(a, b) for a, b in zip(axis, other, strict=True))
+    if is_number(cosine) and abs(cosine) > 1 - SLACK:
+        raise InputError("the two axes are parallel", where=where, got=float(cosine))
 
 
 def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
@@ -136,6 +141,9 @@ def tree(given: Tree) -> None:
             )
     _single_parents(given, where)
     ordered(given)
+    _once("constraint", [c.name for c in given.constraints], where)
+    for constraint in given.constraints:
+        constraint.check(given)
     _massless(given)
 
 
@@ -162,7 +170,7 @@ def _single_parents(given: Tree, where: str) -> None:
                 f"two joints lead to body {child!r}",
                 where=where,
                 got=", ".join(names),
-                hint="a tree has no loops: cut one of them, and close it by a constraint",
+                hint="a tree has no loops: cut one of them, and close it by a constraint (Loop)",
             )
 
 
@@ -189,23 +197,31 @@ def ordered(given: Tree) -> tuple[Joint, ...]:
 
 
 def _massless(given: Tree) -> None:
-    """Raise `InputError` for a joint that moves freely and moves no mass."""
+    """Raise `InputError` for a joint that moves freely and moves no mass, and is not bound to any."""
+    found = moves_nothing(given, {b for c in given.constraints for b in c.bodies})
+    if found is not None:
+        raise InputError(
+            "the joint moves no mass",
+            where=f"joint {found.name!r}",
+            got=f"body {found.child!r} of mass 0, and nothing heavy on it",
+            hint="give it mass, or fix the joint",
+        )
+
+
+def moves_nothing(given: Tree, bound: Collection[str]) -> Joint | None:
+    """Return a free joint that moves neither mass nor a body of ``bound``, if there is one."""
     heavy: dict[str, bool] = {}
     bodies = {b.name: b for b in given.bodies}
     children: dict[str, list[Joint]] = {}
     for j in given.joints:
         children.setdefault(j.parent, []).append(j)
     for j in reversed(ordered(given)):
-        own = not is_zero(bodies[j.child].mass)
+        own = j.child in bound or not is_zero(bodies[j.child].mass)
         below = any(heavy[k.child] or _armed(k) for k in children.get(j.child, ()))
         heavy[j.child] = own or below
         if not heavy[j.child] and j.speeds and j.motion is None and not _armed(j):
-            raise InputError(
-                "the joint moves no mass",
-                where=f"joint {j.name!r}",
-                got=f"body {j.child!r} of mass 0, and nothing heavy on it",
-                hint="give it mass, or fix the joint",
-            )
+            return j
+    return None
 
 
 def _armed(j: Joint) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import sympy as sp
 from eom.errors import unknown_name
 from eom.kinematics import rotation_sequence
 from eom.multibody.articulated import forward_dynamics
+from eom.multibody.binding import Binding, Plan, bind, inner, lossless, plan
 from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import GROUND, Joint, Tree
@@ -39,33 +40,58 @@ class Variables:
     u: list[Any]
     prescribed: dict[int, Any]
     tau: list[Any]
+    binding: Binding
 
 
-def derive(tree: Tree, outputs: Iterable[str] = (), *, invariants: bool = True) -> System:
+def derive(
+    tree: Tree,
+    outputs: Iterable[str] = (),
+    *,
+    invariants: bool = True,
+    start: Mapping[str, float] | None = None,
+    independent: Sequence[str] | None = None,
+    multipliers: bool | None = None,
+) -> System:
     """Return the equations of motion of a tree: states are coordinates, then speeds.
 
     ``outputs``: rows of `OUTPUTS`. ``invariants``: whether constants of this motion are given too.
-    Raises `InputError` for an unknown output, repeated names, and joints that accelerate no inertia.
+
+    Under constraints, speeds that depend on others are eliminated where all constraints are between
+    speeds, where a joint alone moves no mass, and where ``independent`` names the speeds to stay;
+    elsewhere, or with ``multipliers``, all speeds are states and multipliers are solved for.
+    ``start``: numbers by name of parameters and coordinates at which constraints are tested for
+    dependence, random ones where left out. What is left of each constraint is an invariant that
+    integration maintains.
+
+    Raises `InputError` for an unknown output, repeated names, joints that accelerate no inertia, and
+    constraints that contradict each other or leave no motion.
     """
     wanted = tuple(outputs)
     for name in wanted:
         if name not in OUTPUTS:
             raise unknown_name("output", name, OUTPUTS, f"tree {tree.name!r}")
-    work = Naming(q.name for q in _named(tree))
+    work = Naming(q.name for q in named_of(tree))
     bones = skeleton(tree, work.atom, work)
-    variables = _variables(tree, work)
-    q, u = variables.q, variables.u
-    rates = coordinate_rates(bones, q, u, work)
-    accelerations = forward_dynamics(bones, q, u, variables.tau, work, variables.prescribed)
+    treated = plan(tree, start, independent, multipliers)
+    variables = variables_of(tree, bones, treated, work)
+    rates = coordinate_rates(bones, variables.q, variables.u, work)
+    accelerations = _accelerations(bones, variables, work)
     free = [j.motion is None for j in tree.ordered]
+    left_out = {*bones.driven, *(treated.dependent or ())}
     kept = [
         *_of_free(rates, [len(j.coordinates) for j in tree.ordered], free),
-        *_of_free(accelerations, [len(j.speeds) for j in tree.ordered], free),
+        *(x for k, x in enumerate(accelerations) if k not in left_out),
     ]
     told = _Told(tree, bones, variables, work)
     named = [d for name in wanted for d in OUTPUTS[name](told)]
     constant = _invariants(told) if invariants else []
-    return _system(tree, [plain(r) for r in kept], work, named, constant)
+    return _system(told, [plain(r) for r in kept], named, constant)
+
+
+def _accelerations(bones: Skeleton, given: Variables, work: Naming) -> list[Any]:
+    if given.binding.tree.constraints:
+        return given.binding.accelerations(given.tau, given.prescribed)
+    return forward_dynamics(bones, given.q, given.u, given.tau, work, given.prescribed)
 
 
 def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) -> list[Any]:
@@ -78,26 +104,35 @@ def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) 
     return found
 
 
-def _states(tree: Tree) -> tuple[Quantity, ...]:
+def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
+    """Return coordinates and speeds that are free, without those that follow."""
     free = [j for j in tree.ordered if j.motion is None]
-    return (*(c for j in free for c in j.coordinates), *(s for j in free for s in j.speeds))
+    speeds = [s for j in tree.ordered for s in j.speeds]
+    followed = {speeds[k] for k in dependent}
+    kept = (s for j in free for s in j.speeds if s not in followed)
+    return (*(c for j in free for c in j.coordinates), *kept)
 
 
-def _inputs(tree: Tree) -> tuple[Quantity, ...]:
+def inputs_of(tree: Tree) -> tuple[Quantity, ...]:
+    """Return motors and given inputs."""
     return (*(m for j in tree.ordered for m in j.motors if j.motion is None), *tree.inputs)
 
 
-def _named(tree: Tree) -> list[Quantity]:
+def named_of(tree: Tree) -> list[Quantity]:
     """Return everything that has a name before the derivation."""
-    symbols = [Quantity(s) for s in _symbols(tree)]
+    symbols = [Quantity(s) for s in symbols_of(tree)]
     driven = [q for j in tree.ordered if j.motion is not None for q in (*j.coordinates, *j.speeds)]
-    return [*_states(tree), *_inputs(tree), *driven, *symbols, Quantity(TIME)]
+    return [*states_of(tree), *inputs_of(tree), *driven, *symbols, Quantity(TIME)]
 
 
-def _symbols(tree: Tree) -> list[Expr]:
+def symbols_of(tree: Tree) -> list[Expr]:
     """Return the free symbols of a description, by name."""
+    return _symbols_in([*_values(tree), *(x for c in tree.constraints for x in c.values)])
+
+
+def _symbols_in(values: Iterable[Any]) -> list[Expr]:
     found: set[Expr] = set()
-    for given in _values(tree):
+    for given in values:
         if not is_number(given):
             found |= given.free_symbols
     return sorted(found, key=lambda s: str(s.name))
@@ -118,29 +153,40 @@ def _values(tree: Tree) -> Iterable[Any]:
         yield from (*load.force, *load.torque, *load.point)
 
 
-def _parameters(tree: Tree) -> tuple[Quantity, ...]:
+def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
     """Return the symbols that are nothing else, as they are described."""
     moving = [q for j in tree.ordered for q in (*j.coordinates, *j.speeds)]
-    other = {q.symbol for q in (*moving, *_inputs(tree))} | {TIME}
+    other = {q.symbol for q in (*moving, *inputs_of(tree))} | {TIME}
     described = {p.symbol: p for p in tree.parameters}
-    return tuple(described.get(s, Quantity(s)) for s in _symbols(tree) if s not in other)
+    return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
 
 
-def _variables(tree: Tree, work: Naming) -> Variables:
-    found = Variables([], [], {}, [])
+def variables_of(tree: Tree, bones: Skeleton, treated: Plan, work: Naming) -> Variables:
+    """Return coordinates, speeds (those that follow from others among them) and applied forces."""
+    q: list[Any] = []
+    u: list[Any] = []
+    prescribed: dict[int, Any] = {}
     for joint in tree.ordered:
         if joint.motion is None:
-            q = [work.atom(c.symbol) for c in joint.coordinates]
-            u = [work.atom(s.symbol) for s in joint.speeds]
+            q += [work.atom(c.symbol) for c in joint.coordinates]
+            u += [work.atom(s.symbol) for s in joint.speeds]
         else:
-            q = _prescribed(work, joint.coordinates, joint.motion.position)
-            u = _prescribed(work, joint.speeds, joint.motion.rate)
             for k, given in enumerate(joint.motion.acceleration):
-                found.prescribed[len(found.u) + k] = work.atom(given)
-        found.tau.extend(_forces(joint, q, u, work))
-        found.q.extend(q)
-        found.u.extend(u)
-    return found
+                prescribed[len(u) + k] = work.atom(given)
+            q += _prescribed(work, joint.coordinates, joint.motion.position)
+            u += _prescribed(work, joint.speeds, joint.motion.rate)
+    binding = bind(treated, tree, bones, q, u, work)
+    return Variables(q, binding.u, prescribed, _applied(tree, q, binding.u, work), binding)
+
+
+def _applied(tree: Tree, q: Sequence[Any], u: Sequence[Any], work: Naming) -> list[Any]:
+    tau: list[Any] = []
+    first = 0
+    for joint in tree.ordered:
+        own = slice(first, first + len(joint.coordinates))
+        tau += _forces(joint, q[own], u[len(tau) : len(tau) + len(joint.speeds)], work)
+        first = own.stop
+    return tau
 
 
 def _prescribed(work: Naming, quantities: Sequence[Quantity], given: Sequence[Any]) -> list[Any]:
@@ -165,24 +211,32 @@ def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> l
 
 
 def _system(
-    tree: Tree,
-    rates: list[Expr],
-    work: Naming,
-    outputs: list[Definition],
-    invariants: list[Definition],
+    told: _Told, rates: list[Expr], outputs: list[Definition], invariants: list[Definition]
 ) -> System:
+    tree, work, binding = told.tree, told.work, told.variables.binding
     found = _singularities(tree)
-    results = [*rates, *(d.expression for d in (*outputs, *invariants))]
+    outputs = [*outputs, *binding.followers()]
+    held = binding.invariants()
+    invariants = [*held, *invariants]
+    if tree.constraints:
+        found = (*found, *binding.singularities())
+    results = [
+        *rates,
+        *(d.expression for d in (*outputs, *invariants)),
+        *(s.expression for s in found),
+    ]
     return System(
         name=tree.name,
-        states=_states(tree),
+        states=states_of(tree, binding.plan.dependent or ()),
         rates=tuple(rates),
-        parameters=_parameters(tree),
-        inputs=_inputs(tree),
+        parameters=parameters_of(tree),
+        inputs=inputs_of(tree),
         definitions=used(work.definitions, results),
         outputs=tuple(outputs),
         invariants=tuple(invariants),
         singularities=found,
+        assumptions=binding.assumptions(held),
+        maintained=tuple(d.name for d in held),
     )
 
 
@@ -269,10 +323,15 @@ def _centre(told: _Told) -> list[Definition]:
     )
 
 
+def _constraint_forces(told: _Told) -> list[Definition]:
+    return told.variables.binding.forces() if told.tree.constraints else []
+
+
 OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
     "energies": _energies,
     "momentum": _momentum,
     "centre_of_mass": _centre,
+    "constraint_forces": _constraint_forces,
 }
 """What can be asked for beside the motion."""
 
@@ -280,7 +339,7 @@ OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
 def _invariants(told: _Told) -> list[Definition]:
     """Return norms of quaternions; energy if nothing drives or brakes; momentum if it floats alone."""
     tree = told.tree
-    found = []
+    found = [*told.variables.binding.sums()]
     for joint in tree.ordered:
         if joint.row.attitude and joint.attitude == QUATERNION and joint.motion is None:
             square = sp.Add(*(c.symbol**2 for c in joint.coordinates[-4:]))
@@ -301,7 +360,8 @@ def afloat(tree: Tree) -> bool:
         j.kind != "free" or j.motor or not all(map(is_zero, (*j.damping, *j.force, *j.armature)))
         for j in roots
     )
-    return not (held or len(roots) > 1 or tree.loads) and all(map(is_zero, tree.gravity))
+    alone = not (held or len(roots) > 1 or tree.loads) and inner(tree)
+    return alone and all(map(is_zero, tree.gravity))
 
 
 def conservative(tree: Tree) -> bool:
@@ -311,5 +371,6 @@ def conservative(tree: Tree) -> bool:
         for j in tree.joints
     )
     moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)}
-    fixed = not ({TIME, *moving, *(i.symbol for i in tree.inputs)} & set(_symbols(tree)))
-    return joints and fixed and not tree.loads
+    given = set(_symbols_in(_values(tree)))
+    fixed = not ({TIME, *moving, *(i.symbol for i in tree.inputs)} & given)
+    return joints and fixed and not tree.loads and lossless(tree)

@@ -5,56 +5,13 @@ Wherever a number is wanted a formula in quotes may stand, over the scene's para
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Literal
 
-import pydantic
 from pydantic import Field, StrictBool
 
 from eom.description import Formula, InitialAttitude, Part, Request
-from eom.multibody.values import NAMED_AXES
-
-Formulas = tuple[Formula, Formula, Formula]
-_formula = pydantic.TypeAdapter(Formula)
-_formulas = pydantic.TypeAdapter(Formulas)
-_each = pydantic.TypeAdapter(tuple[Formula, ...])
-
-
-def _axis(given: Any) -> Any:
-    """Return the name of an axis, or three components."""
-    if isinstance(given, str) and given not in NAMED_AXES:
-        raise ValueError(f"expected {', '.join(NAMED_AXES)} or three components")
-    return given if isinstance(given, str) else _formulas.validate_python(given)
-
-
-def _point(given: Any) -> Any:
-    """Return centre, origin, or three components."""
-    if isinstance(given, str) and given not in {"centre", "origin"}:
-        raise ValueError("expected centre, origin or three components")
-    return given if isinstance(given, str) else _formulas.validate_python(given)
-
-
-def _one_or_each(given: Any) -> Any:
-    """Return a formula, or several in a list."""
-    listed = isinstance(given, list | tuple)
-    return _each.validate_python(given) if listed else _formula.validate_python(given)
-
-
-Axis = Annotated[Any, pydantic.PlainValidator(_axis)]
-Point = Annotated[Any, pydantic.PlainValidator(_point)]
-Each = Annotated[Any, pydantic.PlainValidator(_one_or_each)]
-
-
-class Turned(Part):
-    """A rotation from the body's axes to others: C takes components in the first to the second.
-
-    ``matrix``: C. Or angles of a ``sequence``: the body's axes are turned about the first named axis,
-    what results about the second named axis as it then is, and so on, as in `eom.kinematics`.
-    """
-
-    matrix: tuple[Formulas, Formulas, Formulas] | None = None
-    sequence: str = "3-2-1"
-    radians: Formulas | None = None
-    degrees: Formulas | None = None
+from eom.multibody.constraint_parts import ConstraintPart
+from eom.multibody.places import Axis, Each, Formulas, Place, Point, Turned
 
 
 class BodyPart(Part):
@@ -72,13 +29,6 @@ class BodyPart(Part):
     solid: str | None = None
     size: dict[str, Formula] = Field(default_factory=dict)
     about: Point = "centre"
-    rotation: Turned | None = None
-
-
-class Place(Part):
-    """Where a joint's frame is on a body; ``rotation``: from the body's axes to the joint's."""
-
-    position: Formulas = (0, 0, 0)
     rotation: Turned | None = None
 
 
@@ -124,8 +74,11 @@ class LoadPart(Part):
 class TreeDescription(Request):
     """Bodies joined to the ground, loads, numbers, and what is asked for.
 
-    ``bodies``, ``joints``, ``loads``: by name. ``initial``: coordinates and speeds at t = 0, formulas over
-    parameters; what is not given is zero, the attitude of a joint no turn. ``initial_attitude``: by joint.
+    ``bodies``, ``joints``, ``loads``, ``constraints``: by name. ``initial``: coordinates and speeds at
+    t = 0, formulas over parameters; what is not given is zero, the attitude of a joint no turn.
+    ``initial_attitude``: by joint.
+    Under constraints the start is the nearest that meets them; ``keep``: names of speeds, and of
+    coordinates whose rate is a speed, that it does not change.
     ``outputs``: names of states, of outputs, or of groups of outputs (`eom.multibody.outputs.GROUPS`).
     """
 
@@ -134,5 +87,7 @@ class TreeDescription(Request):
     bodies: dict[str, BodyPart]
     joints: dict[str, JointPart]
     loads: dict[str, LoadPart] = Field(default_factory=dict)
+    constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
+    keep: tuple[str, ...] = ()
     initial: dict[str, Formula] = Field(default_factory=dict)
     initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)

@@ -11,7 +11,7 @@ import sympy as sp
 from eom import parse
 from eom.errors import InputError, unknown_name
 from eom.kinematics import SEQUENCES, rotation_sequence
-from eom.multibody.description import Turned
+from eom.multibody.places import Turned
 from eom.multibody.spatial import IDENTITY, Matrix
 from eom.multibody.values import Value, is_number, value
 

@@ -255,12 +255,38 @@ class Load:
             raise InputError("unknown axes", where=where, got=self.axes, expected="body or ground")
 
 
+class Constraint:
+    """What all rows of `eom.multibody.constraints` have."""
+
+    name: str
+
+    @property
+    def where(self) -> str:
+        """How errors name it."""
+        return f"constraint {self.name!r}"
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies that it binds, or the ground."""
+        return ()
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        raise NotImplementedError
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for what does not fit to the tree."""
+        raise NotImplementedError
+
+
 @dataclass(frozen=True)
 class Tree:
-    """Bodies joined to the ground without loops.
+    """Bodies joined to the ground without loops, and constraints on them, which may close loops.
 
     ``gravity``: its acceleration in the ground's axes (m/s^2). ``inputs``: symbols, or quantities, that
     are inputs; ``parameters``: quantities that describe parameters (every other symbol is one too).
+    ``constraints``: rows of `eom.multibody.constraints`.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
     hangs on nothing or on two joints, a loop, a joint that moves no mass.
@@ -273,10 +299,11 @@ class Tree:
     loads: tuple[Load, ...] = ()
     inputs: tuple[Any, ...] = ()
     parameters: tuple[Quantity, ...] = field(default=(), compare=False)
+    constraints: tuple[Constraint, ...] = ()
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters"):
+        for name in ("bodies", "joints", "loads", "parameters", "constraints"):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)

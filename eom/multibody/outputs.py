@@ -19,15 +19,26 @@ GROUPS: dict[str, tuple[str, ...]] = {
 """Names of the outputs that a row of `eom.multibody.derive.OUTPUTS` gives."""
 
 
-def names(wanted: Iterable[str]) -> tuple[str, ...]:
+FORCES, LAMBDA = "constraint_forces", "lambda_"
+"""The row whose outputs depend on the constraints, and how their names begin."""
+
+
+def names(wanted: Iterable[str], system: System) -> tuple[str, ...]:
     """Return what is asked for with groups written out."""
-    return tuple(dict.fromkeys(n for w in wanted for n in GROUPS.get(w, (w,))))
+    forces = tuple(n for n in system.output_names if n.startswith(LAMBDA))
+    known = {**GROUPS, FORCES: forces}
+    return tuple(dict.fromkeys(n for w in wanted for n in known.get(w, (w,))))
 
 
 def groups(wanted: Iterable[str]) -> tuple[str, ...]:
     """Return the rows of outputs that are needed for names, in the order of the table."""
-    asked = set(names(wanted))
+    asked = {FORCES if n.startswith(LAMBDA) else n for w in wanted for n in GROUPS.get(w, (w,))}
     return tuple(g for g in OUTPUTS if asked & set(GROUPS.get(g, (g,))))
+
+
+def is_known(name: str) -> bool:
+    """Tell whether a name beside those of states can be asked for."""
+    return name in known() or name.startswith(LAMBDA)
 
 
 def known() -> tuple[str, ...]:
@@ -102,6 +113,7 @@ def _restricted(
         outputs=outputs,
         invariants=invariants,
         singularities=singular,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
     )
 
 

@@ -61,8 +61,10 @@ class TreeScene(TreeDescription):
             )
         states = self._start
         check_used(self._reading)
+        if self.keep and not self.tree.constraints:
+            raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
-            if name not in states and name not in outputs.known():
+            if name not in states and not outputs.is_known(name):
                 raise unknown_name("output", name, [*states, *outputs.known()], "outputs")
         return self
 
@@ -105,13 +107,22 @@ class TreeScene(TreeDescription):
     @cached_property
     def full_system(self) -> System:
         """The system with every state and output that can be asked for."""
-        return self._named(derive(self.tree, OUTPUTS))
+        return self._named(derive(self.tree, OUTPUTS, start=self._near))
+
+    @property
+    def _near(self) -> dict[str, float]:
+        """Where constraints are tested for dependence: parameters and coordinates at the start."""
+        return {**self.numbers, **self._start} if self.tree.constraints else {}
+
+    @cached_property
+    def _whole(self) -> System:
+        """The system with the outputs asked for, and all states."""
+        wanted = outputs.groups(self.outputs)
+        return self._named(derive(self.tree, wanted, start=self._near))
 
     @cached_property
     def _derived(self) -> System:
-        wanted = outputs.groups(self.outputs)
-        whole = self._named(derive(self.tree, wanted))
-        return outputs.smallest(whole, outputs.names(self.requested)) if self.outputs else whole
+        return outputs.smallest(self._whole, self.requested) if self.outputs else self._whole
 
     def _named(self, system: System) -> System:
         return replace(system, name=self.name, title=self.title)
@@ -119,7 +130,7 @@ class TreeScene(TreeDescription):
     @property
     def requested(self) -> tuple[str, ...]:
         """What is asked for: the outputs, or all states where none are named."""
-        return outputs.names(self.outputs) or tuple(self._start)
+        return outputs.names(self.outputs, self._whole) or tuple(self._start)
 
     def requested_names(self) -> tuple[str, ...]:
         """Return what is asked for, groups of outputs by their names."""
@@ -132,7 +143,7 @@ class TreeScene(TreeDescription):
     def explain(self) -> Saved:
         """Return what was skipped, why, and the operations saved; print it to read it."""
         kept = self.derive().state_names
-        lost = tuple(n for n in self._start if n not in kept)
+        lost = tuple(n for n in self._whole.state_names if n not in kept)
         return Saved(savings(self.tree), lost, self.notes)
 
     def initial_values(self) -> dict[str, float]:

@@ -11,10 +11,11 @@ import sympy as sp
 
 from eom import solids
 from eom.errors import InputError, unknown_name
-from eom.multibody.description import BodyPart, JointPart, LoadPart, Place, TreeDescription
+from eom.multibody.constraint_sections import axis_of, constraint, placement
+from eom.multibody.description import BodyPart, JointPart, LoadPart, TreeDescription
 from eom.multibody.formulas import Formulas
 from eom.multibody.joints import KINDS
-from eom.multibody.model import Body, Joint, Load, Motion, Placement, Tree
+from eom.multibody.model import Body, Joint, Load, Motion, Tree
 from eom.multibody.spatial import ZERO
 from eom.multibody.values import is_number
 from eom.naming import check_names, spelling
@@ -130,17 +131,6 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     return solids.central_inertia(name).xreplace(values).tolist()
 
 
-def _place(part: Place, read: Formulas, where: str) -> Placement:
-    return Placement(
-        read.values(part.position, f"{where}: position"),
-        read.rotation(part.rotation, f"{where}: rotation"),
-    )
-
-
-def _axis(given: Any, read: Formulas, where: str) -> Any:
-    return given if isinstance(given, str) else read.values(given, where)
-
-
 def _joint(name: str, part: JointPart, reading: Reading) -> Joint:
     where, read = f"joint {name!r}", reading.constants
     _bare(name, part)
@@ -153,12 +143,12 @@ def _joint(name: str, part: JointPart, reading: Reading) -> Joint:
         part.kind,
         part.parent,
         part.child,
-        axis=_axis(part.axis, read, f"{where}: axis"),
-        second_axis=_axis(part.second_axis, read, f"{where}: second_axis"),
+        axis=axis_of(part.axis, read, f"{where}: axis"),
+        second_axis=axis_of(part.second_axis, read, f"{where}: second_axis"),
         pitch=read.value(part.pitch, f"{where}: pitch"),
         attitude=part.attitude,
-        on_parent=_place(part.on_parent, read, f"{where}: on_parent"),
-        on_child=_place(part.on_child, read, f"{where}: on_child"),
+        on_parent=placement(part.on_parent, read, f"{where}: on_parent"),
+        on_child=placement(part.on_child, read, f"{where}: on_child"),
         force=reading.acting.each(part.force, f"{where}: force"),
         motor=part.motor,
         motion=_motion(part, reading.moving, f"{where}: motion"),
@@ -205,6 +195,7 @@ SECTIONS: tuple[Section, ...] = (
     Section("bodies", _body),
     Section("joints", _joint),
     Section("loads", _load),
+    Section("constraints", constraint),
 )
 
 

@@ -128,7 +128,10 @@ def skeleton(tree: Tree, lift: Lift, work: Work) -> Skeleton:
         builder.joint(joint)
     for load in tree.loads:
         builder.load(load)
-    parts = tuple(_spinning(k, builder.parts) for k in range(len(builder.parts)))
+    bound = {builder.seats[b].part for c in tree.constraints for b in c.bodies}
+    parts = tuple(
+        part if k in bound else _spinning(k, builder.parts) for k, part in enumerate(builder.parts)
+    )
     gravity = [lift(g) for g in tree.gravity]
     return Skeleton(parts, builder.seats, gravity, builder.coordinates, builder.speeds)
 

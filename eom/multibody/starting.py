@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from eom.description import InitialAttitude, check_initial_attitude
 from eom.errors import InputError, unknown_name
 from eom.kinematics import quaternion_of_sequence
+from eom.multibody.consistent import assemble
 from eom.multibody.formulas import numbered
 from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Joint, Tree
@@ -39,7 +40,17 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
         found[name] = value
     for names in quaternions(tree):
         found |= _normalised({n: found[n] for n in names})
-    return found
+    return _assembled(tree, reading, found, parameters) if tree.constraints else found
+
+
+def _assembled(
+    tree: Tree, reading: Reading, found: dict[str, float], parameters: dict[str, float]
+) -> dict[str, float]:
+    """Return the nearest values that meet the constraints."""
+    inputs = {q.name: reading.scene.inputs[q.name].value for q in reading.inputs}
+    given = {**parameters, **inputs, **found}
+    values = assemble(tree, given, keep=reading.scene.keep).values
+    return {name: values[name] for name in found}
 
 
 def quaternions(tree: Tree) -> list[tuple[str, ...]]:

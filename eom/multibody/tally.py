@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eom.multibody import checks
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.joints import Kind, Relative, Setting
 from eom.multibody.model import Tree
@@ -83,6 +84,12 @@ def savings(tree: Tree) -> Savings:
     Operations are additions, multiplications, divisions, sines and cosines that depend on the state;
     sharing of equal values by the code generator comes on top, on both sides.
     """
+    light = checks.moves_nothing(tree, frozenset())
+    if light is not None:
+        reason = (
+            f"not counted: joint {light.name} moves no mass, its motion follows from constraints"
+        )
+        return Savings(0, 0, (reason,))
     counter = _Counter()
     work = _Counting(counter)
     known = _Tally(counter, known=True)

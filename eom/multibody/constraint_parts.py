@@ -1,0 +1,76 @@
+"""The data of constraints in a scene file: one kind a row of `eom.multibody.constraint_sections.ROWS`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from eom.description import Formula, Part
+from eom.multibody.places import Axis, Formulas, Place
+
+
+class LoopPart(Part):
+    """A loop closed by a ``joint`` of that kind: see `eom.multibody.constraints.Loop`."""
+
+    kind: Literal["loop"]
+    joint: str
+    first: str
+    second: str
+    axis: Axis = "z"
+    second_axis: Axis = "x"
+    on_first: Place = Place()
+    on_second: Place = Place()
+
+
+class DistancePart(Part):
+    """A rod without mass: see `eom.multibody.constraints.Distance`."""
+
+    kind: Literal["distance"]
+    first: str
+    second: str
+    length: Formula
+    first_point: Formulas = (0, 0, 0)
+    second_point: Formulas = (0, 0, 0)
+
+
+class EquationPart(Part):
+    """An equation between coordinates, or with ``kind`` speed_equation between speeds."""
+
+    kind: Literal["equation", "speed_equation"]
+    expression: Formula
+
+
+class CouplingPart(Part):
+    """Gears: see `eom.multibody.constraints.Coupling`; ``ratios`` by joint."""
+
+    kind: Literal["coupling"]
+    ratios: dict[str, Formula]
+
+
+class RollingPart(Part):
+    """A wheel (``axis``) or ``ball`` on a plane: see `eom.multibody.constraints.Rolling`."""
+
+    kind: Literal["rolling"]
+    body: str
+    radius: Formula
+    axis: Axis = "z"
+    ball: bool = False
+    centre: Formulas = (0, 0, 0)
+    normal: Axis = "z"
+    origin: Formulas = (0, 0, 0)
+
+
+class SkatePart(Part):
+    """A knife edge: see `eom.multibody.constraints.Skate`."""
+
+    kind: Literal["skate"]
+    body: str
+    direction: Axis = "y"
+    point: Formulas = (0, 0, 0)
+
+
+ConstraintPart = Annotated[
+    LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | SkatePart,
+    Field(discriminator="kind"),
+]
