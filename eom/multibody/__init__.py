@@ -2,5 +2,17 @@
 
 from eom.multibody.derive import derive
 from eom.multibody.model import GROUND, Body, Joint, Load, Motion, Placement, Tree
+from eom.multibody.reactions import Reaction, reaction
 
-__all__ = ["GROUND", "Body", "Joint", "Load", "Motion", "Placement", "Tree", "derive"]
+__all__ = [
+    "GROUND",
+    "Body",
+    "Joint",
+    "Load",
+    "Motion",
+    "Placement",
+    "Reaction",
+    "Tree",
+    "derive",
+    "reaction",
+]
