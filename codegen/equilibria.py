@@ -4,15 +4,17 @@
     trim = equilibrium(compiled, guess, parameters, free=["thrust"], hold={"height": 100.0})
     steady = equilibrium(compiled, guess, parameters, cyclic=["phi"], hold={"spin": 20.0})
 
-Newton's method (`codegen.newton`) with the generated Jacobian; where the equations leave a family of
-solutions open, it goes to a near one. Unit quaternions among the states (`codegen.quaternions`) stay unit
-ones. What is found is told with its residual, and with the rank of the Jacobian: whether it stands alone.
+Newton's method (`codegen.newton`) with derivatives of the program (`codegen.tangents`); where the equations
+leave a family of solutions open, it goes to a near one. Unit quaternions among the states
+(`codegen.quaternions`) stay unit ones. What is found is told with its residual, and with the rank of the
+Jacobian: whether it stands alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +35,8 @@ ALIKE = 1e-6
 DEGENERATE = "degenerate"
 CERTAIN = 1e-9
 """Where Newton's method would still go farther than this, the place of a solution is not certain."""
-NEAR = 0.1
-"""How far away derivatives are compared with those of a solution."""
+NEAR, NEAR_POINTS = 0.3, 6
+"""How far from the guess derivatives are looked at for their size, and at how many points."""
 FAMILY_STEP = 1e-3
 """How far along a family another member is looked for, relative to the size of the solution."""
 
@@ -235,9 +237,20 @@ class _Search:
         f, J = self.equations(*self.whole(z))
         return f, J[:, self.unknowns]
 
+    @cached_property
+    def problem(self) -> newton.Problem:
+        """The equations, with the size of their derivatives by all states and inputs around the guess."""
+        first = np.concatenate([self.x, self.u])
+        draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, first.size))
+        points = [first, *(first + NEAR * draw * np.maximum(np.abs(first), 1.0))]
+        n = self.x.size
+        with np.errstate(all="ignore"):
+            size = newton.sizes([self.equations(z[:n], z[n:])[1] for z in points])
+        return newton.Problem(self.value, self.values, size)
+
     def solve(self, z: Array) -> Array | None:
         """Return a solution from a start; None where none is found."""
-        return newton.solve(newton.Problem(self.value, self.values), z)
+        return newton.solve(self.problem, z)
 
     def wrapped(self, z: Array) -> Array:
         """Return angles in (-pi, pi] where the equations hold there as well."""
@@ -257,8 +270,10 @@ class _Search:
         f, J = self.values(z)
         self._check_cyclic(z)
         x, u = self.whole(z)
-        rank, null = newton.null_space(J, self._sizes(z))
-        certain = np.max(np.abs(newton.step(f, J))) <= CERTAIN * (1 + np.max(np.abs(z)))
+        rank, null = newton.null_space(J, self.problem.size)
+        certain = np.max(np.abs(newton.step(self.problem, f, J))) <= CERTAIN * (
+            1 + np.max(np.abs(z))
+        )
         kind = ("isolated" if certain else DEGENERATE) if rank == z.size else self._kind(z, null)
         worst = int(np.argmax(np.abs(f)))
         states = names_of(self.compiled.layout.states)
@@ -268,7 +283,7 @@ class _Search:
             dict(zip(self.inputs, map(float, u), strict=True)),
             dict(zip(names_of(self.compiled.layout.parameters), map(float, self.p), strict=True)),
             float(abs(f[worst])),
-            float(np.max(np.abs(f) / newton.terms(J, z))),
+            float(np.max(np.abs(f) / newton.scale(self.problem, z))),
             self.equations.labels[worst],
             z.size,
             rank,
@@ -276,12 +291,6 @@ class _Search:
             tuple(self._named(v) for v in null.T) if kind == "family" else (),
             {n: float(rates[states.index(n)]) for n in self.cyclic},
         )
-
-    def _sizes(self, z: Array) -> Array:
-        """Return the size of each row of derivatives, at a solution and near it: it may vanish there."""
-        near = np.random.default_rng(0).normal(size=(3, z.size)) * NEAR * np.maximum(np.abs(z), 1.0)
-        found = [newton.sizes(self.values(z + step)[1]) for step in (0 * z, *near)]
-        return np.asarray(np.max([s for s in found if np.all(np.isfinite(s))], axis=0))
 
     def _named(self, direction: Array) -> Mapping[str, float]:
         named = {self.labels[p]: float(v) for p, v in zip(self.unknowns, direction, strict=True)}

@@ -4,8 +4,8 @@
     near = linearise_about(compiled, point)
     print(near.A, near.states, near.eigenvalues, near.stability.kind, near.agreement)
 
-The matrices are those of the generated derivatives (`codegen.linear`); ``agreement`` says how far a complex
-step with 50 digits (`codegen.complex_step`), which shares nothing with them but the program, is from them.
+``agreement`` says how far a complex step with 50 digits (`codegen.complex_step`), which uses no rule of
+differentiation, is from the matrices. Along a trajectory `codegen.linearise` is quicker.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ from numpy.typing import NDArray
 
 from codegen.compiled import Compiled
 from codegen.complex_step import complex_step
+from codegen.deviations import closed, free_states, independent
 from codegen.equilibria import Equilibrium
 from codegen.interpret import Point
 from codegen.layout import names_of
-from codegen.linear import Linear, linearise
+from codegen.linear import Linear
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
-from codegen.ops import Instruction
 from codegen.quaternions import candidates
-from codegen.tangent import closed, free_states, independent
+from codegen.tangents import tangents
+from codegen.unknowns import leaves_of
 from eom.errors import InputError, near_matches, unknown_name
 
 Array = NDArray[np.float64]
@@ -103,12 +104,13 @@ def linearise_about(
 
     ``constraints``: invariants or outputs that keep their values; what follows from them along the
     motion is kept, too. Unit quaternions lose one state, or with ``attitude="angles"`` become three
-    small angles about the body's axes, ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept.
-    ``check``: whether `agreement` is computed. Raises `InputError` for unknown names.
+    small angles about the body's axes, ``angle_<state>``. Cyclic states are left out.
+    ``independent_states``: to be kept. ``check``: whether `agreement` is computed.
+    Raises `InputError` for unknown names, and a point of another system.
     """
     layout = compiled.layout
     x, u, p = _arrays(compiled, point)
-    full = linearise(compiled, x, p, u)
+    full = _whole(compiled, x, u, p)
     cyclic = point.cyclic
     if attitude not in ATTITUDES:
         raise unknown_name("attitude", attitude, ATTITUDES)
@@ -169,20 +171,37 @@ def _preferred(given: Iterable[str], known: Sequence[str], where: str) -> tuple[
     return names
 
 
+def _whole(compiled: Compiled, x: Array, u: Array, p: Array) -> Linear:
+    """Return A, B, C, D by all states."""
+    layout, n = compiled.layout, x.size
+    point = Point(0.0, list(x), list(p), list(u))
+    _, J = tangents(compiled.program, _groups(compiled), leaves_of(n, u.size), point)
+    return Linear(
+        J[:n, :n], J[:n, n:], J[n:, :n], J[n:, n:],
+        names_of(layout.states), names_of(layout.inputs), layout.results[OUTPUTS],
+    )  # fmt: skip
+
+
+def _groups(compiled: Compiled) -> list[str]:
+    return [g for g in (RATES, OUTPUTS) if g in compiled.program.results]
+
+
 def _slopes(compiled: Compiled, names: Sequence[str], x: Array, u: Array, p: Array) -> Array:
     """Return the derivatives of invariants and outputs by the states."""
     results = compiled.layout.results
-    group_of = {n: g for g in (OUTPUTS, INVARIANTS) for n in results[g]}
-    rows = [np.zeros((0, x.size))]
+    groups = [g for g in (OUTPUTS, INVARIANTS) if results[g]]
+    known = [n for g in groups for n in results[g]]
     for name in names:
-        if name not in group_of:
+        if name not in known:
             raise InputError(
                 "unknown constraint", where=f"system {compiled.layout.name!r}", got=name,
-                expected="an invariant or an output", hint=near_matches(name, group_of),
+                expected="an invariant or an output", hint=near_matches(name, known),
             )  # fmt: skip
-        J = compiled.jacobian("states", group_of[name]).dense(0.0, x, p, u)
-        rows.append(J[[results[group_of[name]].index(name)]])
-    return np.vstack(rows)
+    if not names:
+        return np.zeros((0, x.size))
+    point = Point(0.0, list(x), list(p), list(u))
+    _, J = tangents(compiled.program, groups, leaves_of(x.size, 0), point)
+    return J[[known.index(name) for name in names]]
 
 
 def _norms(x: Array, fours: Sequence[Sequence[int]]) -> Array:
@@ -194,11 +213,10 @@ def _norms(x: Array, fours: Sequence[Sequence[int]]) -> Array:
 
 def _agreement(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -> float:
     """Return how far a complex step is from the derivatives, relative to the largest of each row."""
-    leaves = [Instruction("state", (), k) for k in range(x.size)]
-    leaves += [Instruction("input", (), k) for k in range(u.size)]
     ours = np.block([[full.A, full.B], [full.C, full.D]])
-    groups = [g for g in (RATES, OUTPUTS) if g in compiled.program.results]
-    other = complex_step(compiled.program, groups, leaves, Point(0.0, list(x), list(p), list(u)))
+    point = Point(0.0, list(x), list(p), list(u))
+    leaves = leaves_of(x.size, u.size)
+    other = complex_step(compiled.program, _groups(compiled), leaves, point)
     size = np.max(np.abs(other), axis=1, initial=0.0, keepdims=True)
     return float(np.max(np.abs(ours - other) / np.where(size > 0, size, 1.0), initial=0.0))
 

@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiled import Compiled
+from codegen.interpret import Point
 from codegen.layout import names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
+from codegen.ops import Instruction
+from codegen.tangents import tangents
 
 Array = NDArray[np.float64]
 
@@ -54,14 +57,29 @@ class Equations:
 
     def __call__(self, x: Array, u: Array) -> tuple[Array, Array]:
         """Return what should be zero, and its derivatives by states, then inputs."""
-        blocks = [self._derivatives(RATES, self.rows, x, u)]
-        blocks += [self._derivatives(group, places, x, u) for group, _, places in self.held]
+        leaves = leaves_of(x.size, u.size)
+        groups = [RATES, *(group for group, _, _ in self.held)]
+        found, J = tangents(
+            self.compiled.program, groups, leaves, Point(0.0, list(x), list(self.p), list(u))
+        )
+        rows, start = list(self.rows), x.size
+        for group, _, places in self.held:
+            rows += [start + k for k in places]
+            start += len(self.compiled.program.results[group])
         norms = np.zeros((len(self.units), x.size + u.size))
         for k, four in enumerate(self.units):
             norms[k, list(four)] = 2 * x[list(four)]
-        return self.value(x, u), np.vstack([*blocks, norms])
+        targets = [np.zeros(len(self.rows)), *self.targets]
+        lengths = [(x[list(four)] ** 2).sum() - 1 for four in self.units]
+        return np.append(found[rows] - np.concatenate(targets), lengths), np.vstack(
+            [J[rows], norms]
+        )
 
-    def _derivatives(self, group: str, places: Sequence[int], x: Array, u: Array) -> Array:
-        by = [self.compiled.jacobian(kind, group).dense(0.0, x, self.p, u)[places]
-              for kind in ("states", "inputs")[: 1 + bool(u.size)]]  # fmt: skip
-        return np.hstack(by)
+
+def leaves_of(states: int, inputs: int) -> list[Instruction]:
+    """Return the leaves of all states, then all inputs."""
+    return [
+        Instruction(kind, (), k)
+        for kind, n in (("state", states), ("input", inputs))
+        for k in range(n)
+    ]

@@ -20,7 +20,9 @@ from eom.errors import InputError
 Array = NDArray[np.float64]
 
 SPAN = 1e-9
-"""Rows that differ less than this from combinations of others are combinations of them."""
+"""Rows that differ relatively less than this from combinations of others are combinations of them."""
+NOISE = 1e-12
+"""What follows along the motion counts from this on, relative to the matrix of the motion."""
 
 
 @dataclass(frozen=True)
@@ -68,27 +70,24 @@ def closed(G: Array, A: Array) -> tuple[Array, list[int]]:
     basis = np.zeros((0, A.shape[0]))
     redundant = []
     for k, row in enumerate(G):
-        longer = _with(basis, row)
+        longer = _with(basis, row, SPAN * float(np.linalg.norm(row)))
         if longer is None:
             redundant.append(k)
         else:
             basis = longer
     done = 0
     while done < len(basis):
-        row = basis[done] @ A
-        size = float(np.linalg.norm(A)) or 1.0
-        longer = _with(basis, row / size)
+        longer = _with(basis, basis[done] @ A, NOISE * float(np.linalg.norm(A)))
         basis = basis if longer is None else longer
         done += 1
     return basis, redundant
 
 
-def _with(basis: Array, row: Array) -> Array | None:
-    """Return a basis with what a row adds to it; None if that is nothing."""
-    size = np.linalg.norm(row)
+def _with(basis: Array, row: Array, least: float) -> Array | None:
+    """Return a basis with what a row adds to it; None if that is no longer than ``least``."""
     rest = row - basis.T @ (basis @ row)
     rest = rest - basis.T @ (basis @ rest)
-    if np.linalg.norm(rest) <= SPAN * max(float(size), SPAN):
+    if np.linalg.norm(rest) <= least:
         return None
     return np.vstack([basis, rest / np.linalg.norm(rest)])
 
