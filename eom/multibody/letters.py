@@ -68,6 +68,7 @@ LETTERS: dict[str, Row] = {
     "tau": Row("Q", "", "applied force or torque at the joint {}"),
     "stretch": Row("stretch", "", "coordinate of {} less its rest value"),
     "entry": Row("M", "", "entry of the mass matrix"),
+    "wrench": Row("Y", "", "force on {} by one unit of an inertial parameter"),
     "column": Row("F", "", "force on {} by a unit acceleration of a joint"),
 }
 """Rows by what the recursions call them."""
