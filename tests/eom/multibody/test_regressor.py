@@ -217,14 +217,17 @@ def test_a_prismatic_joint_shows_no_inertia_of_its_link():
     assert not any(n.startswith("J_b2") for n in found.combinations)
 
 
-def test_armature_of_the_first_joint_joins_its_moment_and_damping_stays():
-    found = base_parameters(
-        serial([IDENTITY, QUARTER], [(0, 0, 0), (1, 0, 0)]), armature=True, damping=True
+def test_armatures_join_moments_at_right_angles_and_dampings_stay():
+    """As in Gautier and Khalil: those of the first two joints, at a right angle, not that of the third."""
+    given = serial([IDENTITY, QUARTER, IDENTITY], [(0, 0, 0), (1, 0, 0), (2, 0, 0)])
+    found = base_parameters(given, armature=True, damping=True)
+    for k in (1, 2):
+        assert f"armature_u_j{k}" not in found.combinations
+        joined = found.combinations[f"J_b{k}_33"]
+        assert sp.Symbol(f"armature_u_j{k}", real=True) in joined.free_symbols
+    assert {"armature_u_j3", "damping_u_j1", "damping_u_j2", "damping_u_j3"} <= set(
+        found.combinations
     )
-    assert sp.Symbol("armature_u_j1", real=True) in found.combinations["J_b1_33"].free_symbols
-    assert "armature_u_j1" not in found.combinations
-    assert "armature_u_j2" not in found.combinations  # at a right angle to the first axis
-    assert {"armature_u_j3", "damping_u_j1", "damping_u_j2"} <= set(found.combinations)
 
 
 def test_rounded_rotations_do_not_raise_the_rank():
