@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 ERROR_FACTOR = 100.0
 """How many times the bound of first order an eigenvalue may be off before its sign is believed."""
+LEAST_ROW = 1e-3
 ATTITUDES = STATES, ANGLES = ("states", "angles")
 """How deviations of unit quaternions are told."""
 STABLE, UNSTABLE, OPEN = "asymptotically stable", "unstable", "undecided"
@@ -61,7 +62,8 @@ class LinearMotion(Linear):
     ``point``: about which. ``eliminated``: what other states are by these, {state: {state: factor}}.
     ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints follow from those
     that were given; ``redundant``: those given that say nothing new. ``agreement``: the largest difference
-    to a complex step, relative to the largest entry of its row; NaN where that could not be made.
+    to a complex step, relative to the largest entry of its row (at least a thousandth of the largest of
+    all rows); NaN where that could not be made.
     """
 
     point: Equilibrium
@@ -212,12 +214,17 @@ def _norms(x: Array, fours: Sequence[Sequence[int]]) -> Array:
 
 
 def _agreement(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -> float:
-    """Return how far a complex step is from the derivatives, relative to the largest of each row."""
+    """Return how far a complex step is from the derivatives, relative to the largest of each row.
+
+    Rows that vanish do so to the rounding of terms that cancel: sizes are at least `LEAST_ROW` of the
+    largest.
+    """
     ours = np.block([[full.A, full.B], [full.C, full.D]])
     point = Point(0.0, list(x), list(p), list(u))
     leaves = leaves_of(x.size, u.size)
     other = complex_step(compiled.program, _groups(compiled), leaves, point)
     size = np.max(np.abs(other), axis=1, initial=0.0, keepdims=True)
+    size = np.maximum(size, LEAST_ROW * np.max(size, initial=0.0))
     return float(np.max(np.abs(ours - other) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
