@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 ERROR_FACTOR = 100.0
 """How many times the bound of first order an eigenvalue may be off before its sign is believed."""
-LEAST_ROW = 1e-3
+LEAST_ROW, DOUBT = 1e-3, 1e-6
 ATTITUDES = STATES, ANGLES = ("states", "angles")
 """How deviations of unit quaternions are told."""
 STABLE, UNSTABLE, OPEN = "asymptotically stable", "unstable", "undecided"
@@ -63,7 +63,8 @@ class LinearMotion(Linear):
     ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints follow from those
     that were given; ``redundant``: those given that say nothing new. ``agreement``: the largest difference
     to a complex step, relative to the largest entry of its row (at least a thousandth of the largest of
-    all rows); NaN where that could not be made.
+    all rows); NaN where that could not be made. ``doubtful``: states by their
+    rates, and outputs, that differ by more than `DOUBT`: they have no derivative there, but a corner.
     """
 
     point: Equilibrium
@@ -72,6 +73,7 @@ class LinearMotion(Linear):
     dropped: tuple[str, ...] = ()
     hidden: int = 0
     redundant: tuple[str, ...] = ()
+    doubtful: tuple[str, ...] = ()
 
     @cached_property
     def _eigen(self) -> tuple[NDArray[np.complex128], Array]:
@@ -127,13 +129,24 @@ def linearise_about(
     basis, redundant = closed(G @ free.T, free.dynamics(full.A))
     preferred = _preferred(independent_states, free.names, layout.name)
     kept, eliminated = independent(free, basis, preferred)
+    apart = (
+        _differences(compiled, full, x, u, p)
+        if check
+        else np.full(len(full.A) + len(full.C), np.nan)
+    )
     return LinearMotion(
         kept.dynamics(full.A), kept.S @ full.B, full.C @ kept.T, full.D,
         kept.names, full.inputs, full.outputs, point,
-        _agreement(compiled, full, x, u, p) if check else float("nan"),
+        float(np.max(apart, initial=0.0)),
         eliminated, cyclic, len(basis) - len(G) + len(redundant),
         tuple(labels[k] for k in redundant),
+        _doubtful(full, apart) if check else (),
     )  # fmt: skip
+
+
+def _doubtful(full: Linear, apart: Array) -> tuple[str, ...]:
+    names = zip((*full.states, *full.outputs), apart, strict=True)
+    return tuple(n for n, far in names if not far <= DOUBT)
 
 
 def _arrays(compiled: Compiled, point: Equilibrium) -> tuple[Array, Array, Array]:
@@ -213,8 +226,8 @@ def _norms(x: Array, fours: Sequence[Sequence[int]]) -> Array:
     return rows
 
 
-def _agreement(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -> float:
-    """Return how far a complex step is from the derivatives, relative to the largest of each row.
+def _differences(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -> Array:
+    """Return how far a complex step is from the derivatives, for each row relative to its largest.
 
     Rows that vanish do so to the rounding of terms that cancel: sizes are at least `LEAST_ROW` of the
     largest.
@@ -225,7 +238,8 @@ def _agreement(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -
     other = complex_step(compiled.program, _groups(compiled), leaves, point)
     size = np.max(np.abs(other), axis=1, initial=0.0, keepdims=True)
     size = np.maximum(size, LEAST_ROW * np.max(size, initial=0.0))
-    return float(np.max(np.abs(ours - other) / np.where(size > 0, size, 1.0), initial=0.0))
+    apart = np.abs(ours - other) / np.where(size > 0, size, 1.0)
+    return np.asarray(np.max(apart, axis=1, initial=0.0))
 
 
 def eigenvalues(A: Array) -> tuple[NDArray[np.complex128], Array]:

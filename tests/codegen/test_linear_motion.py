@@ -228,6 +228,17 @@ def test_the_matrices_are_those_of_the_generated_jacobian():
     assert near.states == generated.states
 
 
+def test_a_row_without_derivative_is_told():
+    """An angle by its cosine has a corner at zero."""
+    angle = {"tilt": sp.acos(1 - x**2 - v**2), "place": x}
+    compiled = compiled_of({x: -x, v: -v}, outputs=angle)
+    point = equilibrium(compiled)
+    assert linearise_about(compiled, point).doubtful == ("tilt",)
+    unchecked = linearise_about(compiled, point, check=False)
+    assert unchecked.doubtful == ()
+    assert math.isnan(unchecked.agreement)
+
+
 def test_tangent_spaces_of_random_constraints():
     """Deviations keep the rows, S T = 1, and the basis spans what follows from the rows."""
     draw = np.random.default_rng(2)
