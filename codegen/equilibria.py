@@ -25,7 +25,7 @@ from codegen.derivative import dependence
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.quaternions import candidates
-from codegen.unknowns import Equations
+from codegen.unknowns import Equations, maintained
 from eom.errors import InputError, near_matches, unknown_name
 
 Array = NDArray[np.float64]
@@ -94,15 +94,16 @@ def equilibrium(
     ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``inputs``: their
     values, 0 where left out; those in ``free`` are looked for, from there. ``cyclic``: states that may
     run, on which no other rate depends. ``hold``: values of states, outputs or invariants that the
-    solution must have. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess (by its size, at least 1). The same arguments give the same result.
+    solution must have; the constraints that the system maintains are met anyhow. ``starts``, ``seed``,
+    ``spread``: how many points are tried, drawn how, how far from the guess (by its size, at least 1).
+    The same arguments give the same result.
     Raises `InputError` where nothing is found, for unknown names, and for rates that depend on time.
     """
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     for start in search.starts(starts, seed, spread):
         found = search.solve(start)
         if found is not None:
-            return search.told(found)
+            return search.told(search.wrapped(found))
     raise search.nothing(starts)
 
 
@@ -121,7 +122,7 @@ def equilibria(
 ) -> tuple[Equilibrium, ...]:
     """Return all solutions that are found from so many points, each once; see `equilibrium`.
 
-    Nearest to the guess first; angles are brought into (-pi, pi] where that changes nothing. Of families,
+    Nearest to the guess first; angles are within half a turn of it where that changes nothing. Of families,
     single members are told. None of this says that there are no others.
     """
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
@@ -165,7 +166,7 @@ class _Search:
             raise InputError("the rates depend on time: nothing is steady", where=self.name)
         free = self._names(free, "input", self.inputs)
         self.cyclic = cyclic = self._names(cyclic, "state", states)
-        hold = dict(hold or {})
+        hold = dict.fromkeys(maintained(compiled), 0.0) | dict(hold or {})
         fours = [orders[0] for orders in candidates(compiled.program, len(states))]
         self.x = _start(guess or {}, states, fours)
         self.u = to_array(
@@ -179,6 +180,7 @@ class _Search:
         units = [f for f in fours if set(f) & {states.index(n) for n in moving}]
         rows = [k for k, n in enumerate(states) if n not in cyclic]
         self.equations = Equations(compiled, self.p, rows, conditions, units)
+        self.speeds = [q.unit.endswith("/s") for q in layout.states] + [False] * len(self.inputs)
         self.angles = [q.unit == "rad" for q in layout.states] + [False] * len(self.inputs)
         if not self.unknowns:
             raise InputError(
@@ -213,14 +215,17 @@ class _Search:
         return set(hold) & set(states)
 
     def starts(self, count: int, seed: int, spread: float) -> Iterable[Array]:
-        """Yield the guess, then points around it."""
+        """Yield the guess, the guess with speeds of zero, then points around that."""
         if not isinstance(count, int) or count < 1 or not spread > 0:
             raise InputError("starts and spread are not positive", got=(count, spread))
         first = np.concatenate([self.x, self.u])[self.unknowns]
         yield first
+        still = np.where([self.speeds[k] for k in self.unknowns], 0.0, first)
+        if count > 1:
+            yield still
         draw = np.random.default_rng(seed)
-        for _ in range(count - 1):
-            yield first + spread * draw.normal(size=first.size) * np.maximum(np.abs(first), 1.0)
+        for _ in range(count - 2):
+            yield still + spread * draw.normal(size=first.size) * np.maximum(np.abs(still), 1.0)
 
     def whole(self, z: Array) -> tuple[Array, Array]:
         """Return states and inputs."""
@@ -253,11 +258,12 @@ class _Search:
         return newton.solve(self.problem, z)
 
     def wrapped(self, z: Array) -> Array:
-        """Return angles in (-pi, pi] where the equations hold there as well."""
-        turned = z.copy()
-        for k, place in enumerate(self.unknowns):
-            if self.angles[place]:
-                turned[k] = np.pi - (np.pi - z[k]) % (2 * np.pi)
+        """Return angles within half a turn of the guess where the equations hold there as well."""
+        first = np.concatenate([self.x, self.u])[self.unknowns]
+        turns = np.ceil((z - first) / (2 * np.pi) - 0.5)
+        turned = z - 2 * np.pi * np.where([self.angles[k] for k in self.unknowns], turns, 0.0)
+        if np.array_equal(turned, z):
+            return z
         again = self.solve(turned)
         return z if again is None or not _alike(again, turned) else again
 

@@ -28,7 +28,7 @@ from codegen.linear import Linear
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.quaternions import candidates
 from codegen.tangents import tangents
-from codegen.unknowns import leaves_of
+from codegen.unknowns import leaves_of, maintained
 from eom.errors import InputError, near_matches, unknown_name
 
 Array = NDArray[np.float64]
@@ -106,10 +106,10 @@ def linearise_about(
 ) -> LinearMotion:
     """Return the linear motion about a point that `codegen.equilibrium` found, by independent states.
 
-    ``constraints``: invariants or outputs that keep their values; what follows from them along the
-    motion is kept, too. Unit quaternions lose one state, or with ``attitude="angles"`` become three
-    small angles about the body's axes, ``angle_<state>``. Cyclic states are left out.
-    ``independent_states``: to be kept. ``check``: whether `agreement` is computed.
+    ``constraints``: invariants or outputs that keep their values, beside the constraints that the
+    system maintains; what follows from them along the motion is kept, too. Unit quaternions lose one
+    state, or with ``attitude="angles"`` become three small angles about the body's axes,
+    ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``: whether `agreement` is computed.
     Raises `InputError` for unknown names, and a point of another system.
     """
     layout = compiled.layout
@@ -122,7 +122,8 @@ def linearise_about(
     turned = fours if attitude == ANGLES else []
     unit = [] if attitude == ANGLES else fours
     free = free_states(x, full.states, cyclic, turned)
-    names = (constraints,) if isinstance(constraints, str) else tuple(constraints)
+    given = (constraints,) if isinstance(constraints, str) else tuple(constraints)
+    names = tuple(dict.fromkeys((*maintained(compiled), *given)))
     G = _slopes(compiled, names, x, u, p)
     G = np.vstack([G, _norms(x, unit)])
     labels = [*names, *(f"norm of {', '.join(full.states[k] for k in four)}" for four in unit)]

@@ -76,6 +76,12 @@ class Equations:
         )
 
 
+def maintained(compiled: Compiled) -> tuple[str, ...]:
+    """Return the invariants that constraints keep at zero."""
+    known = compiled.layout.results[INVARIANTS]
+    return tuple(n for n in compiled.system.maintained if n in known)
+
+
 def leaves_of(states: int, inputs: int) -> list[Instruction]:
     """Return the leaves of all states, then all inputs."""
     return [

@@ -112,7 +112,8 @@ class System:
     ``definitions``: named intermediates, each over the symbols before it.
     ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
-    ``singularities``, ``assumptions``: see their types. Units are SI; angles are in radians.
+    ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
+    integration brings the state back unless told otherwise. Units are SI; angles are in radians.
 
     Raises `InputError` for repeated names, free symbols without a meaning, or wrong lengths.
     """
@@ -129,6 +130,7 @@ class System:
     invariants: tuple[Definition, ...] = ()
     singularities: tuple[Singularity, ...] = ()
     assumptions: tuple[Assumption, ...] = ()
+    maintained: tuple[str, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:

@@ -74,9 +74,19 @@ def test_a_ready_scene_with_a_quaternion():
     assert run("gravity-gradient-satellite", "--attitude", "angles").output.count("angle_q1") >= 2
 
 
-def test_steady_motions_and_held_values(plate):
-    result = run("heavy-top", "--at", "omega_1=0", "--starts", "1")
-    assert isinstance(result.exception, InputError) or result.exit_code == 0
+def test_a_steady_motion_of_a_handle():
+    """Spin about the middle axis: growth at nu sqrt((I1 - I2)(I2 - I3) / (I1 I3))."""
+    angles = [x for n in ("psi", "theta", "phi") for x in ("--cyclic", n)]
+    found = json.loads(run("t-handle-in-angles", *angles, "--at", "omega_2=10", "--json").output)
+    I1, I2, I3 = (found["point"]["parameters"][f"I{k}"] for k in (1, 2, 3))
+    growth = 10 * np.sqrt((I1 - I2) * (I2 - I3) / (I1 * I3))
+    assert found["stability"]["kind"] == "unstable"
+    assert found["stability"]["growth"] == pytest.approx(growth, rel=1e-12)
+    assert set(found["cyclic"]) == {"psi", "theta", "phi"}
+    assert "steady motion" in run("t-handle-in-angles", *angles, "--at", "omega_2=10").output
+
+
+def test_held_values(plate):
     held = run(plate, "--at", "omega_3=2")
     assert held.exit_code == 0
     assert "rank 2 of 2" in held.output

@@ -1,6 +1,7 @@
 """Linear motion about equilibria and steady motions; the complex step that checks it."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -20,7 +21,7 @@ from codegen.tangents import tangents
 from codegen.unknowns import leaves_of
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Tree, derive
-from eom.system import Quantity, System
+from eom.system import Definition, Quantity, System
 from tests.codegen.test_derivative import POINTS, program_of_op
 from tests.eom.multibody.trees import state, tree
 
@@ -36,7 +37,11 @@ def string_pendulum():
     """A point mass on a rod, in Cartesian coordinates with the rod's force found; only the length given."""
     tension = (v**2 + w**2 - g * y) / (x**2 + y**2)
     rates = {x: v, y: w, v: -tension * x, w: -tension * y - g}
-    return compiled_of(rates, invariants={"length": sp.sqrt(x**2 + y**2)}, outputs={"height": y})
+    return compiled_of(
+        rates,
+        invariants={"length": sp.sqrt(x**2 + y**2), "radius": x**2 + y**2},
+        outputs={"height": y},
+    )
 
 
 def test_the_rate_of_a_constraint_is_found():
@@ -57,10 +62,23 @@ def test_which_states_stay_can_be_said():
     point = equilibrium(string_pendulum(), {"x": 0.1, "y": -2.0}, {"g": 9.81}, hold={"length": 2.0})
     with pytest.raises(InputError, match="not independent"):
         linearise_about(string_pendulum(), point, constraints=["length"], independent_states=["y"])
-    near = linearise_about(string_pendulum(), point, constraints=["length", "length"],
+    near = linearise_about(string_pendulum(), point, constraints=["length", "radius"],
                            independent_states=["v", "x"])  # fmt: skip
     assert near.states == ("x", "v")
-    assert near.redundant == ("length",)
+    assert near.redundant == ("radius",)
+
+
+def test_constraints_that_a_system_maintains_are_kept_by_themselves():
+    """A rod held by its squared length less that at the start: met at zero, and found to be."""
+    given = string_pendulum().system
+    left = Definition(Quantity(sp.Symbol("closure", real=True)), x**2 + y**2 - 4)
+    held = replace(given, invariants=(left,), maintained=("closure",))
+    compiled = codegen.compile(held, "numpy")
+    point = equilibrium(compiled, {"x": 0.1, "y": -1.0}, {"g": 9.81})
+    assert point.states["y"] == pytest.approx(-2.0, rel=1e-14)
+    near = linearise_about(compiled, point)
+    assert near.states == ("x", "v")
+    assert near.A[1, 0] == pytest.approx(-9.81 / 2, rel=1e-13)
 
 
 def sleigh():

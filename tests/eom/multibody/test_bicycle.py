@@ -53,14 +53,13 @@ def compiled():
 
 
 def straight(compiled, speed, kept=(), check=True):
-    held = dict.fromkeys(compiled.system.maintained, 0.0)
-    held |= {"v_base_1": speed, "q_base_2": 0.0, "q_steer": 0.0}
+    held = {"v_base_1": speed, "q_base_2": 0.0, "q_steer": 0.0}
     point = codegen.equilibrium(
         compiled, {"z_base": -0.3}, hold=held,
         cyclic=["x_base", "y_base", "q_base_1", "q_hub", "q_axle"],
     )  # fmt: skip
     return codegen.linearise_about(
-        compiled, point, constraints=(*compiled.system.maintained, *kept),
+        compiled, point, constraints=kept,
         independent_states=LEAN_AND_STEER, check=check,
     )  # fmt: skip
 
