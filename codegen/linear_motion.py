@@ -109,7 +109,8 @@ def linearise_about(
     ``constraints``: invariants or outputs that keep their values, beside the constraints that the
     system maintains; what follows from them along the motion is kept, too. Unit quaternions lose one
     state, or with ``attitude="angles"`` become three small angles about the body's axes,
-    ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``: whether `agreement` is computed.
+    ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
+    whether `agreement` is computed.
     Raises `InputError` for unknown names, and a point of another system.
     """
     layout = compiled.layout
