@@ -4,11 +4,13 @@ from codegen.accuracy import accuracy
 from codegen.card import Card
 from codegen.compiled import Compiled, compile
 from codegen.ensemble import Ensemble, ensemble
+from codegen.equilibria import Equilibrium, equilibria, equilibrium
 from codegen.events import Event
 from codegen.exact import FreeMotion, free_body, free_motion
 from codegen.integrate.methods import METHODS
 from codegen.integrate.trajectory import Stop
 from codegen.linear import Linear, compiled_jacobian, linearise
+from codegen.linear_motion import LinearMotion, linearise_about
 from codegen.sampler import Grid, Normal, Sampler, Uniform, UniformQuaternion
 from codegen.sensitivity import Sensitivities, sensitivities
 from codegen.simulation import Drift, Result, simulate
@@ -21,10 +23,12 @@ __all__ = [
     "Compiled",
     "Drift",
     "Ensemble",
+    "Equilibrium",
     "Event",
     "FreeMotion",
     "Grid",
     "Linear",
+    "LinearMotion",
     "Normal",
     "Result",
     "Sampler",
@@ -39,9 +43,12 @@ __all__ = [
     "compile",
     "compiled_jacobian",
     "ensemble",
+    "equilibria",
+    "equilibrium",
     "free_body",
     "free_motion",
     "linearise",
+    "linearise_about",
     "sensitivities",
     "simulate",
 ]

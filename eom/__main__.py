@@ -12,6 +12,7 @@ from eom.commands.converting import convert
 from eom.commands.deriving import derive
 from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
+from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
@@ -49,10 +50,12 @@ def main() -> None:
 
 
 COMMANDS = (
-    list_names, derive, generate, accuracy, simulate, run, ensemble, check, convert, bench, stress
+    list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
+    check, convert, bench, stress,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)
+main.add_command(linearise, "linearize")
 
 if __name__ == "__main__":
     main(prog_name="eom")

@@ -119,14 +119,18 @@ class Binding:
         self.solved, self.dynamics = found, given
         return found.udot
 
-    def forces(self) -> list[Definition]:
-        """Return the multipliers, each told."""
+    def multipliers(self) -> Sequence[Any]:
+        """Return the multipliers of the components that are held."""
         assert self.solved is not None
         assert self.dynamics is not None
-        values = self.solved.multipliers
-        if values is None:
-            assert self.way is not None
-            values = constraint_forces(self.dynamics, self.way, self.solved.udot)
+        if self.solved.multipliers is not None:
+            return self.solved.multipliers
+        assert self.way is not None
+        return constraint_forces(self.dynamics, self.way, self.solved.udot)
+
+    def forces(self) -> list[Definition]:
+        """Return the multipliers, each told."""
+        values = self.multipliers()
         return [
             _definition(f"lambda_{name}", c.unit, c.meaning, x)
             for name, c, x in zip(self.held.names, self.held.components, values, strict=True)

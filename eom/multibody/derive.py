@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import unknown_name
 from eom.kinematics import rotation_sequence
+from eom.multibody import reactions
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.binding import Binding, Plan, bind, inner, lossless, plan
+from eom.multibody.bound_loads import constraint_loads
 from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import GROUND, Joint, Tree
@@ -26,6 +29,7 @@ from eom.multibody.quantities import (
     mass,
     momentum,
 )
+from eom.multibody.reactions import Reaction, joint_named, of_all
 from eom.multibody.scalars import add, is_zero, mul, reciprocal, sub
 from eom.multibody.skeleton import Skeleton, skeleton
 from eom.multibody.values import is_number
@@ -45,7 +49,7 @@ class Variables:
 
 def derive(
     tree: Tree,
-    outputs: Iterable[str] = (),
+    outputs: Iterable[str | Reaction] = (),
     *,
     invariants: bool = True,
     start: Mapping[str, float] | None = None,
@@ -54,7 +58,8 @@ def derive(
 ) -> System:
     """Return the equations of motion of a tree: states are coordinates, then speeds.
 
-    ``outputs``: rows of `OUTPUTS`. ``invariants``: whether constants of this motion are given too.
+    ``outputs``: rows of `OUTPUTS`, and reactions. ``invariants``: whether constants of this motion are
+    given too.
 
     Under constraints, speeds that depend on others are eliminated where all constraints are between
     speeds, where a joint alone moves no mass, and where ``independent`` names the speeds to stay;
@@ -68,7 +73,9 @@ def derive(
     """
     wanted = tuple(outputs)
     for name in wanted:
-        if name not in OUTPUTS:
+        if isinstance(name, Reaction):
+            joint_named(tree, name.joint, f"tree {tree.name!r}: reaction")
+        elif name not in OUTPUTS:
             raise unknown_name("output", name, OUTPUTS, f"tree {tree.name!r}")
     work = Naming(q.name for q in named_of(tree))
     bones = skeleton(tree, work.atom, work)
@@ -82,8 +89,8 @@ def derive(
         *_of_free(rates, [len(j.coordinates) for j in tree.ordered], free),
         *(x for k, x in enumerate(accelerations) if k not in left_out),
     ]
-    told = _Told(tree, bones, variables, work)
-    named = [d for name in wanted for d in OUTPUTS[name](told)]
+    told = _Told(tree, bones, variables, work, accelerations, _asked(tree, wanted))
+    named = [d for w in wanted for d in _told(told, w)]
     constant = _invariants(told) if invariants else []
     return _system(told, [plain(r) for r in kept], named, constant)
 
@@ -92,6 +99,12 @@ def _accelerations(bones: Skeleton, given: Variables, work: Naming) -> list[Any]
     if given.binding.tree.constraints:
         return given.binding.accelerations(given.tau, given.prescribed)
     return forward_dynamics(bones, given.q, given.u, given.tau, work, given.prescribed)
+
+
+def _asked(tree: Tree, wanted: Iterable[str | Reaction]) -> frozenset[str]:
+    """Return the joints of which reactions are wanted."""
+    every = of_all(tree) if "reactions" in wanted else ()
+    return frozenset(w.joint for w in (*wanted, *every) if isinstance(w, Reaction))
 
 
 def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) -> list[Any]:
@@ -197,7 +210,7 @@ def _prescribed(work: Naming, quantities: Sequence[Quantity], given: Sequence[An
 
 def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> list[Any]:
     """Return the generalised forces of a joint: motor, applied force, damper, spring."""
-    motors = [work.atom(m.symbol) for m in joint.motors] or [0] * len(u)
+    motors = [work.atom(m.symbol) for m in joint.motors if joint.motion is None] or [0] * len(u)
     found = []
     for k, coordinate in enumerate(joint.row.paired(joint.attitude)):
         force = add(motors[k], work.atom(joint.force[k]))
@@ -253,16 +266,30 @@ def _singularities(tree: Tree) -> tuple[Singularity, ...]:
 class _Told:
     """What outputs are made of, each made when it is first asked for."""
 
-    def __init__(self, tree: Tree, bones: Skeleton, variables: Variables, work: Naming) -> None:
+    def __init__(
+        self,
+        tree: Tree,
+        bones: Skeleton,
+        variables: Variables,
+        work: Naming,
+        accelerations: Sequence[Any],
+        asked: frozenset[str],
+    ) -> None:
         self.tree, self.bones, self.variables, self.work = tree, bones, variables, work
-        self._flow: Flow | None = None
+        self.accelerations, self.asked = accelerations, asked
 
-    @property
+    @cached_property
     def flow(self) -> Flow:
         """The motion of all parts."""
-        if self._flow is None:
-            self._flow = flow(self.bones, self.variables.q, self.variables.u, self.work)
-        return self._flow
+        return flow(self.bones, self.variables.q, self.variables.u, self.work)
+
+    @cached_property
+    def wrenches(self) -> reactions.Wrenches:
+        """What goes through the joints; fixed ones are parts of their own where they are asked for."""
+        motion = (self.variables.q, self.variables.u, self.accelerations)
+        held = self.variables.binding
+        further = constraint_loads(held) if self.tree.constraints else None
+        return reactions.Wrenches(self.tree, self.work.atom, self.work, motion, self.asked, further)
 
     def potential(self) -> Any:
         """Return the potential energy of gravity and springs."""
@@ -327,13 +354,29 @@ def _constraint_forces(told: _Told) -> list[Definition]:
     return told.variables.binding.forces() if told.tree.constraints else []
 
 
+def _reactions(told: _Told) -> list[Definition]:
+    return [d for r in of_all(told.tree) for d in reactions.definitions(told.wrenches, r)]
+
+
+def _drives(told: _Told) -> list[Definition]:
+    return reactions.drives(told.wrenches, told.variables.tau)
+
+
 OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
     "energies": _energies,
     "momentum": _momentum,
     "centre_of_mass": _centre,
     "constraint_forces": _constraint_forces,
+    "reactions": _reactions,
+    "drives": _drives,
 }
-"""What can be asked for beside the motion."""
+"""What can be asked for beside the motion, and single reactions."""
+
+
+def _told(told: _Told, wanted: str | Reaction) -> list[Definition]:
+    if isinstance(wanted, Reaction):
+        return reactions.definitions(told.wrenches, wanted)
+    return OUTPUTS[wanted](told)
 
 
 def _invariants(told: _Told) -> list[Definition]:

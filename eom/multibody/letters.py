@@ -94,6 +94,7 @@ LETTERS: dict[str, Row] = {
     "follower": Row("W", "", "dependent speed by an independent one, constraint {}"),
     "followed": Row("w0", "", "dependent speed without independent ones"),
     "follower_drift": Row("g", "", "acceleration of a dependent speed by velocities alone"),
+    "wrench": Row("Y", "", "force on {} by one unit of an inertial parameter"),
     "column": Row("F", "", "force on {} by a unit acceleration of a joint"),
 }
 """Rows by what the recursions call them."""

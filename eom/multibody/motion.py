@@ -145,7 +145,7 @@ def motion(placed: Sequence[Place], u: Scalars, work: Work) -> list[Moving]:
                 before,
                 relative,
                 omega,
-                _square(work, part.name, omega),
+                squared(work, part.name, omega),
                 keep_vector(work, "zeta", part.name, centripetal),
                 part.kind.drift(place.subspace, own),
             )
@@ -164,7 +164,8 @@ def combined(subspace: Sequence[Pair], u: Scalars) -> Pair:
     return result
 
 
-def _square(work: Work, name: str, w: Vector) -> Square:
+def squared(work: Work, name: str, w: Vector) -> Square:
+    """Return the square of an angular velocity, its entries named."""
     squares = [work.keep("square", name, f"{k + 1}{k + 1}", mul(x, x)) for k, x in enumerate(w)]
     pairs = ((1, 2), (2, 0), (0, 1))
     return Square(

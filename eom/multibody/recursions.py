@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from eom.multibody.motion import (
     STILL,
+    Moving,
     Place,
     Scalars,
     biases,
@@ -45,43 +46,68 @@ def inverse_dynamics(
     Recursive Newton-Euler: Featherstone 2008, table 5.1.
     """
     placed = places(tree, q, work)
+    return along_joints(placed, transmitted(tree, placed, u, udot, work), udot)
+
+
+def along_joints(placed: Sequence[Place], forces: Sequence[Pair], udot: Scalars) -> list[Scalar]:
+    """Return S^T f of each joint, and what accelerates the rotors in it."""
+    tau: list[Scalar] = [0] * len(udot)
+    for place, force in zip(placed, forces, strict=True):
+        for n, column in enumerate(place.subspace):
+            s = place.part.speeds.start + n
+            tau[s] = add(dot(column.six, force.six), mul(place.part.armature[n], udot[s]))
+    return tau
+
+
+def transmitted(
+    tree: Skeleton,
+    placed: Sequence[Place],
+    u: Scalars,
+    udot: Scalars,
+    work: Work,
+    further: Sequence[Pair] | None = None,
+) -> list[Pair]:
+    """Return what each part takes through its joint: moment about its origin, and force.
+
+    In the axes of the part; whatever acts in the joint, and what its constraint takes. ``further``: loads
+    on the parts beside those of the tree, such as those of closed loops, in the same form.
+    Recursive Newton-Euler: Featherstone 2008, table 5.1.
+    """
     moved = motion(placed, u, work)
-    forces = biases(placed, moved, loads(placed, work), work)
-    accelerations: list[Pair] = []
-    for k, (place, moving) in enumerate(zip(placed, moved, strict=True)):
-        own = udot[place.part.speeds]
-        carrier = carrier_of(tree, place, accelerations)
+    acting = loads(placed, work)
+    if further is not None:
+        acting = [Pair(plus(a.angular, b.angular), plus(a.linear, b.linear))
+                  for a, b in zip(acting, further, strict=True)]  # fmt: skip
+    forces = biases(placed, moved, acting, work)
+    for k, here in enumerate(accelerated(tree, placed, moved, udot, work)):
+        needed = placed[k].part.inertia.times(here)
+        forces[k] = Pair(
+            plus(forces[k].angular, needed.angular), plus(forces[k].linear, needed.linear)
+        )
+    for k in range(len(placed) - 1, -1, -1):
+        part = placed[k].part
+        forces[k] = keep_pair(work, ("n", "f"), part.name, forces[k])
+        if part.parent >= 0:
+            forces[part.parent] = handed(work, placed[k], forces[k], forces[part.parent])
+    return forces
+
+
+def accelerated(
+    tree: Skeleton, placed: Sequence[Place], moved: Sequence[Moving], udot: Scalars, work: Work
+) -> list[Pair]:
+    """Return angular accelerations, and accelerations of origins less gravity's, of the parts."""
+    found: list[Pair] = []
+    for place, moving in zip(placed, moved, strict=True):
+        carrier = carrier_of(tree, place, found)
         carried = plus(
             plus(carrier.linear, cross(carrier.angular, place.position)), moving.centripetal
         )
         known = zeta(place, moving, forward(place.rotation, carried))
-        joint = combined(place.subspace, own)
+        joint = combined(place.subspace, udot[place.part.speeds])
         angular = plus(plus(forward(place.rotation, carrier.angular), known.angular), joint.angular)
         linear = plus(known.linear, joint.linear)
-        here = keep_pair(work, ("alpha", "a"), place.part.name, Pair(angular, linear))
-        accelerations.append(here)
-        needed = place.part.inertia.times(here)
-        forces[k] = Pair(
-            plus(forces[k].angular, needed.angular), plus(forces[k].linear, needed.linear)
-        )
-    return _gathered(placed, forces, udot, work)
-
-
-def _gathered(
-    placed: Sequence[Place], forces: list[Pair], udot: Scalars, work: Work
-) -> list[Scalar]:
-    """Return S^T f of each joint, forces handed inwards; ``forces`` are those of single parts."""
-    tau: list[Scalar] = [0] * len(udot)
-    for k in range(len(placed) - 1, -1, -1):
-        place = placed[k]
-        part = place.part
-        force = keep_pair(work, ("n", "f"), part.name, forces[k])
-        for n, column in enumerate(place.subspace):
-            s = part.speeds.start + n
-            tau[s] = add(dot(column.six, force.six), mul(part.armature[n], udot[s]))
-        if part.parent >= 0:
-            forces[part.parent] = handed(work, place, force, forces[part.parent])
-    return tau
+        found.append(keep_pair(work, ("alpha", "a"), place.part.name, Pair(angular, linear)))
+    return found
 
 
 def composites(placed: Sequence[Place], work: Work) -> list[Inertia]:

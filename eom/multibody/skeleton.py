@@ -6,7 +6,7 @@ frame of a part is the joint's frame F on it; mass properties are about its orig
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -121,17 +121,23 @@ class Skeleton:
         )
 
 
-def skeleton(tree: Tree, lift: Lift, work: Work) -> Skeleton:
-    """Return a tree over the scalars that ``lift`` makes of its values."""
-    builder = _Growing(tree, lift, work)
+def skeleton(
+    tree: Tree, lift: Lift, work: Work, *, apart: Collection[str] = (), turning: bool = False
+) -> Skeleton:
+    """Return a tree over the scalars that ``lift`` makes of its values.
+
+    ``apart``: fixed joints that lead to parts of their own, without speeds. ``turning``: whether the
+    frames of bodies of revolution turn with them.
+    """
+    builder = _Growing(tree, lift, work, apart)
     for joint in tree.ordered:
         builder.joint(joint)
     for load in tree.loads:
         builder.load(load)
-    bound = {builder.seats[b].part for c in tree.constraints for b in c.bodies}
-    parts = tuple(
-        part if k in bound else _spinning(k, builder.parts) for k, part in enumerate(builder.parts)
-    )
+    parts = tuple(builder.parts)
+    if not turning:
+        bound = {builder.seats[b].part for c in tree.constraints for b in c.bodies}
+        parts = tuple(p if k in bound else _spinning(k, builder.parts) for k, p in enumerate(parts))
     gravity = [lift(g) for g in tree.gravity]
     return Skeleton(parts, builder.seats, gravity, builder.coordinates, builder.speeds)
 
@@ -141,6 +147,7 @@ class _Growing:
     tree: Tree
     lift: Lift
     work: Work
+    apart: Collection[str] = ()
     parts: list[Part] = field(default_factory=list)
     seats: dict[str, Seat] = field(default_factory=lambda: {GROUND: Seat(-1)})
     coordinates: int = 0
@@ -160,7 +167,7 @@ class _Growing:
         F = self.matrix(joint.on_child.rotation)
         origin = [negative(x) for x in times(F, self.vector(joint.on_child.position))]
         here = Seat(len(self.parts), transposed(F), origin)
-        if joint.kind == "fixed":
+        if joint.kind == "fixed" and joint.name not in self.apart:
             where = plus(position, times(transposed(C), origin))
             here = Seat(before.part, product(transposed(F), C), where)
         else:
