@@ -43,9 +43,8 @@ class Commands(click.Group):
 def main() -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
-    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for
-    a robot. Exit status: 0 done; 1 the
-    run stopped before its end, or something is wrong; 2 unusable input.
+    SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
+    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input.
     """
 
 

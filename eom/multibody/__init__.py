@@ -1,5 +1,6 @@
 """Many bodies: trees of joints, their recursions, and the systems that they give."""
 
+from eom.multibody.base import BaseParameters, base_parameters
 from eom.multibody.closed import (
     ClosedForm,
     Comparison,
@@ -21,6 +22,8 @@ from eom.multibody.constraints import (
 from eom.multibody.dependence import Examination, examine
 from eom.multibody.derive import derive
 from eom.multibody.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
+from eom.multibody.reactions import Reaction, reaction
+from eom.multibody.regressor import Regressor, regressor
 
 __all__ = [
     "GROUND",
