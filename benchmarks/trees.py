@@ -9,7 +9,6 @@ coordinates, are multiplied by N of q' = N u. ``python -m benchmarks.trees`` tak
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from benchmarks.peers import absent, missing
 from benchmarks.settings import Settings
-from benchmarks.table import Row, Section
+from benchmarks.table import Row, Section, alone
 from codegen import scalars
 from codegen.derivative import JACOBIAN, jacobian
 from codegen.interpret import Point, interpret
@@ -172,10 +171,4 @@ def derivatives(
 
 
 if __name__ == "__main__":
-    from rich.console import Console
-
-    from benchmarks.table import missed, table
-
-    found = [measure(Settings("--quick" in sys.argv))]
-    Console().print(table(found))
-    sys.exit(1 if missed(found) else 0)
+    alone(measure)

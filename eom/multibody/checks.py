@@ -14,7 +14,7 @@ from eom.multibody.spatial import Matrix, Vector, product, transposed
 from eom.multibody.values import Value, is_number
 
 if TYPE_CHECKING:
-    from eom.multibody.model import Joint, Tree
+    from eom.multibody.model import Joint, Rotor, Tree
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SLACK = Fraction(1, 10**9)
@@ -105,6 +105,19 @@ def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
         )
 
 
+def rotor(given: Rotor) -> None:
+    """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
+    where = f"rotor {given.name!r}"
+    J = given.inertia
+    if (is_number(J) and J <= 0) or getattr(J, "is_positive", None) is False:
+        raise InputError("inertia is not positive", where=where, got=J, expected="kg m^2")
+    driven = given.motor or given.angle or not (is_zero(given.torque) and is_zero(given.damping))
+    if given.speed is not None and driven:
+        raise InputError(
+            "a given speed leaves no room for torque, damping, motor and angle", where=where
+        )
+
+
 def tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
@@ -133,6 +146,14 @@ def tree(given: Tree) -> None:
                 f"load on unknown body {load.body!r}",
                 where=where,
                 hint=near_matches(load.body, known),
+            )
+    _once("rotor", [r.name for r in given.rotors], where)
+    for r in given.rotors:
+        if r.body not in known:
+            raise InputError(
+                f"rotor on unknown body {r.body!r}",
+                where=f"rotor {r.name!r}",
+                hint=near_matches(r.body, known),
             )
     _single_parents(given, where)
     ordered(given)

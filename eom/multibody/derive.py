@@ -14,7 +14,7 @@ from eom.multibody.articulated import forward_dynamics
 from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import Joint, Tree
-from eom.multibody.motion import coordinate_rates
+from eom.multibody.motion import coordinate_rates, motion, places
 from eom.multibody.quantities import (
     HALF,
     Flow,
@@ -62,6 +62,7 @@ def derive(tree: Tree, outputs: Iterable[str] = (), *, invariants: bool = True) 
         *_of_free(rates, [len(j.coordinates) for j in tree.ordered], free),
         *_of_free(accelerations, [len(j.speeds) for j in tree.ordered], free),
     ]
+    kept += _of_rotors(tree, bones, variables, work)
     told = _Told(tree, bones, variables, work)
     named = [d for name in wanted for d in OUTPUTS[name](told)]
     constant = _invariants(told) if invariants else []
@@ -78,13 +79,28 @@ def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) 
     return found
 
 
+def _of_rotors(tree: Tree, bones: Skeleton, variables: Variables, work: Naming) -> list[Any]:
+    """Return the rates of the rotors' states."""
+    if not tree.rotors:
+        return []
+    moved = motion(places(bones, variables.q, work), variables.u, work)
+    found = []
+    for rotor, (part, spin) in zip(tree.rotors, bones.rotors, strict=True):
+        omega = moved[part].omega
+        found += [spin.relative(omega)] if rotor.angle else []
+        found += [spin.rate(omega)] if spin.free else []
+    return found
+
+
 def _states(tree: Tree) -> tuple[Quantity, ...]:
     free = [j for j in tree.ordered if j.motion is None]
-    return (*(c for j in free for c in j.coordinates), *(s for j in free for s in j.speeds))
+    moving = (*(c for j in free for c in j.coordinates), *(s for j in free for s in j.speeds))
+    return (*moving, *(s for r in tree.rotors for s in r.states))
 
 
 def _inputs(tree: Tree) -> tuple[Quantity, ...]:
-    return (*(m for j in tree.ordered for m in j.motors if j.motion is None), *tree.inputs)
+    motors = [m for j in tree.ordered for m in j.motors if j.motion is None]
+    return (*motors, *(m for r in tree.rotors for m in r.motors), *tree.inputs)
 
 
 def _named(tree: Tree) -> list[Quantity]:
@@ -116,11 +132,15 @@ def _values(tree: Tree) -> Iterable[Any]:
             yield from (*j.motion.position, *j.motion.rate, *j.motion.acceleration)
     for load in tree.loads:
         yield from (*load.force, *load.torque, *load.point)
+    for rotor in tree.rotors:
+        yield from (*rotor.axis, rotor.inertia, rotor.damping, rotor.torque)
+        yield from () if rotor.speed is None else (rotor.speed, rotor.acceleration)
 
 
 def _parameters(tree: Tree) -> tuple[Quantity, ...]:
     """Return the symbols that are nothing else, as they are described."""
     moving = [q for j in tree.ordered for q in (*j.coordinates, *j.speeds)]
+    moving += [s for r in tree.rotors for s in r.states]
     other = {q.symbol for q in (*moving, *_inputs(tree))} | {TIME}
     described = {p.symbol: p for p in tree.parameters}
     return tuple(described.get(s, Quantity(s)) for s in _symbols(tree) if s not in other)
@@ -301,6 +321,11 @@ def conservative(tree: Tree) -> bool:
         j.motion is None and not j.motor and all(map(is_zero, (*j.damping, *j.force)))
         for j in tree.joints
     )
+    coasting = all(
+        r.speed is None and not r.motor and is_zero(r.torque) and is_zero(r.damping)
+        for r in tree.rotors
+    )
     moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)}
+    moving |= {s.symbol for r in tree.rotors for s in r.states}
     fixed = not ({TIME, *moving, *(i.symbol for i in tree.inputs)} & set(_symbols(tree)))
-    return joints and fixed and not tree.loads
+    return joints and coasting and fixed and not tree.loads

@@ -256,6 +256,62 @@ class Load:
 
 
 @dataclass(frozen=True)
+class Rotor:
+    """A body of revolution that spins in bearings of a ``body``: a reaction wheel, a gyroscope, a motor.
+
+    ``axis``: in the body's axes. ``inertia``: its moment about the axis (kg m^2), which the body's
+    inertia includes. With a speed of its own there is a state ``Omega_<name>``, the rotor's whole angular
+    velocity along the axis (rad/s), driven by ``torque`` (N m), if ``motor`` by an input ``tau_<name>``,
+    and braked by ``damping`` (N m s) of its speed in the body; ``angle``: whether the angle in the body,
+    ``q_<name>``, is a state too. ``speed``: instead, its speed in the body as an expression of time.
+
+    Raises `InputError` for a moment that is not positive, and a given speed together with what drives it.
+    """
+
+    name: str
+    body: str
+    axis: Any = (0, 0, 1)
+    inertia: Value = 0
+    damping: Value = 0
+    torque: Value = 0
+    motor: bool = False
+    angle: bool = False
+    speed: Any = None
+
+    def __post_init__(self) -> None:
+        where = f"rotor {self.name!r}"
+        checks.name(self.name, where)
+        keep = object.__setattr__
+        keep(self, "axis", values.unit(self.axis, f"{where}: axis"))
+        for name in ("inertia", "damping", "torque"):
+            keep(self, name, values.value(getattr(self, name), f"{where}: {name}"))
+        if self.speed is not None:
+            keep(self, "speed", values.value(self.speed, f"{where}: speed"))
+        checks.rotor(self)
+
+    @property
+    def states(self) -> tuple[Quantity, ...]:
+        """The angle, if it is a state, and the angular velocity."""
+        if self.speed is not None:
+            return ()
+        angle = Quantity(sp.Symbol(f"q_{self.name}", real=True), "rad", f"angle of {self.name}")
+        meaning = f"angular velocity of {self.name} along its axis, its body's included"
+        omega = Quantity(sp.Symbol(f"Omega_{self.name}", real=True), "rad/s", meaning)
+        return (angle, omega) if self.angle else (omega,)
+
+    @property
+    def motors(self) -> tuple[Quantity, ...]:
+        """The input of the motor, if there is one."""
+        symbol = sp.Symbol(f"tau_{self.name}", real=True)
+        return (Quantity(symbol, "N m", f"motor of {self.name}"),) if self.motor else ()
+
+    @property
+    def acceleration(self) -> Value:
+        """The rate of a given speed."""
+        return 0 if values.is_number(self.speed) else _derivatives((self.speed,))[0]
+
+
+@dataclass(frozen=True)
 class Tree:
     """Bodies joined to the ground without loops.
 
@@ -273,10 +329,11 @@ class Tree:
     loads: tuple[Load, ...] = ()
     inputs: tuple[Any, ...] = ()
     parameters: tuple[Quantity, ...] = field(default=(), compare=False)
+    rotors: tuple[Rotor, ...] = ()
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters"):
+        for name in ("bodies", "joints", "loads", "parameters", "rotors"):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)

@@ -225,6 +225,8 @@ def biases(
     found = []
     for place, moving, load in zip(placed, moved, applied, strict=True):
         n = moving.square.gyroscopic(work, place.part)
+        for spin in place.part.rotors:
+            n = plus(n, spin.moment(moving.omega))
         f = moving.square.times(place.part.first_moment)
         found.append(
             Pair(plus(n, negative_vector(load.angular)), plus(f, negative_vector(load.linear)))

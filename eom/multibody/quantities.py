@@ -55,6 +55,8 @@ def flow(tree: Skeleton, q: Scalars, u: Scalars, work: Work) -> Flow:
     for place, (w, v) in zip(placed, speeds, strict=True):
         part = place.part
         L = plus(times(part.inertia.I, w), cross(part.first_moment, v))
+        for spin in part.rotors:
+            L = plus(L, scaled(spin.momentum, spin.axis))
         p = plus(scaled(part.mass, v), cross(w, part.first_moment))
         momenta.append(keep_pair(work, ("L", "p"), part.name, Pair(L, p)))
     return Flow(placed, poses(placed, work), speeds, momenta)
@@ -71,9 +73,11 @@ def _velocities(placed: Sequence[Place], moved: Sequence[Moving], work: Work) ->
 
 
 def kinetic_energy(flow: Flow, u: Scalars) -> Scalar:
-    """Return half the sum of momenta times velocities, with that of the rotors in the joints."""
+    """Return half the sum of momenta times velocities, with that of rotors in joints and bodies."""
     twice = total(dot(p.six, v.six) for p, v in zip(flow.momenta, flow.velocities, strict=True))
-    for place in flow.placed:
+    for place, velocity in zip(flow.placed, flow.velocities, strict=True):
+        for spin in place.part.rotors:
+            twice = add(twice, spin.twice_energy(velocity.angular))
         for J, speed in zip(place.part.armature, u[place.part.speeds], strict=True):
             twice = add(twice, mul(J, mul(speed, speed)))
     return mul(HALF, twice)

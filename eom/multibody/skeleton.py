@@ -10,9 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from eom.errors import InputError
 from eom.multibody.joints import Kind, Setting
-from eom.multibody.model import GROUND, Body, Joint, Load, Tree
-from eom.multibody.scalars import Scalar, Work, add, is_zero, mul, negative, sub
+from eom.multibody.model import GROUND, Body, Joint, Load, Rotor, Tree
+from eom.multibody.rotors import Spin, without_axial
+from eom.multibody.scalars import Scalar, Work, add, is_zero, mul, negative, sub, total
 from eom.multibody.spatial import (
     IDENTITY,
     NOTHING,
@@ -90,6 +92,7 @@ class Part:
     inertia: Inertia = NOTHING
     pulls: tuple[Pull, ...] = ()
     spins: bool = False
+    rotors: tuple[Spin, ...] = ()
 
     @property
     def mass(self) -> Scalar:
@@ -112,6 +115,8 @@ class Skeleton:
     gravity: Vector
     coordinates: int = 0
     speeds: int = 0
+    rotors: tuple[tuple[int, Spin], ...] = ()
+    """All rotors, with the numbers of their parts."""
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -128,9 +133,12 @@ def skeleton(tree: Tree, lift: Lift, work: Work) -> Skeleton:
         builder.joint(joint)
     for load in tree.loads:
         builder.load(load)
+    for rotor in tree.rotors:
+        builder.rotor(rotor)
     parts = tuple(_spinning(k, builder.parts) for k in range(len(builder.parts)))
     gravity = [lift(g) for g in tree.gravity]
-    return Skeleton(parts, builder.seats, gravity, builder.coordinates, builder.speeds)
+    sizes = builder.coordinates, builder.speeds
+    return Skeleton(parts, builder.seats, gravity, *sizes, tuple(builder.rotors))
 
 
 @dataclass
@@ -142,6 +150,7 @@ class _Growing:
     seats: dict[str, Seat] = field(default_factory=lambda: {GROUND: Seat(-1)})
     coordinates: int = 0
     speeds: int = 0
+    rotors: list[tuple[int, Spin]] = field(default_factory=list)
 
     def vector(self, v: Vector) -> Vector:
         return [self.lift(x) for x in v]
@@ -226,6 +235,32 @@ class _Growing:
         part = self.parts[seat.part]
         self.parts[seat.part] = replace(part, pulls=(*part.pulls, pull))
 
+    def rotor(self, rotor: Rotor) -> None:
+        """Add a rotor to its part, whose inertia keeps its axial moment if its speed is given."""
+        seat = self.seats[rotor.body]
+        if seat.part < 0:
+            raise InputError(
+                "a rotor on a body that is fixed to the ground moves nothing",
+                where=f"rotor {rotor.name!r}",
+            )
+        free = rotor.speed is None
+        motors = [self.lift(m.symbol) for m in rotor.motors]
+        spin = Spin(
+            axis=times(transposed(seat.rotation), self.vector(rotor.axis)),
+            inertia=self.lift(rotor.inertia),
+            speed=self.lift(rotor.states[-1].symbol if free else rotor.speed),
+            free=free,
+            torque=total([self.lift(rotor.torque), *motors]),
+            damping=self.lift(rotor.damping),
+            acceleration=0 if free else self.lift(rotor.acceleration),
+        )
+        part = self.parts[seat.part]
+        left = Inertia(without_axial(part.inertia.I, [spin]), part.inertia.H, part.inertia.M)
+        self.parts[seat.part] = replace(
+            part, inertia=self._kept(part.name, left), rotors=(*part.rotors, spin)
+        )
+        self.rotors.append((seat.part, spin))
+
 
 def _is_identity(C: Matrix) -> bool:
     entries = zip((x for row in C for x in row), (x for row in IDENTITY for x in row), strict=True)
@@ -235,7 +270,12 @@ def _is_identity(C: Matrix) -> bool:
 def _spinning(k: int, parts: list[Part]) -> Part:
     """Mark a part at an end of the tree that is a body of revolution about its joint's axis."""
     part = parts[k]
-    if not part.kind.spins or part.pulls or any(p.parent == k for p in parts[k + 1 :]):
+    if (
+        not part.kind.spins
+        or part.pulls
+        or part.rotors
+        or any(p.parent == k for p in parts[k + 1 :])
+    ):
         return part
     (axis,) = part.setting.axes
     along = [n for n in range(3) if not is_zero(axis[n])]
