@@ -147,17 +147,30 @@ def tree(given: Tree) -> None:
                 where=where,
                 hint=near_matches(load.body, known),
             )
-    _once("rotor", [r.name for r in given.rotors], where)
-    for r in given.rotors:
-        if r.body not in known:
-            raise InputError(
-                f"rotor on unknown body {r.body!r}",
-                where=f"rotor {r.name!r}",
-                hint=near_matches(r.body, known),
-            )
+    _attached(given, known, where)
     _single_parents(given, where)
     ordered(given)
     _massless(given)
+
+
+def _attached(given: Tree, known: set[str], where: str) -> None:
+    """Rotors and springs are on bodies that there are."""
+    _once("rotor", [r.name for r in given.rotors], where)
+    _once("spring", [s.name for s in given.springs], where)
+    held = [("rotor", r.name, r.body, known) for r in given.rotors]
+    held += [("spring", s.name, b, known | {"ground"}) for s in given.springs for b in s.bodies]
+    for kind, own, body_name, allowed in held:
+        if body_name not in allowed:
+            raise InputError(
+                f"{kind} on unknown body {body_name!r}",
+                where=f"{kind} {own!r}",
+                hint=near_matches(body_name, allowed),
+            )
+    for s in given.springs:
+        if s.bodies[0] == s.bodies[1]:
+            raise InputError(
+                "both ends are on one body", where=f"spring {s.name!r}", got=s.bodies[0]
+            )
 
 
 def _once(kind: str, names: Sequence[str], where: str) -> None:

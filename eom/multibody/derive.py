@@ -13,8 +13,10 @@ from eom.kinematics import rotation_sequence
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
+from eom.multibody.links import end, twice_potential
 from eom.multibody.model import Joint, Tree
 from eom.multibody.motion import coordinate_rates, motion, places
+from eom.multibody.points import QUANTITIES, Point, point
 from eom.multibody.quantities import (
     HALF,
     Flow,
@@ -41,18 +43,20 @@ class Variables:
     tau: list[Any]
 
 
-def derive(tree: Tree, outputs: Iterable[str] = (), *, invariants: bool = True) -> System:
+def derive(tree: Tree, outputs: Iterable[str | Point] = (), *, invariants: bool = True) -> System:
     """Return the equations of motion of a tree: states are coordinates, then speeds.
 
-    ``outputs``: rows of `OUTPUTS`. ``invariants``: whether constants of this motion are given too.
+    ``outputs``: rows of `OUTPUTS`, and points. ``invariants``: whether constants of this motion are
+    given too.
     Raises `InputError` for an unknown output, repeated names, and joints that accelerate no inertia.
     """
     wanted = tuple(outputs)
     for name in wanted:
-        if name not in OUTPUTS:
+        if isinstance(name, str) and name not in OUTPUTS:
             raise unknown_name("output", name, OUTPUTS, f"tree {tree.name!r}")
     work = Naming(q.name for q in _named(tree))
-    bones = skeleton(tree, work.atom, work)
+    told_of = [w.body for w in wanted if isinstance(w, Point)]
+    bones = skeleton(tree, work.atom, work, told_of)
     variables = _variables(tree, work)
     q, u = variables.q, variables.u
     rates = coordinate_rates(bones, q, u, work)
@@ -63,8 +67,10 @@ def derive(tree: Tree, outputs: Iterable[str] = (), *, invariants: bool = True) 
         *_of_free(accelerations, [len(j.speeds) for j in tree.ordered], free),
     ]
     kept += _of_rotors(tree, bones, variables, work)
-    told = _Told(tree, bones, variables, work)
-    named = [d for name in wanted for d in OUTPUTS[name](told)]
+    told = _Told(tree, bones, variables, work, accelerations)
+    named = [
+        d for w in wanted for d in (OUTPUTS[w](told) if isinstance(w, str) else _point(told, w))
+    ]
     constant = _invariants(told) if invariants else []
     return _system(tree, [plain(r) for r in kept], work, named, constant)
 
@@ -132,6 +138,9 @@ def _values(tree: Tree) -> Iterable[Any]:
             yield from (*j.motion.position, *j.motion.rate, *j.motion.acceleration)
     for load in tree.loads:
         yield from (*load.force, *load.torque, *load.point)
+    for spring in tree.springs:
+        yield from (*spring.points[0], *spring.points[1])
+        yield from (spring.stiffness, spring.length, spring.damping)
     for rotor in tree.rotors:
         yield from (*rotor.axis, rotor.inertia, rotor.damping, rotor.torque)
         yield from () if rotor.speed is None else (rotor.speed, rotor.acceleration)
@@ -219,8 +228,16 @@ def _singularities(tree: Tree) -> tuple[Singularity, ...]:
 class _Told:
     """What outputs are made of, each made when it is first asked for."""
 
-    def __init__(self, tree: Tree, bones: Skeleton, variables: Variables, work: Naming) -> None:
+    def __init__(
+        self,
+        tree: Tree,
+        bones: Skeleton,
+        variables: Variables,
+        work: Naming,
+        accelerations: Sequence[Any] = (),
+    ) -> None:
         self.tree, self.bones, self.variables, self.work = tree, bones, variables, work
+        self.accelerations = accelerations
         self._flow: Flow | None = None
 
     @property
@@ -242,6 +259,10 @@ class _Told:
                     stiffness = self.work.atom(joint.stiffness[k])
                     found = add(found, mul(HALF, mul(stiffness, mul(x, x))))
             start += len(joint.coordinates)
+        flow, work = self.flow, self.work
+        for link in self.bones.links:
+            first, second = (end(link, n, flow.poses, flow.velocities, work) for n in (0, 1))
+            found = add(found, mul(HALF, twice_potential(link, first, second, work)))
         return found
 
     def kinetic(self) -> Any:
@@ -289,6 +310,18 @@ def _centre(told: _Told) -> list[Definition]:
     )
 
 
+def _point(told: _Told, given: Point) -> list[Definition]:
+    """Return what is told of a point."""
+    accelerated = (told.variables.u, told.accelerations)
+    found = point(given, told.bones, told.flow, accelerated, told.work.atom, told.work)
+    rows = [(QUANTITIES[name], name, value) for name, value in found.items()]
+    return [
+        d
+        for (letter, unit), name, value in rows
+        for d in _vector(f"{letter}_{given.name}", unit, f"{name} of {given.name}", value)
+    ]
+
+
 OUTPUTS: dict[str, Callable[[_Told], list[Definition]]] = {
     "energies": _energies,
     "momentum": _momentum,
@@ -310,7 +343,9 @@ def _invariants(told: _Told) -> list[Definition]:
     if conservative(tree):
         found += _energy(told)
         roots = [p for p in told.bones.parts if p.parent < 0]
-        if len(roots) == 1 and roots[0].kind.name == "free" and all(map(is_zero, tree.gravity)):
+        held = any(part < 0 for link in told.bones.links for part in link.parts)
+        floats = len(roots) == 1 and roots[0].kind.name == "free" and not held
+        if floats and all(map(is_zero, tree.gravity)):
             found += _momentum(told)
     return found
 
@@ -328,4 +363,5 @@ def conservative(tree: Tree) -> bool:
     moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)}
     moving |= {s.symbol for r in tree.rotors for s in r.states}
     fixed = not ({TIME, *moving, *(i.symbol for i in tree.inputs)} & set(_symbols(tree)))
+    coasting = coasting and all(is_zero(s.damping) for s in tree.springs)
     return joints and coasting and fixed and not tree.loads

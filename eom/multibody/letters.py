@@ -67,6 +67,9 @@ LETTERS: dict[str, Row] = {
     "L": Row("L", "kg m^2/s", "angular momentum of {} about its origin"),
     "tau": Row("Q", "", "applied force or torque at the joint {}"),
     "stretch": Row("stretch", "", "coordinate of {} less its rest value"),
+    "line": Row("d", "m", "second point of {} from its first, in the axes of the ground"),
+    "distance": Row("l", "m", "distance of the points of {}"),
+    "tension": Row("T", "N/m", "force of {} divided by the distance"),
     "entry": Row("M", "", "entry of the mass matrix"),
     "column": Row("F", "", "force on {} by a unit acceleration of a joint"),
 }

@@ -312,6 +312,36 @@ class Rotor:
 
 
 @dataclass(frozen=True)
+class Spring:
+    """A spring and damper between a point of one body and one of another, or of the ground.
+
+    ``bodies``: two names. ``points``: one of each, in its axes, from its origin (m). The tension is
+    ``stiffness`` (N/m) times the distance less the free ``length`` (m), and ``damping`` (N s/m) times
+    the rate of the distance. Its direction is lost where the points coincide, unless length and damping
+    are zero.
+    """
+
+    name: str
+    bodies: tuple[str, str]
+    points: Any = (ZERO, ZERO)
+    stiffness: Value = 0
+    length: Value = 0
+    damping: Value = 0
+
+    def __post_init__(self) -> None:
+        where = f"spring {self.name!r}"
+        checks.name(self.name, where)
+        keep = object.__setattr__
+        for name in ("bodies", "points"):
+            if len(tuple(getattr(self, name))) != 2:
+                raise InputError(f"not two {name}", where=where, got=getattr(self, name))
+        keep(self, "bodies", tuple(self.bodies))
+        keep(self, "points", tuple(values.triple(p, f"{where}: point") for p in self.points))
+        for name in ("stiffness", "length", "damping"):
+            keep(self, name, values.value(getattr(self, name), f"{where}: {name}"))
+
+
+@dataclass(frozen=True)
 class Tree:
     """Bodies joined to the ground without loops.
 
@@ -330,10 +360,11 @@ class Tree:
     inputs: tuple[Any, ...] = ()
     parameters: tuple[Quantity, ...] = field(default=(), compare=False)
     rotors: tuple[Rotor, ...] = ()
+    springs: tuple[Spring, ...] = ()
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters", "rotors"):
+        for name in ("bodies", "joints", "loads", "parameters", "rotors", "springs"):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)

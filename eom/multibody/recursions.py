@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from eom.multibody.links import applied
 from eom.multibody.motion import (
     STILL,
+    Moving,
     Place,
     Scalars,
     biases,
@@ -19,7 +21,6 @@ from eom.multibody.motion import (
     inward,
     keep_inertia,
     keep_pair,
-    loads,
     motion,
     places,
     zeta,
@@ -46,11 +47,25 @@ def inverse_dynamics(
     """
     placed = places(tree, q, work)
     moved = motion(placed, u, work)
-    forces = biases(placed, moved, loads(placed, work), work)
-    accelerations: list[Pair] = []
-    for k, (place, moving) in enumerate(zip(placed, moved, strict=True)):
+    forces = biases(placed, moved, applied(tree, placed, moved, work), work)
+    for k, (place, here) in enumerate(
+        zip(placed, accelerations(tree, placed, moved, udot, work), strict=True)
+    ):
+        needed = place.part.inertia.times(here)
+        forces[k] = Pair(
+            plus(forces[k].angular, needed.angular), plus(forces[k].linear, needed.linear)
+        )
+    return _gathered(placed, forces, udot, work)
+
+
+def accelerations(
+    tree: Skeleton, placed: Sequence[Place], moved: Sequence[Moving], udot: Scalars, work: Work
+) -> list[Pair]:
+    """Return angular accelerations, and accelerations of origins less gravity's, in the parts' axes."""
+    found: list[Pair] = []
+    for place, moving in zip(placed, moved, strict=True):
         own = udot[place.part.speeds]
-        carrier = carrier_of(tree, place, accelerations)
+        carrier = carrier_of(tree, place, found)
         carried = plus(
             plus(carrier.linear, cross(carrier.angular, place.position)), moving.centripetal
         )
@@ -58,13 +73,8 @@ def inverse_dynamics(
         joint = combined(place.subspace, own)
         angular = plus(plus(forward(place.rotation, carrier.angular), known.angular), joint.angular)
         linear = plus(known.linear, joint.linear)
-        here = keep_pair(work, ("alpha", "a"), place.part.name, Pair(angular, linear))
-        accelerations.append(here)
-        needed = place.part.inertia.times(here)
-        forces[k] = Pair(
-            plus(forces[k].angular, needed.angular), plus(forces[k].linear, needed.linear)
-        )
-    return _gathered(placed, forces, udot, work)
+        found.append(keep_pair(work, ("alpha", "a"), place.part.name, Pair(angular, linear)))
+    return found
 
 
 def _gathered(

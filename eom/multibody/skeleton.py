@@ -6,13 +6,13 @@ frame of a part is the joint's frame F on it; mass properties are about its orig
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eom.errors import InputError
 from eom.multibody.joints import Kind, Setting
-from eom.multibody.model import GROUND, Body, Joint, Load, Rotor, Tree
+from eom.multibody.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
 from eom.multibody.rotors import Spin, without_axial
 from eom.multibody.scalars import Scalar, Work, add, is_zero, mul, negative, sub, total
 from eom.multibody.spatial import (
@@ -69,6 +69,23 @@ class Pull:
 
 
 @dataclass(frozen=True)
+class Link:
+    """A spring and damper between two points: parts (-1 for the ground), points from their origins."""
+
+    name: str
+    parts: tuple[int, int]
+    points: tuple[Vector, Vector]
+    stiffness: Scalar
+    length: Scalar
+    damping: Scalar
+
+    @property
+    def plain(self) -> bool:
+        """Whether the force is the stiffness times the line from point to point."""
+        return is_zero(self.length) and is_zero(self.damping)
+
+
+@dataclass(frozen=True)
 class Part:
     """A body with what is fixed to it, and the joint that leads to it.
 
@@ -117,6 +134,7 @@ class Skeleton:
     speeds: int = 0
     rotors: tuple[tuple[int, Spin], ...] = ()
     """All rotors, with the numbers of their parts."""
+    links: tuple[Link, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -126,8 +144,11 @@ class Skeleton:
         )
 
 
-def skeleton(tree: Tree, lift: Lift, work: Work) -> Skeleton:
-    """Return a tree over the scalars that ``lift`` makes of its values."""
+def skeleton(tree: Tree, lift: Lift, work: Work, turning: Iterable[str] = ()) -> Skeleton:
+    """Return a tree over the scalars that ``lift`` makes of its values.
+
+    ``turning``: bodies whose frames turn with them, even if they are bodies of revolution.
+    """
     builder = _Growing(tree, lift, work)
     for joint in tree.ordered:
         builder.joint(joint)
@@ -135,10 +156,13 @@ def skeleton(tree: Tree, lift: Lift, work: Work) -> Skeleton:
         builder.load(load)
     for rotor in tree.rotors:
         builder.rotor(rotor)
-    parts = tuple(_spinning(k, builder.parts) for k in range(len(builder.parts)))
+    held = {builder.seats[name].part for spring in tree.springs for name in spring.bodies}
+    held |= {builder.seats[name].part for name in turning if name in builder.seats}
+    parts = tuple(_spinning(k, builder.parts, held) for k in range(len(builder.parts)))
     gravity = [lift(g) for g in tree.gravity]
     sizes = builder.coordinates, builder.speeds
-    return Skeleton(parts, builder.seats, gravity, *sizes, tuple(builder.rotors))
+    links = tuple(builder.link(spring) for spring in tree.springs)
+    return Skeleton(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links)
 
 
 @dataclass
@@ -235,6 +259,13 @@ class _Growing:
         part = self.parts[seat.part]
         self.parts[seat.part] = replace(part, pulls=(*part.pulls, pull))
 
+    def link(self, spring: Spring) -> Link:
+        """Return a spring on its parts."""
+        seats = [self.seats[name] for name in spring.bodies]
+        points = [s.point(self.vector(p)) for s, p in zip(seats, spring.points, strict=True)]
+        values = map(self.lift, (spring.stiffness, spring.length, spring.damping))
+        return Link(spring.name, (seats[0].part, seats[1].part), (points[0], points[1]), *values)
+
     def rotor(self, rotor: Rotor) -> None:
         """Add a rotor to its part, whose inertia keeps its axial moment if its speed is given."""
         seat = self.seats[rotor.body]
@@ -267,11 +298,12 @@ def _is_identity(C: Matrix) -> bool:
     return all(is_zero(x) if e == 0 else type(x) is int and x == 1 for x, e in entries)
 
 
-def _spinning(k: int, parts: list[Part]) -> Part:
+def _spinning(k: int, parts: list[Part], held: set[int]) -> Part:
     """Mark a part at an end of the tree that is a body of revolution about its joint's axis."""
     part = parts[k]
     if (
-        not part.kind.spins
+        k in held
+        or not part.kind.spins
         or part.pulls
         or part.rotors
         or any(p.parent == k for p in parts[k + 1 :])
