@@ -1,13 +1,15 @@
 """Values that others have printed, for problems that others have posed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import sympy as sp
 
+import codegen
 from eom.errors import InputError
-from eom.multibody import GROUND, Body, Joint, Placement, Tree
+from eom.multibody import GROUND, Body, Joint, Placement, Tree, derive
 from eom.multibody.recursions import inverse_dynamics, mass_matrix
 from eom.multibody.scalars import Numbers
 from eom.multibody.skeleton import skeleton
@@ -41,6 +43,11 @@ MOMENTS = {
     for k, row in enumerate(PUMA, 1)
     for n, value in enumerate(row[5])
 }
+
+
+VISCOUS = (1.48e-3, 0.817e-3, 1.38e-3, 71.2e-6, 82.6e-6, 36.7e-6)
+DRY = (0.395, 0.126, 0.132, 11.2e-3, 9.26e-3, 3.96e-3)
+"""Friction of the motors (N m s, N m), the dry one where the joint turns forwards."""
 
 
 def puma():
@@ -100,6 +107,22 @@ def test_torques_of_the_puma_560():
     ]
     found = torques(list(rates), STILL, g=0)
     assert found == pytest.approx(np.array(coriolis) @ rates, abs=PRINTED * rates.sum())
+
+
+def test_accelerations_of_the_puma_560_with_friction():
+    """The same file: test_accel, with viscous and Coulomb friction of the motors, seen through gears."""
+    rates, given = (0.1, 0.2, 0.8, 0.2, 0.5, 1.0), (1.0, 3.2, 1.8, 0.1, 0.7, 4.6)
+    printed = [-7.4102, -9.8432, -10.9694, -4.4314, -0.9881, 21.0228]
+    bodies, joints = puma()
+    rubbed = [
+        replace(j, damping=row[7] ** 2 * viscous, force=torque - abs(row[7]) * dry)
+        for j, row, viscous, dry, torque in zip(joints, PUMA, VISCOUS, DRY, given, strict=True)
+    ]
+    system = derive(Tree("puma", bodies, rubbed, gravity=(0, 0, -9.81)), invariants=False)
+    parameters = [float(MOMENTS[p.symbol]) for p in system.parameters]
+    compiled = codegen.compile(system, "numpy")
+    found = compiled.rhs(0.0, np.array([*NOMINAL, *rates]), np.array(parameters), [])
+    assert found[6:] == pytest.approx(printed, abs=PRINTED)
 
 
 def test_the_published_moments_of_link_3_are_those_of_no_body():
