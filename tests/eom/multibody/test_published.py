@@ -9,7 +9,8 @@ import sympy as sp
 
 import codegen
 from eom.errors import InputError
-from eom.multibody import GROUND, Body, Joint, Placement, Tree, derive
+from eom.multibody import GROUND, Body, Joint, Load, Placement, Tree, derive
+from eom.multibody.articulated import forward_dynamics
 from eom.multibody.recursions import inverse_dynamics, mass_matrix
 from eom.multibody.scalars import Numbers
 from eom.multibody.skeleton import skeleton
@@ -50,18 +51,25 @@ DRY = (0.395, 0.126, 0.132, 11.2e-3, 9.26e-3, 3.96e-3)
 """Friction of the motors (N m s, N m), the dry one where the joint turns forwards."""
 
 
-def puma():
-    bodies, joints, parent, named = [], [], GROUND, list(MOMENTS)
-    for k, (d, a, twist, m, centre, _, motor, gear) in enumerate(PUMA, 1):
+def arm(rows, letter):
+    """Bodies and joints by standard Denavit-Hartenberg parameters; moments by the names of symbols."""
+    bodies, joints, parent = [], [], GROUND
+    for k, (d, a, twist, m, centre, _, motor, gear) in enumerate(rows, 1):
         c, s = math.cos(twist), math.sin(twist)
         back = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
         seat = Placement(tuple(-back.T @ (a, 0, d)), back.tolist())
-        bodies.append(Body(f"link{k}", m, centre, named[3 * k - 3 : 3 * k]))
+        moments = [sp.Symbol(f"{letter}{k}_{n}", positive=True) for n in range(3)]
+        bodies.append(Body(f"link{k}", m, centre, moments))
+        armature = gear**2 * motor
         joints.append(
-            Joint(f"j{k}", "revolute", parent, f"link{k}", armature=gear**2 * motor, on_child=seat)
+            Joint(f"j{k}", "revolute", parent, f"link{k}", armature=armature, on_child=seat)
         )
         parent = f"link{k}"
     return bodies, joints
+
+
+def puma():
+    return arm(PUMA, "J")
 
 
 def torques(u, udot, g=9.81):
@@ -128,3 +136,69 @@ def test_accelerations_of_the_puma_560_with_friction():
 def test_the_published_moments_of_link_3_are_those_of_no_body():
     with pytest.raises(InputError, match="no body has this inertia"):
         Body("link3", 4.8, (-0.0203, -0.0141, 0.07), PUMA[2][5])
+
+
+SIA10 = tuple(
+    (d, 0, turns * math.pi / 2, m, centre, moments, motor, 1)
+    for d, turns, m, centre, moments, motor in (
+        (0.36, 1, 15, (0, -0.02, 0), (0.1, 0.05, 0.1), 5),
+        (0, -1, 5, (0, -0.02, -0.1), (0.01, 0.1, 0.1), 5),
+        (0.36, 1, 5, (0, -0.05, 0.02), (0.05, 0.01, 0.05), 3),
+        (0, -1, 3, (0, 0.02, -0.15), (0.1, 0.1, 0.01), 3),
+        (0.36, 1, 3, (0, -0.05, 0.01), (0.02, 0.01, 0.02), 1),
+        (0, -1, 3, (0, -0.01, -0.1), (0.1, 0.1, 0.01), 1),
+        (0, 0, 1, (0, 0, 0.05), (0.01, 0.01, 0.1), 1),
+    )
+)
+"""Motoman SIA10 by standard Denavit-Hartenberg parameters, as the Kinematics and Dynamics Library poses it:
+orocos/orocos_kinematics_dynamics, orocos_kdl/tests/solvertest.cpp, motomansia10dyn. The moments of link 7
+are those of no body."""
+MOMENTS |= {
+    sp.Symbol(f"I{k}_{n}", positive=True): value
+    for k, row in enumerate(SIA10, 1)
+    for n, value in enumerate(row[5])
+}
+POSE, RATES = [0.2, 0.6, 1.0, 0.5, -1.4, 0.3, -0.8], [1.0, -2.0, 3.0, -4.0, 5.0, -6.0, 7.0]
+THREE_DECIMALS = 1e-3
+"""The tolerance of that file."""
+
+
+def motoman(g=9.81, pushed=True):
+    push = Load("link7", (10, -20, 30), (3, -4, 5), (0, 0, 0.155), "body")
+    tree = Tree("sia10", *arm(SIA10, "I"), gravity=(0, 0, -g), loads=[push] if pushed else [])
+    return skeleton(tree, floats, FLOATS)
+
+
+def test_torques_and_mass_matrix_of_the_motoman_sia10():
+    """FdSolverDevelopmentTest of that file: gravity, velocities alone, mass matrix, a force on the tool."""
+    still = [0.0] * 7
+    gravity = [0, -36.672, 4.315, -11.205, 0.757, 1.780, 0]
+    velocities = [-15.523, 24.250, -6.862, 6.303, 0.110, -4.898, -0.249]
+    together = [-21.252, -37.933, -2.497, -15.289, -4.646, -9.201, -5.249]
+    close = {"abs": THREE_DECIMALS}
+    free = motoman(pushed=False)
+    assert inverse_dynamics(free, POSE, still, still, FLOATS) == pytest.approx(gravity, **close)
+    weightless = motoman(0, pushed=False)
+    found = inverse_dynamics(weightless, POSE, RATES, still, FLOATS)
+    assert found == pytest.approx(velocities, **close)
+    found = inverse_dynamics(motoman(), POSE, RATES, still, FLOATS)
+    assert found == pytest.approx(together, **close)
+    M = np.array(mass_matrix(free, POSE, FLOATS), float)
+    printed = [
+        [6.8687, -0.4333, 0.4599, 0.6892, 0.0638, -0.0054, 0.0381],
+        [-0.4333, 8.8324, -0.5922, 0.7905, 0.0003, -0.0242, 0.0265],
+        [0.4599, -0.5922, 3.3496, -0.0253, 0.1150, -0.0243, 0.0814],
+        [0.6892, 0.7905, -0.0253, 3.9623, -0.0201, 0.0087, -0.0291],
+        [0.0638, 0.0003, 0.1150, -0.0201, 1.1234, 0.0029, 0.0955],
+        [-0.0054, -0.0242, -0.0243, 0.0087, 0.0029, 1.1425, 0],
+        [0.0381, 0.0265, 0.0814, -0.0291, 0.0955, 0, 1.1000],
+    ]
+    assert np.abs(M - printed).max() < THREE_DECIMALS
+
+
+def test_accelerations_of_the_motoman_sia10():
+    """FdSolverConsistencyTest of that file."""
+    tau = [50.0, -20.0, 10.0, 40.0, -60.0, 15.0, -10.0]
+    printed = [9.486, 1.830, 4.726, 11.665, -50.108, 21.403, -0.381]
+    found = forward_dynamics(motoman(), POSE, RATES, tau, FLOATS)
+    assert found == pytest.approx(printed, abs=THREE_DECIMALS)
