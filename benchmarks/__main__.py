@@ -26,6 +26,7 @@ from benchmarks import (
     stages,
     startup,
     taylor,
+    trees,
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
@@ -55,6 +56,7 @@ MEASUREMENTS = (
     Measurement(stages.measure, quick=False),
     Measurement(pendulum.measure, quick=False),
     Measurement(chains.measure),
+    Measurement(trees.measure, needs_compiler=False),
     Measurement(counts.measure),
     Measurement(compile_time.measure),
     Measurement(startup.measure, needs_compiler=False, quick=False),

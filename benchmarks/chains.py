@@ -3,8 +3,8 @@
 `eom.multibody` runs on both, for ours also by way of a `System` with named intermediates: from the
 description to a program, which has to take time in proportion to the bodies. Operations are counted
 alike: instructions that are no inputs, outputs or constants. Both C texts are compiled by the same
-compiler with the same flags and timed in the same loop; values are compared, and with Pinocchio's
-where it is installed.
+compiler with the same flags, those of `codegen.compile`, and timed in the same loop; values are
+compared, and with Pinocchio's where it is installed.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
 from time import process_time
 from timeit import timeit
 from typing import Any
@@ -21,12 +22,12 @@ import numpy as np
 import sympy as sp
 
 from benchmarks.articulated import accelerations, chain
-from benchmarks.native_rates import ALIGNED, Points, Rates, sampler
+from benchmarks.native_rates import ALIGNED, Points, Rates, empty_cache, sampler
 from benchmarks.pairs import paired, settled
 from benchmarks.peers import absent, missing
 from benchmarks.rates import largest_difference
 from benchmarks.settings import Settings
-from benchmarks.table import Row, Section, time_text
+from benchmarks.table import Row, Section, alone, time_text
 from codegen import native
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
@@ -36,16 +37,15 @@ from codegen.targets import c
 from eom.multibody import derive
 from eom.system import Quantity
 
-BODIES = (7, 20, 50)
-QUICK_BODIES = (7, 20)
+BODIES = (7, 20, 50, 100)
 LARGEST_RATIO = 0.9
 LARGEST_GENERATION = 0.2
 LARGEST_DIFFERENCE = 1e-10
 """Relative; the last of 50 bodies accelerates by the differences of large numbers."""
-KNOWN = {7: 2015, 20: 6855}
+KNOWN = {7: 2015, 20: 6855, 50: 18028, 100: 36647}
 """Operations that CasADi 3.8.2 left of the recursion: the short form needs no peer."""
-FLAGS = ("-O2", *ALIGNED)
-"""After those of generated code, so that -O2 counts, for both sides alike."""
+LONGEST_COMPILATION = {100: 10.0}
+"""Seconds of the C compiler's processor time, with the flags of `codegen.compile`."""
 REPEATS = 5
 CALLS = 200
 LARGEST_OF_PINOCCHIO = 1 / 3
@@ -72,7 +72,7 @@ def measure(settings: Settings) -> Section:
     """Return three rows a size: operations, generation, time in C."""
     title = "chains of bodies, articulated-body algorithm: ours | CasADi SX"
     if settings.quick:
-        return Section(title, tuple(_known(count) for count in QUICK_BODIES))
+        return Section(title, tuple(_known(count) for count in KNOWN))
     rows = [*_derivations(), *(row for count in BODIES for row in _rows(count))]
     lacking = [n for n in ("casadi", "pin") if missing(n)]
     return Section(title, (*rows, *(absent(name, [name]) for name in lacking)))
@@ -109,13 +109,14 @@ def _known(count: int) -> Row:
 
 def _rows(count: int) -> list[Row]:
     mine = fastest(lambda: ours(count))
-    rates = _rates(mine.text)
+    flags = flags_of(count)
+    rates, seconds = _compiled(mine.text, flags)
     points = Points.for_layout(layout(count))
     if missing("casadi"):
         time = time_text(min(sampler(rates, points)() for _ in range(REPEATS)))
         return [Row(f"{count} bodies", f"{mine.operations} operations, {time}")]
     other = fastest(lambda: casadi(count))
-    beside = _rates(other.text)
+    beside, their_seconds = _compiled(other.text, flags)
     difference = largest_difference(rates, beside, points)
     if not difference <= LARGEST_DIFFERENCE:
         return [Row(f"{count} bodies", f"differs by {difference:.1e}", target="same", met=False)]
@@ -132,6 +133,7 @@ def _rows(count: int) -> list[Row]:
                 mine.operations / other.operations, LARGEST_RATIO),
         _judged(f"{count} bodies: to C text", generated,
                 mine.seconds / other.seconds, LARGEST_GENERATION),
+        _compilation(count, seconds, their_seconds),
         _judged(f"{count} bodies: in C", timed, pairs.ratio, LARGEST_RATIO),
     ]  # fmt: skip
     return rows if missing("pin") else [*rows, *_pinocchio(count, rates, points)]
@@ -221,10 +223,29 @@ def _generator(function: Any) -> Any:
     return generator
 
 
-def _rates(text: Text) -> Rates:
+def flags_of(count: int) -> tuple[str, ...]:
+    """Return what `codegen.compile` adds to the flags of all generated code, for both sides alike."""
+    chosen = native.flags_for(2 * count, len(program(count).instructions))
+    return (*chosen, *ALIGNED)
+
+
+def _compiled(text: Text, flags: tuple[str, ...]) -> tuple[Rates, float]:
+    """Compile a text; return its function, and the processor time of the compiler."""
     source, symbol = text
-    library = native.load(native.compile_library(source, FLAGS), source, FLAGS)
-    return Rates(source, symbol, library)
+    with empty_cache():
+        before = getrusage(RUSAGE_CHILDREN)
+        library = native.load(native.compile_library(source, flags), source, flags)
+        after = getrusage(RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Rates(source, symbol, library, flags=flags), seconds
+
+
+def _compilation(count: int, ours: float, theirs: float) -> Row:
+    cells = (time_text(ours), time_text(theirs), f"{ours / theirs:.3f}")
+    limit = LONGEST_COMPILATION.get(count)
+    if limit is None:
+        return Row(f"{count} bodies: C compiler", *cells)
+    return Row(f"{count} bodies: C compiler", *cells, f"<= {time_text(limit)}", ours <= limit)
 
 
 def _pinocchio(count: int, rates: Rates, points: Points) -> list[Row]:
@@ -275,3 +296,7 @@ def pinocchio(count: int) -> tuple[Any, Any, Any]:
         rigid = np.array(body.centre, dtype=float), np.array(body.central_inertia, dtype=float)
         model.appendBodyToJoint(joint, pin.Inertia(float(body.mass), *rigid), pin.SE3.Identity())
     return model, model.createData(), pin.aba
+
+
+if __name__ == "__main__":
+    alone(measure)

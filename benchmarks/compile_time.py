@@ -8,14 +8,13 @@ are those of the processor, the compiler's included, so that other jobs count li
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log2
 
 from benchmarks import chains
+from benchmarks.native_rates import empty_cache
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import native
@@ -113,23 +112,9 @@ def _run(bodies: int) -> Measured:
     program = chains.program(bodies)
     text = c.single_text(program, chains.layout(bodies))
     marks.append(sum(os.times()[:4]))
-    with _empty_cache():
+    with empty_cache():
         flags = native.flags_for(len(program.results[RATES]), len(program.instructions))
         native.load(native.compile_library(text, flags), text, flags)
         marks.append(sum(os.times()[:4]))
     operations = sum(program.counts().values())
     return Measured(operations, marks[1] - marks[0], marks[2] - marks[1], len(text))
-
-
-@contextmanager
-def _empty_cache() -> Iterator[None]:
-    before = os.environ.get(native.CACHE_VARIABLE)
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ[native.CACHE_VARIABLE] = folder
-        try:
-            yield
-        finally:
-            if before is None:
-                del os.environ[native.CACHE_VARIABLE]
-            else:
-                os.environ[native.CACHE_VARIABLE] = before

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -178,3 +180,18 @@ def sampler(rates: Rates, points: Points) -> Callable[[], float]:
         return 1e-9 * float(clock(address, CALLS, count, n, *places))
 
     return sample
+
+
+@contextmanager
+def empty_cache() -> Iterator[None]:
+    """Work with an empty cache of compiled code."""
+    before = os.environ.get(native.CACHE_VARIABLE)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ[native.CACHE_VARIABLE] = folder
+        try:
+            yield
+        finally:
+            if before is None:
+                del os.environ[native.CACHE_VARIABLE]
+            else:
+                os.environ[native.CACHE_VARIABLE] = before

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from rich.console import Console
 from rich.table import Table
+
+from benchmarks.settings import Settings
 
 MARKS = {True: "[green]yes[/green]", False: "[bold red]NO[/bold red]", None: ""}
 
@@ -60,3 +64,10 @@ def time_text(seconds: float) -> str:
         ((s, u) for s, u in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")) if seconds >= s), (1e-9, "ns")
     )
     return f"{seconds / size:.3g} {unit}"
+
+
+def alone(measure: Callable[[Settings], Section]) -> None:
+    """Run one measurement from the command line: all of it, or with ``--quick`` its short form."""
+    found = [measure(Settings("--quick" in sys.argv))]
+    Console(width=160).print(table(found))
+    sys.exit(1 if missed(found) else 0)

@@ -39,6 +39,7 @@ class Point:
     u: Sequence[float] = ()
     constants: Sequence[float] = ()
     clock: Sequence[float] = ()
+    turned: Sequence[float] = ()
 
     def slot(self, instruction: Instruction) -> float:
         """Return the number that a leaf reads."""
@@ -50,6 +51,7 @@ class Point:
             "input": self.u,
             "constant": self.constants,
             "clock": self.clock,
+            "turned": self.turned,
         }
         assert isinstance(instruction.value, int)
         return float(arrays[instruction.op][instruction.value])

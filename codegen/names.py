@@ -200,8 +200,9 @@ _OWN = frozenset(
         "select",
     }
 )
-HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "factor_", "back_", "carried_", "k_")
-"""Functions, and an array, that generated code defines for itself."""
+HELPERS = ("sign_", "min_", "max_", "mod_", "stumpff_", "factor_", "back_", "circle_",
+           "carried_", "angles_", "turned_", "k_")  # fmt: skip
+"""Functions and arrays that generated code defines for itself."""
 
 RESERVED = _C_KEYWORDS | _C_LIBRARY | C_MATH | _C_FLOAT | _PYTHON | _JAVASCRIPT | _OWN
 """Identifiers that generated code gives another meaning in one of the languages."""

@@ -203,7 +203,8 @@ SOLVE = frozenset({"factor", "back", "item"})
 BLOCKS = frozenset({"factor", "back"})
 """Operations whose value is no number: a factorisation, a solution."""
 
-LEAVES = ("const", "pi", "time", "state", "parameter", "input", "constant", "clock")
+TURNED = "turned"
+LEAVES = ("const", "pi", "time", "state", "parameter", "input", "constant", "clock", TURNED)
 """Instructions without operands: exact constants, and slots of the arrays of values."""
 
 
@@ -215,7 +216,7 @@ class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
     ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
-    ``constant`` or ``clock`` (see `codegen.stages`), the table of a ``table``, what
+    ``constant`` or ``clock`` (see `codegen.stages`) or ``turned`` (`codegen.circles`), the table of a ``table``, what
     `codegen.linsolve` says; None otherwise.
     """
 

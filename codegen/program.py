@@ -127,6 +127,7 @@ BINDING = {
     "clock": 2,
     "state": 3,
     "input": 3,
+    "turned": 3,
     "factor": 3,
 }
 """When leaves are known: 1 with the parameters, 2 with the time, 3 in each call; others always.

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
+from codegen.circles import circles
 from codegen.layout import Layout, names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.names import comment, identifier
+from codegen.ops import TURNED
 from codegen.passes import prune
 from codegen.program import Program
 from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, table_function
-from codegen.targets.c_lines import assigned, guarded, part_lines, variables
+from codegen.targets.c_lines import assigned, guarded, name_function, part_lines, variables
 from codegen.targets.render import (
     ATOM,
     Body,
@@ -95,6 +98,7 @@ _SLOTS = {
     "input": "u[{0} * us]",
     CONSTANT: "c[{0}]",
     CLOCK: "w[{0}]",
+    TURNED: "turned_[{0}]",
 }
 _EARLY = ("const double *p", "ptrdiff_t ps")
 _TIMED = ("double t", "const double *c")
@@ -108,6 +112,7 @@ _LATE = (
     "ptrdiff_t us",
 )
 _CARRIED = "double *carried_"
+_TURNED = "const double *turned_"
 
 
 def files(program: Program, layout: Layout) -> Mapping[str, str]:
@@ -183,7 +188,7 @@ def source(program: Program, layout: Layout) -> str:
         *(f"{table_function(n, table)}\n" for table, n in tables.items() if f"{n}(" in used),
     ]
     for kind, listed in _named(layout).items():
-        lines += [_name_function(name, kind, listed), ""]
+        lines += [name_function(name, kind, listed), ""]
     lines += [*_prepare(name, early), ""]
     for group, (timed, late) in groups.items():
         head, size = f"{name}_{group}", len(timed.results)
@@ -209,7 +214,7 @@ def kernels(program: Program, group: str, head: str) -> tuple[list[str], int]:
     cut = by_parameters(program, [group])
     slots, tables = with_slots_of(cut, program, {}), table_names(program)
     early = _render(cut.early, CONSTANT, {}, tables)
-    late = _render(cut.late, group, slots, tables)
+    late = _late(cut.late, group, slots, tables)
     lines = [
         *_kernel(f"{head}_constants", _EARLY, early, "double *c", "c[{0}]"),
         "",
@@ -227,16 +232,50 @@ def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
     return render(program, group, names, TEMPLATES, _SLOTS, _NUMBERS, tables)
 
 
-def _staged(program: Program, group: str, names: Names, tables: Tables) -> tuple[Body, Body]:
+class Late(NamedTuple):
+    """What is computed in each call: angles, if there are many, and what follows from them."""
+
+    body: Body
+    angles: Body = Body((), ())
+    room: int = 0
+
+
+def _late(program: Program, group: str, names: Names, tables: Tables) -> Late:
+    cut = circles(prune(program, [group]))
+    if cut is None:
+        return Late(_render(program, group, names, tables))
+    angles = _render(cut.angles, TURNED, names, tables)
+    return Late(_render(cut.late, group, {**names, TURNED: cut.names}, tables), angles, cut.room)
+
+
+def _staged(program: Program, group: str, names: Names, tables: Tables) -> tuple[Body, Late]:
     """Return what a group needs of time alone, and the rest."""
     whole = prune(program, [group])
     cut = by_time(whole)
     rest = with_slots_of(cut, whole, names)
-    return _render(cut.early, CLOCK, names, tables), _render(cut.late, group, rest, tables)
+    return _render(cut.early, CLOCK, names, tables), _late(cut.late, group, rest, tables)
 
 
-def _texts(body: Body) -> str:
+def _texts(body: Body | Late) -> str:
+    if isinstance(body, Late):
+        return "\n".join([_texts(body.body), _texts(body.angles), *_turned(body)])
     return "\n".join((*(line.expression for line in body.lines), *body.results))
+
+
+def _turned(late: Late) -> list[str]:
+    """Return the statements that compute sines and cosines of all angles."""
+    if not late.room:
+        return []
+    lines = [f"    {line}" for line in assigned(late.angles.lines, "double", _stride)]
+    angles = ", ".join(_stride(a) for a in late.angles.results)
+    return [
+        f"    double turned_[{2 * late.room}];",
+        "    {",
+        *lines,
+        f"        const double angles_[{late.room}] = {{{angles}}};",
+        f"        circle_({late.room}, angles_, turned_);",
+        "    }",
+    ]
 
 
 def _counts(layout: Layout) -> dict[str, int]:
@@ -262,32 +301,6 @@ def _index_comment(array: str, what: str, quantities: Sequence[Quantity]) -> lis
     for k, q in enumerate(quantities):
         lines.append(f" *   {array}[{k}] {comment(q.name)}: {comment(q.description)}".rstrip(": "))
     return [*lines, " */"]
-
-
-def string(text: str) -> str:
-    """Return a C string literal; everything but plain ASCII letters, digits and signs is escaped."""
-    octal = "".join(
-        chr(b)
-        if (b < 128 and chr(b).isalnum()) or chr(b) in " _+-*/^()[]{}.,':;=<>"
-        else f"\\{b:03o}"
-        for b in text.encode()
-    )
-    return f'"{octal}"'
-
-
-def _name_function(name: str, kind: str, names: Sequence[str]) -> str:
-    head = f"const char *{name}_{kind}_name(int k) {{"
-    if not names:
-        return "\n".join([head, "    (void)k;", "    return NULL;", "}"])
-    listed = ", ".join(string(n) for n in names)
-    return "\n".join(
-        [
-            head,
-            f"    static const char *const names[] = {{{listed}}};",
-            f"    return k >= 0 && k < {len(names)} ? names[k] : NULL;",
-            "}",
-        ]
-    )
 
 
 def _prepare_signature(name: str) -> str:
@@ -323,7 +336,7 @@ def _prepare(name: str, early: Body) -> list[str]:
 
 
 def _kernel(
-    head: str, arguments: Sequence[str], body: Body, target: str, place: str
+    head: str, arguments: Sequence[str], computed: Body | Late, target: str, place: str
 ) -> Sequence[str]:
     """A computation over strided arrays: all loads, then all stores, so that y may overlap x.
 
@@ -331,13 +344,15 @@ def _kernel(
     long computation is split into parts, so that the time of compilers stays linear; what a later
     part needs of an earlier one goes through an array on the stack.
     """
+    late = computed if isinstance(computed, Late) else Late(computed)
+    body, turned = late.body, _turned(late)
     stores = [f"    {_stride(place.format(k))} = {r};" for k, r in enumerate(body.results)]
     if len(body.lines) <= PART_LINES:
         return _static(
             head,
             "inline void",
             (*arguments, target),
-            [*assigned(body.lines, "double", _stride), *stores],
+            [*turned, *assigned(body.lines, "double", _stride), *stores],
         )
     parts, size = split(body, PART_LINES)
     texts: list[str] = []
@@ -345,12 +360,19 @@ def _kernel(
     for k, part in enumerate(parts):
         lines = part_lines(part, "double", _stride)
         last = k == len(parts) - 1
-        declared = (*arguments, _CARRIED, *((target,) if last else ()))
+        declared = (
+            *arguments,
+            *((_TURNED,) if turned else ()),
+            _CARRIED,
+            *((target,) if last else ()),
+        )
         texts += [*_static(f"{head}_{k}", "void", declared, lines + (stores if last else [])), ""]
         calls.append(f"    {head}_{k}({', '.join(variables(declared))});")
     return [
         *texts,
-        *_static(head, "void", (*arguments, target), [f"    double carried_[{size}];", *calls]),
+        *_static(
+            head, "void", (*arguments, target), [*turned, f"    double carried_[{size}];", *calls]
+        ),
     ]
 
 

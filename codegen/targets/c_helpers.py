@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from codegen.linsolve import C_HELPERS
 from codegen.names import comment
 from codegen.stumpff import SERIES
+from codegen.targets.circle import CIRCLE
 from eom.tables import Table
 
 HELPERS = {
@@ -50,6 +51,7 @@ static double stumpff_(int k, double z) {{
     return c;
 }}""",
     **C_HELPERS,
+    "circle_": CIRCLE,
 }
 """Text of each by its name; one that a file does not call is left out."""
 

@@ -67,3 +67,30 @@ def guarded(guard: str, comment: Sequence[str], body: Sequence[str]) -> str:
         f"#endif /* {guard} */",
         "",
     ])  # fmt: skip
+
+
+def string(text: str) -> str:
+    """Return a C string literal; everything but plain ASCII letters, digits and signs is escaped."""
+    octal = "".join(
+        chr(b)
+        if (b < 128 and chr(b).isalnum()) or chr(b) in " _+-*/^()[]{}.,':;=<>"
+        else f"\\{b:03o}"
+        for b in text.encode()
+    )
+    return f'"{octal}"'
+
+
+def name_function(name: str, kind: str, names: Sequence[str]) -> str:
+    """Return the function that gives the names of one kind of quantities."""
+    head = f"const char *{name}_{kind}_name(int k) {{"
+    if not names:
+        return "\n".join([head, "    (void)k;", "    return NULL;", "}"])
+    listed = ", ".join(string(n) for n in names)
+    return "\n".join(
+        [
+            head,
+            f"    static const char *const names[] = {{{listed}}};",
+            f"    return k >= 0 && k < {len(names)} ? names[k] : NULL;",
+            "}",
+        ]
+    )

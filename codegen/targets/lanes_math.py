@@ -11,12 +11,9 @@ Errors in units in the last place, held by tests: `ULPS`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from codegen.targets import c_helpers
-
-LARGEST_ANGLE = 1e5
-"""Up to it the quadrant has 16 bits."""
+from codegen.targets.circle import COSINE, LARGEST_ANGLE, SINE, horner
+from codegen.targets.circle import WHOLE as _WHOLE
 
 ULPS: dict[str, float] = {
     "sin": 1.0,
@@ -29,16 +26,6 @@ ULPS: dict[str, float] = {
 }
 """Largest error of each function that is not of the library."""
 
-SINE = (
-    -0.16666666666666655, 0.008333333333327302, -0.00019841269833447805, 2.7557314875573207e-06,
-    -2.505093290062454e-08, 1.5906399268301887e-10,
-)  # fmt: skip
-"""(sin x - x)/x^3 as a polynomial in x^2, |x| <= pi/4."""
-COSINE = (
-    0.041666666666666664, -0.0013888888888887395, 2.4801587298763433e-05, -2.7557317270560326e-07,
-    2.0876146024689747e-09, -1.1382614868556325e-11,
-)  # fmt: skip
-"""(cos x - 1 + x^2/2)/x^4 as a polynomial in x^2, |x| <= pi/4."""
 EXPONENTIAL = (
     0.5, 0.1666666666666667, 0.04166666666666667, 0.008333333333326136, 0.0013888888888883748,
     0.00019841269874820627, 2.4801587325547743e-05, 2.7557255400206422e-06, 2.75572736431103e-07,
@@ -50,19 +37,6 @@ LOGARITHM = (
     0.18181795621632782, 0.15386240708969665, 0.13268746195596595, 0.13086907887965027,
 )  # fmt: skip
 """(2 artanh s - 2 s)/s^3 as a polynomial in s^2, |s| <= 3 - sqrt(8)."""
-
-
-def horner(variable: str, coefficients: Sequence[float]) -> str:
-    """Write a polynomial by Horner's rule.
-
-    >>> horner("z", [0.5, -0.25, 2.0])
-    '0.5 + z * (-0.25 + z * 2.0)'
-    """
-    *rest, last = map(repr, coefficients)
-    text = last
-    for k, c in enumerate(reversed(rest)):
-        text = f"{c} + {variable} * {text if k == 0 else f'({text})'}"
-    return text
 
 
 TYPES = """\
@@ -141,8 +115,6 @@ APART_ void lanes_unpack_(const double *block, int rows, double *a, ptrdiff_t ro
 """What every text needs: types, selection, loads and stores."""
 FEW_CALLS = 24
 """Own functions are written out where they are called, unless there are more calls than these."""
-
-_WHOLE = "6755399441055744.0"  # 1.5 * 2^52: the sum with a small number rounds it to a whole one
 
 OWN = {
     "lanes_sqrt_": """\

@@ -1,5 +1,6 @@
 """Many bodies: trees of joints, their recursions, and the systems that they give."""
 
+from eom.multibody.attachments import Rotor, Spring
 from eom.multibody.base import BaseParameters, base_parameters
 from eom.multibody.closed import (
     ClosedForm,
@@ -22,6 +23,7 @@ from eom.multibody.constraints import (
 from eom.multibody.dependence import Examination, examine
 from eom.multibody.derive import derive
 from eom.multibody.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
+from eom.multibody.points import Point
 from eom.multibody.reactions import Reaction, reaction
 from eom.multibody.regressor import Regressor, regressor
 
@@ -42,11 +44,14 @@ __all__ = [
     "Loop",
     "Motion",
     "Placement",
+    "Point",
     "Reaction",
     "Regressor",
     "Rolling",
+    "Rotor",
     "Skate",
     "SpeedEquation",
+    "Spring",
     "Tree",
     "absolute_angles",
     "assemble",

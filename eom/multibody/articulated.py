@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eom.errors import InputError
+from eom.multibody.links import applied
 from eom.multibody.motion import (
     Place,
     Scalars,
@@ -22,7 +23,6 @@ from eom.multibody.motion import (
     inward,
     keep_inertia,
     keep_pair,
-    loads,
     motion,
     places,
     zeta,
@@ -69,7 +69,7 @@ def forward_dynamics(
     """
     placed = places(tree, q, work)
     moved = motion(placed, u, work)
-    forces = biases(placed, moved, loads(placed, work), work)
+    forces = biases(placed, moved, applied(tree, placed, moved, work), work)
     known = [keep_pair(work, ("zeta", "zeta"), p.part.name, zeta(p, m))
              for p, m in zip(placed, moved, strict=True)]  # fmt: skip
     given = dict(prescribed or {})

@@ -14,6 +14,7 @@ from eom.multibody.spatial import Matrix, Vector, product, transposed
 from eom.multibody.values import Value, is_number
 
 if TYPE_CHECKING:
+    from eom.multibody.attachments import Rotor
     from eom.multibody.model import Joint, Tree
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
@@ -110,6 +111,19 @@ def _motion(given: Joint, where: str, paired: Sequence[int | None]) -> None:
         )
 
 
+def rotor(given: Rotor) -> None:
+    """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
+    where = f"rotor {given.name!r}"
+    J = given.inertia
+    if (is_number(J) and J <= 0) or getattr(J, "is_positive", None) is False:
+        raise InputError("inertia is not positive", where=where, got=J, expected="kg m^2")
+    driven = given.motor or given.angle or not (is_zero(given.torque) and is_zero(given.damping))
+    if given.speed is not None and driven:
+        raise InputError(
+            "a given speed leaves no room for torque, damping, motor and angle", where=where
+        )
+
+
 def tree(given: Tree) -> None:
     """Raise `InputError` for what is no tree, naming the body or joint."""
     where = f"tree {given.name!r}"
@@ -139,12 +153,33 @@ def tree(given: Tree) -> None:
                 where=where,
                 hint=near_matches(load.body, known),
             )
+    _attached(given, known, where)
     _single_parents(given, where)
     ordered(given)
     _once("constraint", [c.name for c in given.constraints], where)
     for constraint in given.constraints:
         constraint.check(given)
     _massless(given)
+
+
+def _attached(given: Tree, known: set[str], where: str) -> None:
+    """Rotors and springs are on bodies that there are."""
+    _once("rotor", [r.name for r in given.rotors], where)
+    _once("spring", [s.name for s in given.springs], where)
+    held = [("rotor", r.name, r.body, known) for r in given.rotors]
+    held += [("spring", s.name, b, known | {"ground"}) for s in given.springs for b in s.bodies]
+    for kind, own, body_name, allowed in held:
+        if body_name not in allowed:
+            raise InputError(
+                f"{kind} on unknown body {body_name!r}",
+                where=f"{kind} {own!r}",
+                hint=near_matches(body_name, allowed),
+            )
+    for s in given.springs:
+        if s.bodies[0] == s.bodies[1]:
+            raise InputError(
+                "both ends are on one body", where=f"spring {s.name!r}", got=s.bodies[0]
+            )
 
 
 def _once(kind: str, names: Sequence[str], where: str) -> None:

@@ -18,8 +18,8 @@ from eom.multibody.configurations import (
     solved,
 )
 from eom.multibody.dependence import Sample, examine, independent_rows, not_met
-from eom.multibody.derive import symbols_of
 from eom.multibody.model import Tree
+from eom.multibody.names import symbols_of
 from eom.system import TIME, System
 
 NOTABLE = 1e-12

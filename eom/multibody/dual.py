@@ -67,6 +67,12 @@ class DualWork:
         value, rate = parts(x)
         return self._with(self.work.cos(value), negative(mul(self.work.sin(value), rate)))
 
+    def sqrt(self, x: Any) -> Any:
+        """Return the square root."""
+        value, rate = parts(x)
+        root = self.work.sqrt(value)
+        return self._with(root, mul(rate, reciprocal(mul(2, root))))
+
     def keep(self, letter: str, part: str, suffix: str, value: Any) -> Any:
         """Return the value under a name, with its rate."""
         x, dx = parts(value)

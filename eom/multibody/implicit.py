@@ -22,20 +22,15 @@ from eom.errors import InputError
 from eom.multibody.binding import Binding, Plan
 from eom.multibody.constrained import applied
 from eom.multibody.dependence import examine
-from eom.multibody.derive import (
-    Variables,
-    derive,
-    inputs_of,
-    named_of,
-    parameters_of,
-    variables_of,
-)
+from eom.multibody.derive import derive, variables_of
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import Tree
 from eom.multibody.motion import coordinate_rates
+from eom.multibody.names import inputs_of, named_of, parameters_of
 from eom.multibody.recursions import inverse_dynamics
 from eom.multibody.scalars import Scalar, add, mul, sub, total
 from eom.multibody.skeleton import Skeleton, skeleton
+from eom.multibody.told import Variables
 from eom.system import Definition, Quantity, System
 
 

@@ -150,6 +150,10 @@ class Naming:
         """Return the cosine."""
         return self.atom(value(sp.cos(plain(x)), "cosine"))
 
+    def sqrt(self, x: Any) -> Any:
+        """Return the square root."""
+        return Node(((1, (sp.Pow(plain(x), sp.S.Half, evaluate=False),)),))
+
     def keep(self, letter: str, part: str, suffix: str, value: Any) -> Any:
         """Return the value under a name of its own, unless it is a number or has a name."""
         if type(value) is not Node:

@@ -15,6 +15,7 @@ import sympy as sp
 from eom.errors import InputError, near_matches
 from eom.kinematics import SEQUENCES
 from eom.multibody import checks, values
+from eom.multibody.attachments import Rotor, Spring
 from eom.multibody.joints import KINDS, QUATERNION, Kind
 from eom.multibody.spatial import IDENTITY, ZERO, Matrix
 from eom.multibody.values import Value
@@ -300,10 +301,12 @@ class Tree:
     inputs: tuple[Any, ...] = ()
     parameters: tuple[Quantity, ...] = field(default=(), compare=False)
     constraints: tuple[Constraint, ...] = ()
+    rotors: tuple[Rotor, ...] = ()
+    springs: tuple[Spring, ...] = ()
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
-        for name in ("bodies", "joints", "loads", "parameters", "constraints"):
+        for name in ("bodies", "joints", "loads", "parameters", "constraints", "rotors", "springs"):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)

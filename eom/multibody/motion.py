@@ -201,6 +201,17 @@ def poses(placed: Sequence[Place], work: Work) -> list[tuple[Matrix, Vector]]:
     return found
 
 
+def velocities(placed: Sequence[Place], moved: Sequence[Moving], work: Work) -> list[Pair]:
+    """Return angular velocities, and velocities of origins, in the axes of the parts."""
+    found: list[Pair] = []
+    for place, moving in zip(placed, moved, strict=True):
+        w, v = found[place.part.parent] if place.part.parent >= 0 else Pair(ZERO, ZERO)
+        carried = forward(place.rotation, plus(v, cross(w, place.position)))
+        here = plus(carried, moving.relative.linear)
+        found.append(Pair(moving.omega, keep_vector(work, "v", place.part.name, here)))
+    return found
+
+
 def loads(placed: Sequence[Place], work: Work) -> list[Pair]:
     """Return moment about its origin and force, by applied loads, on each part."""
     pulled = [place.part.pulls for place in placed]
@@ -226,6 +237,8 @@ def biases(
     found = []
     for place, moving, load in zip(placed, moved, applied, strict=True):
         n = moving.square.gyroscopic(work, place.part)
+        for spin in place.part.rotors:
+            n = plus(n, spin.moment(moving.omega))
         f = moving.square.times(place.part.first_moment)
         found.append(
             Pair(plus(n, negative_vector(load.angular)), plus(f, negative_vector(load.linear)))

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from eom.multibody.derive import OUTPUTS
 from eom.multibody.light import used
 from eom.multibody.tally import Savings
+from eom.multibody.told import OUTPUTS
 from eom.system import Definition, System
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -16,7 +16,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "momentum": tuple(f"{letter}_{k}" for letter in "pL" for k in (1, 2, 3)),
     "centre_of_mass": tuple(f"centre_{k}" for k in (1, 2, 3)),
 }
-"""Names of the outputs that a row of `eom.multibody.derive.OUTPUTS` gives."""
+"""Names of the outputs that a row of `eom.multibody.told.OUTPUTS` gives."""
 
 
 FORCES, LAMBDA = "constraint_forces", "lambda_"

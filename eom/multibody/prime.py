@@ -13,6 +13,8 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any
 
+from eom.errors import InputError
+
 PRIME = 2**1279 - 1
 """Large enough for products of many doubles as fractions."""
 _BOUND = isqrt(PRIME // 2)
@@ -95,6 +97,10 @@ class Angles:
         """Return (1 - t^2) / (1 + t^2)."""
         t = self._half(x)
         return (1 - t * t) / (1 + t * t)
+
+    def sqrt(self, x: Any) -> Residue:
+        """Refuse: residues have no roots of their own."""
+        raise InputError("lengths of springs have no exact values", got=repr(x))
 
     def keep(self, letter: str, part: str, suffix: str, value: Any) -> Any:  # noqa: ARG002
         """Return the value."""

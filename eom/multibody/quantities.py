@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from eom.multibody.motion import Moving, Place, Scalars, keep_pair, motion, places, poses
+from eom.multibody.motion import Place, Scalars, keep_pair, motion, places, poses, velocities
 from eom.multibody.scalars import Scalar, Work, add, mul, negative, total
 from eom.multibody.skeleton import Skeleton
 from eom.multibody.spatial import (
@@ -19,8 +19,6 @@ from eom.multibody.spatial import (
     Vector,
     cross,
     dot,
-    forward,
-    keep_vector,
     minus,
     negative_vector,
     plus,
@@ -50,30 +48,24 @@ def flow(tree: Skeleton, q: Scalars, u: Scalars, work: Work) -> Flow:
     """Return the motion of all parts for coordinates and speeds."""
     placed = places(tree, q, work)
     moved = motion(placed, u, work)
-    speeds = _velocities(placed, moved, work)
+    speeds = velocities(placed, moved, work)
     momenta = []
     for place, (w, v) in zip(placed, speeds, strict=True):
         part = place.part
         L = plus(times(part.inertia.I, w), cross(part.first_moment, v))
+        for spin in part.rotors:
+            L = plus(L, scaled(spin.momentum, spin.axis))
         p = plus(scaled(part.mass, v), cross(w, part.first_moment))
         momenta.append(keep_pair(work, ("L", "p"), part.name, Pair(L, p)))
     return Flow(placed, poses(placed, work), speeds, momenta)
 
 
-def _velocities(placed: Sequence[Place], moved: Sequence[Moving], work: Work) -> list[Pair]:
-    found: list[Pair] = []
-    for place, moving in zip(placed, moved, strict=True):
-        w, v = found[place.part.parent] if place.part.parent >= 0 else Pair(ZERO, ZERO)
-        carried = forward(place.rotation, plus(v, cross(w, place.position)))
-        here = plus(carried, moving.relative.linear)
-        found.append(Pair(moving.omega, keep_vector(work, "v", place.part.name, here)))
-    return found
-
-
 def kinetic_energy(flow: Flow, u: Scalars) -> Scalar:
-    """Return half the sum of momenta times velocities, with that of the rotors in the joints."""
+    """Return half the sum of momenta times velocities, with that of rotors in joints and bodies."""
     twice = total(dot(p.six, v.six) for p, v in zip(flow.momenta, flow.velocities, strict=True))
-    for place in flow.placed:
+    for place, velocity in zip(flow.placed, flow.velocities, strict=True):
+        for spin in place.part.rotors:
+            twice = add(twice, spin.twice_energy(velocity.angular))
         for J, speed in zip(place.part.armature, u[place.part.speeds], strict=True):
             twice = add(twice, mul(J, mul(speed, speed)))
     return mul(HALF, twice)

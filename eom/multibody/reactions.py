@@ -111,7 +111,9 @@ class Wrenches:
     ) -> None:
         q, u, udot = motion
         self.tree, self.lift, self.work = tree, lift, work
-        self.skeleton = skeleton(tree, lift, work, apart=frozenset(apart), turning=True)
+        self.skeleton = skeleton(
+            tree, lift, work, [b.name for b in tree.bodies], apart=frozenset(apart)
+        )
         self.placed = places(self.skeleton, q, work)
         loads = None if further is None else further(self.skeleton)
         self.through = transmitted(self.skeleton, self.placed, u, udot, work, loads)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from eom.multibody.links import applied
 from eom.multibody.motion import (
     STILL,
     Moving,
@@ -20,7 +21,6 @@ from eom.multibody.motion import (
     inward,
     keep_inertia,
     keep_pair,
-    loads,
     motion,
     places,
     zeta,
@@ -74,7 +74,7 @@ def transmitted(
     Recursive Newton-Euler: Featherstone 2008, table 5.1.
     """
     moved = motion(placed, u, work)
-    acting = loads(placed, work)
+    acting = applied(tree, placed, moved, work)
     if further is not None:
         acting = [Pair(plus(a.angular, b.angular), plus(a.linear, b.linear))
                   for a, b in zip(acting, further, strict=True)]  # fmt: skip

@@ -208,7 +208,7 @@ def _system(
 def bones_of(tree: Tree, lift: Lift, work: Work) -> Skeleton:
     """Return a skeleton in which every body is a part that turns with it."""
     every = frozenset(j.name for j in tree.joints)
-    return skeleton(tree, lift, work, apart=every, turning=True)
+    return skeleton(tree, lift, work, [b.name for b in tree.bodies], apart=every)
 
 
 def entries(

@@ -8,6 +8,7 @@ of scalar needs to fold by itself. Zeros of floating point are values.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -90,6 +91,9 @@ class Work(Protocol):
     def cos(self, x: Scalar) -> Scalar:
         """Return the cosine."""
 
+    def sqrt(self, x: Scalar) -> Scalar:
+        """Return the square root."""
+
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:
         """Return a value that is used several times, under a name if this kind of scalar has names.
 
@@ -103,6 +107,7 @@ class Numbers:
 
     sin: Callable[[Scalar], Scalar]
     cos: Callable[[Scalar], Scalar]
+    sqrt: Callable[[Scalar], Scalar] = math.sqrt
 
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
         """Return the value."""

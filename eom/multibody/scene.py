@@ -16,7 +16,7 @@ from eom import catalogue
 from eom.description import check_end
 from eom.errors import InputError, unknown_name
 from eom.multibody import outputs
-from eom.multibody.derive import OUTPUTS, derive
+from eom.multibody.derive import derive
 from eom.multibody.description import TreeDescription
 from eom.multibody.model import Tree
 from eom.multibody.outputs import Saved
@@ -24,6 +24,7 @@ from eom.multibody.repeats import written_out
 from eom.multibody.sections import Reading, check_used, tree_of
 from eom.multibody.starting import quaternions, start_values
 from eom.multibody.tally import savings
+from eom.multibody.told import OUTPUTS
 from eom.scene_files import data_of, in_file, readable
 from eom.start import pick
 from eom.system import System

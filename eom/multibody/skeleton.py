@@ -6,13 +6,16 @@ frame of a part is the joint's frame F on it; mass properties are about its orig
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from eom.errors import InputError
+from eom.multibody.attachments import Rotor, Spring
 from eom.multibody.joints import Kind, Setting
 from eom.multibody.model import GROUND, Body, Joint, Load, Tree
-from eom.multibody.scalars import Scalar, Work, add, is_zero, mul, negative, sub
+from eom.multibody.rotors import Spin, without_axial
+from eom.multibody.scalars import Scalar, Work, add, is_zero, mul, negative, sub, total
 from eom.multibody.spatial import (
     IDENTITY,
     NOTHING,
@@ -67,6 +70,23 @@ class Pull:
 
 
 @dataclass(frozen=True)
+class Link:
+    """A spring and damper between two points: parts (-1 for the ground), points from their origins."""
+
+    name: str
+    parts: tuple[int, int]
+    points: tuple[Vector, Vector]
+    stiffness: Scalar
+    length: Scalar
+    damping: Scalar
+
+    @property
+    def plain(self) -> bool:
+        """Whether the force is the stiffness times the line from point to point."""
+        return is_zero(self.length) and is_zero(self.damping)
+
+
+@dataclass(frozen=True)
 class Part:
     """A body with what is fixed to it, and the joint that leads to it.
 
@@ -90,6 +110,7 @@ class Part:
     inertia: Inertia = NOTHING
     pulls: tuple[Pull, ...] = ()
     spins: bool = False
+    rotors: tuple[Spin, ...] = ()
 
     @property
     def mass(self) -> Scalar:
@@ -112,6 +133,9 @@ class Skeleton:
     gravity: Vector
     coordinates: int = 0
     speeds: int = 0
+    rotors: tuple[tuple[int, Spin], ...] = ()
+    """All rotors, with the numbers of their parts."""
+    links: tuple[Link, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -122,24 +146,34 @@ class Skeleton:
 
 
 def skeleton(
-    tree: Tree, lift: Lift, work: Work, *, apart: Collection[str] = (), turning: bool = False
+    tree: Tree,
+    lift: Lift,
+    work: Work,
+    turning: Iterable[str] = (),
+    *,
+    apart: Collection[str] = (),
 ) -> Skeleton:
     """Return a tree over the scalars that ``lift`` makes of its values.
 
-    ``apart``: fixed joints that lead to parts of their own, without speeds. ``turning``: whether the
-    frames of bodies of revolution turn with them.
+    ``turning``: bodies whose frames turn with them, even if they are bodies of revolution; those that
+    springs and constraints hold always do. ``apart``: fixed joints that lead to parts of their own,
+    without speeds.
     """
     builder = _Growing(tree, lift, work, apart)
     for joint in tree.ordered:
         builder.joint(joint)
     for load in tree.loads:
         builder.load(load)
-    parts = tuple(builder.parts)
-    if not turning:
-        bound = {builder.seats[b].part for c in tree.constraints for b in c.bodies}
-        parts = tuple(p if k in bound else _spinning(k, builder.parts) for k, p in enumerate(parts))
+    for rotor in tree.rotors:
+        builder.rotor(rotor)
+    held = {*turning, *(name for spring in tree.springs for name in spring.bodies)}
+    held |= {name for constraint in tree.constraints for name in constraint.bodies}
+    fast = {builder.seats[name].part for name in held if name in builder.seats}
+    parts = tuple(_spinning(k, builder.parts, fast) for k in range(len(builder.parts)))
     gravity = [lift(g) for g in tree.gravity]
-    return Skeleton(parts, builder.seats, gravity, builder.coordinates, builder.speeds)
+    sizes = builder.coordinates, builder.speeds
+    links = tuple(builder.link(spring) for spring in tree.springs)
+    return Skeleton(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links)
 
 
 @dataclass
@@ -152,6 +186,7 @@ class _Growing:
     seats: dict[str, Seat] = field(default_factory=lambda: {GROUND: Seat(-1)})
     coordinates: int = 0
     speeds: int = 0
+    rotors: list[tuple[int, Spin]] = field(default_factory=list)
 
     def vector(self, v: Vector) -> Vector:
         return [self.lift(x) for x in v]
@@ -236,16 +271,55 @@ class _Growing:
         part = self.parts[seat.part]
         self.parts[seat.part] = replace(part, pulls=(*part.pulls, pull))
 
+    def link(self, spring: Spring) -> Link:
+        """Return a spring on its parts."""
+        seats = [self.seats[name] for name in spring.bodies]
+        points = [s.point(self.vector(p)) for s, p in zip(seats, spring.points, strict=True)]
+        values = map(self.lift, (spring.stiffness, spring.length, spring.damping))
+        return Link(spring.name, (seats[0].part, seats[1].part), (points[0], points[1]), *values)
+
+    def rotor(self, rotor: Rotor) -> None:
+        """Add a rotor to its part, whose inertia keeps its axial moment if its speed is given."""
+        seat = self.seats[rotor.body]
+        if seat.part < 0:
+            raise InputError(
+                "a rotor on a body that is fixed to the ground moves nothing",
+                where=f"rotor {rotor.name!r}",
+            )
+        free = rotor.speed is None
+        motors = [self.lift(m.symbol) for m in rotor.motors]
+        spin = Spin(
+            axis=times(transposed(seat.rotation), self.vector(rotor.axis)),
+            inertia=self.lift(rotor.inertia),
+            speed=self.lift(rotor.states[-1].symbol if free else rotor.speed),
+            free=free,
+            torque=total([self.lift(rotor.torque), *motors]),
+            damping=self.lift(rotor.damping),
+            acceleration=0 if free else self.lift(rotor.acceleration),
+        )
+        part = self.parts[seat.part]
+        left = Inertia(without_axial(part.inertia.I, [spin]), part.inertia.H, part.inertia.M)
+        self.parts[seat.part] = replace(
+            part, inertia=self._kept(part.name, left), rotors=(*part.rotors, spin)
+        )
+        self.rotors.append((seat.part, spin))
+
 
 def _is_identity(C: Matrix) -> bool:
     entries = zip((x for row in C for x in row), (x for row in IDENTITY for x in row), strict=True)
     return all(is_zero(x) if e == 0 else type(x) is int and x == 1 for x, e in entries)
 
 
-def _spinning(k: int, parts: list[Part]) -> Part:
+def _spinning(k: int, parts: list[Part], held: set[int]) -> Part:
     """Mark a part at an end of the tree that is a body of revolution about its joint's axis."""
     part = parts[k]
-    if not part.kind.spins or part.pulls or any(p.parent == k for p in parts[k + 1 :]):
+    if (
+        k in held
+        or not part.kind.spins
+        or part.pulls
+        or part.rotors
+        or any(p.parent == k for p in parts[k + 1 :])
+    ):
         return part
     (axis,) = part.setting.axes
     along = [n for n in range(3) if not is_zero(axis[n])]

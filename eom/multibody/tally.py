@@ -72,7 +72,7 @@ class _Counting:
     def sin(self, x: Scalar) -> Scalar:
         return x._with(1) if isinstance(x, _Tally) else _Tally(self.counter, known=True)
 
-    cos = sin
+    cos = sqrt = sin
 
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
         return value

@@ -178,6 +178,9 @@ class _Trigonometry:
     def cos(self, x: Scalar) -> Scalar:
         return self.algebra.turned(x)[1] if isinstance(x, Polynomial) else self._number(sp.cos, x)
 
+    def sqrt(self, x: Scalar) -> Scalar:
+        raise InputError("closed forms hold no lengths of springs", got=str(x))
+
     def _number(self, function: Any, x: Scalar) -> Scalar:
         return self.algebra.lift(function(as_expression(x)))
 

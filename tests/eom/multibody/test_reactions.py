@@ -67,6 +67,10 @@ class Rate:
     __rmul__ = __mul__
 
 
+def names(tree):
+    return [b.name for b in tree.bodies]
+
+
 def rate(x):
     return x if isinstance(x, Rate) else Rate(x)
 
@@ -93,7 +97,7 @@ def wrenches(given, q, u, udot):
 def momenta(given, q, u, udot):
     """Rates of momentum, and of angular momentum about the ground's origin, of the single bodies."""
     every = [j.name for j in given.joints]
-    bones = skeleton(given, lambda x: x, RATES, apart=every, turning=True)
+    bones = skeleton(given, lambda x: x, RATES, names(given), apart=every)
     rates = coordinate_rates(skeleton(given, lambda x: x, EXACT), q, u, EXACT)
     moved = flow(bones, [*map(Rate, q, rates)], [*map(Rate, u, udot)], RATES)
     found = {}
@@ -107,7 +111,7 @@ def momenta(given, q, u, udot):
 def acting(given, q, body):
     """Gravity and loads on a body, and where its origin is: force, moment about the ground's origin."""
     every = [j.name for j in given.joints]
-    bones = skeleton(given, lambda x: x, EXACT, apart=every, turning=True)
+    bones = skeleton(given, lambda x: x, EXACT, names(given), apart=every)
     poses = flow(bones, q, [0] * bones.speeds, EXACT).poses
     seat = bones.seats[body.name]
     R, x = poses[seat.part]
@@ -150,7 +154,7 @@ def test_newton_and_euler_hold_for_every_single_body_exactly(seed, count):
 
 
 def bones_of(given):
-    return skeleton(given, lambda x: x, EXACT, apart=[j.name for j in given.joints], turning=True)
+    return skeleton(given, lambda x: x, EXACT, names(given), apart=[j.name for j in given.joints])
 
 
 def pose(given, q, name):
@@ -343,7 +347,7 @@ def test_loads_that_are_added_from_outside_are_carried():
     def further(bones):
         from eom.multibody.motion import loads, places
 
-        whole = skeleton(given, lambda x: x, EXACT, apart=every, turning=True)
+        whole = skeleton(given, lambda x: x, EXACT, names(given), apart=every)
         assert [p.name for p in whole.parts] == [p.name for p in bones.parts]
         return loads(places(whole, q, EXACT), EXACT)
 

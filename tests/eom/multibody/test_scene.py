@@ -15,9 +15,9 @@ from eom import catalogue
 from eom.errors import InputError
 from eom.kinematics import rotation_sequence
 from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive, outputs
-from eom.multibody.derive import OUTPUTS
 from eom.multibody.repeats import MOST, written_out
 from eom.multibody.scene import TreeScene
+from eom.multibody.told import OUTPUTS
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 

@@ -1,0 +1,72 @@
+"""Sine and cosine by polynomials: coefficients, and a function of C that computes many together.
+
+The argument is reduced by Cody and Waite (Software Manual for the Elementary Functions, 1980, ch. 8)
+with pi/2 in parts of 37, 37 and 53 bits, whose products with a quadrant of 16 bits are exact; the
+remainder is kept with what rounding lost of it. Angles beyond `LARGEST_ANGLE` go to the library. The
+coefficients interpolate the functions in Chebyshev points with 60 digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+LARGEST_ANGLE = 1e5
+"""Up to it the quadrant has 16 bits."""
+
+SINE = (
+    -0.16666666666666655, 0.008333333333327302, -0.00019841269833447805, 2.7557314875573207e-06,
+    -2.505093290062454e-08, 1.5906399268301887e-10,
+)  # fmt: skip
+"""(sin x - x)/x^3 as a polynomial in x^2, |x| <= pi/4."""
+COSINE = (
+    0.041666666666666664, -0.0013888888888887395, 2.4801587298763433e-05, -2.7557317270560326e-07,
+    2.0876146024689747e-09, -1.1382614868556325e-11,
+)  # fmt: skip
+"""(cos x - 1 + x^2/2)/x^4 as a polynomial in x^2, |x| <= pi/4."""
+
+
+def horner(variable: str, coefficients: Sequence[float]) -> str:
+    """Write a polynomial by Horner's rule.
+
+    >>> horner("z", [0.5, -0.25, 2.0])
+    '0.5 + z * (-0.25 + z * 2.0)'
+    """
+    *rest, last = map(repr, coefficients)
+    text = last
+    for k, c in enumerate(reversed(rest)):
+        text = f"{c} + {variable} * {text if k == 0 else f'({text})'}"
+    return text
+
+
+WHOLE = "6755399441055744.0"  # 1.5 * 2^52: the sum with a small number rounds it to a whole one
+
+CIRCLE = f"""\
+/* Sines and cosines of n angles a[k] to r[k] and r[n + k], within a unit in the last place. The
+ * argument is reduced by Cody and Waite; there is no branch, so that compilers make vectors of it. */
+#include <float.h>
+static void circle_(int n, const double *restrict a, double *restrict r) {{
+    int k = 0;
+#if FLT_EVAL_METHOD == 0 && !defined(__FAST_MATH__)
+    for (; k < n; ++k) {{
+        const double q = (a[k] * {0.6366197723675814!r} + {WHOLE}) - {WHOLE};
+        const double first = a[k] - q * {1.5707963267923333!r}, second = q * {2.5633441515839558e-12!r};
+        const double rest = first - second, back = rest - first;
+        const double lost = (first - (rest - back)) - (second + back);
+        const double third = q * {1.0562999066987428e-23!r} - lost;
+        const double x = rest - third, e = (rest - x) - third, z = x * x, cube = x * z;
+        const double s = {horner("z", SINE[1:])};
+        const double sine = x - ((z * (0.5 * e - cube * s) - e) - cube * ({SINE[0]!r}));
+        const double c = z * ({horner("z", COSINE)});
+        const double half = 0.5 * z, top = 1.0 - half;
+        const double cosine = top + (((1.0 - top) - half) + (z * c - x * e));
+        const double twice = (q * 0.5 - 0.25 + {WHOLE}) - {WHOLE};
+        const double whole = (twice * 0.5 - 0.25 + {WHOLE}) - {WHOLE};
+        const double sign = 1.0 - 2.0 * (twice - 2.0 * whole);
+        const int odd = q != 2.0 * twice;
+        r[k] = sign * (odd ? cosine : sine);
+        r[n + k] = sign * (odd ? -sine : cosine);
+    }}
+#endif
+    for (int j = 0; j < n; ++j)
+        if (j >= k || !(fabs(a[j]) <= {LARGEST_ANGLE!r})) r[j] = sin(a[j]), r[n + j] = cos(a[j]);
+}}"""
