@@ -218,7 +218,7 @@ class SpinningSymmetricBody:
         C_BI = (self.C_BA @ self.C_AI).matrix
         outputs += momentum_outputs(h, C_BI)
         outputs += [
-            scalar(f"torque_{k}", m, "N m", f"torque about b{k}", f"M_{k}")
+            scalar(f"torque_{k}", m, "N m", f"torque about b{k}", rf"\tau_{k}")
             for k, m in enumerate((m1, m2, m3), 1)
         ]
         outputs.append(scalar("axle_1", C_BI[1, 0], "1", "component of the axle b2 along i1"))

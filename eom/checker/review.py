@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from eom.checker.carrying import by_laws, carried, resting
+from eom.checker.carrying import SPECIAL_MOTION, by_laws, carried, resting
 from eom.checker.carrying_on_solutions import carried_on_solutions
 from eom.checker.claims import Claim
 from eom.checker.conditions import conditioned, under
 from eom.checker.context import Context, assumed, implied
 from eom.checker.documents import Document
-from eom.checker.judge import UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.laws import slipped
 from eom.checker.notes import Understood
 from eom.checker.phrases import PARAGRAPH, Said, approximate
@@ -151,8 +151,32 @@ def _claim(
         return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
     if judged.verdict == UNDER:
         return judged
-    lawful = _by_laws(judged, number, context, given, found)
+    lawful = _of_special_body(judged, number, context, given, found) or _by_laws(
+        judged, number, context, given, found
+    )
     return lawful or _approximate(judged, number, context, loose, given, found) or judged
+
+
+SPECIAL_BODIES = frozenset({"thin_rod", "spin_312", "rotors", "viscous_slug"})
+"""Assumptions that are not tried unless the note states them."""
+
+
+def _of_special_body(
+    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
+) -> Judged | None:
+    """Return a claim that holds for the special body that the note speaks of, None for others."""
+    stated = [s for s in context.at(number) if SPECIAL_BODIES & set(s.names)]
+    names = tuple(n for s in stated for n in s.names if n in SPECIAL_BODIES)
+    if not names:
+        return None
+    judgement = judge(judged.claim, (*given, *names))
+    plain = [s for s in judgement.sets if not SPECIAL_MOTION & set(s) - {*names}]
+    if judgement.verdict != HOLDS and not plain:
+        return None
+    found.append(remark("rests on", max(s.line for s in stated)))
+    sets = tuple((*names, *some) for some in plain or ((),))
+    judgement = replace(judgement, verdict=UNDER, sets=sets)
+    return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
 
 
 def _by_laws(

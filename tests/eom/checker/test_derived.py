@@ -18,6 +18,7 @@ READ = {
     "tilde-identities": 1,
     "rigid-body-momentum": 2,
     "kinetic-energy": 0,
+    "inertia-properties": 4,
 }
 """Derivations, and how many of their formulas at most stay undecided."""
 
@@ -27,8 +28,16 @@ def page(name, notation):
     return front_matter(derivation, notation) + show_derivation(derivation, "markdown", notation)
 
 
-@pytest.mark.parametrize("notation", NOTATIONS)
-@pytest.mark.parametrize("name", READ)
+PAGES = [
+    *((name, "arrow") for name in READ),
+    *((name, n) for name in ("point-mass", "transport-theorem") for n in NOTATIONS if n != "arrow"),
+    ("inertia-properties", "kane"),
+    ("rigid-body-momentum", "underline"),
+    ("kinetic-energy", "superscript"),
+]
+
+
+@pytest.mark.parametrize(("name", "notation"), PAGES)
 def test_every_line_of_a_derivation_is_found_to_hold(name, notation):
     found = eom.check(page(name, notation)).findings
     wrong = [f.latex for f in found if f.verdict in {"wrong", "ill-formed", "ambiguous"}]
@@ -61,3 +70,17 @@ def test_the_option_writes_front_matter_that_can_be_read():
     refused = CliRunner().invoke(main, ["derive", "point-mass", "--lexicon"])
     assert refused.exit_code == 2
     assert "--as markdown" in refused.stderr
+
+
+def test_a_special_body_that_words_state():
+    """All mass on one line: no moment about it. Elsewhere the same line is wrong."""
+    note = "+++\n[check]\npreset = 'arrow-tilde'\n[check.notation]\njuxtaposed = true\n[check.symbols]\n"
+    note += "'\\vec{\\rho}' = 'position dm O'\n'I_{O}' = 'inertia O'\n+++\n\n"
+    line = "\n\n$$[I_O] \\vec\\rho = \\vec 0$$\n"
+    (found,) = eom.check(
+        note + "The body is a thin rod, and O is its centre of mass." + line
+    ).findings
+    assert found.verdict == "holds under"
+    assert set(found.sets[0]) == {"thin_rod", "about_centre"}
+    (found,) = eom.check(note + "O is its centre of mass." + line).findings
+    assert found.verdict == "wrong"
