@@ -157,11 +157,8 @@ class Distance(Constraint):
 
 
 @dataclass(frozen=True)
-class Equation(Constraint):
-    """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
-
-    Multiplier: generalised force by the gradient of the expression.
-    """
+class _Expressed(Constraint):
+    """An expression that is zero."""
 
     name: str
     expression: Value
@@ -174,6 +171,14 @@ class Equation(Constraint):
     def values(self) -> Iterable[Value]:
         """All numbers and expressions that it holds."""
         yield self.expression
+
+
+@dataclass(frozen=True)
+class Equation(_Expressed):
+    """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
+
+    Multiplier: generalised force by the gradient of the expression.
+    """
 
     def check(self, tree: Tree) -> None:
         """Raise `InputError` for an expression without coordinates, or with speeds or inputs."""
@@ -184,23 +189,11 @@ class Equation(Constraint):
 
 
 @dataclass(frozen=True)
-class SpeedEquation(Constraint):
+class SpeedEquation(_Expressed):
     """An equation between speeds: ``expression`` = 0, linear in them, over all else that moves.
 
     Multiplier: generalised force by the coefficients of the speeds.
     """
-
-    name: str
-    expression: Value
-
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
-        object.__setattr__(self, "expression", values.value(self.expression, self.where))
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield self.expression
 
     def check(self, tree: Tree) -> None:
         """Raise `InputError` for an expression without speeds, with inputs, or not linear in speeds."""
