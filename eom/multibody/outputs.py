@@ -68,7 +68,7 @@ class Choice:
     def needed(self, wanted: Sequence[str]) -> tuple[Source, ...]:
         """Return what gives the names and words that are asked for."""
         names = [n for w in wanted for n in self.groups.get(w, (w,))]
-        forces = (FORCES,) if any(_of_forces(n) for n in wanted) else ()
+        forces = (FORCES,) if any(map(self._of_forces, wanted)) else ()
         given = (self.sources[n] for n in names if n in self.sources)
         return tuple(dict.fromkeys((*forces, *given)))
 
@@ -80,15 +80,16 @@ class Choice:
 
     def is_known(self, name: str) -> bool:
         """Tell whether a name beside those of states can be asked for."""
-        return name in self.groups or name in self.sources or _of_forces(name)
+        return name in self.groups or name in self.sources or self._of_forces(name)
 
     def known(self) -> tuple[str, ...]:
         """Return all names beside those of states."""
         return (*self.groups, *self.sources)
 
-
-def _of_forces(name: str) -> bool:
-    return name == FORCES or name.startswith(LAMBDA)
+    def _of_forces(self, name: str) -> bool:
+        """Tell whether a name begins as the multipliers of a constraint do; or all are meant."""
+        begins = tuple(f"{LAMBDA}{c.name}" for c in self.tree.constraints)
+        return name == FORCES or name.startswith(begins)
 
 
 @dataclass(frozen=True)

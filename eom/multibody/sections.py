@@ -42,7 +42,8 @@ class Reading:
     @cached_property
     def motors(self) -> dict[str, Quantity]:
         """The inputs that motors bring."""
-        return {m.name: m for part in (*self.joints, *self.rotors) for m in part.motors}
+        of_joints = (m for joint in self.joints for m in joint.motors)
+        return {m.name: m for m in (*of_joints, *(m for r in self.rotors for m in r.motors))}
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:

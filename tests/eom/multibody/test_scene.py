@@ -566,8 +566,13 @@ def test_reactions_and_drives_are_named_by_their_joints():
 
 
 def test_a_single_reaction_costs_its_joint_alone():
-    welded = {"bodies__toe": {"mass": 1}, "joints__weld": {
-        "kind": "fixed", "parent": "lower", "child": "toe", "on_parent": {"position": [0, 0, -1]}}}  # fmt: skip
+    joint = {
+        "kind": "fixed",
+        "parent": "lower",
+        "child": "toe",
+        "on_parent": {"position": [0, 0, -1]},
+    }
+    welded = {"bodies__toe": {"mass": 1}, "joints__weld": joint}
     one = scene(**welded, outputs=["F_hip_1"]).derive()
     whole = scene(**welded, outputs=["reactions"]).derive()
     assert one.output_names == ("F_hip_1",)
