@@ -2,8 +2,9 @@
 
 Only the geometry counts: masses, rotors, loads and springs are left out. A change of a configuration
 is a vector over the speeds, q' = N(q) u for a unit of time, so that attitudes stay attitudes. Damping as
-the size of what is left keeps convergence quadratic where constraints are redundant: Yamashita and Fukushima,
-"On the rate of convergence of the Levenberg-Marquardt method", Computing Suppl. 15 (2001) 239-249.
+the size of what is left keeps convergence quadratic where constraints are redundant: Yamashita and
+Fukushima, "On the rate of convergence of the Levenberg-Marquardt method", Computing Suppl. 15 (2001)
+239-249.
 """
 
 from __future__ import annotations
