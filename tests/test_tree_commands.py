@@ -8,6 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from eom.__main__ import main
+from eom.multibody import absolute_angles, tree_page
+from eom.multibody.scene import TreeScene
 
 WALKER = Path(__file__).parent / "eom" / "multibody" / "robots" / "walker.urdf"
 SPRING = """
@@ -129,6 +131,33 @@ MISTAKES = {
         ["derive", "double-pendulum", "--notation", "arrow"],
         "--notation is for derivations",
     ),
+    "method of one body": (
+        ["derive", "heavy-top", "--method", "kane"],
+        "--method is for scenes of many bodies",
+    ),
+    "method of a derivation": (
+        ["derive", "gyrostat", "--method", "kane"],
+        "--method is for scenes of many bodies",
+    ),
+    "angles of a derivation": (
+        ["derive", "gyrostat", "--absolute"],
+        "--absolute is for scenes of many bodies",
+    ),
+    "unknown method": (["derive", "double-pendulum", "--method", "lagrang"], "lagrange"),
+    "unknown format": (["derive", "double-pendulum", "--method", "all", "--as", "pdf"], "latex"),
+    "angles without a method": (
+        ["derive", "double-pendulum", "--absolute"],
+        "--absolute is for closed forms, by --method",
+    ),
+    "no angles to add up": (
+        ["derive", "satellite-with-panels", "--method", "kane", "--absolute"],
+        "no angles that hang on others",
+    ),
+    "explained method": (
+        ["derive", "double-pendulum", "--method", "kane", "--explain"],
+        "--explain is for equations without --method",
+    ),
+    "bound": (["derive", "four-bar-linkage", "--method", "all"], "cannot take constraints"),
 }
 
 
@@ -139,3 +168,44 @@ def test_a_mistake_is_one_message(run, name):
     assert done.exit_code == 2
     assert done.stderr.startswith("error: ")
     assert expected in done.stderr
+
+
+PAGES = {
+    "text": ("lagrange", "double pendulum by Lagrange"),
+    "latex": ("kane", r"\section"),
+    "markdown": ("newton-euler", "# "),
+    "html": ("all", "<"),
+}
+
+
+@pytest.mark.parametrize("style", PAGES)
+def test_closed_forms_are_the_pages_of_the_tree(run, style):
+    method, begin = PAGES[style]
+    done = run("derive", "double-pendulum", "--method", method, "--as", style)
+    assert done.exit_code == 0, done.output
+    assert begin in done.output[:1000]
+    tree = TreeScene.ready("double-pendulum").tree
+    assert done.output == tree_page(tree, method, style) + "\n"
+
+
+def test_angles_against_the_ground(run):
+    done = run("derive", "double-pendulum", "--method", "lagrange", "--absolute")
+    tree = TreeScene.ready("double-pendulum").tree
+    assert done.output == tree_page(tree, "lagrange", coordinates=absolute_angles(tree)) + "\n"
+    assert "theta_elbow" in done.output
+
+
+@pytest.mark.parametrize("method", ["kane", "all"])
+@pytest.mark.parametrize("name", ["pendulum-on-cart", "seven-joint-arm", "floating-tree"])
+def test_large_scenes_have_no_closed_form(run, name, method):
+    done = run("derive", name, "--method", method)
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ")
+    assert "too large to be read" in done.stderr or "too many speeds" in done.stderr
+    assert "no such limit" in done.stderr
+
+
+def test_a_long_pendulum_is_short_in_angles_against_the_ground(run):
+    done = run("derive", "pendulum-on-cart", "--method", "kane", "--absolute")
+    assert done.exit_code == 0, done.output
+    assert "theta_hinge5" in done.output

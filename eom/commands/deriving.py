@@ -17,7 +17,7 @@ from eom.errors import InputError, unknown_name
     default="text",
     show_default=True,
     metavar="text|latex|markdown|html",
-    help="Format; html for derivations alone.",
+    help="Format; html for derivations and methods alone.",
 )
 @click.option(
     "--explain/--no-explain",
@@ -41,6 +41,19 @@ from eom.errors import InputError, unknown_name
     help="Derivations as Markdown: front matter that says what symbols mean, so that eom check can "
     "judge the page, also after changes.  [default: no-lexicon]",
 )
+@click.option(
+    "--method",
+    default=None,
+    metavar="lagrange|kane|newton-euler|all",
+    help="Scenes of many bodies, if small: the closed form step by step, term by term; all: the three "
+    "methods side by side.",
+)
+@click.option(
+    "--absolute",
+    is_flag=True,
+    default=None,
+    help="With --method: angles about parallel axes are measured against the ground.",
+)
 def derive(
     name: str,
     style: str,
@@ -48,6 +61,8 @@ def derive(
     notation: str | None,
     steps: bool | None,
     lexicon: bool | None,
+    method: str | None,
+    absolute: bool | None,
 ) -> None:
     """Derive NAME and print it: the equations of motion of a scene, or a derivation step by step.
 
@@ -55,6 +70,7 @@ def derive(
     """
     if _is_derivation(name):
         _refuse(name, "scenes", {"--explain": explain})
+        _refuse(name, _TREES, {"--method": method, "--absolute": absolute})
         if lexicon and style != "markdown":
             raise InputError("--lexicon is for Markdown", where=name, hint="give --as markdown")
         _print_derivation(name, style, notation or "arrow", steps is not False, bool(lexicon))
@@ -62,7 +78,33 @@ def derive(
         _refuse(
             name, "derivations", {"--notation": notation, "--steps": steps, "--lexicon": lexicon}
         )
-        print_equations(scene_of(name), style, explain is not False)
+        if method is None:
+            _refuse(name, "closed forms, by --method", {"--absolute": absolute})
+            print_equations(scene_of(name), style, explain is not False)
+        else:
+            _refuse(name, "equations without --method", {"--explain": explain})
+            click.echo(_closed_form(name, method, style, bool(absolute)))
+
+
+_TREES = "scenes of many bodies"
+
+
+def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
+    """Return the page of a tree's closed form. Raises `InputError` for other scenes."""
+    from eom.multibody import absolute_angles, tree_page
+    from eom.multibody.scene import TreeScene
+
+    scene = scene_of(name)
+    if not isinstance(scene, TreeScene):
+        raise InputError(f"--method is for {_TREES}", where=name, hint="leave out --method")
+    angles = absolute_angles(scene.tree) if absolute else {}
+    if absolute and not angles:
+        raise InputError(
+            "no angles that hang on others about parallel axes",
+            where=f"{name}: --absolute",
+            hint="leave out --absolute",
+        )
+    return tree_page(scene.tree, method, style, coordinates=angles or None)
 
 
 def _is_derivation(name: str) -> bool:

@@ -1,9 +1,10 @@
 """Configurations of a constrained tree in numbers: found by Levenberg's and Marquardt's iteration.
 
-Only the geometry counts: masses, loads and springs are left out. A change of a configuration is a vector
-over the speeds, q' = N(q) u for a unit of time, so that attitudes stay attitudes. Damping as the size
-of what is left keeps convergence quadratic where constraints are redundant: Yamashita and Fukushima,
-"On the rate of convergence of the Levenberg-Marquardt method", Computing Suppl. 15 (2001) 239-249.
+Only the geometry counts: masses, rotors, loads and springs are left out. A change of a configuration
+is a vector over the speeds, q' = N(q) u for a unit of time, so that attitudes stay attitudes. Damping as
+the size of what is left keeps convergence quadratic where constraints are redundant: Yamashita and
+Fukushima, "On the rate of convergence of the Levenberg-Marquardt method", Computing Suppl. 15 (2001)
+239-249.
 """
 
 from __future__ import annotations
@@ -69,6 +70,8 @@ class Geometry:
             joints=tuple(replace(j, armature=0, force=0, stiffness=0, damping=0, rest=0)
                          for j in tree.joints),
             loads=(),
+            rotors=(),
+            springs=(),
             gravity=(0, 0, 0),
         )  # fmt: skip
         return cls(bare, {TIME: 0.0, **known})

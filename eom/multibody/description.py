@@ -10,6 +10,7 @@ from typing import Literal
 from pydantic import Field, StrictBool
 
 from eom.description import Formula, InitialAttitude, Part, Request
+from eom.multibody.attachment_parts import PointPart, RotorPart, SpringPart
 from eom.multibody.constraint_parts import ConstraintPart
 from eom.multibody.places import Axis, Each, Formulas, Place, Point, Turned
 
@@ -74,12 +75,14 @@ class LoadPart(Part):
 class TreeDescription(Request):
     """Bodies joined to the ground, loads, numbers, and what is asked for.
 
-    ``bodies``, ``joints``, ``loads``, ``constraints``: by name. ``initial``: coordinates and speeds at
+    ``bodies``, ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name.
+    ``initial``: coordinates and speeds at
     t = 0, formulas over parameters; what is not given is zero, the attitude of a joint no turn.
     ``initial_attitude``: by joint.
     Under constraints the start is the nearest that meets them; ``keep``: names of speeds, and of
     coordinates whose rate is a speed, that it does not change.
-    ``outputs``: names of states, of outputs, or of groups of outputs (`eom.multibody.outputs.GROUPS`).
+    ``outputs``: names of states, of outputs, or of groups of outputs (`eom.multibody.outputs.Choice`);
+    all states and points where none are named.
     """
 
     model: Literal["tree"] = "tree"
@@ -88,6 +91,9 @@ class TreeDescription(Request):
     joints: dict[str, JointPart]
     loads: dict[str, LoadPart] = Field(default_factory=dict)
     constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
+    rotors: dict[str, RotorPart] = Field(default_factory=dict)
+    springs: dict[str, SpringPart] = Field(default_factory=dict)
+    points: dict[str, PointPart] = Field(default_factory=dict)
     keep: tuple[str, ...] = ()
     initial: dict[str, Formula] = Field(default_factory=dict)
     initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from eom.multibody.light import used
+from eom.multibody.model import Tree
+from eom.multibody.points import Point
+from eom.multibody.reactions import Reaction, drives_of, of_all
 from eom.multibody.tally import Savings
 from eom.multibody.told import OUTPUTS
 from eom.system import Definition, System
@@ -21,29 +25,71 @@ GROUPS: dict[str, tuple[str, ...]] = {
 
 FORCES, LAMBDA = "constraint_forces", "lambda_"
 """The row whose outputs depend on the constraints, and how their names begin."""
+REACTIONS, DRIVES, POINTS = "reactions", "drives", "points"
+"""Words for outputs whose names depend on the tree: of joints, of prescribed motions, of points."""
+Source = str | Reaction | Point
 
 
-def names(wanted: Iterable[str], system: System) -> tuple[str, ...]:
-    """Return what is asked for with groups written out."""
-    forces = tuple(n for n in system.output_names if n.startswith(LAMBDA))
-    known = {**GROUPS, FORCES: forces}
-    return tuple(dict.fromkeys(n for w in wanted for n in known.get(w, (w,))))
+@dataclass(frozen=True)
+class Choice:
+    """What can be asked of a tree and of points of its bodies, by name."""
 
+    tree: Tree
+    points: tuple[Point, ...] = ()
 
-def groups(wanted: Iterable[str]) -> tuple[str, ...]:
-    """Return the rows of outputs that are needed for names, in the order of the table."""
-    asked = {FORCES if n.startswith(LAMBDA) else n for w in wanted for n in GROUPS.get(w, (w,))}
-    return tuple(g for g in OUTPUTS if asked & set(GROUPS.get(g, (g,))))
+    @cached_property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """The names that each word stands for; those of `FORCES` are the derived system's."""
+        return {
+            **GROUPS,
+            FORCES: (),
+            REACTIONS: tuple(n for r in of_all(self.tree) for n in r.names),
+            DRIVES: tuple(d.name for j in self.tree.ordered for d in drives_of(j)),
+            POINTS: tuple(n for p in self.points for n in p.names),
+        }
 
+    @cached_property
+    def sources(self) -> dict[str, Source]:
+        """What gives each output: a row of `OUTPUTS`, a reaction, a point."""
+        found: dict[str, Source] = {}
+        for row in OUTPUTS:
+            found |= dict.fromkeys(self.groups[row], row)
+        for reaction in of_all(self.tree):
+            found |= dict.fromkeys(reaction.names, reaction)
+        for point in self.points:
+            found |= dict.fromkeys(point.names, point)
+        return found
 
-def is_known(name: str) -> bool:
-    """Tell whether a name beside those of states can be asked for."""
-    return name in known() or name.startswith(LAMBDA)
+    @property
+    def everything(self) -> tuple[Source, ...]:
+        """All that can be asked for."""
+        return (*OUTPUTS, *self.points)
 
+    def needed(self, wanted: Sequence[str]) -> tuple[Source, ...]:
+        """Return what gives the names and words that are asked for."""
+        names = [n for w in wanted for n in self.groups.get(w, (w,))]
+        forces = (FORCES,) if any(map(self._of_forces, wanted)) else ()
+        given = (self.sources[n] for n in names if n in self.sources)
+        return tuple(dict.fromkeys((*forces, *given)))
 
-def known() -> tuple[str, ...]:
-    """Return all names beside those of states."""
-    return (*OUTPUTS, *(n for group in GROUPS.values() for n in group))
+    def names(self, wanted: Sequence[str], system: System) -> tuple[str, ...]:
+        """Return what is asked for with words written out."""
+        forces = tuple(n for n in system.output_names if n.startswith(LAMBDA))
+        known = {**self.groups, FORCES: forces}
+        return tuple(dict.fromkeys(n for w in wanted for n in known.get(w, (w,))))
+
+    def is_known(self, name: str) -> bool:
+        """Tell whether a name beside those of states can be asked for."""
+        return name in self.groups or name in self.sources or self._of_forces(name)
+
+    def known(self) -> tuple[str, ...]:
+        """Return all names beside those of states."""
+        return (*self.groups, *self.sources)
+
+    def _of_forces(self, name: str) -> bool:
+        """Tell whether a name begins as the multipliers of a constraint do; or all are meant."""
+        begins = tuple(f"{LAMBDA}{c.name}" for c in self.tree.constraints)
+        return name == FORCES or name.startswith(begins)
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,12 @@ class Point:
                     f"unknown quantity {name!r}", where=where, expected=", ".join(QUANTITIES)
                 )
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the outputs."""
+        letters = (QUANTITIES[q][0] for q in self.quantities)
+        return tuple(f"{letter}_{self.name}_{k}" for letter in letters for k in (1, 2, 3))
+
 
 def point(
     given: Point,

@@ -81,6 +81,11 @@ class Reaction:
         """What the outputs are named by."""
         return self.name or self.joint
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the outputs: forces, then torques."""
+        return tuple(f"{letter}_{self.label}_{k}" for letter in "FT" for k in (1, 2, 3))
+
 
 _POINTS = (JOINT, CENTRE, ORIGIN)
 
@@ -259,12 +264,15 @@ def drives(forces: Wrenches, acting: Scalars) -> list[Definition]:
         if joint.motion is None:
             continue
         part = forces.skeleton.parts[forces.number[joint.name]]
-        for s, motor in zip(
-            range(part.speeds.start, part.speeds.stop),
-            replace(joint, motor=True, motion=None).motors,
-            strict=True,
-        ):
-            value = sub(taken[s], acting[s])
-            meaning = motor.meaning.replace("motor", "drive", 1)
-            found.append(Definition(replace(motor, meaning=meaning), plain(value)))
+        speeds = range(part.speeds.start, part.speeds.stop)
+        for s, drive in zip(speeds, drives_of(joint), strict=True):
+            found.append(Definition(drive, plain(sub(taken[s], acting[s]))))
     return found
+
+
+def drives_of(joint: Joint) -> tuple[Quantity, ...]:
+    """Return what drives a prescribed motion, one a speed; nothing of a free joint."""
+    if joint.motion is None:
+        return ()
+    motors = replace(joint, motor=True, motion=None).motors
+    return tuple(replace(m, meaning=m.meaning.replace("motor", "drive", 1)) for m in motors)

@@ -15,16 +15,14 @@ import pydantic
 from eom import catalogue
 from eom.description import check_end
 from eom.errors import InputError, unknown_name
-from eom.multibody import outputs
 from eom.multibody.derive import derive
 from eom.multibody.description import TreeDescription
 from eom.multibody.model import Tree
-from eom.multibody.outputs import Saved
+from eom.multibody.outputs import POINTS, Choice, Saved, smallest
 from eom.multibody.repeats import written_out
-from eom.multibody.sections import Reading, check_used, tree_of
+from eom.multibody.sections import Reading, check_used, points_of, tree_of
 from eom.multibody.starting import quaternions, start_values
 from eom.multibody.tally import savings
-from eom.multibody.told import OUTPUTS
 from eom.scene_files import data_of, in_file, readable
 from eom.start import pick
 from eom.system import System
@@ -60,13 +58,13 @@ class TreeScene(TreeDescription):
                 where="[integration] handover",
                 hint='attitude = "quaternion" has no singularity',
             )
-        states = self._start
+        states, choice = self._start, self._choice
         check_used(self._reading)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
-            if name not in states and not outputs.is_known(name):
-                raise unknown_name("output", name, [*states, *outputs.known()], "outputs")
+            if name not in states and not choice.is_known(name):
+                raise unknown_name("output", name, [*states, *choice.known()], "outputs")
         return self
 
     @classmethod
@@ -102,13 +100,21 @@ class TreeScene(TreeDescription):
         return tree_of(self._reading)
 
     @cached_property
+    def _choice(self) -> Choice:
+        return Choice(self.tree, points_of(self._reading))
+
+    @property
+    def _asked(self) -> tuple[str, ...]:
+        return self.outputs or (*self._start, POINTS)
+
+    @cached_property
     def _start(self) -> dict[str, float]:
         return start_values(self.tree, self._reading)
 
     @cached_property
     def full_system(self) -> System:
         """The system with every state and output that can be asked for."""
-        return self._named(derive(self.tree, OUTPUTS, start=self._near))
+        return self._named(derive(self.tree, self._choice.everything, start=self._near))
 
     @property
     def _near(self) -> dict[str, float]:
@@ -118,20 +124,20 @@ class TreeScene(TreeDescription):
     @cached_property
     def _whole(self) -> System:
         """The system with the outputs asked for, and all states."""
-        wanted = outputs.groups(self.outputs)
+        wanted = self._choice.needed(self._asked)
         return self._named(derive(self.tree, wanted, start=self._near))
 
     @cached_property
     def _derived(self) -> System:
-        return outputs.smallest(self._whole, self.requested) if self.outputs else self._whole
+        return smallest(self._whole, self.requested) if self.outputs else self._whole
 
     def _named(self, system: System) -> System:
         return replace(system, name=self.name, title=self.title)
 
     @property
     def requested(self) -> tuple[str, ...]:
-        """What is asked for: the outputs, or all states where none are named."""
-        return outputs.names(self.outputs, self._whole) or tuple(self._start)
+        """What is asked for: the outputs, or all states and points where none are named."""
+        return self._choice.names(self._asked, self._whole)
 
     def requested_names(self) -> tuple[str, ...]:
         """Return what is asked for, groups of outputs by their names."""

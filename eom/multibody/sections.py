@@ -11,11 +11,14 @@ import sympy as sp
 
 from eom import solids
 from eom.errors import InputError, unknown_name
+from eom.multibody.attachment_sections import bare_rotor, point, rotor, spring
+from eom.multibody.attachments import Rotor
 from eom.multibody.constraint_sections import axis_of, constraint, placement
 from eom.multibody.description import BodyPart, JointPart, LoadPart, TreeDescription
 from eom.multibody.formulas import Formulas
 from eom.multibody.joints import KINDS
 from eom.multibody.model import Body, Joint, Load, Motion, Tree
+from eom.multibody.points import Point
 from eom.multibody.spatial import ZERO
 from eom.multibody.values import is_number
 from eom.naming import check_names, spelling
@@ -39,8 +42,24 @@ class Reading:
     @cached_property
     def motors(self) -> dict[str, Quantity]:
         """The inputs that motors bring."""
-        bare = [_bare(name, part) for name, part in self.scene.joints.items()]
-        return {m.name: m for joint in bare for m in joint.motors}
+        of_joints = (m for joint in self.joints for m in joint.motors)
+        return {m.name: m for m in (*of_joints, *(m for r in self.rotors for m in r.motors))}
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints, as far as names go."""
+        return tuple(_bare(name, part) for name, part in self.scene.joints.items())
+
+    @cached_property
+    def rotors(self) -> tuple[Rotor, ...]:
+        """The rotors, as far as names go."""
+        return tuple(bare_rotor(name, part) for name, part in self.scene.rotors.items())
+
+    @cached_property
+    def states(self) -> tuple[Quantity, ...]:
+        """Coordinates and speeds of joints, also of those that are driven, and of rotors."""
+        own = (q for joint in self.joints for q in (*joint.coordinates, *joint.speeds))
+        return (*own, *(q for rotor in self.rotors for q in rotor.states))
 
     @cached_property
     def inputs(self) -> tuple[Quantity, ...]:
@@ -61,8 +80,13 @@ class Reading:
     @cached_property
     def acting(self) -> Formulas:
         """Over parameters, time, inputs, coordinates and speeds."""
-        free = [_bare(n, p) for n, p in self.scene.joints.items() if p.motion is None]
-        states = (q for joint in free for q in (*joint.coordinates, *joint.speeds))
+        driven = {
+            q
+            for joint in self.joints
+            if self.scene.joints[joint.name].motion is not None
+            for q in (*joint.coordinates, *joint.speeds)
+        }
+        states = (q for q in self.states if q not in driven)
         known = (*states, *self.motors.values(), *self.inputs)
         return Formulas({**{q.name: q.symbol for q in known}, **self.moving.names})
 
@@ -196,6 +220,8 @@ SECTIONS: tuple[Section, ...] = (
     Section("joints", _joint),
     Section("loads", _load),
     Section("constraints", constraint),
+    Section("rotors", rotor),
+    Section("springs", spring),
 )
 
 
@@ -220,16 +246,23 @@ def tree_of(reading: Reading) -> Tree:
     )
 
 
+def points_of(reading: Reading) -> tuple[Point, ...]:
+    """Return the points that a scene tells of. Raises `InputError` that names the one at fault."""
+    return tuple(point(name, part, reading) for name, part in reading.scene.points.items())
+
+
 def _check_clash(reading: Reading) -> None:
-    """Refuse names of coordinates, speeds and motors as names of parameters and inputs."""
-    bare = [_bare(name, part) for name, part in reading.scene.joints.items()]
-    own = {q.name for j in bare for q in (*j.coordinates, *j.speeds)}
+    """Refuse names of states and motors as names of parameters and inputs, and of joints as rotors."""
+    for name in reading.scene.rotors:
+        if name in reading.scene.joints:
+            raise InputError("a joint has this name", where=f"rotor {name!r}", got=name)
+    own = {q.name for q in reading.states}
     groups = (("[parameters]", {*own, *reading.motors}, reading.parameters),
               ("[inputs]", own, reading.inputs))  # fmt: skip
     for where, taken, quantities in groups:
         for quantity in quantities:
             if quantity.name in taken:
-                raise InputError("a joint has this name", where=where, got=quantity.name)
+                raise InputError("a joint or rotor has this name", where=where, got=quantity.name)
 
 
 def check_used(reading: Reading) -> None:
@@ -239,5 +272,5 @@ def check_used(reading: Reading) -> None:
             raise InputError(
                 f"no formula uses {quantity.name!r}",
                 where="[parameters] or [inputs]",
-                hint="use it in a formula of a body, joint or load, or remove it",
+                hint="use it in a formula of a body, joint, load or the like, or remove it",
             )

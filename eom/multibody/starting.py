@@ -26,6 +26,7 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
     """
     free = [j for j in tree.ordered if j.motion is None]
     found = {q.name: 0.0 for j in free for q in (*j.coordinates, *j.speeds)}
+    found |= {q.name: 0.0 for rotor in tree.rotors for q in rotor.states}
     for names in quaternions(tree):
         found[names[0]] = 1.0
     parameters = {n: v.value for n, v in reading.scene.parameters.items()}
@@ -46,11 +47,13 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
 def _assembled(
     tree: Tree, reading: Reading, found: dict[str, float], parameters: dict[str, float]
 ) -> dict[str, float]:
-    """Return the nearest values that meet the constraints."""
+    """Return the nearest values that meet the constraints; rotors are as they are."""
+    free = {q.name: found[q.name] for rotor in tree.rotors for q in rotor.states}
+    bound = {name: x for name, x in found.items() if name not in free}
     inputs = {q.name: reading.scene.inputs[q.name].value for q in reading.inputs}
-    given = {**parameters, **inputs, **found}
+    given = {**parameters, **inputs, **bound}
     values = assemble(tree, given, keep=reading.scene.keep).values
-    return {name: values[name] for name in found}
+    return {name: values[name] for name in bound} | free
 
 
 def quaternions(tree: Tree) -> list[tuple[str, ...]]:

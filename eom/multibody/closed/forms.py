@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import unknown_name
+from eom.errors import InputError, unknown_name
 from eom.identity import equal
 from eom.kinematics import rotation_sequence
 from eom.multibody.closed.angles import runs
@@ -18,8 +18,9 @@ from eom.multibody.closed.kane import Kane
 from eom.multibody.closed.lagrange import Lagrange
 from eom.multibody.closed.mechanism import Mechanism, mechanism
 from eom.multibody.closed.newton_euler import NewtonEuler
+from eom.multibody.closed.polynomials import terms_of
 from eom.multibody.closed.readable import Writer
-from eom.multibody.closed.terms import KINDS, factor, parts
+from eom.multibody.closed.terms import KINDS, Part, factor, parts
 from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Tree
 from eom.multibody.values import is_number
@@ -55,6 +56,10 @@ class Term:
     def expression(self) -> Expr:
         """The term."""
         return self.coefficient * self.factor
+
+
+LONGEST = 1_000
+"""Products in all coefficients together, beyond which nobody would read a closed form."""
 
 
 @dataclass(frozen=True)
@@ -252,9 +257,11 @@ def _forms(
 
 def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedForm:
     found: Iterable[Contribution] = steps.contributions()
+    sorted_parts = parts(given, found)
+    _refuse_unreadable(given, sorted_parts.values())
     speeds = [given.speeds[k] for k in given.free]
     terms = []
-    for key, part in parts(given, found).items():
+    for key, part in sorted_parts.items():
         origins = tuple((label, write(x)) for label, x in part.origins)
         terms.append(
             Term(
@@ -279,6 +286,19 @@ def _form(given: Mechanism, method: str, steps: Any, write: Writer) -> ClosedFor
         steps=steps,
         write=write,
     )
+
+
+def _refuse_unreadable(given: Mechanism, found: Iterable[Part]) -> None:
+    size = sum(len(terms_of(part.coefficient)) for part in found)
+    if size > LONGEST:
+        raise InputError(
+            "the closed form is too large to be read",
+            where=f"tree {given.tree.name!r}",
+            got=f"{size} products in its terms",
+            expected=f"at most {LONGEST}",
+            hint="angles against the ground may be shorter (absolute_angles; eom derive --absolute); "
+            "derive(tree) names intermediates and has no such limit",
+        )
 
 
 def _prescribed(given: Mechanism) -> Iterable[Definition]:

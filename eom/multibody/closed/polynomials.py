@@ -26,7 +26,7 @@ Terms = dict[Monomial, Number]
 Scalar = Any
 """A `Polynomial` or an exact number."""
 
-LIMIT = 300_000
+LIMIT = 150_000
 """Products of terms after which a closed form is given up."""
 
 

@@ -14,7 +14,8 @@ from codegen.lower import lower_system
 from eom import catalogue
 from eom.errors import InputError
 from eom.kinematics import rotation_sequence
-from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive, outputs
+from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive
+from eom.multibody.outputs import Choice
 from eom.multibody.repeats import MOST, written_out
 from eom.multibody.scene import TreeScene
 from eom.multibody.told import OUTPUTS
@@ -413,7 +414,7 @@ MISTAKES = {
     "reserved name": ({"parameters__lambda": 1}, "reserved", "[parameters]", ""),
     "name of a state": (
         {"parameters__q_knee": 1, "gravity": ["q_knee", 0, "-g"]},
-        "a joint has this name",
+        "a joint or rotor has this name",
         "[parameters]",
         "",
     ),
@@ -544,12 +545,42 @@ def evaluated(system, values, parameters, inputs=()):
 # --- what is asked for ------------------------------------------------------------------------------
 
 
+def driven():
+    return scene(joints__knee__motion={"position": "sin(t)"})
+
+
 def test_groups_of_outputs_are_those_of_the_derivation():
-    found = {name: derive(scene().tree, [name]).output_names for name in OUTPUTS}
-    assert found == {name: outputs.GROUPS.get(name, ()) for name in OUTPUTS}
+    for tree in (scene().tree, driven().tree):
+        found = {name: derive(tree, [name]).output_names for name in OUTPUTS}
+        assert found == {name: Choice(tree).groups[name] for name in OUTPUTS}
 
 
-@pytest.mark.parametrize("name", [*OUTPUTS, "potential_energy", "L_3", "u_knee"])
+def test_reactions_and_drives_are_named_by_their_joints():
+    names = Choice(driven().tree).groups
+    assert names["drives"] == ("tau_knee",)
+    assert names["reactions"] == tuple(
+        f"{letter}_{joint}_{k}" for joint in ("hip", "knee") for letter in "FT" for k in (1, 2, 3)
+    )
+    part = scene(joints__knee__motion={"position": "sin(t)"}, outputs=["tau_knee", "T_hip_3"])
+    assert part.derive().output_names == ("tau_knee", "T_hip_3")
+
+
+def test_a_single_reaction_costs_its_joint_alone():
+    joint = {
+        "kind": "fixed",
+        "parent": "lower",
+        "child": "toe",
+        "on_parent": {"position": [0, 0, -1]},
+    }
+    welded = {"bodies__toe": {"mass": 1}, "joints__weld": joint}
+    one = scene(**welded, outputs=["F_hip_1"]).derive()
+    whole = scene(**welded, outputs=["reactions"]).derive()
+    assert one.output_names == ("F_hip_1",)
+    assert {"F_hip_1", "T_weld_3"} <= set(whole.output_names)
+    assert len(one.definitions) < len(whole.definitions)
+
+
+@pytest.mark.parametrize("name", [*OUTPUTS, "potential_energy", "L_3", "u_knee", "T_hip_3"])
 def test_an_output_has_the_value_that_the_whole_system_gives(name):
     whole, part = scene(), scene(outputs=[name])
     assert part.derive().output_names == tuple(

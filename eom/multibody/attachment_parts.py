@@ -1,0 +1,43 @@
+"""The data of rotors, springs between points, and points that are told, in a scene file."""
+
+from __future__ import annotations
+
+from pydantic import StrictBool
+
+from eom.description import Formula, Part
+from eom.multibody.places import Axis, Formulas
+
+
+class RotorPart(Part):
+    """A rotor in a body: see `eom.multibody.attachments.Rotor`.
+
+    ``torque`` is over parameters, inputs, states and t; ``speed`` over parameters and t.
+    """
+
+    body: str
+    inertia: Formula
+    axis: Axis = "z"
+    damping: Formula = 0
+    torque: Formula = 0
+    motor: StrictBool = False
+    angle: StrictBool = False
+    speed: Formula | None = None
+
+
+class SpringPart(Part):
+    """A spring and damper between two points: see `eom.multibody.attachments.Spring`."""
+
+    first: str
+    second: str
+    first_point: Formulas = (0, 0, 0)
+    second_point: Formulas = (0, 0, 0)
+    stiffness: Formula = 0
+    length: Formula = 0
+    damping: Formula = 0
+
+
+class PointPart(Part):
+    """A point of a body, or of the ground: see `eom.multibody.points.Point`."""
+
+    body: str
+    position: Formulas = (0, 0, 0)
