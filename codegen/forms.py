@@ -4,9 +4,9 @@ A chain rule multiplies and adds what programs have computed. As forms, equal pr
 exactly, signs and constants cost nothing on the way, and what is shared is found at the end, when
 `Forms.numbers` appends the instructions.
 
-Coefficients of long chains would grow without end. Law: what enters a coefficient of a product has
-`COEFFICIENT_BITS` bits at most; a larger number becomes a factor, a constant of the program, and is as
-exact there. No number is rounded.
+Coefficients of long chains would grow without end. Law: the coefficient of a product of two forms
+and of a value has `COEFFICIENT_BITS` bits at most; a larger number becomes a factor, a constant of the
+program, and is as exact there. No number is rounded.
 """
 
 from __future__ import annotations
@@ -28,10 +28,9 @@ Term = tuple[int, tuple[int, ...]]
 """Sign and factors."""
 
 ONE: Form = {(): Fraction(1)}
-COEFFICIENT_BITS = 128
-"""Of numerator and denominator of a coefficient that is carried through products."""
-SPREAD = 1 << 10
-"""The largest coefficient of a sum that has become a factor."""
+COEFFICIENT_BITS = 4
+"""Of numerator and denominator: what differentiation makes, such as 2 and 1/2, is carried through
+products; numbers of the problem stay factors, as parameters do, and are shared as these are."""
 
 
 class Forms:
@@ -60,6 +59,9 @@ class Forms:
             value = constant(self.b, k)
             if value is not None and _carried(coefficient * value):
                 coefficient *= value
+            elif value is not None and value < 0:
+                coefficient = -coefficient
+                factors.append(self.b.const(-value))
             elif op == "neg":
                 coefficient = -coefficient
                 stack.append(args[0])
@@ -139,9 +141,9 @@ def content(form: Form) -> tuple[Fraction, Monomial, Form]:
     """Return a scale and the factors that all terms share, and the form without them.
 
     Law: the same for all multiples of a form, but for the scale, unless numbers are too large to be
-    carried: then the scale is a sign. The first coefficient that is left is positive, one is 1 in
-    size, and none is larger than `SPREAD`. To clear denominators instead, level by level, would
-    make numbers without bound that overflow although the product of sum and scale does not.
+    carried: then the scale is a sign. The first coefficient that is left is positive; but for that
+    case one is 1 in size. To clear denominators instead, level by level, would make numbers without
+    bound that overflow although the product of sum and scale does not.
     """
     order = sorted(form)
     common = Counter(order[0])
@@ -162,10 +164,9 @@ def content(form: Form) -> tuple[Fraction, Monomial, Form]:
 
 def _scale(sizes: Sequence[Fraction]) -> Fraction:
     """Return the size that divides all others, else the most frequent one, else the largest."""
-    largest = max(sizes)
-    counts = Counter(c for c in sizes if c * SPREAD >= largest)
+    counts = Counter(sizes)
     least = min(counts)
-    if all((c / least).denominator == 1 for c in sizes):
+    if all((c / least).denominator == 1 for c in counts):
         return least
     return max(counts, key=lambda c: (counts[c], c))
 
