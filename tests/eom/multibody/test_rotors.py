@@ -76,6 +76,15 @@ def test_a_motor_turns_the_whole_only_against_the_rotor():
     assert not is_invariant(system, kinetic.expression, points=1)
 
 
+def test_momentum_is_constant_under_a_given_speed_but_not_of_a_mass_that_changes():
+    t = sp.Symbol("t", real=True)
+    system = derive(whole(Rotor("wheel", "hub", AXIS, 2, speed=sp.sin(2 * t))))
+    L = next(d for d in system.invariants if d.name == "L_1")
+    assert is_invariant(system, L.expression, points=1)
+    growing = Body("hub", 5 + t, (0, 0, 0), (4, 5, 6))
+    assert derive(Tree("growing", (growing,), (BASE,))).invariant_names == ()
+
+
 def test_a_given_speed_is_a_wheel_of_that_relative_speed():
     """With the torque that a rotor of its own speed needs to keep that relative speed."""
     t = sp.Symbol("t", real=True)
