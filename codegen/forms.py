@@ -156,8 +156,7 @@ def content(form: Form) -> tuple[Fraction, Monomial, Form]:
         scale = scale / size
         left = [form[m] / scale for m in order]
     rest = {
-        tuple(sorted((Counter(m) - common).elements())): c
-        for m, c in zip(order, left, strict=True)
+        tuple(sorted((Counter(m) - common).elements())): c for m, c in zip(order, left, strict=True)
     }
     return scale, tuple(sorted(common.elements())), rest
 

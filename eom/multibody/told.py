@@ -222,8 +222,8 @@ def _unchanging(tree: Tree) -> bool:
     """Tell whether masses and their places in bodies and rotors are free of time, state and inputs."""
     quiet = replace(
         tree,
-        joints=[replace(j, motion=None, damping=0, force=0, stiffness=0) for j in tree.joints],
-        rotors=[replace(r, speed=None, torque=0, damping=0) for r in tree.rotors],
+        joints=tuple(replace(j, motion=None, damping=0, force=0, stiffness=0) for j in tree.joints),
+        rotors=tuple(replace(r, speed=None, torque=0, damping=0) for r in tree.rotors),
         springs=(),
     )
     return not _varying(tree) & set(symbols_in(values_of(quiet)))
