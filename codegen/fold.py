@@ -99,8 +99,13 @@ def constant(b: Instructions, number: int) -> Fraction | None:
     return value if isinstance(value, Fraction) else None
 
 
+def bits(value: Fraction) -> int:
+    """Return the bits of numerator or denominator, of the longer one."""
+    return max(value.numerator.bit_length(), value.denominator.bit_length())
+
+
 def _small(value: Fraction) -> bool:
-    return max(abs(value.numerator).bit_length(), value.denominator.bit_length()) <= MAX_BITS
+    return bits(value) <= MAX_BITS
 
 
 def _negated(b: Numbers, number: int) -> int | None:

@@ -3,17 +3,20 @@
 A chain rule multiplies and adds what programs have computed. As forms, equal products meet and cancel
 exactly, signs and constants cost nothing on the way, and what is shared is found at the end, when
 `Forms.numbers` appends the instructions.
+
+Coefficients of long chains would grow without end. Law: the coefficient of a product of two forms
+and of a value has `COEFFICIENT_BITS` bits at most; a larger number becomes a factor, a constant of the
+program, and is as exact there. No number is rounded.
 """
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from codegen.extraction import FIRST, Products
-from codegen.fold import constant
+from codegen.fold import bits, constant
 from codegen.ops import TRUTH_VALUES, Instruction
 from codegen.program import Builder
 
@@ -25,6 +28,9 @@ Term = tuple[int, tuple[int, ...]]
 """Sign and factors."""
 
 ONE: Form = {(): Fraction(1)}
+COEFFICIENT_BITS = 4
+"""Of numerator and denominator: what differentiation makes, such as 2 and 1/2, is carried through
+products; numbers of the problem stay factors, as parameters do, and are shared as these are."""
 
 
 class Forms:
@@ -51,8 +57,11 @@ class Forms:
             k = stack.pop()
             op, args, _ = self.b.instructions[k]
             value = constant(self.b, k)
-            if value is not None:
+            if value is not None and _carried(coefficient * value):
                 coefficient *= value
+            elif value is not None and value < 0:
+                coefficient = -coefficient
+                factors.append(self.b.const(-value))
             elif op == "neg":
                 coefficient = -coefficient
                 stack.append(args[0])
@@ -66,9 +75,20 @@ class Forms:
         """Return the product; a sum of several terms becomes a factor, unless the other is a number."""
         for one, other in ((f, g), (g, f)):
             if len(one) == 1 and () in one:
-                return {m: c * one[()] for m, c in other.items()}
+                scaled = {m: c * one[()] for m, c in other.items()}
+                if all(map(_carried, scaled.values())):
+                    return scaled
         (a, first), (c, second) = self._single(f), self._single(g)
+        if not _carried(a * c):
+            (a, first), (c, second) = self._held(a, first), self._held(c, second)
         return {self._joined(first, second): a * c}
+
+    def _held(self, coefficient: Fraction, monomial: Monomial) -> tuple[Fraction, Monomial]:
+        """Return the sign, and the product with the size of the coefficient as a factor."""
+        if abs(coefficient) == 1:
+            return coefficient, monomial
+        size = self.b.const(abs(coefficient))
+        return Fraction(1 if coefficient > 0 else -1), tuple(sorted((*monomial, size)))
 
     def _joined(self, first: Monomial, second: Monomial) -> Monomial:
         """Return the product of two products; the square of a gate is the gate."""
@@ -112,22 +132,42 @@ def added(into: dict[Monomial, Fraction], form: Form) -> dict[Monomial, Fraction
     return into
 
 
-def content(form: Form) -> tuple[Fraction, Monomial, Form]:
-    """Return coefficient and factors that all terms share, and the form without them.
+def _carried(coefficient: Fraction) -> bool:
+    """Tell whether a coefficient is small enough to be multiplied on."""
+    return bits(coefficient) <= COEFFICIENT_BITS
 
-    The coefficients that are left are whole, without a common divisor, the first one positive.
+
+def content(form: Form) -> tuple[Fraction, Monomial, Form]:
+    """Return a scale and the factors that all terms share, and the form without them.
+
+    Law: the same for all multiples of a form, but for the scale, unless numbers are too large to be
+    carried: then the scale is a sign. The first coefficient that is left is positive; but for that
+    case one is 1 in size. To clear denominators instead, level by level, would make numbers without
+    bound that overflow although the product of sum and scale does not.
     """
     order = sorted(form)
     common = Counter(order[0])
     for monomial in order[1:]:
         common &= Counter(monomial)
-    size = Fraction(
-        math.gcd(*(c.numerator for c in form.values())),
-        math.lcm(*(c.denominator for c in form.values())),
-    )
+    size = _scale([abs(form[m]) for m in order])
     scale = size if form[order[0]] > 0 else -size
-    rest = {tuple(sorted((Counter(m) - common).elements())): form[m] / scale for m in order}
+    left = [form[m] / scale for m in order]
+    if not all(map(_carried, (scale, *left))):
+        scale = scale / size
+        left = [form[m] / scale for m in order]
+    rest = {
+        tuple(sorted((Counter(m) - common).elements())): c for m, c in zip(order, left, strict=True)
+    }
     return scale, tuple(sorted(common.elements())), rest
+
+
+def _scale(sizes: Sequence[Fraction]) -> Fraction:
+    """Return the size that divides all others, else the most frequent one, else the largest."""
+    counts = Counter(sizes)
+    least = min(counts)
+    if all((c / least).denominator == 1 for c in counts):
+        return least
+    return max(counts, key=lambda c: (counts[c], c))
 
 
 class _Writer:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -215,7 +215,24 @@ def afloat(tree: Tree) -> bool:
         for j in roots
     )
     alone = not (held or len(roots) > 1 or tree.loads) and inner(tree)
-    return alone and all(map(is_zero, tree.gravity))
+    return alone and all(map(is_zero, tree.gravity)) and _unchanging(tree)
+
+
+def _unchanging(tree: Tree) -> bool:
+    """Tell whether masses and their places in bodies and rotors are free of time, state and inputs."""
+    quiet = replace(
+        tree,
+        joints=tuple(replace(j, motion=None, damping=0, force=0, stiffness=0) for j in tree.joints),
+        rotors=tuple(replace(r, speed=None, torque=0, damping=0) for r in tree.rotors),
+        springs=(),
+    )
+    return not _varying(tree) & set(symbols_in(values_of(quiet)))
+
+
+def _varying(tree: Tree) -> set[sp.Symbol]:
+    moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)}
+    moving |= {s.symbol for r in tree.rotors for s in r.states}
+    return {TIME, *moving, *(i.symbol for i in tree.inputs)}
 
 
 def conservative(tree: Tree) -> bool:
@@ -228,9 +245,6 @@ def conservative(tree: Tree) -> bool:
         r.speed is None and not r.motor and is_zero(r.torque) and is_zero(r.damping)
         for r in tree.rotors
     )
-    moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)}
-    moving |= {s.symbol for r in tree.rotors for s in r.states}
-    given = set(symbols_in(values_of(tree)))
-    fixed = not ({TIME, *moving, *(i.symbol for i in tree.inputs)} & given)
+    fixed = not _varying(tree) & set(symbols_in(values_of(tree)))
     coasting = coasting and all(is_zero(s.damping) for s in tree.springs)
     return joints and coasting and fixed and not tree.loads and lossless(tree)

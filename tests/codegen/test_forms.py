@@ -1,12 +1,14 @@
 from fractions import Fraction
 from math import prod
 
+import mpmath
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen.extraction import Products
-from codegen.forms import Forms, added, content
+from codegen.fold import bits
+from codegen.forms import COEFFICIENT_BITS, ONE, Forms, added, content
 from codegen.interpret import Point, interpret, interpret_exactly
 from codegen.program import Builder
 
@@ -14,6 +16,8 @@ COEFFICIENTS = st.fractions(-4, 4, max_denominator=4).map(lambda f: f or Fractio
 SLOTS = 4
 MONOMIALS = st.lists(st.integers(0, SLOTS - 1), max_size=4).map(lambda k: tuple(sorted(k)))
 FORMS = st.dictionaries(MONOMIALS, COEFFICIENTS, min_size=1, max_size=5)
+M = mpmath.mp.clone()
+M.dps = 60
 AT = (3.0, -5.0, 7.0, 0.5)
 
 
@@ -27,6 +31,10 @@ def forms_over_slots():
 
 def value(form):
     return sum(c * prod(Fraction(AT[k]) for k in m) for m, c in form.items())
+
+
+def exact(fraction):
+    return M.mpf(fraction.numerator) / fraction.denominator
 
 
 def evaluated(forms, wanted):
@@ -54,8 +62,35 @@ def test_content_is_what_all_terms_share(form):
     assert value({m: scale * c for m, c in rest.items()}) * prod(
         Fraction(AT[k]) for k in shared
     ) == value(form)
-    assert all(c.denominator == 1 for c in rest.values())
+    assert abs(scale) == 1 or 1 in map(abs, rest.values())
+    assert next(c for m, c in sorted(rest.items())) > 0
     assert not set.intersection(*(set(m) for m in rest))
+
+
+LARGE = st.fractions(-(10**9), 10**9).map(lambda f: f or Fraction(1))
+
+
+@given(st.lists(st.tuples(MONOMIALS, LARGE), min_size=2, max_size=12))
+def test_coefficients_of_products_stay_small_and_nothing_is_rounded(factors):
+    """Products of sums with coefficients of many digits, one after the other."""
+    forms = forms_over_slots()
+    total, expected = ONE, Fraction(1)
+    for monomial, coefficient in factors:
+        step = {(0, 3): coefficient} | {monomial: coefficient / 7}
+        total, expected = forms.product(total, step), expected * value(step)
+        assert all(bits(c) <= COEFFICIENT_BITS for c in total.values()) or len(total) > 1
+    (got,), _ = evaluated(forms, [total])
+    assert abs(got - exact(expected)) <= abs(exact(expected)) * M.mpf(10) ** -45
+
+
+@given(FORMS, st.fractions(1, 9, max_denominator=3))
+def test_content_of_a_multiple_differs_in_the_scale_alone(form, factor):
+    scale, shared, rest = content(form)
+    other = content({m: -factor * c for m, c in form.items()})
+    carried = all(bits(c) <= COEFFICIENT_BITS for c in (other[0], *other[2].values()))
+    assert other[1] == shared
+    if carried and abs(scale) != 1:
+        assert other == (-factor * scale, shared, rest)
 
 
 @given(FORMS)

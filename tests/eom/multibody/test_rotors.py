@@ -66,11 +66,23 @@ def test_energy_and_momentum_are_conserved_exactly():
 
 
 def test_a_motor_turns_the_whole_only_against_the_rotor():
-    """Momentum stays; energy does not, and is not called an invariant."""
-    system = derive(whole(Rotor("wheel", "hub", AXIS, J, damping=c, motor=True)), ["momentum"])
+    """Momentum, the rotor's included, stays and is an invariant; energy does not and is none."""
+    system = derive(whole(Rotor("wheel", "hub", AXIS, J, damping=c, motor=True)), ["energies"])
     assert system.invariant_names == ("p_1", "p_2", "p_3", "L_1", "L_2", "L_3")
-    L = next(d for d in system.outputs if d.name == "L_1")
+    for definition in system.invariants:
+        if definition.name in {"p_1", "L_1", "L_3"}:
+            assert is_invariant(system, definition.expression, points=1), definition.name
+    kinetic = next(d for d in system.outputs if d.name == "kinetic_energy")
+    assert not is_invariant(system, kinetic.expression, points=1)
+
+
+def test_momentum_is_constant_under_a_given_speed_but_not_of_a_mass_that_changes():
+    t = sp.Symbol("t", real=True)
+    system = derive(whole(Rotor("wheel", "hub", AXIS, 2, speed=sp.sin(2 * t))))
+    L = next(d for d in system.invariants if d.name == "L_1")
     assert is_invariant(system, L.expression, points=1)
+    growing = Body("hub", 5 + t, (0, 0, 0), (4, 5, 6))
+    assert derive(Tree("growing", (growing,), (BASE,))).invariant_names == ()
 
 
 def test_a_given_speed_is_a_wheel_of_that_relative_speed():
