@@ -13,8 +13,9 @@ from codegen import compile as compile_system
 from eom.scene import Scene
 
 LARGEST_RATIO = 1.1
-QUICK_RATIO = 1.25
-"""Any processor's bound for the short form, which guards against regressions."""
+QUICK_RATIO = 1.6
+"""Any processor's bound for the short form: where a loop begins in memory changes the time of 22
+instructions by a quarter. The counts of instructions guard the rest."""
 LARGEST_DIFFERENCE = 1e-12
 COPIES = 5
 
