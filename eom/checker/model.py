@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from eom import catalogue
 from eom.checker.solid_models import SPELLINGS, solid_system
@@ -22,7 +22,6 @@ from eom.errors import InputError, unknown_name
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude as attitude_of
 from eom.markup import symbol_latex
-from eom.opening import AnyScene, load_scene
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
 from eom.series import Singular
@@ -31,6 +30,9 @@ from eom.solutions import Inconsistent, Motion, Restriction
 from eom.spinning import lecture_torque
 from eom.start import constants
 from eom.system import Expr, Quantity, System
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
 
 BUILTIN: dict[str, Callable[[str], System]] = {
     "free-rigid-body": lambda attitude: free_rigid_body(attitude or None),
@@ -144,10 +146,10 @@ def model_of(system: System | AnyScene | Model, assume: Iterable[str] = ()) -> M
     """Return a system or scene with what may be assumed of it; ``assume``: names that are given."""
     if isinstance(system, Model):
         made = system
-    elif isinstance(system, AnyScene):
-        made = _of_scene(system)
-    else:
+    elif isinstance(system, System):
         made = Model(system, (), tuple(restrictions(system)), system.name)
+    else:
+        made = _of_scene(system)
     assumed = tuple(made.restriction(n) for n in assume)
     return replace(made, given=(*made.given, *assumed))
 
@@ -236,6 +238,8 @@ def load_model(
     elements are measured. Raises `InputError` for unknown names, and
     for files outside of the folder.
     """
+    from eom.opening import load_scene  # many bodies are loaded where a scene is
+
     if name.endswith(".toml"):
         return model_of(_turned(load_scene(_beside(name, folder)), attitude), assume)
     if name in catalogue.names():
