@@ -100,9 +100,9 @@ def specials() -> Iterator[Special]:
 def telling(names: frozenset[str]) -> Iterator[Special]:
     """Yield motions in which some assumptions hold and little vanishes: those that tell most first."""
     for case in _telling():
-        special = _special(*case)
-        if names <= special.assumed:
-            yield special
+        _, assumed = _assumed(*case)
+        if names <= assumed:
+            yield _special(*case)
 
 
 Case = tuple[str, Numbers, str, str, bool]
@@ -149,6 +149,19 @@ def _possible(body: str, rates: Numbers, kind: str) -> bool:
 
 @cache
 def _special(body: str, rates: Numbers, kind: str, where: str, turned: bool) -> Special:
+    moments, _ = {**BODIES, **WHOLE}[body]
+    omega, assumed = _assumed(body, rates, kind, where, turned)
+    world = _world(moments, omega, where, turned)
+    words = f"{body}, {kind}, {where}" + (", axes not principal" if turned else "")
+    degenerate = body not in ORDINARY or not any(rates)
+    return Special(world, assumed, words, _data(world), degenerate)
+
+
+@cache
+def _assumed(
+    body: str, rates: Numbers, kind: str, where: str, turned: bool
+) -> tuple[Vector, frozenset[str]]:
+    """Return the angular velocity of a motion, and the assumptions that hold in it."""
     moments, more = {**BODIES, **WHOLE}[body]
     omega = _KINDS[kind](moments, rates)
     free = not any(c for s in _torque(moments, omega) for c in s.coefficients)
@@ -157,10 +170,7 @@ def _special(body: str, rates: Numbers, kind: str, where: str, turned: bool) -> 
         assumed |= {"thin_rod"} if "thin_rod" in more else {"principal_axes", *more}
     if free:
         assumed |= {"torque_free"}
-    world = _world(moments, omega, where, turned)
-    words = f"{body}, {kind}, {where}" + (", axes not principal" if turned else "")
-    degenerate = body not in ORDINARY or not any(rates)
-    return Special(world, frozenset(assumed), words, _data(world), degenerate)
+    return omega, frozenset(assumed)
 
 
 # -- rates ----------------------------------------------------------------------------------------
