@@ -24,6 +24,7 @@ from benchmarks.table import Row, Section, time_text
 
 LINKS = (5, 10, 20)
 LONGEST_SECONDS = {20: 3.0}
+LONGEST_FROM_TREE = {20: 2.0}
 LARGEST_RATIO = 0.25
 """Of our right-hand side, called from Python, to PyDy's: 4 times faster."""
 LARGEST_DIFFERENCE = 1e-10
@@ -54,7 +55,26 @@ def _rows(links: int) -> list[Row]:
         Row(f"{links} links: to a callable", f"{time_text(ours)} {derived}", *beside, *judged),
         Row(f"{links} links: stages", parts, f"{stages['operations']} operations"),
     ]
-    return [*rows, _call(links, found)]
+    return [*rows, _call(links, found), *_from_tree(links, found)]
+
+
+def _from_tree(links: int, found: dict[str, Any]) -> list[Row]:
+    """Return the rows of the same pendulum, described as a tree of bodies with relative angles."""
+    tree = measured_apart("benchmarks.pendulum", "described", str(links))
+    ours, limit = tree["seconds"], LONGEST_FROM_TREE.get(links)
+    judged = (f"<= {time_text(limit)}", ours <= limit) if limit else ("", None)
+    theirs = found["derive"] + found["theirs"] if "theirs" in found else None
+    beside = (time_text(theirs), f"{ours / theirs:.2f}") if theirs else ("", "")
+    made = Row(f"{links} links as a tree: to a callable", time_text(ours), *beside, *judged)
+    what, call = f"{links} links as a tree: call from Python", tree["call"]
+    if theirs is None:
+        return [made, Row(what, time_text(call))]
+    ratio = call / found["their_call"]
+    target = (f"<= {LARGEST_RATIO}", ratio <= LARGEST_RATIO)
+    return [
+        made,
+        Row(what, time_text(call), time_text(found["their_call"]), f"{ratio:.2f}", *target),
+    ]
 
 
 def _call(links: int, found: dict[str, Any]) -> Row:
@@ -99,6 +119,39 @@ def whole(links: int) -> dict[str, Any]:
     pairs = settled(lambda: paired(ours, theirs, PAIRS), lambda k: k.ratio, LARGEST_RATIO)
     found |= {"difference": float(difference), "ratio": pairs.ratio}
     return found | dict(zip(("call", "their_call"), pairs.best, strict=True))
+
+
+def described(links: int) -> dict[str, Any]:
+    """Return seconds from the description of a tree to a callable, and of a call."""
+    import codegen
+    from eom.multibody import derive
+
+    start = perf_counter()
+    compiled = codegen.compile(derive(_tree(links), invariants=False), "c")
+    seconds = perf_counter() - start
+    draw = np.random.default_rng(SEED).uniform
+    x = draw(-1.0, 1.0, len(compiled.layout.states))
+    p = draw(0.5, 1.5, len(compiled.layout.parameters))
+    u = draw(-1.0, 1.0, len(compiled.layout.inputs))
+    calls = (timeit(lambda: compiled.rhs(0.0, x, p, u), number=CALLS) for _ in range(PAIRS))
+    return {"seconds": seconds, "call": min(calls) / CALLS}
+
+
+def _tree(links: int) -> Any:
+    """Return point masses on rods without mass, hung one on the other, the first on a driven cart."""
+    import sympy as sp
+
+    from eom.multibody import Body, Joint, Placement, Tree
+
+    masses, lengths = (sp.symbols(f"{n}0:{links + 1}", positive=True) for n in "ml")
+    bodies = [Body("cart", masses[0])]
+    joints = [Joint("rail", "prismatic", "ground", "cart", "x", motor=True)]
+    for k in range(1, links + 1):
+        bodies.append(Body(f"bob{k}", masses[k], (0, 0, lengths[k])))
+        parent = f"bob{k - 1}" if k > 1 else "cart"
+        place = Placement((0, 0, lengths[k - 1] if k > 1 else 0))
+        joints.append(Joint(f"hinge{k}", "revolute", parent, f"bob{k}", "y", on_parent=place))
+    return Tree("pendulum", bodies, joints, gravity=(0, 0, -sp.Symbol("g", positive=True)))
 
 
 def _derived(links: int) -> tuple[Any, float]:
@@ -156,4 +209,10 @@ def stages(links: int) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    print(json.dumps({"whole": whole, "stages": stages}[sys.argv[1]](int(sys.argv[2]))))
+    print(
+        json.dumps(
+            {"whole": whole, "stages": stages, "described": described}[sys.argv[1]](
+                int(sys.argv[2])
+            )
+        )
+    )
