@@ -6,7 +6,6 @@ call from Python takes more than the function alone in C.
 
 from __future__ import annotations
 
-import shutil
 from timeit import Timer
 
 import numpy as np
@@ -30,7 +29,7 @@ REPEATS = 200
 def measure(settings: Settings) -> Section:
     """Return one row a scene that is written by hand, and one for the overhead unless quick."""
     rows = [] if settings.quick else [_overhead()]
-    if shutil.which("valgrind") is None:
+    if not instructions.available():
         rows.append(Row("instructions", "not counted", "valgrind is missing"))
     else:
         limit = QUICK_RATIO if settings.quick else LARGEST_RATIO

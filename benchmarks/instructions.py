@@ -18,6 +18,11 @@ KNOWN = {"x86_64": ("-mno-avx512f",), "AMD64": ("-mno-avx512f",)}
 """Flags that keep to the instructions that valgrind knows, by machine."""
 
 
+def available() -> bool:
+    """Tell whether instructions can be counted here."""
+    return shutil.which("valgrind") is not None
+
+
 def text(rates: Rates) -> str:
     """Return the count of `per_call` for the table."""
     count = per_call(rates)

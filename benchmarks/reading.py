@@ -46,7 +46,8 @@ WORDS = r"""
 """.split()
 MAX_WRITTEN = 10_000
 MAX_SECONDS = 2.0
-"""No input of this size may take more processor time; see the printed worst one."""
+"""No input of this size may take more processor time. The command judges it, in a process of its own:
+beside other tests a collection of garbage may fall on any input."""
 
 
 @dataclass
@@ -197,8 +198,6 @@ def check(kind: str, text: str, found: Findings) -> None:
     seconds = process_time() - start
     if seconds > found.slowest[0]:
         found.slowest = (seconds, kind, text[:100])
-    if seconds > MAX_SECONDS:
-        found.failures.append(f"{kind}: {seconds:.1f} s\n  {text[:300]!r}")
 
 
 def _check_formula(text: str) -> None:
@@ -267,7 +266,8 @@ def main(count: int, seed: int, folder: Path | None) -> None:
             f"{len(found.failures)} failures in {count}; {len(found.otherwise)} written otherwise"
         )
         click.echo(f"slowest: {seconds:.3f} s, {kind}, {text!r}")
-    sys.exit(1 if bad or found.failures else 0)
+    slow = found.slowest[0] > MAX_SECONDS
+    sys.exit(1 if bad or found.failures or slow else 0)
 
 
 if __name__ == "__main__":

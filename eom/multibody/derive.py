@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from eom.kinematics import rotation_sequence
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.binding import Plan, bind, plan
-from eom.multibody.joints import QUATERNION
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import Joint, Tree
 from eom.multibody.motion import coordinate_rates, motion, places
@@ -16,6 +14,7 @@ from eom.multibody.names import (
     inputs_of,
     named_of,
     parameters_of,
+    singularities_of,
     states_of,
 )
 from eom.multibody.points import Point
@@ -24,7 +23,7 @@ from eom.multibody.scalars import add, mul, sub
 from eom.multibody.skeleton import Skeleton, skeleton
 from eom.multibody.told import Told, Variables, check, invariants_of, told_of
 from eom.multibody.values import is_number
-from eom.system import Definition, Expr, Quantity, Singularity, System
+from eom.system import Definition, Expr, Quantity, System
 
 
 def derive(
@@ -161,7 +160,7 @@ def _system(
     told: Told, rates: list[Expr], outputs: list[Definition], invariants: list[Definition]
 ) -> System:
     tree, work, binding = told.tree, told.work, told.variables.binding
-    found = _singularities(tree)
+    found = singularities_of(tree)
     outputs = [*outputs, *binding.followers()]
     held = binding.invariants()
     invariants = [*held, *invariants]
@@ -185,13 +184,3 @@ def _system(
         assumptions=binding.assumptions(held),
         maintained=tuple(d.name for d in held),
     )
-
-
-def _singularities(tree: Tree) -> tuple[Singularity, ...]:
-    """Return where angles of sequences fail."""
-    found: list[Singularity] = []
-    for joint in tree.ordered:
-        if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
-            angles = [c.symbol for c in joint.coordinates[-3:]]
-            found += rotation_sequence(joint.attitude, angles).singularities
-    return tuple(found)

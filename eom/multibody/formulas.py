@@ -62,7 +62,9 @@ class Formulas:
             return self.matrix(given.matrix, where)
         factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
         angles = self.values(given.degrees or given.radians or (), where)
-        return turned(given.sequence, [right(sp.sympify(a) * factor) for a in angles], where)
+        return turned(
+            given.sequence, [right(sp.sympify(a, strict=True) * factor) for a in angles], where
+        )
 
 
 def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Value, ...], ...]:

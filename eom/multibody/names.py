@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from eom.kinematics import rotation_sequence
+from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Tree
 from eom.multibody.values import is_number
-from eom.system import TIME, Expr, Quantity
+from eom.system import TIME, Expr, Quantity, Singularity
 
 
 def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
@@ -76,3 +78,13 @@ def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
     other = {q.symbol for q in (*moving, *inputs_of(tree))} | {TIME}
     described = {p.symbol: p for p in tree.parameters}
     return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
+
+
+def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
+    """Return where the angles of sequences fail."""
+    found: list[Singularity] = []
+    for joint in tree.ordered:
+        if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
+            angles = [c.symbol for c in joint.coordinates[-3:]]
+            found += rotation_sequence(joint.attitude, angles).singularities
+    return tuple(found)

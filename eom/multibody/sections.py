@@ -150,7 +150,8 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
         expected = ", ".join(solids.SOLIDS[name].sizes)
         raise InputError(f"sizes of a {name}", where=where, got=", ".join(size), expected=expected)
     values = {
-        sp.Symbol(n, positive=True): sp.sympify(v) for n, v in (*size.items(), ("mass", mass))
+        sp.Symbol(n, positive=True): sp.sympify(v, strict=True)
+        for n, v in (*size.items(), ("mass", mass))
     }
     return solids.central_inertia(name).xreplace(values).tolist()
 

@@ -11,7 +11,6 @@ import sympy as sp
 
 from eom.errors import InputError, unknown_name
 from eom.identity import equal
-from eom.kinematics import rotation_sequence
 from eom.multibody.closed.angles import runs
 from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.kane import Kane
@@ -21,10 +20,10 @@ from eom.multibody.closed.newton_euler import NewtonEuler
 from eom.multibody.closed.polynomials import terms_of
 from eom.multibody.closed.readable import Writer
 from eom.multibody.closed.terms import KINDS, Part, factor, parts
-from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Tree
+from eom.multibody.names import inputs_of, singularities_of
 from eom.multibody.values import is_number
-from eom.system import TIME, Definition, Quantity, Singularity, System, as_expression
+from eom.system import TIME, Definition, Quantity, System, as_expression
 from eom.verification import DerivationError
 
 Expr = Any
@@ -119,7 +118,7 @@ class ClosedForm:
         n = len(self.coordinates)
         rates = (*self.kinematics, *self.forcing)
         mass = sp.ImmutableMatrix(sp.diag(sp.eye(n), self.mass_matrix)) if self.speeds else None
-        inputs = _inputs(self.tree)
+        inputs = inputs_of(self.tree)
         defined = [d.symbol for d in self.prescribed]
         own = [q.symbol for q in (*self.coordinates, *self.speeds, *inputs)]
         everything = [*rates, *(mass if mass is not None else ())]
@@ -134,7 +133,7 @@ class ClosedForm:
             parameters=tuple(described.get(s, Quantity(s)) for s in sorted(free, key=str)),
             inputs=inputs,
             definitions=self.prescribed,
-            singularities=_singularities(self.tree),
+            singularities=singularities_of(self.tree),
         )
 
     def show(self, style: str = "text") -> str:
@@ -317,17 +316,3 @@ def _prescribed(given: Mechanism) -> Iterable[Definition]:
                 (a, joint.motion.acceleration),
             ):
                 yield Definition(quantity, as_expression(value[k]))
-
-
-def _inputs(tree: Tree) -> tuple[Quantity, ...]:
-    return (*(m for j in tree.ordered for m in j.motors if j.motion is None), *tree.inputs)
-
-
-def _singularities(tree: Tree) -> tuple[Singularity, ...]:
-    """Return where angles of sequences fail."""
-    found: list[Singularity] = []
-    for joint in tree.ordered:
-        if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
-            angles = [c.symbol for c in joint.coordinates[-3:]]
-            found += rotation_sequence(joint.attitude, angles).singularities
-    return tuple(found)

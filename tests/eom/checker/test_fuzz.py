@@ -4,6 +4,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import reading
+from tests.clock import growth_in_calls
 
 
 def test_broken_formulas_and_documents():
@@ -12,6 +13,16 @@ def test_broken_formulas_and_documents():
     assert found.otherwise == []
     assert sum(found.read.values()) > 200
     assert sum(found.refused.values()) > 500
+
+
+@pytest.mark.parametrize(("opening", "closing"), reading.REPEATED)
+def test_what_is_nested_or_long_takes_time_in_proportion(opening, closing):
+    def work(count):
+        found = reading.Findings()
+        reading.check("nested", opening * count + "x" + closing * count, found)
+        assert found.failures == []
+
+    assert growth_in_calls(6, work, 200, 1000)
 
 
 def test_the_command_tells_what_it_read(tmp_path):
