@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from typing import Any
 
 import click
@@ -17,6 +18,7 @@ from eom.commands.listing import list_names
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
 from eom.errors import InputError
+from eom.limits import SELDOM
 
 UNUSABLE = 2
 
@@ -46,6 +48,7 @@ def main() -> None:
     SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
     status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input.
     """
+    gc.set_threshold(*SELDOM)
 
 
 COMMANDS = (

@@ -17,7 +17,7 @@ from eom import limits, series
 from eom.attitudes import ANGLES
 from eom.errors import InputError
 from eom.series import Series
-from eom.terms import INDICES, Equation, Term, labels_of, nodes
+from eom.terms import INDICES, Equation, Term, nodes
 from eom.vocabulary import definition
 from eom.worlds import World
 
@@ -54,7 +54,7 @@ class Evaluator:
         """Return the free labels of a term and of what its symbols stand for."""
         symbols = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
         meanings = (self.scalars[s] for s in symbols if s in self.scalars)
-        return labels_of(term).union(*(self.labels(m) for m in meanings))
+        return term.labels.union(*(self.labels(m) for m in meanings))
 
     def _agree(self, equation: Equation, env: Env) -> bool:
         left, right = self.value(equation.left, env), self.value(equation.right, env)
@@ -66,11 +66,17 @@ class Evaluator:
     def value(self, term: Term, env: Env | None = None) -> Value:
         """Return the value of ``term``; ``env`` numbers the particles that indices stand for."""
         env = env or {}
-        key = (term, tuple(sorted(env.items())))
-        if key not in self.memo:
+        memo, key = self._place(term, env)
+        if key not in memo:
             limits.check()
-            self.memo[key] = _RULES[term.head](self, term, env)
-        return self.memo[key]
+            memo[key] = _RULES[term.head](self, term, env)
+        return memo[key]
+
+    def _place(self, term: Term, env: Env) -> tuple[dict[Any, Value], Any]:
+        """Return where the value is kept: without symbols it is the world's, for any evaluator."""
+        if not term.is_plain:
+            return self.memo, (term, tuple(sorted(env.items())))
+        return self.world.memo, (term, tuple((i, env[i]) for i in term.indices if i in env))
 
     def scalar(self, expression: Any, env: Env) -> Series:
         """Return the value of a SymPy expression over known symbols."""
@@ -263,14 +269,9 @@ def _atom(e: Evaluator, term: Term, env: Env) -> Value:
     """Return the value of a quantity, which is that of every statement about the world."""
     name, *labels = term.data
     defined = definition(term)
-    numbered = tuple(env.get(label, label) for label in labels)
     if defined is None:
-        return e.world.primitive(name, numbered)
-    key = ("defined", term, numbered)
-    if key not in e.world.memo:
-        own = {label: env[label] for label in labels if label in env}
-        e.world.memo[key] = e.value(defined, own)
-    return e.world.memo[key]
+        return e.world.primitive(name, tuple(env.get(label, label) for label in labels))
+    return e.value(defined, {label: env[label] for label in labels if label in env})
 
 
 def _inner(e: Evaluator, term: Term, env: Env) -> Value:

@@ -8,9 +8,10 @@ rationals where ``prime`` is zero.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import lcm
 from operator import add as plus
 from operator import mul as times
 from operator import sub as minus
@@ -32,6 +33,11 @@ class Field:
     """The integers modulo ``prime``, or the rationals where it is zero."""
 
     prime: int = PRIME
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether elements are fractions."""
+        return not self.prime
 
     def reduce(self, value: Any) -> Any:
         """Return the representative of ``value``."""
@@ -60,6 +66,9 @@ class Field:
         return sign * Fraction(generator.randint(1, 30), generator.randint(1, 7))
 
 
+RATIONALS = Field(0)
+
+
 @dataclass(frozen=True)
 class Series:
     """Coefficients in ascending powers of time."""
@@ -77,6 +86,8 @@ class Series:
         return self.field.series(list(map(minus, self.coefficients, other.coefficients)))
 
     def __mul__(self, other: Series) -> Series:
+        if self.field.is_rational:
+            return _rational_dot(((self, other),))
         return self.field.series(_convolved(self.coefficients, other.coefficients))
 
     def scaled(self, factor: Any) -> Series:
@@ -114,6 +125,25 @@ def _convolved(a: Sequence[Any], b: Sequence[Any]) -> Sequence[Any]:
         return _CONVOLUTIONS[n](*a[:n], *b[:n])
     backwards = b[:n][::-1]
     return [sum(map(times, a, backwards[n - 1 - k :])) for k in range(n)]
+
+
+def _rational_dot(pairs: Iterable[tuple[Series, Series]]) -> Series:
+    """Return the sum of products over the rationals: whole numbers over one denominator a product."""
+    parts = []
+    for one, other in pairs:
+        (a, below), (b, beneath) = _whole(one.coefficients), _whole(other.coefficients)
+        parts.append((_convolved(a, b), below * beneath))
+    under = lcm(*(d for _, d in parts))
+    rows = [[v * (under // d) for v in values] for values, d in parts]
+    return Series(
+        RATIONALS, tuple(Fraction(sum(column), under) for column in zip(*rows, strict=False))
+    )
+
+
+def _whole(values: Sequence[Any]) -> tuple[list[int], int]:
+    """Return whole numbers and what they are divided by."""
+    under = lcm(*(v.denominator for v in values))
+    return [v.numerator * (under // v.denominator) for v in values], under
 
 
 _CONVOLUTIONS: dict[int, Callable[..., Sequence[Any]]] = {
@@ -190,6 +220,8 @@ def cross(a: Vector, b: Vector) -> Vector:
 def dot(a: Sequence[Series], b: Sequence[Series]) -> Series:
     """Return the sum of the products of the components."""
     pairs = zip(a, b, strict=True)
+    if a[0].field.is_rational:
+        return _rational_dot(pairs)
     products = [_convolved(x.coefficients, y.coefficients) for x, y in pairs]
     return a[0].field.series([sum(c) for c in zip(*products, strict=False)])
 

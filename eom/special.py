@@ -14,12 +14,11 @@ from functools import cache
 from typing import Any
 
 from eom import series
-from eom.series import LENGTH, Field, Matrix, Series, Vector
+from eom.series import LENGTH, RATIONALS, Matrix, Series, Vector
 from eom.turning import Turned
 from eom.worlds import World
 
 Numbers = tuple[int, int, int]
-RATIONALS = Field(0)
 
 BODIES: dict[str, tuple[Numbers, tuple[str, ...]]] = {
     "three different principal moments": ((2, 3, 4), ()),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -33,6 +34,37 @@ class Term:
     args: tuple[Term, ...] = ()
     data: tuple[Any, ...] = ()
     kind: str = field(default=SCALAR, compare=False)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.head, self.args, self.data))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by the fields alone: another process has other hashes."""
+        return (Term, (self.head, self.args, self.data, self.kind))
+
+    @cached_property
+    def labels(self) -> frozenset[str]:
+        """The free labels: bound indices and names left out."""
+        if self.head == "atom":
+            return frozenset(self.data[1 + (self.data[0] in NAMED) :])
+        inside = frozenset().union(*(a.labels for a in self.args))
+        return inside - {self.data[0]} if self.head in {"sum", "integral"} else inside
+
+    @cached_property
+    def indices(self) -> tuple[str, ...]:
+        """The free labels that are indices, in order."""
+        return tuple(sorted(self.labels & INDICES))
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """Whether no SymPy symbol stands in it."""
+        if self.head == "expr":
+            return not self.data[0].free_symbols
+        return all(a.is_plain for a in self.args)
 
     def __add__(self, other: Term) -> Term:
         return add(self, other)
@@ -306,14 +338,6 @@ NAMED = frozenset({"scalar", "vector", "fixed_vector", "dyadic", "angle"})
 """Quantities whose first label is a name of their own, even where it looks like an index."""
 
 
-def labels_of(term: Term) -> frozenset[str]:
-    """Return the free labels of a term: bound indices and names left out."""
-    if term.head == "atom":
-        return frozenset(term.data[1 + (term.data[0] in NAMED) :])
-    inside = frozenset().union(*(labels_of(a) for a in term.args))
-    return inside - {term.data[0]} if term.head in {"sum", "integral"} else inside
-
-
 def relabel(term: Term, names: Mapping[str, str]) -> Term:
     """Exchange free labels of atoms; a sum whose index would catch a new label takes another one."""
     if term.head == "atom":
@@ -323,9 +347,9 @@ def relabel(term: Term, names: Mapping[str, str]) -> Term:
     if term.head not in {"sum", "integral"}:
         return rebuild(term, (relabel(a, names) for a in term.args))
     index, (body,) = term.data[0], term.args
-    free = {old: new for old, new in names.items() if old in labels_of(body) - {index}}
+    free = {old: new for old, new in names.items() if old in body.labels - {index}}
     if index in free.values():
-        used = {*free.values(), *labels_of(body), *names}
+        used = {*free.values(), *body.labels, *names}
         index = min(INDICES - used)
         body = relabel(body, {term.data[0]: index})
     return make(term.head, (relabel(body, free),), (index, *term.data[1:]))

@@ -174,6 +174,7 @@ class World:
     turns: Mapping[tuple[str, str], Turned] = dataclasses.field(default_factory=dict)
     assumed: frozenset[str] = frozenset()
     memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
+    """What has been found in this world, values of terms without symbols among it."""
 
     @property
     def axes(self) -> str:

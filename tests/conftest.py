@@ -1,11 +1,13 @@
 """Shared by all tests: a private cache of compiled code, and the targets of this machine."""
 
+import gc
 import os
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
 from codegen import native
+from eom.limits import SELDOM
 
 settings.register_profile(
     "same",
@@ -24,6 +26,9 @@ settings.register_profile("other", settings.get_profile("same"), derandomize=Fal
 settings.load_profile("same")
 """The same examples each time, so that a change alone can turn a test red; others on request:
 pytest --hypothesis-profile=other."""
+
+gc.set_threshold(*SELDOM)
+"""As the command line does; in a long run of tests, one collection of all generations takes seconds."""
 
 TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
 

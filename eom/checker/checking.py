@@ -29,7 +29,7 @@ from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.checker.values import ILL_FORMED
 from eom.checker.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.errors import InputError
-from eom.limits import Overdue, deadline
+from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds import closure
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def check_note(note: Note, settings: Settings) -> Report:
     closure(settings.given)
     document = document_of(note, settings.kind)
     path = note if isinstance(note, Path) else None
-    with deadline(settings.note_seconds, "this note"):
+    with seldom_collected(), deadline(settings.note_seconds, "this note"):
         known = meanings(document, path, settings.notation, settings.lexicon)
         if settings.system is not None:
             known = replace(known, lexicon=about(known.lexicon, settings.system))

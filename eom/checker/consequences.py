@@ -25,7 +25,7 @@ from eom.errors import InputError
 from eom.evaluate import Env, Evaluator
 from eom.generators import world
 from eom.series import PRIME, Series, Singular
-from eom.terms import INDICES, SCALAR, Equation, Term, labels_of, nodes
+from eom.terms import INDICES, SCALAR, Equation, Term, nodes
 from eom.vocabulary import omega, position, quantity
 
 MAX_UNKNOWNS = 80
@@ -117,7 +117,7 @@ class _Said:
             for node in nodes(term):
                 if node.head == "expr":
                     found.update((e, d) for e, d in self._parts(node.data[0]))
-                elif node.head == "atom" and not INDICES & labels_of(node):
+                elif node.head == "atom" and not INDICES & node.labels:
                     found[node] = of_quantity(node.data[0])
         if any("body" in n.data or n.data[:1] == ("inertia",) for n in found if n.data):
             found |= {omega(): RATE, quantity("inertia", "C"): of_quantity("inertia")}

@@ -23,7 +23,7 @@ class Dimension(NamedTuple):
 
     def times(self, other: Dimension) -> Dimension:
         """Return the dimension of a product."""
-        return Dimension(*(a + b for a, b in zip(self, other, strict=True)))
+        return Dimension(*(a + b if a and b else a or b for a, b in zip(self, other, strict=True)))
 
     def power(self, exponent: Fraction | int) -> Dimension:
         """Return the dimension of a power."""

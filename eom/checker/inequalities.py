@@ -354,6 +354,8 @@ _MASS = sp.Symbol("dm", positive=True)
 class _Symbols(Field):
     """Polynomials in symbols, which have no reciprocals."""
 
+    is_rational = False
+
     def reduce(self, value: Any) -> Any:
         """Return the value itself."""
         return value

@@ -14,7 +14,6 @@ from eom.terms import (
     add,
     der,
     expr,
-    labels_of,
     make,
     mul,
     nodes,
@@ -130,7 +129,7 @@ differentiate_under = until_stable(_under_the_sum)
 def _depends(term: Term, index: str) -> bool:
     """Tell whether a term may depend on an index; a symbol may stand for what does."""
     named = any(n.head == "expr" and n.data[0].free_symbols for n in nodes(term))
-    return named or index in labels_of(term)
+    return named or index in term.labels
 
 
 def _take_out(node: Term) -> Term:
@@ -207,7 +206,7 @@ def _product_with_sum(node: Term) -> Term:
     """Return a x sum b_j as sum a x b_j, where the second factor is a sum."""
     if node.head in BILINEAR and node.args[1].head in {"sum", "integral"}:
         a, s = node.args
-        if s.data[0] in labels_of(a):
+        if s.data[0] in a.labels:
             return node
         return rebuild(s, [rebuild(node, [a, s.args[0]])])
     return node

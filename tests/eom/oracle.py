@@ -16,7 +16,7 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
-from eom.terms import INDICES, labels_of, nodes
+from eom.terms import INDICES, nodes
 
 DIGITS, NODES = 60, 15
 STEP = Decimal("0.001")
@@ -566,7 +566,7 @@ class Values:
         self.scene, self.scalars, self.memo = scene, scalars, {}
 
     def of(self, term, env):
-        key = (term, tuple(sorted((k, v) for k, v in env.items() if k in labels_of(term))))
+        key = (term, tuple(sorted((k, v) for k, v in env.items() if k in term.labels)))
         if any(n.head == "expr" for n in nodes(term)):
             key = (term, tuple(sorted(env.items())))
         if key not in self.memo:
@@ -786,19 +786,19 @@ def residual(equation, assumptions, scalars, seed):
 
 def _free(equation, scalars):
     """Free labels, those within the meanings of symbols too."""
-    found = labels_of(equation.left) | labels_of(equation.right)
+    found = equation.left.labels | equation.right.labels
     for side in (equation.left, equation.right):
         for n in nodes(side):
             if n.head == "expr":
                 known = [scalars[s] for s in n.data[0].free_symbols if s in scalars]
-                found = found.union(*(labels_of(m) for m in known))
+                found = found.union(*(m.labels for m in known))
     bound = {
         n.data[0]
         for s in (equation.left, equation.right)
         for n in nodes(s)
         if n.head in {"sum", "integral"}
     }
-    plain = labels_of(equation.left) | labels_of(equation.right)
+    plain = equation.left.labels | equation.right.labels
     return plain | (found - bound)
 
 

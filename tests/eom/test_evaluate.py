@@ -176,3 +176,22 @@ def test_every_head_has_a_rule(here):
 
     assert set(evaluate._RULES) == {*HEADS, "expr", "zero", "atom"}
     assert isinstance(here.value(Term("expr", (), (sp.Integer(3),))), Series)
+
+
+def test_a_world_keeps_values_for_all_evaluators_but_those_of_symbols():
+    w = world(frozenset(), 1)
+    term = cross(A, total(mul(mass("i"), position("i"))))
+    first = Evaluator(w, {x: dot(A, A)}).value(term)
+    assert Evaluator(w, {x: dot(B, B)}).value(term, {"j": 1}) is first
+    values = [Evaluator(w, {x: of}).value(mul(expr(x), A)) for of in (dot(A, A), dot(B, B))]
+    assert not same(*values)
+
+
+def test_a_value_does_not_depend_on_the_order_in_which_indices_are_numbered():
+    w = world(frozenset(), 2)
+    body = cross(position("i"), position("j"))
+    one, other = ({"i": 0, "j": 1}, {"j": 1, "i": 0})
+    assert Evaluator(w, {}).value(body, one) is Evaluator(w, {}).value(body, other)
+    assert not same(
+        Evaluator(w, {}).value(body, {"i": 1, "j": 0}), Evaluator(w, {}).value(body, one)
+    )
