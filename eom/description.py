@@ -175,15 +175,37 @@ def check_end(scene: Request) -> None:
 
 
 def inertia_values(scene: Description) -> tuple[Triple, Triple, Triple] | None:
-    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe."""
+    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe.
+
+    About the point that the equations are about: that of a solid under its weight is moved there.
+    """
     body = scene.body
     if body.solid is None:
         return body.matrix
-    J = solids.central_inertia(body.solid)
-    if J.is_diagonal():
+    central = solids.central_inertia(body.solid)
+    moved = _moved(scene)
+    if central.is_diagonal() and all(moved[i][j] == 0 for i, j in ((0, 1), (0, 2), (1, 2))):
         return None
-    a, b, c, d, e, f, g, h, i = (_number_of(entry, body) for entry in J)
+    a, b, c, d, e, f, g, h, i = (
+        _number_of(entry, body) + more
+        for entry, more in zip(central, (m for row in moved for m in row), strict=True)
+    )
     return (a, b, c), (d, e, f), (g, h, i)
+
+
+def _moved(scene: Description) -> tuple[Triple, Triple, Triple]:
+    """Return what a solid's inertia has more about the fixed point than about its centre of mass.
+
+    Huygens and Steiner's theorem: m (r.r 1 - r r^T); zero where there is no fixed point.
+    """
+    weight = scene.torque.weight
+    m = 0.0 if weight is None or scene.body.mass is None else scene.body.mass
+    x, y, z = (0.0, 0.0, 0.0) if weight is None else weight.centre_of_mass
+    return (
+        (m * (y * y + z * z), -m * x * y, -m * x * z),
+        (-m * x * y, m * (x * x + z * z), -m * y * z),
+        (-m * x * z, -m * y * z, m * (x * x + y * y)),
+    )
 
 
 def principal_values(scene: Description) -> tuple[float, float, float]:
@@ -200,7 +222,10 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             )
         first, second, *third = body.moments
         return (first, second, first) if spinner else (first, second, third[0])
-    a, b, c = (_number_of(f, body) for f in solids.principal_moments(str(body.solid)))
+    a, b, c = (
+        _number_of(f, body) + _moved(scene)[k][k]
+        for k, f in enumerate(solids.principal_moments(str(body.solid)))
+    )
     if not spinner:
         return a, b, c
     if a != b:
@@ -269,6 +294,13 @@ def _check_solid(scene: Description) -> None:
         raise unknown_name("solid", name, solids.SOLIDS, "[body] solid")
     if body.mass is None:
         raise InputError("a solid needs its mass", where="[body] mass", expected="kilograms")
+    weight = scene.torque.weight
+    if weight is not None and weight.mass != body.mass:
+        raise InputError(
+            "the solid and its weight have different masses",
+            where="[body] mass and [torque] weight",
+            got=f"{body.mass!r} and {weight.mass!r}",
+        )
     solids.check_sizes(name, body.size, "[body] size")
     J = solids.central_inertia(name)
     if scene.model == "spinner" and not J.is_diagonal():
