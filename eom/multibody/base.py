@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations_with_replacement
 from typing import Any
@@ -20,7 +20,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.multibody.geometry import orthonormal, symbols_of
 from eom.multibody.joints import QUATERNION
-from eom.multibody.model import Tree
+from eom.multibody.model import Body, Tree
 from eom.multibody.prime import PRIME, Angles, Residue, fraction, reduced, residue
 from eom.multibody.regressor import Parameter, bones_of, entries, parameters_of
 from eom.multibody.values import is_number
@@ -69,7 +69,7 @@ def base_parameters(
     only to rounding are taken as exactly orthonormal ones nearby. Raises `InputError` for
     geometry that is no rational function of symbols, or gives coefficients of a degree above `DEGREES`.
     """
-    tree = orthonormal(tree)
+    tree = orthonormal(_bare(tree))
     columns = parameters_of(tree, armature=armature, damping=damping)
     symbols = symbols_of(tree)
     draw = random.Random(seed)  # noqa: S311 - reproducible points
@@ -85,6 +85,20 @@ def base_parameters(
     shown = {c for _, c in support}
     dropped = tuple(columns[c].name for c in dependent if c not in shown)
     return BaseParameters(combinations, dropped, columns)
+
+
+def _bare(tree: Tree) -> Tree:
+    """Return a tree of the same geometry and gravity, without what the columns do not depend on."""
+    return replace(
+        tree,
+        bodies=tuple(Body(b.name, mass=1) for b in tree.bodies),
+        joints=tuple(
+            replace(j, stiffness=0, rest=0, damping=0, armature=0, force=0) for j in tree.joints
+        ),
+        loads=(),
+        springs=(),
+        rotors=(),
+    )
 
 
 @dataclass(frozen=True)
