@@ -38,8 +38,9 @@ SPARE = 6
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """``combinations``: base parameters, by the name of the column that each is the factor of.
+    """The base parameters of a tree: the fewest combinations of inertial parameters that its motion shows.
 
+    ``combinations``: they, by the name of the column that each is the factor of; ``columns``: parameters.
     They are sums over symbols with the names of the columns: tau = sum of these columns of Y times the
     combinations. ``dropped``: columns that are zero: parameters that the motion never shows.
     """
@@ -54,7 +55,10 @@ class BaseParameters:
         return len(self.combinations)
 
     def values(self, given: Sequence[Any]) -> tuple[Any, ...]:
-        """Return their values for values of all parameters, in the order of ``columns``."""
+        """Return their values for values of all parameters, ``given`` in the order of ``columns``.
+
+        Raises `InputError` for text in place of numbers and expressions, and for too few or too many.
+        """
         pairs = zip(self.columns, given, strict=True)
         known = {sp.Symbol(c.name, real=True): as_expression(v) for c, v in pairs}
         return tuple(e.xreplace(known) for e in self.combinations.values())
@@ -65,9 +69,18 @@ def base_parameters(
 ) -> BaseParameters:
     """Return the base parameters of a tree; masses and inertias of the tree do not matter.
 
-    ``armature``, ``damping``: whether these are parameters too. Rotations and axes that floats hold
+    ``armature``, ``damping``: whether these are parameters too. ``seed``: of the random states at which the
+    regressor is eliminated, exactly; the result does not depend on it but with negligible probability.
+    Units are those of `Regressor`. Rotations and axes that floats hold
     only to rounding are taken as exactly orthonormal ones nearby. Raises `InputError` for
     geometry that is no rational function of symbols, or gives coefficients of a degree above `DEGREES`.
+    Source: Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+
+    >>> from eom.multibody import Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> pendulum = Tree("pendulum", (Body("bob", 1),), (hinge,), gravity=(0, 0, -9.81))
+    >>> base_parameters(pendulum).combinations
+    {'J_bob_11': J_bob_11, 'h_bob_2': h_bob_2, 'h_bob_3': h_bob_3}
     """
     tree = orthonormal(_bare(tree))
     columns = parameters_of(tree, armature=armature, damping=damping)
