@@ -22,7 +22,7 @@ Kernel = Callable[[Any, Array, Array, Array, Array], None]
 
 
 class Function(Protocol):
-    """``f(t, x, p, u, out=None)``: results of one group, in shape (k,) or (k, N)."""
+    """A compiled function ``f(t, x, p, u, out=None)`` of one group of results, in shape (k,) or (k, N)."""
 
     def __call__(
         self,
@@ -32,7 +32,12 @@ class Function(Protocol):
         u: ArrayLike | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Evaluate; fill and return ``out`` where it is given."""
+        """Return the results at one point, (k,), or at N points, (k, N).
+
+        ``t``: time, a number or (N,). ``x``: states, ``p``: parameters, ``u``: inputs, (n,) or (n, N);
+        what has no column axis is the same at every point. ``out``: an array that is filled and
+        returned. Raises `InputError` for wrong shapes and types.
+        """
 
 
 @dataclass(frozen=True)
