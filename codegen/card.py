@@ -24,7 +24,7 @@ class Cause:
     """What a result owes its error to.
 
     ``formula``: where digits are lost, as text; ``digits``: how many; ``share``: of the error that comes
-    from there, at most 1. ``operands``, ``value``: the numbers that meet there, and what they give.
+    from there. ``operands``, ``value``: the numbers that meet there, and what they give.
     """
 
     formula: str

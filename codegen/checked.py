@@ -22,7 +22,7 @@ Kernel = Callable[[Any, Array, Array, Array, Array], None]
 
 
 class Function(Protocol):
-    """A compiled function ``f(t, x, p, u, out=None)`` of one group of results, in shape (k,) or (k, N)."""
+    """A function ``f(t, x, p, u, out=None)`` of one group of results, in shape (k,) or (k, N)."""
 
     def __call__(
         self,
@@ -42,7 +42,10 @@ class Function(Protocol):
 
 @dataclass(frozen=True)
 class CheckedFunction:
-    """The whole contract of a function: conversion, shapes, errors; then the target's kernel."""
+    """The contract of a function of one ``group``: conversion, shapes, errors; then the ``kernel``.
+
+    ``layout``: names in the order of its arrays.
+    """
 
     group: str
     layout: Layout
@@ -56,7 +59,10 @@ class CheckedFunction:
         u: ArrayLike | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Evaluate. Raises `InputError` for wrong shapes and types."""
+        """Return the results, (k,) or (k, N), in ``out`` where it is given.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         columns: dict[str, int] = {}
         time = _real(t, "t")
         if time.ndim > 1:

@@ -269,7 +269,7 @@ def free_motion(
 ) -> FreeMotion:
     """Return the closed form of a torque-free motion, to be called with times.
 
-    Arguments, conventions, errors and source as those of `free_body`.
+    Arguments, units, conventions, errors and source as those of `free_body`.
 
     >>> free_motion((1, 2, 3), (1.0, 0.0, 1.0)).kind
     'greatest'

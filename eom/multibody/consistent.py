@@ -71,6 +71,7 @@ def assemble(
 
     Raises `InputError` for unknown names, where no configuration is found near the values, where
     constraints meet with the wrong side (an axis turned round), and in singular configurations.
+    Source: Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
 
     >>> from eom.multibody import Body, Distance, Joint
     >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))

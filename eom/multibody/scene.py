@@ -125,7 +125,10 @@ class TreeScene(TreeDescription):
 
     @cached_property
     def full_system(self) -> System:
-        """The system with every state and output that can be asked for."""
+        """The system with every state and output that can be asked for.
+
+        Raises `InputError` as `eom.multibody.derive` does.
+        """
         return self._named(derive(self.tree, self._choice.everything, start=self._near))
 
     @property

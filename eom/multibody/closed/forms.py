@@ -54,7 +54,7 @@ class Term:
 
     @property
     def expression(self) -> Expr:
-        """The term."""
+        """The term: its coefficient times its factor."""
         return self.coefficient * self.factor
 
 
