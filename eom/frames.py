@@ -112,7 +112,13 @@ class Rotation:
 
 
 def vector(frame: str, components: Iterable[Expr]) -> Vector:
-    """Build a vector from three numbers or expressions."""
+    """Return a vector of three numbers or expressions, ``components`` in a ``frame`` by its name.
+
+    Any consistent units. Raises `InputError` for text in place of expressions.
+
+    >>> vector("B", (1, 0, 0)).cross(vector("B", (0, 1, 0)))
+    Vector(frame='B', components=(0, 0, 1))
+    """
     a, b, c = (as_expression(component) for component in components)
     return Vector(frame, (a, b, c))
 

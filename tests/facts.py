@@ -11,16 +11,20 @@ import re
 NONE = "-"
 
 COLUMNS = {
-    "shapes": re.compile(r"\(.*,.*\)|\d x \d|three|numbers each|``shape``"),
-    "units": re.compile(r"\b(SI|rad|kg|N|m|s|J|ulps|units?)\b|1/s|relative to", re.IGNORECASE),
+    "shapes": re.compile(
+        r"\(.*,.*\)|\d x \d|three|four numbers|numbers each|shapes|``shape``|as of `"
+    ),
+    "units": re.compile(
+        r"\b(SI|rad|kg|N|m|s|J|ulps|units?)\b|1/s|relative to|radians|metres", re.IGNORECASE
+    ),
     "conventions": re.compile(
-        r"\b(frames?|axes|axis|b[123]|a3|in B|C_BA|scalar first|right-handed|minus|signs?|opposites?|"
+        r"\b(frames?|axes|axis|b[123]|a3|in B|C_BA|components|scalar first|right-handed|minus|signs?|opposites?|"
         r"along|towards|direction|turn|inertial|against|less|backwards|exerts|conventions)\b|"
-        r"-integral|on a joint|on ``|from the first|by the (gradient|coefficients)|see `",
+        r"-integral|on a joint|on the child|on ``|from the first|by the (gradient|coefficients)|see `",
         re.IGNORECASE,
     ),
     "source": re.compile(
-        r"\b(19|20)\d\d\b|lecture 00\d|as (those )?of `|see `|are those of `|modules of"
+        r"\b(19|20)\d\d\b|lectures? 00\d|as (those )?of `|see `|are those of `|modules of"
     ),
 }
 """What a fact of each kind looks like."""
@@ -331,5 +335,127 @@ FACTS = {
         "backwards if the end is earlier",
         "Jorba and Zou, Experimental Mathematics 14 (2005)",
     ),
+    "eom.conventions.Convention": (NONE, NONE, "takes components in the reference axes", NONE),
+    "eom.conventions.Stated": ("(3, 3)", "``inertia`` in kg m^2", "in the body's axes", NONE),
+    "eom.conventions.attitude_of_angles": (
+        "three ``angles``",
+        "(rad)",
+        "the angles turn about axes of the body",
+        "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
+    ),
+    "eom.conventions.attitude_of_matrix": (
+        "three of three numbers",
+        "no unit",
+        "takes components in the reference axes (east, north, up)",
+        NONE,
+    ),
+    "eom.conventions.attitude_of_quaternion": (
+        "four numbers",
+        "unit quaternion",
+        "scalar first or last",
+        "Shuster, J. Astronaut. Sci. 41 (1993)",
+    ),
+    "eom.conventions.book": (NONE, NONE, NONE, NONE),
+    "eom.conventions.changed": (NONE, NONE, NONE, NONE),
+    "eom.conventions.of_scene": (
+        NONE,
+        "units and axes as of `Stated`",
+        "axes as of `Stated`",
+        NONE,
+    ),
+    "eom.conventions.state": (
+        "(3, 3)",
+        "kg m^2",
+        "minus the products of inertia",
+        "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
+    ),
+    "eom.derivations.lectures.equation_map": (NONE, NONE, NONE, "lectures 000, 001 and 002"),
+    "eom.frames.vector": ("three numbers", "Any consistent units", "in a ``frame``", NONE),
+    "eom.kinematics.attitude": (
+        NONE,
+        "(rad)",
+        "scalar first",
+        "Shuster, J. Astronaut. Sci. 41 (1993)",
+    ),
+    "eom.kinematics.elementary": (
+        "3 x 3",
+        "(rad)",
+        "takes components in A to components in B",
+        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10",
+    ),
+    "eom.mass.MassProperties": (
+        "(3, 3)",
+        "(kg m^2)",
+        "in the body's axes",
+        "Huygens and Steiner's theorem; lecture 002",
+    ),
+    "eom.multibody.from_sympy.tree_from_sympy": (
+        NONE,
+        "units, frames and signs stay",
+        "units, frames and signs stay",
+        NONE,
+    ),
+    "eom.multibody.to_sympy.lagranges_method": (
+        NONE,
+        "Units, frames and signs",
+        "Units, frames and signs",
+        "Goldstein, Classical Mechanics (2002), ch. 1",
+    ),
+    "eom.multibody.to_sympy.to_sympy": (NONE, "Units, frames and signs", "act on the child", NONE),
+    "eom.principal.definiteness": ("as of `principal_axes`", "(kg m^2)", NONE, NONE),
+    "eom.principal.principal_axes": (
+        "3 x 3",
+        "(kg m^2)",
+        "minus the products of inertia",
+        "lecture 002 eq. 3.28-3.35",
+    ),
+    "eom.printing.show": (NONE, "Units stand with the quantities", NONE, NONE),
+    "eom.recognition.recognise": (
+        "three of three",
+        "angles in radians",
+        "from reference to body components",
+        "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
+    ),
+    "eom.regions.Region": ("three expressions", "any consistent units", "in the body's axes", NONE),
+    "eom.regions.properties": (
+        "Units (kg, m where the region has them), shapes",
+        "Units (kg, m",
+        "axes as of `MassProperties`",
+        NONE,
+    ),
+    "eom.regions.simplex": (
+        "three coordinates",
+        "any consistent units",
+        "along the body's axes",
+        NONE,
+    ),
+    "eom.rotations.matrix_of_quaternion": (
+        "(3, 3)",
+        "unit quaternion",
+        "scalar first",
+        "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27",
+    ),
+    "eom.solids.inertia": (
+        "3 x 3",
+        "(kg m^2)",
+        "minus the products of inertia",
+        "as of `mass_properties`",
+    ),
+    "eom.solids.mass_properties": (
+        NONE,
+        "(kg, m)",
+        "in axes whose third",
+        "as of `eom.regions.properties`",
+    ),
+    "eom.torques.applied": (NONE, "(N m)", "in B", NONE),
+    "eom.torques.gravity_gradient": (
+        "3 x 3",
+        "(kg m^2)",
+        "a3 the orbit normal",
+        "Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1",
+    ),
+    "eom.torques.weight": ("3 x 3", "in metres", "Gravity acts along -a3", "lecture 002 eq. 3.20"),
+    "eom.verification.DerivationError": (NONE, NONE, NONE, NONE),
+    "codegen.native.CompilerError": (NONE, NONE, NONE, NONE),
 }
 """A row a public name."""

@@ -10,16 +10,19 @@ Rules, for everything that `tests/public.py` finds:
   or by its type where that is a class under these rules;
 - an array that is returned or held has its shape in words in brackets, as (3,) or (n, N);
 - an error that the function raises, or what it calls directly, is named behind "Raises";
-- each public function has an example that runs.
+- each public function has an example that runs, but for what takes seconds (`SLOW`).
 """
 
 from __future__ import annotations
 
 import inspect
 import re
+from dataclasses import dataclass
 
 import pytest
 
+from codegen.checked import Array
+from eom.errors import InputError
 from tests.facts import COLUMNS, FACTS, INNER, NONE
 from tests.public import (
     classes_in,
@@ -46,6 +49,7 @@ FUNCTIONS = {n: inspect.unwrap(o) for n, o in PUBLIC.items() if function_of(o)}
 MEMBERS = {f"{n}.{m}": (c, m, f) for n, c in CLASSES.items() for m, f in members(c).items()}
 CALLABLE = FUNCTIONS | {n: f for n, (_, _, f) in MEMBERS.items()}
 ARRAY = re.compile(r"\b(Array|NDArray|ndarray|Counts|Floats)\b")
+SLOW = {"eom.derivations.lectures.equation_map"}
 NUMBERS = re.compile(r"\b(float|Array|ArrayLike|NDArray|Expr|Value)\b")
 SHAPE = re.compile(
     r"\((?:\*?[A-Za-z0-9.*]+(?: [-+] [A-Za-z0-9]+)?,[^()]*|\.\.\.)\)|``shape``|3 x 3|n x n"
@@ -94,80 +98,126 @@ def first_line(words):
     return words.splitlines()[0] if words else ""
 
 
-@pytest.mark.parametrize("name", [*EVERYTHING, *MEMBERS])
-def test_the_first_line_is_one_sentence(name):
-    line = first_line(doc_of(name))
-    assert re.fullmatch(r"[A-Z`'\"3d].{8,106}[.]", line), line
-    assert not re.search(r"[.] [A-Z](?!\w*-)", line.replace("Raises", "")), "two sentences"
+# -- the rules: what is wrong with a docstring, in words; nothing if all is well -------------------
 
 
-@pytest.mark.parametrize("name", CALLABLE)
-def test_each_parameter_is_named(name):
-    assert not not_named(parameters(CALLABLE[name]), doc_of(name))
+def no_sentence(words, _):
+    """The first line begins with a capital, a name or a number, ends with a full stop, and is one."""
+    line = first_line(words)
+    if not re.fullmatch(r"[A-Z`'\"3d].{8,106}[.]", line):
+        yield f"no sentence: {line!r}"
+    if re.search(r"[.] [A-Z](?!\w*-)", line.replace("Raises", "")):
+        yield f"two sentences: {line!r}"
 
 
-@pytest.mark.parametrize("name", CLASSES)
-def test_each_field_is_described(name):
-    own = texts_of_fields(CLASSES[name])
-    taken = {n: a for n, a in fields(CLASSES[name]).items() if n not in own}
-    assert not not_named(taken, doc_of_class(CLASSES[name]))
+def unnamed_parameters(words, function):
+    yield from not_named(parameters(function), words)
 
 
-@pytest.mark.parametrize("name", CALLABLE)
-def test_what_is_returned_is_told(name):
-    function, words = CALLABLE[name], doc_of(name)
+def unnamed_fields(words, cls):
+    own = texts_of_fields(cls)
+    yield from not_named({n: a for n, a in fields(cls).items() if n not in own}, words)
+
+
+def untold_results(words, function):
     kind = returned(function)
-    if kind == "None" or (name in MEMBERS and is_property(*MEMBERS[name][:2])):
-        return
     known = set(classes_in(kind, function.__module__)) & set(CLASSES.values())
-    assert re.search(r"\b[Rr]eturns?\b", words) or known, first_line(words)
+    if kind != "None" and not known and not re.search(r"\b[Rr]eturns?\b", words):
+        yield "what is returned?"
 
 
-@pytest.mark.parametrize("name", CALLABLE)
-def test_an_array_that_is_returned_has_a_shape(name):
-    if ARRAY.search(returned(CALLABLE[name])):
-        words = doc_of(name)
-        assert any(SHAPE.search(t) for t in [words, *named_in(words)])
+def shapeless_results(words, function):
+    told = any(SHAPE.search(t) for t in [words, *named_in(words)])
+    if ARRAY.search(returned(function)) and not told:
+        yield "an array without a shape is returned"
 
 
-@pytest.mark.parametrize("name", CLASSES)
-def test_an_array_that_is_held_has_a_shape(name):
-    """In the text behind the field, or in the sentence of the docstring that names it."""
-    cls = CLASSES[name]
-    own, words = texts_of_fields(cls), doc_of_class(cls)
+def shapeless_fields(words, cls):
+    """The shape stands in the text behind a field, or near its name in the docstring."""
+    own = texts_of_fields(cls)
     sentences = re.split(r"(?<=[.:])\s+(?=[A-Z`])", words)
     for field, annotation in fields(cls).items():
         if ARRAY.search(str(annotation)):
             places = [k for k, s in enumerate(sentences) if f"``{field}``" in s]
             told = [own.get(field, ""), *(" ".join(sentences[k : k + 3]) for k in places)]
-            assert any(SHAPE.search(t) or "all arrays" in t for t in told), field
+            if not any(SHAPE.search(t) or "all arrays" in t for t in told):
+                yield f"{field} has no shape"
 
 
-@pytest.mark.parametrize("name", [*CALLABLE, *CLASSES])
-def test_errors_are_named(name):
-    words = doc_of(name)
-    functions = makers(CLASSES[name]) if name in CLASSES else [CALLABLE[name]]
+def untold_errors(words, obj):
+    functions = makers(obj) if inspect.isclass(obj) else [obj]
     raised = set().union(*map(errors, functions))
     told = {e for t in [words, *named_in(words)] for e in re.findall(r"`(\w+Error)`", t)}
-    assert raised <= told, raised - told
-    if raised:
-        assert re.search(r"[Rr]aise|[Ee]rrors", words)
+    yield from sorted(raised - told)
+    if raised and not re.search(r"[Rr]aise|[Ee]rrors", words):
+        yield "does not say that it raises"
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_each_function_has_an_example(name):
-    assert ">>> " in doc(name)
+def no_example(words, _):
+    if ">>> " not in words:
+        yield "no example"
+
+
+METHODS = {n: f for n, f in CALLABLE.items() if n in FUNCTIONS or not is_property(*MEMBERS[n][:2])}
+RULES = {
+    no_sentence: EVERYTHING | CALLABLE,
+    unnamed_parameters: CALLABLE,
+    unnamed_fields: CLASSES,
+    untold_results: METHODS,
+    shapeless_results: CALLABLE,
+    shapeless_fields: CLASSES,
+    untold_errors: CALLABLE | CLASSES,
+    no_example: {n: f for n, f in FUNCTIONS.items() if n not in SLOW},
+}
+"""Each rule, and what it holds for."""
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.__name__)
+def test_docstrings_are_complete(rule):
+    wrong = {n: list(rule(doc_of(n), obj)) for n, obj in RULES[rule].items()}
+    assert {n: found for n, found in wrong.items() if found} == {}
+
+
+def refused(x: float) -> float:
+    raise InputError("not that", got=x)
+
+
+def calls(x: float) -> Array:
+    return refused(x)
+
+
+@dataclass(frozen=True)
+class Vague:
+    values: Array
+    told: int = 0
+    """How many."""
+
+    def __post_init__(self):
+        refused(self.told)
+
+
+def test_the_rules_see_what_is_missing():
+    assert list(no_sentence("What it does", calls)) == ["no sentence: 'What it does'"]
+    assert list(no_sentence("This is it. That too.", calls))
+    assert list(unnamed_parameters("Return ``y``.", calls)) == ["x"]
+    assert not list(unnamed_parameters("Return ``x``.", calls))
+    assert list(unnamed_fields("What has ``told``.", Vague)) == ["values"]
+    assert list(untold_results("Do it.", calls))
+    assert not list(untold_results("Return it.", calls))
+    assert list(shapeless_results("Return it.", calls))
+    assert not list(shapeless_results("Return it, (n,).", calls))
+    assert list(shapeless_fields("What has ``values``.", Vague)) == ["values has no shape"]
+    assert not list(shapeless_fields("What has ``values`` (n, 3).", Vague))
+    assert "InputError" in untold_errors("Do it.", calls)
+    assert "InputError" in untold_errors("Do it.", Vague)
+    assert not list(untold_errors("Do it. Raises `InputError`.", refused))
 
 
 # -- the facts ------------------------------------------------------------------------------------
 
 
-def plain(words):
-    return " ".join(words.split())
-
-
 def annotations(name):
-    """All annotations of a function, or of the fields and what makes a class, as one text."""
+    """All annotations of a function, or of the fields of a class, as one text."""
     obj = EVERYTHING[name]
     if inspect.isclass(obj):
         return " ".join(map(str, fields(obj).values()))
@@ -175,29 +225,32 @@ def annotations(name):
     return " ".join([*parameters(function).values(), returned(function)]) if function else ""
 
 
-@pytest.mark.parametrize("name", FACTS)
-def test_facts_stand_in_the_docstring(name):
-    """Each fact stands there in these words, and is one of its kind."""
-    words = doc(name)
+def everything_said(name):
+    """The docstring of a name, of a class with those of its fields and members, in one line."""
+    words = [doc(name)]
     if name in CLASSES:
-        own = [inspect.getdoc(f) or "" for c, _, f in MEMBERS.values() if c is CLASSES[name]]
-        words = " ".join([words, *texts_of_fields(CLASSES[name]).values(), *own])
+        words += texts_of_fields(CLASSES[name]).values()
+        words += [inspect.getdoc(f) or "" for c, _, f in MEMBERS.values() if c is CLASSES[name]]
+    return " ".join(" ".join(words).split())
+
+
+def missing(name):
+    """Facts that are none of their kind, or that the docstring does not state in these words."""
+    said = everything_said(name)
     for (column, pattern), fact in zip(COLUMNS.items(), FACTS[name], strict=True):
-        if fact != NONE:
-            assert pattern.search(fact), f"{column}: {fact!r} is none"
-            assert fact in " ".join(words.split()), f"{column}: {fact!r} is not in the docstring"
-
-
-@pytest.mark.parametrize("name", FACTS)
-def test_what_has_arrays_and_numbers_states_shapes_and_units(name):
+        if fact != NONE and not (pattern.search(fact) and fact in said):
+            yield f"{column}: {fact}"
     shapes, units, *_ = FACTS[name]
-    held = annotations(name)
-    assert shapes != NONE or not ARRAY.search(held)
-    assert units != NONE or not NUMBERS.search(held)
+    if shapes == NONE and ARRAY.search(annotations(name)):
+        yield "it has arrays: which shapes?"
+    if units == NONE and NUMBERS.search(annotations(name)):
+        yield "it has numbers: which units?"
 
 
-def test_each_public_name_has_its_facts():
+def test_each_public_name_states_its_facts():
     assert set(PUBLIC) == set(FACTS)
+    wrong = {n: list(missing(n)) for n in FACTS}
+    assert {n: found for n, found in wrong.items() if found} == {}
 
 
 def test_what_is_inner_is_reached():
