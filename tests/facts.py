@@ -18,7 +18,8 @@ COLUMNS = {
         r"\b(SI|rad|kg|N|m|s|J|ulps|units?)\b|1/s|relative to|radians|metres", re.IGNORECASE
     ),
     "conventions": re.compile(
-        r"\b(frames?|axes|axis|b[123]|a3|in B|C_BA|components|scalar first|right-handed|minus|signs?|opposites?|"
+        r"\b(frames?|axes|axis|b[123]|a3|in B|C_BA|components|"
+        r"scalar first|right-handed|minus|signs?|opposites?|"
         r"along|towards|direction|turn|inertial|against|less|backwards|exerts|conventions)\b|"
         r"-integral|on a joint|on the child|on ``|from the first|by the (gradient|coefficients)|see `",
         re.IGNORECASE,

@@ -15,7 +15,6 @@ import inspect
 import itertools
 import re
 import sys
-import textwrap
 import typing
 from dataclasses import dataclass, is_dataclass
 
@@ -72,6 +71,18 @@ def tree_of(module):
     return ast.parse(inspect.getsource(sys.modules[module]))
 
 
+@functools.cache
+def nodes_of(module):
+    """Functions and classes of a module by the line of their first decorator, or of themselves."""
+    kinds = (ast.FunctionDef, ast.Lambda, ast.ClassDef)
+    found = {}
+    for node in ast.walk(tree_of(module)):
+        if isinstance(node, kinds):
+            decorators = getattr(node, "decorator_list", [])
+            found.setdefault(min(d.lineno for d in [*decorators, node]), node)
+    return found
+
+
 def texts_behind(body):
     """Text of each string that stands behind an assignment, by the name that is assigned to."""
     found = {}
@@ -103,8 +114,8 @@ def texts_of_fields(cls):
     """Text behind each field of a class or of one that it inherits from."""
     found = {}
     for c in reversed(lineage(cls)):
-        (node,) = ast.parse(textwrap.dedent(inspect.getsource(c))).body
-        found |= texts_behind(node.body)
+        nodes = nodes_of(c.__module__).values()
+        found |= next(texts_behind(n.body) for n in nodes if getattr(n, "name", "") == c.__name__)
     return found
 
 
@@ -272,7 +283,7 @@ class Scope:
 
 @functools.cache
 def scope(function):
-    node = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    node = nodes_of(function.__module__)[function.__code__.co_firstlineno]
     inside = inspect.getclosurevars(function).nonlocals if function.__closure__ else {}
     return Scope(node, {**vars(builtins), **function.__globals__, **inside})
 
