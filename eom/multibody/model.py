@@ -137,7 +137,8 @@ class Joint:
     ``on_parent``, ``on_child``: where the joint's two frames are; they coincide at zero coordinates.
 
     Coordinates (rad, m) are those of the child's frame in the parent's: positive turns are right-handed
-    about the axis. Speeds of a spherical or free joint are components in the child's frame (rad/s, m/s).
+    about the axis. Speeds of a planar, spherical or free joint are components in the child's frame
+    (rad/s, m/s).
 
     At each speed: ``stiffness`` (N m/rad or N/m) about ``rest``, where the speed is the rate of a
     coordinate; ``damping`` (N m s/rad or N s/m); ``armature``, the inertia of a motor's rotor seen through
