@@ -306,6 +306,13 @@ def attitude(name: str) -> Attitude:
         "quaternion": quaternion,
         "dcm": direction_cosines,
     }
+    known = (*by_name, *SEQUENCES)
+    if name not in known:
+        raise InputError(
+            f"unknown attitude {name!r}",
+            expected="one of " + ", ".join(known),
+            hint=near_matches(name, known),
+        )
     return by_name[name]() if name in by_name else rotation_sequence(name)
 
 
