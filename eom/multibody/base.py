@@ -60,6 +60,10 @@ class BaseParameters:
 
         Raises `InputError` for text in place of numbers and expressions, and for too few or too many.
         """
+        if len(given) != len(self.columns):
+            raise InputError(
+                "one value a column is needed", got=len(given), expected=len(self.columns)
+            )
         pairs = zip(self.columns, given, strict=True)
         known = {sp.Symbol(c.name, real=True): as_expression(v) for c, v in pairs}
         return tuple(e.xreplace(known) for e in self.combinations.values())

@@ -252,6 +252,12 @@ def test_symbols_of_masses_and_forces_do_not_matter():
     assert base_parameters(told) == base_parameters(given)
 
 
+def test_values_of_base_parameters_need_a_value_a_column():
+    found = base_parameters(planar((0, -g, 0)))
+    with pytest.raises(InputError, match="one value a column"):
+        found.values([1, 2])
+
+
 def test_nothing_moves_nothing():
     given = Tree("still", [Body("a", 1)], [Joint("j", "fixed", "ground", "a")])
     found = base_parameters(given)
