@@ -46,6 +46,11 @@ INNER = frozenset(
 )
 """Classes that users come to and need not know: how results are computed, written or verified."""
 
+NEVER = {
+    "eom.Scene.attitudes": "the name of the attitude was checked when the scene was made",
+}
+"""What raises nothing though what it calls may, and why."""
+
 FACTS = {
     # name: (shapes, units, conventions, source)
     "eom.__version__": (NONE, NONE, NONE, NONE),
