@@ -235,7 +235,7 @@ class FreeMotion:
     ``kind``: its row of `KINDS` by name, ``meaning`` in words. ``period``: of the angular velocity
     in the body, s; 0 where it is constant, infinite on the separatrix. Units, frames, signs and sources
     are those of `free_body`. ``body``, ``form``: the motion in the frame of the polhode; ``first``: the
-    quaternion that takes it to inertial space, scalar first.
+    quaternion of a constant turn before it, scalar first.
     """
 
     kind: str

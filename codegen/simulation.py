@@ -161,10 +161,10 @@ def simulate(
     time for each input; functions are called from Python. ``method``: one of `METHODS`.
     ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
     ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 unless
-    given). ``t_eval``: times to store; without it every step, of a closed form 1001 times.
-    ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``: limits of
-    steps (s); ``max_steps``: of their number. ``margin``: the run stops where a singularity's expression
-    gets below it. ``progress``: called with the share that is done, 0 to 1.
+    given). ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal
+    distances. ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``:
+    limits of steps (s); ``max_steps``: of their number. ``margin``: the run stops where a singularity's
+    expression gets below it. ``progress``: called with the share that is done, 0 to 1.
 
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.integrate.projection`); all stored points lie on them. Without

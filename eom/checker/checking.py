@@ -71,9 +71,9 @@ def check(
     from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon gives
     to the symbols; numbers with units are compared in SI.
 
-    Verdicts are found by exact values in random worlds of rigid bodies (`eom.verification`): what fails is
-    wrong for certain, what holds does so but with a negligible probability of error (Schwartz, J. ACM 27,
-    1980).
+    Verdicts on equations come from exact values in random worlds of rigid bodies (`eom.verification`): one
+    that fails at such values is false; one that holds at all of them is true but for a negligible
+    probability (Schwartz, J. ACM 27, 1980).
     Raises `InputError` for a note that cannot be read and for settings that cannot be used.
 
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
