@@ -16,6 +16,7 @@ from codegen import arguments, requested
 from codegen import events as looked_for
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.ending import message
 from codegen.events import Event, Given, Occurrences
 from codegen.identity import SameObject
 from codegen.integrate import scipy_
@@ -335,7 +336,7 @@ def _result(
         sol=trajectory.solution,
         nfev=trajectory.evaluations,
         status={"end": 0, "singular": 1, "event": 2}.get(stop.kind, -1),
-        message=_message(compiled, trajectory, problem.max_steps),
+        message=message(compiled, trajectory, problem.max_steps),
         outputs=outputs,
         drift=drift,
         margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
@@ -384,32 +385,3 @@ def _floors(compiled: Compiled, problem: Problem) -> Array:
     points = np.column_stack([x, x[:, None] + np.diag(RELATIVE_FLOOR * x)])
     values = function(problem.t_span[0], points, problem.parameters, problem.inputs)
     return np.asarray(np.sum(np.abs(values[:, 1:] - values[:, :1]), axis=1))
-
-
-def _message(compiled: Compiled, trajectory: Trajectory, max_steps: int) -> str:
-    stop, names = trajectory.stop, names_of(compiled.layout.states)
-    at = f"stopped at t = {stop.t:.9g} s"
-    if stop.kind == "end":
-        return f"reached t = {stop.t:.9g} s"
-    if stop.kind == "singular":
-        singularity = compiled.system.singularities[stop.which]
-        if singularity.coordinate.name not in names:
-            return f"{at}: {singularity.expression} = 0 is singular: {singularity.meaning}"
-        angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
-        return (
-            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
-            f"is singular, {singularity.expression} = 0: {singularity.meaning}"
-        )
-    if stop.kind == "not finite":
-        return f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
-    if stop.kind == "step":
-        return (
-            f"{at}: the step fell below the resolution of time; the tolerance cannot be met there, "
-            "or the rates on both sides of a jump lead back to it (friction at rest)"
-        )
-    if stop.kind == "memory":
-        return f"{at}: no memory for more steps; give t_eval to store less"
-    return (
-        f"{at}: all of max_steps = {max_steps:,} were tried; look for a jump in the rates "
-        "(friction, sign) or stiffness, or raise max_steps"
-    )
