@@ -43,7 +43,10 @@ CACHE_VARIABLE = "EOM_CACHE_DIR"
 
 
 class CompilerError(InputError):
-    """There is no C compiler, or it failed."""
+    """Say that there is no C compiler, or that it failed.
+
+    An `InputError` with the same parts: ``got`` is what the compiler said.
+    """
 
 
 @cache

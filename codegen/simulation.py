@@ -16,6 +16,7 @@ from codegen import arguments, requested
 from codegen import events as looked_for
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.ending import message
 from codegen.events import Event, Given, Occurrences
 from codegen.identity import SameObject
 from codegen.integrate import scipy_
@@ -37,14 +38,17 @@ Signal = float | Callable[[float], float]
 
 @dataclass(frozen=True)
 class Drift:
-    """How far a constant of the motion wandered from its first value, over the stored points."""
+    """How far a constant of the motion wandered from its first value, over the stored points.
+
+    ``start``: the first value; ``largest``: the largest change from it, both in the unit of the invariant.
+    """
 
     start: float
     largest: float
     floor: float = field(compare=False)
     """Change of the first value if every state changes by `RELATIVE_FLOOR` of itself."""
     over_time: Array = field(compare=False, repr=False)
-    """Value less first value at each stored point."""
+    """Value less first value at each stored point, (N,)."""
 
     @property
     def scale(self) -> float:
@@ -64,11 +68,13 @@ class Result:
     ``t`` (N,), ``y`` (n, N), ``sol`` (dense output or None), ``nfev``, ``status`` (0: end reached;
     1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
-    ``t_events`` and ``y_events``: the same in order, as SciPy has them.
+    ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
+    order of ``y``; ``result[name]`` gives one of them, or an output.
     ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
-    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
+    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
     where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
-    the method was chosen and not given.
+    the method was chosen and not given. ``steps`` were made, ``rejected`` tried in vain. ``notice``: what
+    the user should know. Units are those of the system.
     """
 
     t: Array
@@ -120,7 +126,7 @@ class Result:
         return [found.y.T for found in self.events.values()]
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values of a state or output by name."""
+        """Return the values (N,) of a state or output by ``name``. Raises `InputError` for others."""
         if name in self.outputs:
             return self.outputs[name]
         if name in self.names:
@@ -154,9 +160,13 @@ def simulate(
 
     ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
     time for each input; functions are called from Python. ``method``: one of `METHODS`.
-    ``outputs``: names of outputs and states; only states that these need are integrated. Steps meet
-    the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
-    every step without it. ``margin``: the run stops where a singularity's expression gets below it.
+    ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
+    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 unless
+    given). ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal
+    distances. ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``:
+    limits of steps (s); ``max_steps``: of their number. ``margin``: the run stops where a singularity's
+    expression gets below it. ``progress``: called with the share that is done, 0 to 1.
+
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.integrate.projection`); all stored points lie on them. Without
     it, those that the system maintains: what constraints leave, if the method can project. The
@@ -167,7 +177,19 @@ def simulate(
     integrated with those that ``outputs`` need.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
-    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
+    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
+    `AssumptionError` for values that contradict the system's assumptions. Units are those of the system.
+    Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. II.5 and
+    II.6; Jorba and Zou, Experimental Mathematics 14 (2005); others in the modules of `codegen.integrate`.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> energy = {"energy": (v**2 + k * y**2) / 2}
+    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y}, invariants=energy)
+    >>> compiled = compile_system(oscillator, "numpy")
+    >>> run = simulate(compiled, {"y": 1, "v": 0}, (0, sp.pi), {"k": 4}, "scipy:DOP853")
+    >>> run.status, round(float(run["y"][-1]), 6), run.drift["energy"].relative < 1e-8
+    (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
     part = _part(_compiled(system), outputs, found)
@@ -314,7 +336,7 @@ def _result(
         sol=trajectory.solution,
         nfev=trajectory.evaluations,
         status={"end": 0, "singular": 1, "event": 2}.get(stop.kind, -1),
-        message=_message(compiled, trajectory, problem.max_steps),
+        message=message(compiled, trajectory, problem.max_steps),
         outputs=outputs,
         drift=drift,
         margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
@@ -363,32 +385,3 @@ def _floors(compiled: Compiled, problem: Problem) -> Array:
     points = np.column_stack([x, x[:, None] + np.diag(RELATIVE_FLOOR * x)])
     values = function(problem.t_span[0], points, problem.parameters, problem.inputs)
     return np.asarray(np.sum(np.abs(values[:, 1:] - values[:, :1]), axis=1))
-
-
-def _message(compiled: Compiled, trajectory: Trajectory, max_steps: int) -> str:
-    stop, names = trajectory.stop, names_of(compiled.layout.states)
-    at = f"stopped at t = {stop.t:.9g} s"
-    if stop.kind == "end":
-        return f"reached t = {stop.t:.9g} s"
-    if stop.kind == "singular":
-        singularity = compiled.system.singularities[stop.which]
-        if singularity.coordinate.name not in names:
-            return f"{at}: {singularity.expression} = 0 is singular: {singularity.meaning}"
-        angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
-        return (
-            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
-            f"is singular, {singularity.expression} = 0: {singularity.meaning}"
-        )
-    if stop.kind == "not finite":
-        return f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
-    if stop.kind == "step":
-        return (
-            f"{at}: the step fell below the resolution of time; the tolerance cannot be met there, "
-            "or the rates on both sides of a jump lead back to it (friction at rest)"
-        )
-    if stop.kind == "memory":
-        return f"{at}: no memory for more steps; give t_eval to store less"
-    return (
-        f"{at}: all of max_steps = {max_steps:,} were tried; look for a jump in the rates "
-        "(friction, sign) or stiffness, or raise max_steps"
-    )

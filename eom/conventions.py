@@ -83,8 +83,11 @@ def axes(letters: str, known: Mapping[str, Sequence[float]], what: str) -> Matri
 class Convention:
     """How attitudes and inertias are written: a row of each of `CHOICES`, and two systems of axes.
 
-    ``reference``: three of the letters e, w, n, s, u, d (east, ..., down), ``body``: three of f, b, l, r,
-    u, d (forward, ..., down); both right-handed. ``sequence``: of the angles. Raises `InputError` for
+    ``direction``: passive (C takes components in the reference axes to those in the body's) or active
+    (its transpose). ``order``: angles turn about axes of the body, or of space. ``scalar``: first or
+    last in quaternions. ``products``: of inertia, minus or plus the integrals beside the diagonal.
+    ``reference``: three of the letters e, w, n, s, u, d (east, ..., down), ``body``: three of f, b, l,
+    r, u, d (forward, ..., down); both right-handed. ``sequence``: of the angles. Raises `InputError` for
     others.
     """
 
@@ -145,7 +148,13 @@ BOOKS: dict[str, tuple[str, Convention]] = {
 
 
 def book(name: str) -> Convention:
-    """Return a convention of `BOOKS`. Raises `InputError` for other names."""
+    """Return the convention of a book or program, by its ``name`` in `BOOKS`.
+
+    Raises `InputError` for other names.
+
+    >>> book("hughes").scalar
+    'last'
+    """
     if name not in BOOKS:
         raise unknown_name("convention", name, BOOKS)
     return BOOKS[name][1]
@@ -155,8 +164,9 @@ def book(name: str) -> Convention:
 class Stated:
     """An attitude, an inertia and an angular velocity as a book has them.
 
-    ``inertia`` in kg m^2, ``omega`` in rad/s, both in the body's axes; ``angles`` in radians, of
-    the convention's sequence; what was not given is None.
+    ``convention``: which. ``matrix``: (3, 3), and ``quaternion``, of unit norm. ``inertia`` in kg m^2,
+    ``omega`` in rad/s, both in the body's axes; ``angles`` in radians, of the convention's sequence; what
+    was not given is None.
     """
 
     convention: Convention
@@ -170,7 +180,12 @@ class Stated:
 def attitude_of_matrix(rows: Sequence[Sequence[float]], convention: Convention = HOUSE) -> Matrix:
     """Return C, in the house's convention, of a matrix in another.
 
-    Raises `InputError` for what is no rotation, to 1e-9.
+    ``rows``: three of three numbers, in a ``convention``. C, as rows, takes components in the reference
+    axes (east, north, up) to components in the body's (forward, left, up).
+    Its entries have no unit. Raises `InputError` for what is no rotation, to 1e-9.
+
+    >>> attitude_of_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]], book("siciliano"))[0]  # active
+    (0.0, 1.0, 0.0)
     """
     if [len(row) for row in rows] != [3, 3, 3]:
         raise InputError("a matrix has three rows of three", where="matrix")
@@ -194,7 +209,15 @@ def attitude_of_matrix(rows: Sequence[Sequence[float]], convention: Convention =
 
 
 def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -> Matrix:
-    """Return C, in the house's convention, of a unit quaternion. Raises `InputError` for other norms."""
+    """Return C, in the house's convention, of a unit quaternion.
+
+    ``q``: four numbers, in a ``convention``, scalar first or last as it says. C as of `attitude_of_matrix`.
+    Raises `InputError` for a norm that is not 1, to 1e-9. Source: Hughes, Spacecraft Attitude Dynamics
+    (1986), eq. 2.2-27; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+
+    >>> attitude_of_quaternion((0, 0, 1, 0), book("hughes"))[0]  # half a turn about axis 3
+    (-1.0, 0.0, 0.0)
+    """
     if len(q) != 4:
         raise InputError("a quaternion has four components", where="quaternion", got=len(q))
     norm = math.sqrt(dot(q, q))
@@ -211,7 +234,15 @@ def attitude_of_quaternion(q: Sequence[float], convention: Convention = HOUSE) -
 
 
 def attitude_of_angles(angles: Sequence[float], convention: Convention = HOUSE) -> Matrix:
-    """Return C, in the house's convention, of three angles (rad) of the convention's sequence."""
+    """Return C, in the house's convention, of three ``angles`` (rad) of the convention's sequence.
+
+    C as of `attitude_of_matrix`; the angles turn about axes of the body or of space, as the ``convention``
+    says. Raises `InputError` for other than three finite angles.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2.
+
+    >>> [round(x, 6) for x in attitude_of_angles((0.1, 0, 0))[0]]  # about axis 3
+    [0.995004, 0.099833, 0.0]
+    """
     if len(angles) != 3 or not all(map(math.isfinite, angles)):
         raise InputError("three finite angles are needed", where="angles", got=list(angles))
     sequence, about_body = convention.sequence, list(angles)
@@ -244,7 +275,15 @@ def attitude_at_start(scene: Scene) -> Matrix:
 
 
 def of_scene(scene: Scene, convention: Convention) -> Stated:
-    """State a scene's attitude at t = 0, its inertia and its angular velocity in a convention."""
+    """Return a scene's attitude at t = 0, its inertia and its angular velocity in a convention.
+
+    The inertia is about the point that the scene's equations are about; units and axes as of `Stated`.
+    Raises `InputError` for a scene without attitude, and for missing or impossible initial values.
+
+    >>> from eom.scene import Scene
+    >>> of_scene(Scene.ready("bicycle-wheel"), book("hughes")).angles[0]
+    0.0
+    """
     known = states(scene, scene.full_system)
     full = inertia_values(scene)
     if full is None:
@@ -270,9 +309,15 @@ def state(
     inertia: Matrix | None = None,
     omega: Sequence[float] | None = None,
 ) -> Stated:
-    """State an attitude, and what is given beside it, from the house's convention in another.
+    """Return an attitude, and what is given beside it, from the house's convention in another.
 
-    Turning about fixed axes is turning about body axes in the opposite order.
+    ``C``: (3, 3), as of `attitude_of_matrix`. ``inertia``: (3, 3), kg m^2, off-diagonal entries minus
+    the products of inertia; ``omega``: (3,), rad/s; both in the body's axes (forward, left, up). Turning
+    about fixed axes is turning about body axes in the opposite order.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+
+    >>> state(attitude_of_angles((0, 0, 1)), book("ros")).angles  # roll, pitch, yaw
+    (1.0, 0.0, 0.0)
     """
     own = _in_axes(C, convention)
     sequence = convention.sequence
@@ -308,7 +353,13 @@ def _turned(omega: Sequence[float], convention: Convention) -> Row:
 
 
 def changed(convention: Convention, choices: Mapping[str, str]) -> Convention:
-    """Return a convention with some of its fields chosen anew. Raises `InputError` for unknown ones."""
+    """Return a convention with some of its fields chosen anew: ``choices``, words by field.
+
+    Raises `InputError` for unknown fields, and as `Convention` for unknown words.
+
+    >>> changed(book("hughes"), {"scalar": "first"}) == changed(HOUSE, {})
+    True
+    """
     known = [f.name for f in fields(Convention)]
     for name in choices:
         if name not in known:

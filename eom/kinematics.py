@@ -30,7 +30,13 @@ GREEK_ANGLES = ("psi", "theta", "phi")  # first, second, third rotation
 def elementary(axis: int, angle: Expr) -> Expr:
     """Return ``C_BA`` for a frame B got from A by turning through ``angle`` about ``axis``.
 
-    Euler's theorem: C = cos 1 + (1 - cos) a a^T - sin tilde(a) (Hughes, eq. 2.2-10).
+    ``angle``: an expression (rad), right-handed; ``axis``: 1, 2 or 3. The matrix is 3 x 3 and takes
+    components in A to components in B.
+    Euler's theorem: C = cos 1 + (1 - cos) a a^T - sin tilde(a).
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10.
+
+    >>> elementary(3, sp.Symbol("psi")).row(0)
+    Matrix([[cos(psi), sin(psi), 0]])
     """
     a = unit_vector("A", axis).column
     c, s = sp.cos(angle), sp.sin(angle)
@@ -43,7 +49,10 @@ def poisson(C: Expr, omega: Vector) -> Expr:
 
 
 class Attitude(Protocol):
-    """A choice of attitude coordinates of a body frame B in a reference frame A."""
+    """A choice of attitude coordinates of a body frame B in a reference frame A.
+
+    Made by `eom.kinematics.attitude` of a name: ``quaternion``, ``dcm``, or a sequence such as ``3-1-2``.
+    """
 
     @property
     def name(self) -> str:
@@ -55,10 +64,10 @@ class Attitude(Protocol):
 
     @property
     def matrix(self) -> Expr:
-        """``C_BA`` over the coordinates."""
+        """``C_BA`` over the coordinates, 3 x 3: it takes components in A to components in B."""
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:
-        """Rates of the coordinates; ``omega`` of B in A, components in B."""
+        """Return the rates of the coordinates; ``omega`` of B in A (rad/s), components in B."""
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:
@@ -66,7 +75,7 @@ class Attitude(Protocol):
 
     @property
     def constraints(self) -> tuple[tuple[str, str, Expr], ...]:
-        """(name, meaning, expression) of what stays constant for every motion."""
+        """What stays constant for every motion, as (name, meaning, expression)."""
 
 
 @dataclass(frozen=True)
@@ -283,11 +292,27 @@ def direction_cosines() -> DirectionCosines:
 
 
 def attitude(name: str) -> Attitude:
-    """Return attitude coordinates by name: ``quaternion``, ``dcm`` or one of the 12 sequences."""
+    """Return attitude coordinates by ``name``: ``quaternion``, ``dcm`` or one of the 12 sequences.
+
+    Of B in A: angles psi, theta, phi (rad) about axes of the body as turned so far; q0 to q3, scalar first;
+    C11 to C33, row by row, of C_BA, which takes components in A to components in B.
+    Raises `InputError` for other names.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2; Shuster, J. Astronaut. Sci. 41 (1993) 439.
+
+    >>> attitude("3-1-2").matrix[1, 2]
+    sin(theta)
+    """
     by_name: dict[str, Callable[[], Attitude]] = {
         "quaternion": quaternion,
         "dcm": direction_cosines,
     }
+    known = (*by_name, *SEQUENCES)
+    if name not in known:
+        raise InputError(
+            f"unknown attitude {name!r}",
+            expected="one of " + ", ".join(known),
+            hint=near_matches(name, known),
+        )
     return by_name[name]() if name in by_name else rotation_sequence(name)
 
 

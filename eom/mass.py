@@ -25,9 +25,16 @@ Expr = Any
 class MassProperties:
     """Mass (kg), first and second moments of mass about a reference point O.
 
-    ``first_moment``: column, integral of r dm (kg m); ``second_moments``: symmetric, S_ij =
-    integral of r_i r_j dm (kg m^2); r from O. Sums and differences are about the same point, in
-    the same axes.
+    ``mass`` (kg). ``first_moment``: a column (3, 1), integral of r dm (kg m); ``second_moments``:
+    symmetric, (3, 3), S_ij = integral of r_i r_j dm (kg m^2); r from O, components in the body's axes.
+    Sums and differences are about the same point, in the same axes.
+
+    Raises `InputError` for numbers that no body has. Source: Huygens and Steiner's theorem; lecture 002.
+
+    >>> near = MassProperties(1, (1, 0, 0), sp.diag(1, 0, 0))
+    >>> two = near + MassProperties(1, (3, 0, 0), sp.diag(9, 0, 0))
+    >>> two.centre.T, two.about_centre[2, 2]
+    (Matrix([[2, 0, 0]]), 2)
     """
 
     mass: Expr
@@ -43,23 +50,24 @@ class MassProperties:
 
     @property
     def inertia(self) -> Expr:
-        """The inertia matrix J about the reference point; J12 = -integral of r1 r2 dm."""
+        """The inertia matrix J (3 x 3, kg m^2) about the reference point; J12 = -integral of r1 r2 dm."""
         return _inertia(self.second_moments)
 
     @property
     def centre(self) -> Expr:
-        """The position of the centre of mass, from the reference point."""
+        """The position (3, 1) of the centre of mass (m), from the reference point."""
         return _tidied(self.first_moment / self.mass)
 
     @property
     def about_centre(self) -> Expr:
-        """The inertia matrix I about the centre of mass."""
+        """The inertia matrix I (3 x 3, kg m^2) about the centre of mass."""
         c = self.first_moment
         return _inertia(self.second_moments - c * c.T / self.mass)
 
     def shifted(self, r: Iterable[Expr]) -> MassProperties:
-        """Move the reference point to ``r`` (components from the present one; axes unchanged).
+        """Return the same about the point ``r`` (m; from the present one; axes unchanged).
 
+        Raises `InputError` for other than three components.
         Source: Huygens and Steiner's theorem, in second moments: S' = S - c r^T - r c^T + m r r^T.
         """
         step, c, m = _column(r, "r"), self.first_moment, self.mass
@@ -67,7 +75,7 @@ class MassProperties:
         return MassProperties(m, _tidied(c - m * step), _tidied(second))
 
     def rotated(self, C_BA: Expr) -> MassProperties:
-        """Express the moments in axes B, where ``C_BA`` takes components in A to components in B.
+        """Return the moments in axes B, where ``C_BA`` takes components in A to components in B.
 
         ``C_BA``: a 3 by 3 matrix or a `Rotation`. Raises `InputError` for one of numbers that is
         no rotation to within 1e-9; expressions are taken at their word.
@@ -80,7 +88,10 @@ class MassProperties:
         )
 
     def of_mass(self, mass: Expr) -> MassProperties:
-        """Scale the density so that the mass is ``mass``."""
+        """Return the same with the density scaled so that the mass is ``mass`` (kg).
+
+        Raises `InputError` for a mass that is not positive.
+        """
         m = as_expression(mass)
         if m.is_positive is False:
             raise InputError("mass is not positive", got=m, expected="a positive number (kg)")

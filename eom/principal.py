@@ -75,6 +75,9 @@ KINDS = (
 def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> PrincipalAxes:
     """Return principal moments by rising size, and the rotation to their axes.
 
+    ``J``: 3 x 3 (kg m^2), off-diagonal entries minus the products of inertia. C, 3 x 3, takes components in
+    the given axes B to components along the principal ones, and C J C^T = diag(moments).
+
     Signs: the largest component of axes 1 and 2 is positive (the first of equal ones); axis 3 makes
     them right-handed. The axes of equal moments are those nearest to b1, b2, b3.
 
@@ -85,7 +88,7 @@ def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> Princip
     of the axes open; where b_k is principal, axis k stays b_k and the pair across it rises; two
     moments that are identically equal come first, unless they are known to be the greater. Raises
     `InputError` for a matrix that is not 3 by 3, real, finite and symmetric, or that no body has;
-    that of a thin rod or a point will do.
+    that of a thin rod or a point will do. Source: lecture 002 eq. 3.28-3.35.
 
     >>> principal_axes([[3, 1, 0], [1, 3, 0], [0, 0, 3]]).moments
     (2, 3, 4)
@@ -111,7 +114,8 @@ def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> Princip
 def definiteness(J: Iterable[Iterable[Expr]]) -> Definiteness:
     """Tell whether an inertia matrix is positive definite, semi-definite, or that of no body.
 
-    Numbers only. Tolerances and errors as in `principal_axes`; an impossible matrix is no error.
+    Returns also why, and the axis that shows it. ``J``: as of `principal_axes`, of numbers only (kg
+    m^2), as are tolerances, errors (`InputError`) and source; an impossible matrix is no error.
 
     >>> definiteness([[0, 0, 0], [0, 2, 0], [0, 0, 2]]).kind
     'positive semi-definite'

@@ -169,7 +169,14 @@ FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "ma
 
 
 def show(system: System, style: str = "text") -> str:
-    """Return a system in one of `FORMATS`. Raises `InputError` for other formats."""
+    """Return a system as a text, its ``style`` one of `FORMATS`: text, latex or markdown.
+
+    Units stand with the quantities. Raises `InputError` for other formats.
+
+    >>> from eom.rigidbody import free_rigid_body
+    >>> print(show(free_rigid_body()).splitlines()[3])
+      omega_1  angular velocity about b1 [rad/s]
+    """
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
     return FORMATS[style](system)

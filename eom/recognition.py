@@ -38,7 +38,11 @@ TRIALS = 3
 
 @dataclass(frozen=True)
 class Turns:
-    """Turns one after the other about axes of the body, each by an angle (rad); none is by zero."""
+    """Turns one after the other about axes of the body, each by an angle; none is by zero.
+
+    ``axes``: 1, 2 or 3 each; ``angles`` (rad): numbers or expressions. ``transposed``: whether the
+    matrix is the transpose of that, from body to reference components.
+    """
 
     axes: tuple[int, ...]
     angles: tuple[Any, ...]
@@ -60,7 +64,10 @@ class Turns:
 
     @property
     def oddity(self) -> tuple[Any, ...]:
-        """What readings are put in order by: those with few turns and signs, and as they stand, first."""
+        """What readings are put in order by: those with few turns and signs, and as they stand, first.
+
+        Raises `InputError` for angles that are text.
+        """
         signs = sum(as_expression(a).could_extract_minus_sign() for a in self.angles)
         shifts = sum(as_expression(a).is_Add for a in self.angles)
         crooked = sum(not _is_round(a) for a in self.angles)
@@ -69,7 +76,7 @@ class Turns:
 
 @dataclass(frozen=True)
 class Parameters:
-    """The matrix of a unit quaternion, its components given scalar first."""
+    """The matrix of a unit quaternion, its ``components`` given scalar first."""
 
     components: tuple[Any, ...]
 
@@ -80,7 +87,7 @@ class Parameters:
 
     @property
     def oddity(self) -> tuple[Any, ...]:
-        """What readings are put in order by."""
+        """What readings are put in order by. Raises `InputError` for components that are text."""
         signs = sum(as_expression(c).could_extract_minus_sign() for c in self.components)
         return (0, 0, 0, signs, False, ())
 
@@ -92,7 +99,8 @@ def recognise(rows: Sequence[Sequence[Any]]) -> tuple[Reading, ...]:
     """Return what a rotation matrix is, the plainest reading first.
 
     ``rows``: three of three, numbers or expressions over at most four symbols, taken as the matrix from
-    reference to body components. Of numbers every sequence is a reading. Raises `InputError` for what
+    reference to body components. Of numbers every sequence is a reading; angles in radians. Source of the
+    formulas: Hughes, Spacecraft Attitude Dynamics (1986), ch. 2. Raises `InputError` for what
     is no rotation, with the entry whose sign is to blame where there is one.
 
     >>> c, s = sp.cos(sp.Symbol("a")), sp.sin(sp.Symbol("a"))

@@ -30,9 +30,11 @@ X = tuple(sp.Symbol(name, real=True) for name in "xyz")
 class Region:
     """A map from parameters to positions that covers a body once, and its density.
 
-    ``position``: three expressions over the parameters and sizes; ``bounds``: (parameter, from,
-    to), the innermost integral first, so that limits may depend on later parameters; ``density``:
-    over the coordinates `X` and sizes, 1 if left out. Raises `InputError` where these do not fit.
+    In any consistent units: lengths (m), and mass by volume, area or length as the dimension is three,
+    two or one; positions are components in the body's axes. ``position``: three expressions over the
+    parameters and sizes; ``bounds``: (parameter, from, to), the innermost integral first, so that limits
+    may depend on later parameters; ``density``: over the coordinates `X` and sizes, 1 if left out.
+    Raises `InputError` where these do not fit.
     """
 
     position: tuple[Expr, Expr, Expr]
@@ -84,7 +86,10 @@ class Region:
         return self.at(self.density) * self.element
 
     def at(self, f: Expr) -> Expr:
-        """Return ``f``, over the coordinates `X`, as a function of the parameters."""
+        """Return ``f``, over the coordinates `X`, as a function of the parameters.
+
+        Raises `InputError` for what is no expression.
+        """
         places = dict(zip(X, self.position, strict=True))
         return as_expression(f).xreplace(places)
 
@@ -104,8 +109,9 @@ class Region:
 def properties(region: Region) -> MassProperties:
     """Return mass and moments of ``region`` about the origin of its coordinates.
 
-    Raises `InputError` for a region of numbers alone that `check` refuses; sizes in
-    symbols are checked by that function when their values are known.
+    Units (kg, m where the region has them), shapes and axes as of `MassProperties`. The integrals are
+    exact. Raises `InputError` for a region of numbers alone that `check` refuses; sizes in symbols are
+    checked by that function when their values are known.
 
     >>> u, v, a = (sp.Symbol(n, positive=True) for n in "uva")
     >>> square = Region((a * u, a * v, 0), ((u, 0, 1), (v, 0, 1)))
@@ -121,7 +127,9 @@ def properties(region: Region) -> MassProperties:
 
 
 def simplex(*corners: Sequence[Expr]) -> Region:
-    """Return the rod, triangle or tetrahedron with these two, three or four corners.
+    """Return the rod, triangle or tetrahedron with two, three or four ``corners``.
+
+    Each: three coordinates, in any consistent units, along the body's axes. Raises `InputError` for others.
 
     >>> properties(simplex((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))).mass
     1/6

@@ -54,7 +54,14 @@ def _unit(axis: int) -> Row:
 
 
 def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
-    """Return C of a unit quaternion, scalar first (Hughes, eq. 2.2-27)."""
+    """Return C of a unit quaternion ``q``, scalar first.
+
+    C, (3, 3) as rows, takes components in the reference axes to components in the body's. The norm is not
+    tested. Source: Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27.
+
+    >>> matrix_of_quaternion((0, 0, 0, 1))  # half a turn about axis 3
+    ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
+    """
     s, *v = q
     across = ((0, -v[2], v[1]), (v[2], 0, -v[0]), (-v[1], v[0], 0))
     return matrix_of(

@@ -201,8 +201,10 @@ and the base along b3; hemispheres bulge, and pyramids point, along b3.
 
 
 def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
-    """Return moments of mass about a named point, over the symbol ``mass`` and the sizes.
+    """Return moments of mass about a named ``point``, over the symbol ``mass`` and the sizes.
 
+    Of a uniform solid (kg, m), in axes whose third is the axis of a symmetric one. ``point``: ``centre`` of
+    mass, or one of the solid's own such as an apex. By integration, as of `eom.regions.properties`.
     Raises `InputError` for an unknown solid or point.
 
     >>> mass_properties("cone", "apex").centre[2]
@@ -218,8 +220,10 @@ def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
 
 
 def inertia(name: str, point: str = CENTRE) -> Expr:
-    """Return the inertia matrix about a named point, over the symbol ``mass`` and the sizes.
+    """Return the inertia matrix about a named ``point``, over the symbol ``mass`` and the sizes.
 
+    3 x 3 (kg m^2), off-diagonal entries minus the products of inertia; solid, axes, point and source as of
+    `mass_properties`.
     Raises `InputError` for an unknown solid or point.
 
     >>> inertia("rod", "end")[0, 0]

@@ -27,7 +27,7 @@ SAMPLE_DIGITS = 16
 
 @dataclass(frozen=True)
 class PrincipalAxes:
-    """Principal moments (kg m^2) and the rotation ``C``, C_PB, from given axes to principal ones."""
+    """Principal ``moments`` (kg m^2) and the rotation ``C``, C_PB, from given axes to principal ones."""
 
     moments: tuple[Expr, Expr, Expr]
     C: Expr

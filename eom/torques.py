@@ -27,10 +27,11 @@ AT_REST = vector("B", (0, 0, 0))
 class Torque:
     """Torque about the reference point, in B, with what comes with it.
 
-    ``potential``: energy whose loss is the work of the torque, or zero. ``frame_rate``: angular
-    velocity in inertial space of the frame A that attitude is measured from, in B. ``directions``:
-    components in B of the axes of A that matter, as definitions. ``reference_point``: what momentum
-    and torque are about.
+    ``components``: of the torque (N m), in B. ``potential``: energy (J) whose loss is the work of the
+    torque, or zero. ``frame_rate``: angular velocity (rad/s) in inertial space of the frame A that
+    attitude is measured from, in B. ``parameters``, ``inputs``: the quantities in it. ``directions``:
+    components in B of the axes of A that matter, as definitions. ``assumptions``: under which it holds.
+    ``reference_point``: what momentum and torque are about.
     """
 
     components: Vector
@@ -46,7 +47,14 @@ class Torque:
 def applied(
     components: Sequence[Expr], parameters: Sequence[Quantity] = (), inputs: Sequence[Quantity] = ()
 ) -> Torque:
-    """Return a torque given by its components in B; all zero means torque-free."""
+    """Return a torque given by its ``components`` in B (N m); all zero means torque-free.
+
+    ``parameters``, ``inputs``: quantities of the symbols in it. Raises `InputError` for text in place of
+    expressions.
+
+    >>> applied((0, 0, -sp.Symbol("M"))).components.components
+    (0, 0, -M)
+    """
     return Torque(vector("B", components), parameters=tuple(parameters), inputs=tuple(inputs))
 
 
@@ -72,9 +80,14 @@ def _direction(
 def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
     """Return the torque of weight about a fixed point: integral of r x (-g a3) dm = m r_C x (-g a3).
 
-    ``offset`` tells along which body axes the centre of mass lies off the fixed point (parameters
-    ``r1``, ``r2``, ``r3`` in metres). Gravity acts along -a3. The integrand is linear in r, so that
-    the first moment m r_C replaces the integral of r dm (lecture 002 eq. 3.20).
+    ``C``: C_BA, 3 x 3, takes components in A to components in B. ``offset`` tells along which body axes the
+    centre of mass lies off the fixed point (parameters ``r1``, ``r2``, ``r3`` in metres, mass m in kg, g in
+    m/s^2). Gravity acts along -a3. The integrand is linear in r, so that the first moment m r_C replaces
+    the integral of r dm. Source: lecture 002 eq. 3.20.
+
+    >>> from eom.kinematics import attitude
+    >>> weight(attitude("dcm").matrix).components.components
+    (C23*g*m*r3, -C13*g*m*r3, 0)
     """
     m = _positive("m", "kg", "mass")
     g = _positive("g", "m/s^2", "acceleration of gravity, along -a3")
@@ -102,11 +115,18 @@ def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
 
 
 def gravity_gradient(C: Expr, J: Expr) -> Torque:
-    """Return the gravity-gradient torque on a circular orbit of rate ``n``.
+    """Return the gravity-gradient torque (N m) on a circular orbit of rate ``n`` (rad/s).
 
-    A is the orbit frame: a1 radially out, a2 along the velocity, a3 the orbit normal; its angular
-    velocity is n a3. The inverse-square attraction of dm at R a1 + r is expanded to first order in
-    r/R, and integrated: with mu/R^3 = n^2 the torque is 3 n^2 a1 x (J a1) (Hughes, 1986, sect. 8.1).
+    ``C``: C_BA, 3 x 3; ``J``: inertia matrix about the centre of mass in B, 3 x 3 (kg m^2). A is the
+    orbit frame: a1 radially out, a2 along the velocity, a3 the orbit normal; its angular velocity is n
+    a3. The inverse-square attraction of dm at R a1 + r is expanded to first order in r/R, and
+    integrated: with mu/R^3 = n^2 the torque is 3 n^2 a1 x (J a1). Source: Hughes, Spacecraft Attitude
+    Dynamics (1986), sect. 8.1.
+
+    >>> from eom.kinematics import attitude
+    >>> I1, I2, I3 = sp.symbols("I1:4", positive=True)
+    >>> gravity_gradient(attitude("dcm").matrix, sp.diag(I1, I2, I3)).components.components[0]
+    -3*C21*C31*I2*n**2 + 3*C21*C31*I3*n**2
     """
     n = _positive("n", "rad/s", "orbital rate")
     radial, named_radial = _direction("radial", C, 1, "the outward radial a1")

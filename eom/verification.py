@@ -31,7 +31,10 @@ Names = tuple[str, ...]
 
 
 class DerivationError(InputError):
-    """A step is false, or cannot be decided."""
+    """Refuse a step of a derivation that is false, or cannot be decided.
+
+    An `InputError` with the same parts.
+    """
 
 
 def verify(

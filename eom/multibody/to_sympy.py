@@ -54,11 +54,14 @@ class Exported:
     names: Mapping[Expr, Expr]
 
     def timed(self, expression: Expr) -> Expr:
-        """Return an expression over the tree's symbols with SymPy's functions of time."""
+        """Return an ``expression`` over the tree's symbols with SymPy's functions of time."""
         return _timed(expression, self.names)
 
     def plain(self, expression: Expr) -> Expr:
-        """Return an expression of SymPy's mechanics over the tree's symbols."""
+        """Return an ``expression`` of SymPy's mechanics over the tree's symbols.
+
+        Raises `InputError` for text.
+        """
         back = {v: k for k, v in self.names.items() if isinstance(v, AppliedUndef | sp.Derivative)}
         rates = {k: v for k, v in back.items() if isinstance(k, sp.Derivative)}
         found = as_expression(expression).xreplace(rates).xreplace(back)
@@ -87,7 +90,14 @@ def to_sympy(tree: Tree) -> Exported:
     """Return a tree in SymPy's mechanics.
 
     Raises `InputError` for prescribed motion whose rates are no derivatives of its position, and
-    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`.
+    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`. Units, frames and signs are those of
+    the tree; forces and torques act on the child, as of `Joint`.
+
+    >>> from eom.multibody import Body, Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
+    >>> to_sympy(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).kane().forcing
+    Matrix([[-20*sin(q_hinge(t))]])
     """
     return _Maker(tree).make()
 
@@ -95,7 +105,14 @@ def to_sympy(tree: Tree) -> Exported:
 def lagranges_method(tree: Tree) -> Any:
     """Return SymPy's `LagrangesMethod` of a tree, its equations formed; all forces are loads.
 
-    Raises `InputError` for joints whose speeds are no rates of coordinates.
+    Units, frames and signs are those of the tree. Raises `InputError` for joints whose speeds are no
+    rates of coordinates. Source: Goldstein, Classical Mechanics (2002), ch. 1.
+
+    >>> from eom.multibody import Body, Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
+    >>> lagranges_method(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10))).mass_matrix
+    Matrix([[2]])
     """
     for joint in tree.ordered:
         if None in joint.row.paired(joint.attitude):

@@ -292,10 +292,13 @@ def test_name_is_how_users_ask_for_it(name):
 
 @pytest.mark.parametrize(
     ("bad", "hint"),
-    [("3-1-1", "3-1"), ("312", "3-1-2"), ("quaternio", ""), ("", ""), ("3-1-4", "3-1-2")],
+    [("3-1-1", "3-1"), ("312", "3-1-2"), ("quaternio", "quaternion"), ("", ""), ("3-1-4", "3-1-2")],
 )
 def test_unknown_names_are_refused(bad, hint):
-    with pytest.raises(InputError, match="unknown rotation sequence") as caught:
+    with pytest.raises(InputError, match="unknown attitude") as caught:
         attitude(bad)
     assert hint in caught.value.hint
+    assert "quaternion" in caught.value.expected
     assert "3-1-2" in caught.value.expected
+    with pytest.raises(InputError, match="unknown rotation sequence"):
+        rotation_sequence(bad)
