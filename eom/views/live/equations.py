@@ -49,13 +49,13 @@ def _statements(subject: Subject, variant: Variant) -> Iterator[tuple[Equation, 
     if subject.centre:  # words for the angular momentum about a point, of all mass
         h = quantity("absolute_angular_momentum", "body", about)
     right = zero(VECTOR) if variant.free else torque
-    law = "angular momentum does not change" if variant.free else "the torque changes angular momentum"
+    law = "Angular momentum does not change" if variant.free else "Torque changes angular momentum"
     yield Equation(der(h), right), law
     if subject.kind == "spinner":
-        yield Equation(h, dot(J, omega("C"))), "momentum of the body C, which spins in B"
-        yield Equation(_seen_from_b(h), right), "the same as seen from B, which does not spin"
+        yield Equation(h, dot(J, omega("C"))), "Momentum of the body C, which spins in B"
+        yield Equation(_seen_from_b(h), right), "The same as seen from B, which does not spin"
         return
-    yield Equation(h, dot(J, omega())), "momentum of a rigid body"
+    yield Equation(h, dot(J, omega())), "Momentum of a rigid body"
     euler = add(dot(J, der(omega(), "B")), cross(omega(), dot(J, omega())))
     yield Equation(euler, right), "Euler's equation: the same as seen from the body"
 
