@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 from eom import pages, printing
 from eom.blocks import Block, Display, Heading, Line
@@ -19,6 +20,8 @@ SECTIONS = ("Definitions", "Equations of motion", "Constants of the motion", "Si
 """What is shown of a system's page, by how the headings begin."""
 MOST_LINES = 64
 """Systems with more definitions are counted and not shown."""
+MOST_OPEN = 12
+"""Sections of more lines are closed at first."""
 
 
 def notations() -> dict[str, str]:
@@ -72,14 +75,21 @@ def components(system: System) -> str:
             f"<p>{count:,} definitions and {len(system.rates)} rates: "
             f"<code>eom derive {html.escape(system.name)}</code> prints them.</p>"
         )
-    return pages.html_body(list(_kept(system)))
+    return "".join(_section(*section) for section in _sections(system))
 
 
-def _kept(system: System) -> Iterator[Block]:
-    keep = False
-    for block in printing.blocks(system):
-        if isinstance(block, Heading):
-            keep = block.words.startswith(SECTIONS)
-            block = replace(block, level=3)  # noqa: PLW2901 - under the page's own heading
-        if keep:
-            yield block
+def _sections(system: System) -> Iterator[tuple[Heading, Block]]:
+    """Yield the headings that are shown, a level lower, with what stands under them."""
+    blocks = printing.blocks(system)
+    for heading, block in pairwise(blocks):
+        if isinstance(heading, Heading) and heading.words.startswith(SECTIONS):
+            yield replace(heading, level=3), block
+
+
+def _section(heading: Heading, block: Block) -> str:
+    """Return a section; where there are many lines, it is opened on demand."""
+    count = len(block.lines) if isinstance(block, Display) else 0
+    if count <= MOST_OPEN:
+        return pages.html_body([heading, block])
+    words = f"{count} {heading.words.lower()}"
+    return f"<details><summary>{words}</summary>{pages.html_body([block])}</details>"

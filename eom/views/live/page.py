@@ -39,77 +39,6 @@ SHOWN = {
 }
 """What can be hidden, by the names of the viewer."""
 
-DOCUMENT = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<title>{title}</title>
-<style>{style}</style>
-</head>
-<body>
-<a class="skip" href="#controls">Skip to the numbers</a>
-<header>
-<h1>{title}</h1>
-{words}
-</header>
-<main>
-<section class="stage" aria-label="Motion">
-<div class="pictures">
-<figure><canvas id="body" tabindex="0" role="img" aria-label="{picture}. Arrow keys turn it, plus and minus come nearer and go away."></canvas>
-<figcaption>{caption}</figcaption></figure>
-<figure id="poinsot-figure" hidden><canvas id="poinsot" tabindex="0" role="img" aria-label="Poinsot's construction: the energy ellipsoid rolls on the invariable plane. Arrow keys turn it."></canvas>
-<figcaption>Poinsot: the energy ellipsoid rolls on the invariable plane without slip, its centre fixed. <span class="ink-red">Polhode</span> on the ellipsoid, <span class="ink-blue">herpolhode</span> on the plane; H points down here.</figcaption></figure>
-</div>
-<div class="bar">
-<button type="button" id="play">Pause</button>
-<button type="button" id="reset">Restart</button>
-<label>Speed <select id="speed">{speeds}</select></label>
-<output id="time" aria-label="Time">0 s</output>
-<span id="work"></span>
-</div>
-<p class="note" id="note" role="status"></p>
-<div class="below">
-<section class="card" aria-labelledby="drift-title"><h2 id="drift-title">Constants of the motion</h2>
-<p class="hint" id="no-invariants">With these forces none is known.</p>
-<table id="invariants-table"><thead><tr><th scope="col">constant</th><th scope="col">now</th><th scope="col">relative drift</th></tr></thead><tbody id="invariants"></tbody></table>
-<details><summary>States</summary><pre id="states" tabindex="0" aria-label="Values of the states"></pre></details>
-</section>
-<figure class="card"><canvas id="drift" role="img" aria-label="Relative drift of the constants over time, on a logarithmic scale; the numbers are in the table."></canvas><figcaption>Relative drift since the start, at the tolerance {tolerance} of the steps.</figcaption></figure>
-</div>
-</section>
-<section class="controls" id="controls" tabindex="-1" aria-label="Numbers">
-<p id="fault" role="alert"></p>
-{switches}
-{knobs}
-<fieldset><legend>Shown</legend>
-{shown}
-</fieldset>
-<button type="button" id="original">Numbers of the scene</button>
-</section>
-<section class="equations card" aria-labelledby="equations-title"><h2 id="equations-title">Equations</h2>
-<div class="halves">
-<div>
-{notation}
-<div class="scroll" id="statements" tabindex="0" role="group" aria-label="Law of motion"></div>
-<h3>What is left out</h3>
-<div class="saved"><div class="track"><div id="bar"></div></div><span><strong id="operations">0</strong> of <strong id="general">0</strong> operations</span></div>
-<p class="hint">Operations of the right-hand side as it is derived, and with nothing left out. The page's own, as generated, {with_attitude}has <strong id="generated">0</strong>.</p>
-<ul id="left-out"></ul>
-<p class="hint" id="nothing">Nothing.</p>
-</div>
-<div class="scroll" id="components" tabindex="0" role="group" aria-label="Equations in components"></div>
-</div>
-</section>
-</main>
-{templates}
-<script type="application/json" id="scene">{data}</script>
-{scripts}
-</body>
-</html>
-"""
-
 
 def page(scene: AnyScene) -> str:
     """Return the live page of a scene; the same scene gives the same bytes.
@@ -127,11 +56,13 @@ def page(scene: AnyScene) -> str:
     }
     scripts = [code.web("three.js"), code.web("viewer.js"), core, code.web("live.js")]
     style = code.web("live.css")
-    return DOCUMENT.format(
+    return code.web("live.html").format(
         policy=_policy(scripts, style),
         style=style,
         title=html.escape(subject.title),
-        words="\n".join(f"<p>{html.escape(w)}</p>" for w in (subject.description, *subject.notes) if w),
+        words="\n".join(
+            f"<p>{html.escape(w)}</p>" for w in (subject.description, *subject.notes) if w
+        ),
         picture=html.escape(f"{subject.title}: the motion in three dimensions"),
         caption=_caption(subject),
         speeds=_speeds(data["speed"]),
@@ -150,7 +81,9 @@ def page(scene: AnyScene) -> str:
 def subject_of(scene: AnyScene) -> Subject:
     """Return what a page about a scene needs. Raises `InputError` where there is no page."""
     if scene.integration.t_end < 0:
-        raise InputError("a live page runs forward in time", where=scene.name, got=scene.integration.t_end)
+        raise InputError(
+            "a live page runs forward in time", where=scene.name, got=scene.integration.t_end
+        )
     return trees.subject(scene) if isinstance(scene, TreeScene) else single.subject(scene)
 
 
@@ -215,14 +148,20 @@ def _speeds(base: float) -> str:
 
 def _caption(subject: Subject) -> str:
     if subject.kind == "tree":
-        return "Boxes and cylinders have the mass and the moments of inertia of the bodies; the line is the path of the last one."
+        return (
+            "Boxes and cylinders have the mass and the moments of inertia of the bodies; the line is the "
+            "path of the last one."
+        )
     shapes = {
         "spinner": "A wheel about b2; its proportions are those of a picture.",
         "body": "A solid with the moments of inertia of the body.",
     }
     shape = "A picture of a top, its point fixed." if subject.centre else shapes[subject.kind]
     axis = 2 if subject.kind == "spinner" else 3
-    return f"{shape} Arrows: ω, H and the torque τ, each as long as its largest value so far allows; the line is the path of b{axis}."
+    return (
+        f"{shape} Arrows: ω, H and the torque τ, each against its largest value so far; the line is the "
+        f"path of b{axis}."
+    )
 
 
 def _switches(switches: tuple[Switch, ...]) -> str:
@@ -233,14 +172,17 @@ def _switches(switches: tuple[Switch, ...]) -> str:
         f"{html.escape(s.words)}</label>"
         for k, s in enumerate(switches)
     )
-    return f"<fieldset><legend>Leave out</legend>\n{rows}\n</fieldset>"
+    hint = (
+        '<p class="hint">The equations change with it; numbers that no longer occur are grey.</p>'
+    )
+    return f"<fieldset><legend>Leave out</legend>\n{rows}\n{hint}\n</fieldset>"
 
 
 def _shown(subject: Subject) -> str:
     single_body = subject.kind != "tree"
     return "\n".join(
         f'<label class="check"><input type="checkbox" data-show="{name}"'
-        f'{" checked" * (single_body or name != "body frames")}> {words}</label>'
+        f"{' checked' * (single_body or name != 'body frames')}> {words}</label>"
         for name, words in SHOWN.items()
         if single_body or name not in {"omega", "H", "torque"}
     )

@@ -16,18 +16,18 @@ from typing import Any
 import sympy as sp
 
 from eom import assembly, parse, start
+from eom.conventions import attitude_at_start
 from eom.description import inertia_values, principal_values
 from eom.errors import InputError
 from eom.frames import vector
-from eom.kinematics import SEQUENCES, attitude
+from eom.kinematics import SEQUENCES, attitude, elementary
 from eom.rigidbody import OMEGA, full_inertia
 from eom.rotations import angles_of_matrix, matrix_of
 from eom.scene import Scene
 from eom.spinning import I1, I2, PHI, PSI, THETA
-from eom.kinematics import elementary
 from eom.system import TIME, Definition, Quantity, System
 from eom.views.live.knobs import knob, of_states
-from eom.views.live.subject import MOST_SWITCHES, VIEW, Choice, Data, Knob, Subject, Switch, Variant
+from eom.views.live.subject import MOST_SWITCHES, VIEW, Data, Knob, Subject, Switch, Variant
 
 Expr = Any
 
@@ -135,7 +135,11 @@ def _without(scene: Scene, names: tuple[str, ...]) -> Data:
         text = str(component)
         for name in names:
             text = re.sub(rf"\b{re.escape(name)}\b", "0", text)
-        value = parse.parse(text, known, "torque") if isinstance(component, str) else sp.sympify(component)
+        value = (
+            parse.parse(text, known, "torque")
+            if isinstance(component, str)
+            else sp.sympify(component)
+        )
         written.append(0 if value == 0 else text if isinstance(component, str) else component)
         used |= {s.name for s in value.free_symbols}
     data = scene.model_dump(exclude_unset=True)
@@ -165,7 +169,8 @@ def _torque_data(scene: Scene, switched: Mapping[Switch, bool]) -> Data:
 
 def _body_data(scene: Scene, switched: Mapping[Switch, bool], pair: tuple[int, int] | None) -> Data:
     if pair is None:
-        return scene.model_dump(exclude_unset=True)["body"]  # type: ignore[no-any-return]
+        body: Data = scene.model_dump(exclude_unset=True)["body"]
+        return body
     moments = list(GENERAL)
     if any(s.name == SYMMETRIC and on for s, on in switched.items()):
         moments = [EQUAL if k in pair else GENERAL[2] for k in range(3)]
@@ -185,9 +190,13 @@ def _variant(
         "body": _body_data(scene, switched, pair),
         **_torque_data(scene, switched),
     }
-    needs = used if scene.attitude == "none" and data.get("torque", {}).keys() - {"components"} else ""
+    needs = (
+        used if scene.attitude == "none" and data.get("torque", {}).keys() - {"components"} else ""
+    )
     own = Scene(**data, attitude=needs or scene.attitude)
-    drawn = own if own.attitude == used or scene.model == "spinner" else Scene(**data, attitude=used)
+    drawn = (
+        own if own.attitude == used or scene.model == "spinner" else Scene(**data, attitude=used)
+    )
     known = {*own.full_system.state_names, *own.full_system.output_names}
     asked = [n for n in scene.requested if n in known] or list(own.full_system.state_names)
     system, explanation = assembly.derive(own, own.full_system, asked)
@@ -269,8 +278,12 @@ def _torque_knobs(scene: Scene) -> Iterator[Knob]:
     """Yield the knobs of the torque: those of the scene, or three components of a free body."""
     if _is_free(scene):
         values = start.constants(scene)
-        speed = max([abs(v) for n, v in scene.initial.items() if n.startswith("omega") or n == "C"] or [1.0])
-        size = float(f"{0.02 * max(values[n] for n in ('I1', 'I2', 'J11') if n in values) * (speed or 1.0) ** 2:.1g}")
+        speed = max(
+            [abs(v) for n, v in scene.initial.items() if n.startswith("omega") or n == "C"] or [1.0]
+        )
+        size = float(
+            f"{0.02 * max(values[n] for n in ('I1', 'I2', 'J11') if n in values) * (speed or 1.0) ** 2:.1g}"
+        )
         for k, name in enumerate(NAMES[scene.model], 1):
             yield Knob(name, f"torque about b{k}", "N m", 0.0, -size, size, "torque")
         return
@@ -281,6 +294,14 @@ def _torque_knobs(scene: Scene) -> Iterator[Knob]:
             yield knob(q, numbers[q.name], "torque")
 
 
+def _torque_size(scene: Scene) -> float:
+    """Return a torque that changes the motion within a few turns: 2 % of J omega^2, to one digit."""
+    values = _states_at_start(scene)
+    speeds = [abs(values[q.name]) for q in scene.full_system.states if q.unit == "rad/s"]
+    moments = [v for n, v in start.constants(scene).items() if n in {"I1", "I2", "J11", "J22"}]
+    return float(f"{0.02 * max(moments) * (max(speeds) or 1.0) ** 2:.1g}")
+
+
 def _states_at_start(scene: Scene) -> dict[str, float]:
     values = start.states(scene, scene.full_system)
     return {n: values.get(n, 0.0) for n in scene.full_system.state_names}
@@ -289,9 +310,7 @@ def _states_at_start(scene: Scene) -> dict[str, float]:
 def _start_knobs(scene: Scene, used: str) -> list[Knob]:
     values = _states_at_start(scene)
     turned = used if used in SEQUENCES or scene.model == "spinner" else ""
-    kept = [
-        q for q in scene.full_system.states if turned or q.symbol in OMEGA.components
-    ]
+    kept = [q for q in scene.full_system.states if turned or q.symbol in OMEGA.components]
     return of_states(kept, values)
 
 
@@ -322,8 +341,6 @@ def _angles_of(scene: Scene, sequence: str) -> tuple[float, ...]:
         if scene.initial_attitude is None:
             return (0.0, 0.0, 0.0)
         scene = Scene(**data)
-    from eom.conventions import attitude_at_start
-
     C = matrix_of([list(row) for row in attitude_at_start(scene)])
     return tuple(float(sp.deg(a).evalf()) for a in angles_of_matrix(C, sequence))
 

@@ -1,12 +1,12 @@
 """A scene of many bodies as a live page needs it: gravity, springs and dampers can be left out.
 
-Each choice is a tree of its own that is derived anew, so that what a zero makes superfluous is gone from the
-equations. The bodies are drawn from four points of each; their shapes follow from mass and inertia.
+Each choice is a tree of its own that is derived anew, so that what a zero makes superfluous is gone
+from the equations. The bodies are drawn from four points of each; their shapes follow from mass and inertia.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -15,7 +15,7 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.multibody.derive import derive
-from eom.multibody.model import GROUND, Tree
+from eom.multibody.model import Tree
 from eom.multibody.points import Point
 from eom.multibody.scene import TreeScene
 from eom.multibody.tally import savings
@@ -23,7 +23,7 @@ from eom.multibody.values import is_number
 from eom.reduce import cost
 from eom.system import Definition, Quantity, System, as_expression
 from eom.views.live.knobs import knob, of_states
-from eom.views.live.subject import VIEW, Choice, Knob, Subject, Switch, Variant
+from eom.views.live.subject import VIEW, Knob, Subject, Switch, Variant
 
 Expr = Any
 
@@ -106,9 +106,10 @@ def _variant(scene: TreeScene, off: Mapping[str, bool]) -> Variant:
         for k, b in enumerate(tree.bodies)
         for n, tip in enumerate(TIPS)
     ]
-    named = {"name": scene.name, "title": scene.title}
-    own = replace(derive(tree), **named)
-    drawn = _with_shapes(replace(derive(tree, points), **named), scene, tree)
+    own, moving = (
+        replace(derive(tree, asked), name=scene.name, title=scene.title) for asked in ((), points)
+    )
+    drawn = _with_shapes(moving, scene, tree)
     saved = savings(tree)
     return Variant(own, drawn, tuple(saved.reasons), saved.without, cost(own))
 

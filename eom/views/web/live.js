@@ -124,9 +124,9 @@
   }
 
   function makeViewer() {
-    radius = single ? 1 : 1.08 * reach();
+    radius = single ? 1 : 0.85 * reach();
     viewer = createViewer(byId("body"), {
-      radius: single ? 1.05 : radius, up: data.up, view: [35, 18], ground: null, theme: theme(),
+      radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: null, theme: theme(),
       names: {space: data.kind === "spinner" ? ["i\u2081", "i\u2082", "i\u2083"] : ["a\u2081", "a\u2082", "a\u2083"]},
       bodies: data.bodies.map((name, k) => ({name, colour: COLOURS[k % COLOURS.length], frame: single ? 0.98 : 0.16 * radius, shapes: []})),
     });
@@ -237,7 +237,7 @@
   // -- invariants --------------------------------------------------------------------------------------
 
   const INKS = ["--blue", "--red", "--green", "--purple", "--orange", "--ink"];
-  const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 3], [12, 4]];
+  const DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3], [1, 3], [12, 4], [12, 3, 3, 3, 3, 3]];
   const MOST = 1200, LOWEST = -17, HIGHEST = 0;
   const history = {t: [], drift: []};
   let cells = [];
@@ -269,7 +269,7 @@
       return [row.insertCell(), row.insertCell()];
     });
     byId("no-invariants").hidden = cells.length > 0;
-    byId("invariants-table").hidden = byId("drift").hidden = cells.length === 0;
+    byId("invariants-table").hidden = byId("drift-figure").hidden = cells.length === 0;
   }
 
   function symbolOf(name) {
@@ -291,7 +291,7 @@
 
   function plot() {
     const canvas = byId("drift");
-    if (canvas.hidden) return;
+    if (byId("drift-figure").hidden) return;
     const pen = canvas.getContext("2d");
     const ratio = window.devicePixelRatio || 1;
     const [wide, high] = [canvas.clientWidth, canvas.clientHeight];
@@ -375,13 +375,20 @@
 
   // -- changes -----------------------------------------------------------------------------------------
 
+  /* Whether a number occurs in the equations as they are, or in the body's shape. */
+  function occurs(name) {
+    const {STATES, PARAMETERS, INPUTS} = motion.names;
+    if (name.startsWith("attitude_")) return true;
+    return [STATES, PARAMETERS, INPUTS, data.centre, ...data.inertia].some((names) => names.includes(name));
+  }
+
   function restarted() {
     byId("fault").textContent = motion.message ? motion.message[0].toUpperCase() + motion.message.slice(1) + "." : "";
     all("[data-knob]").forEach((input) => {
       const name = input.dataset.knob, other = motion.variant.equal[name];
       const row = input.closest(".knob");
-      input.disabled = Boolean(other);
-      row.classList.toggle("same", Boolean(other));
+      input.disabled = Boolean(other) || !occurs(name);
+      row.classList.toggle("same", input.disabled);
       if (document.activeElement !== input || other) input.value = shown(motion.value(other || name), 8);
     });
     if (motion.message) return;
