@@ -58,7 +58,8 @@ def _compiled(variant: Variant, texts: dict[str, int]) -> Compiled:
 
 
 def _text(program: Program, layout: Layout) -> str:
-    return javascript.function(program, layout)
+    """Return the functions of a system; nothing in a comment can end the script that they stand in."""
+    return re.sub(r"<(?=[A-Za-z/!?])", "< ", javascript.function(program, layout))
 
 
 def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, Any]:

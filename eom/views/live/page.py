@@ -46,13 +46,17 @@ def page(scene: AnyScene) -> str:
     Raises `InputError` for scenes that a page cannot hold: constraints, and operations that JavaScript
     has none for.
     """
-    subject = subject_of(scene)
+    return written(subject_of(scene), speed_of(scene.integration.t_end))
+
+
+def written(subject: Subject, speed: float = 1.0) -> str:
+    """Return the page of a subject; ``speed``: seconds of motion a second. Raises as `page` does."""
     core, data = code.script(subject)
     texts = _Templates()
     data |= {
         "told": {code.key(c): told(subject, c, texts) for c in subject.variants},
         "none": code.key(tuple(False for _ in subject.switches)),
-        "speed": speed_of(scene.integration.t_end),
+        "speed": speed,
     }
     scripts = [code.web("three.js"), code.web("viewer.js"), core, code.web("live.js")]
     style = code.web("live.css")
@@ -65,7 +69,7 @@ def page(scene: AnyScene) -> str:
         ),
         picture=html.escape(f"{subject.title}: the motion in three dimensions"),
         caption=_caption(subject),
-        speeds=_speeds(data["speed"]),
+        speeds=_speeds(speed),
         tolerance=f"{code.TOLERANCE:.0e}".replace("e-", "e\u2212"),
         switches=_switches(subject.switches),
         knobs="\n".join(_groups(subject)),

@@ -265,13 +265,11 @@ def _inertia_knobs(scene: Scene) -> Iterator[Knob]:
     known = {q.name: q for q in scene.full_system.parameters}
     largest = max(values[n] for n in names)
     for name in names:
-        yield replace(knob(known[name], values[name], "inertia", largest), low=_low(name, largest))
-
-
-def _low(name: str, largest: float) -> float:
-    """Return where the slider of a moment, or of a product of inertia, begins."""
-    product_of_inertia = name.startswith("J") and name[1] != name[2]
-    return -largest if product_of_inertia else float(f"{largest / 20:.2g}")
+        made = knob(known[name], values[name], "inertia", largest)
+        if name.startswith("J") and name[1] != name[2]:
+            yield replace(made, low=-largest, high=largest, positive=False)
+        else:
+            yield replace(made, low=float(f"{largest / 20:.2g}"))
 
 
 def _torque_knobs(scene: Scene) -> Iterator[Knob]:

@@ -473,12 +473,8 @@
       restarted();
     });
     byId("original").addEventListener("click", () => {
-      data.knobs.forEach((k) => motion.values.set(k.name, k.value));
-      data.switches.forEach((s, k) => {
-        motion.off[k] = s.on;
-        document.querySelector('[data-switch="' + k + '"]').checked = s.on;
-      });
-      motion.restart();
+      motion.original();
+      all("[data-switch]").forEach((box) => { box.checked = motion.off[Number(box.dataset.switch)]; });
       setEquations();
       restarted();
     });

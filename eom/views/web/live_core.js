@@ -9,10 +9,10 @@ const createMotion = (data, systems, method) => {
   const values = new Map(data.knobs.map((k) => [k.name, k.value]));
   const knobs = new Map(data.knobs.map((k) => [k.name, k]));
   const off = data.switches.map((s) => s.on);
-  const made = new Map();
+  const made = new Map(), joined = new Map();
   const motion = {
     values, off, restart, advance, message: "", time: 0, variant: null, view: null, invariants: null,
-    first: null, states: null, evaluations: 0, stopped: "", set, choose, value, at, inertia, omega,
+    first: null, states: null, evaluations: 0, stopped: "", set, choose, original, value, at, inertia, omega,
   };
   let run = null, system = null, p = null, u = null;
 
@@ -26,6 +26,33 @@ const createMotion = (data, systems, method) => {
 
   function choose(index, on) {
     off[index] = on;
+    join(data.variants[key()].equal);
+    return restart();
+  }
+
+  /* Two moments of inertia that become one take their mean, which every third moment goes with; they get
+     their own values back if nobody has changed it. */
+  function join(equal) {
+    joined.forEach(({other, own, mean}, name) => {
+      if (name in equal) return;
+      if (values.get(other) === mean) own.forEach(([n, v]) => values.set(n, v));
+      joined.delete(name);
+    });
+    Object.entries(equal).forEach(([name, other]) => {
+      if (joined.has(name)) return;
+      const own = [name, other].map((n) => [n, values.get(n)]);
+      const mean = own[0][1] === own[1][1] ? own[0][1] : Number(((own[0][1] + own[1][1]) / 2).toPrecision(12));
+      joined.set(name, {other, own, mean});
+      own.forEach(([n]) => values.set(n, mean));
+    });
+  }
+
+  /* The numbers and the choice of the scene. */
+  function original() {
+    data.knobs.forEach((k) => values.set(k.name, k.value));
+    data.switches.forEach((s, k) => { off[k] = s.on; });
+    joined.clear();
+    join(data.variants[key()].equal);
     return restart();
   }
 
@@ -156,7 +183,7 @@ const createMotion = (data, systems, method) => {
     return out;
   }
 
-  restart();
+  original();
   return motion;
 };
 
