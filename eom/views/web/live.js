@@ -255,6 +255,8 @@
       const row = body.insertRow();
       const head = document.createElement("th");
       head.scope = "row";
+      head.title = data.meanings[name] || name;
+      head.setAttribute("aria-label", name + ": " + head.title);
       const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
       swatch.setAttribute("class", "swatch");
       swatch.setAttribute("viewBox", "0 0 24 6");
