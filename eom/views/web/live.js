@@ -256,7 +256,9 @@
       const head = document.createElement("th");
       head.scope = "row";
       head.title = data.meanings[name] || name;
-      head.setAttribute("aria-label", name + ": " + head.title);
+      const words = document.createElement("span");
+      words.className = "unseen";
+      words.textContent = name + ": " + head.title;
       const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
       swatch.setAttribute("class", "swatch");
       swatch.setAttribute("viewBox", "0 0 24 6");
@@ -266,7 +268,7 @@
         .forEach(([n, v]) => line.setAttribute(n, v));
       line.style.stroke = "var(" + INKS[k % INKS.length] + ")";
       swatch.append(line);
-      head.append(swatch, " ", symbolOf(name));
+      head.append(swatch, " ", symbolOf(name), words);
       row.append(head);
       return [row.insertCell(), row.insertCell()];
     });
@@ -275,8 +277,10 @@
   }
 
   function symbolOf(name) {
-    const found = byId("symbol-" + name);
-    return found ? found.content.cloneNode(true) : document.createTextNode(name);
+    const span = document.createElement("span");
+    span.setAttribute("aria-hidden", "true");
+    span.append(byId("symbol-" + name).content.cloneNode(true));
+    return span;
   }
 
   function remember() {
