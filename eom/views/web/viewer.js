@@ -10,7 +10,9 @@
      up: [0, 0, 1],               what points up on the screen
      view: [azimuth, elevation],  in degrees, where the camera starts
      ground: height | null,       a grid at this height along up, with shadows
-     bodies: [{name, colour, frame, shapes: [shape]}],   frame: length of b1, b2, b3, or 0
+     bodies: [{name, colour, frame, axes, shapes: [shape]}],   frame: length of b1, b2, b3, or 0; axes: their names
+     stand: [shape],              what does not move
+     theme: "light" | "dark",
      names: {space: ["a1", "a2", "a3"], body: ["b1", "b2", "b3"]}
    }
    shape: {kind, ...sizes, position, quaternion, colour, opacity, plain} in the body frame; an axis of
@@ -357,6 +359,8 @@ const createViewer = (() => {
       bodies.push({group, skin, axes, colour: body.colour});
       dress(bodies.length - 1, body.shapes || []);
     });
+
+    (description.stand || []).forEach((shape) => layer("stand").add(shapeGroup(shape, "grey")));
 
     function dress(k, shapes) {
       const {skin, colour} = bodies[k];
