@@ -19,7 +19,7 @@ from eom.multibody.constraints import Rolling
 from eom.opening import AnyScene
 from eom.scene import Scene
 from eom.views.equivalents import Shape
-from eom.views.figures import Figure, Figures, figures_of
+from eom.views.figures import Figures, figures_of
 from eom.views.tracks import Floats, Track, Tracks, matrices, tracks_of, with_attitude
 
 if TYPE_CHECKING:
@@ -36,7 +36,10 @@ SHORT, LONG, AIM = 2.0, 40.0, 20.0
 """A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
 MOST_TOLD = 8
 GROUND_GAP = 0.03
-ORBIT_FRAME = ("radial", "along", "normal")
+AROUND_ONE = 1.2
+"""What is seen around a single body, by its extent: its vectors need room."""
+SAMPLES = 100
+"""Times at which the space that the motion takes is measured."""
 
 Integrate = Callable[[AnyScene], "Result"]
 
@@ -229,35 +232,32 @@ def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
 
 
 def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
-    low, high, balls = _bounds(tracks, figures)
-    centre = (low + high) / 2
-    radius = max(float(np.linalg.norm(p - centre, axis=1).max()) + r for p, r in balls)
+    points = np.concatenate([*_places(tracks, figures)])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
+        centre = np.zeros(3)
+    radius = float(np.linalg.norm(points - centre, axis=1).max())
+    radius *= AROUND_ONE if len(tracks.bodies) == 1 else 1
     gravity = _gravity(scene)
     if gravity is None:
         return View(centre, radius)
     up = -gravity / np.linalg.norm(gravity)
-    lowest = min(float((p @ up).min()) - r for p, r in balls) - GROUND_GAP * radius
     floor = _floor(scene)
+    if floor is None:
+        floor = float((points @ up).min()) - GROUND_GAP * radius
     a, b, c = (float(x) for x in up)
-    camera = _camera(tracks, up)
-    return View(centre, radius, (a, b, c), camera, lowest if floor is None else floor)
+    return View(centre, radius, (a, b, c), _camera(tracks, up), floor)
 
 
-def _bounds(tracks: Tracks, figures: Figures) -> tuple[Floats, Floats, list[tuple[Floats, float]]]:
-    """Return the corners of a box that holds the motion, and for each body a ball that moves."""
-    balls = [_ball(t, f) for t, f in zip(tracks.bodies, figures.bodies, strict=True)]
-    low = np.min([p.min(axis=0) - r for p, r in balls], axis=0)
-    high = np.max([p.max(axis=0) + r for p, r in balls], axis=0)
-    return low, high, balls
-
-
-def _ball(track: Track, figure: Figure) -> tuple[Floats, float]:
-    if not figure.shapes:
-        return track.positions, 0.0
-    vertices = np.concatenate([s.mesh.vertices for s in figure.shapes])
-    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    radius = float(np.linalg.norm(vertices - middle, axis=1).max())
-    return at(track, middle), radius
+def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:
+    """Yield where the vertices of the bodies are at some of the times."""
+    some = slice(None, None, max(1, len(tracks.times) // SAMPLES))
+    for track, figure in zip(tracks.bodies, figures.bodies, strict=True):
+        yield track.positions[some]
+        if figure.shapes:
+            vertices = np.concatenate([s.mesh.vertices for s in figure.shapes])[::7]
+            turned = np.einsum("nij,vi->nvj", matrices(track.quaternions[some]), vertices)
+            yield (track.positions[some, None] + turned).reshape(-1, 3)
 
 
 def at(track: Track, point: Any) -> Floats:

@@ -7,7 +7,6 @@
   const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
   const darkness = window.matchMedia("(prefers-color-scheme: dark)");
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-  const ARROW = 0.85;
   const LONGEST_FRAME = 0.1;
 
   // -- data ---------------------------------------------------------------------------------------
@@ -98,8 +97,8 @@
       scales[a.kind] = Math.max(scales[a.kind] || 0, length(a.values.subarray(3 * k, 3 * k + 3)));
     }
   });
-  const reach = (several ? 0.5 : ARROW) * data.radius;
-  const TRAIL = 8;
+  const reach = (several ? 0.5 : 0.95) * data.radius;
+  const SHARE = {omega: 1, momentum: 0.84, torque: 0.68};
 
   function drawTrails() {
     bodies.forEach((body, n) => {
@@ -157,7 +156,7 @@
   const kinds = [...new Set(arrows.map((a) => a.kind))];
   kinds.forEach((kind) => {
     const colour = arrows.find((a) => a.kind === kind).colour;
-    box(kind, WORDS[kind], !several || kind === "none", (on) => { shown[kind] = on; }, colour);
+    box(kind, WORDS[kind], !several || data.ground === null, (on) => { shown[kind] = on; }, colour);
   });
   if (several) {
     const label = document.createElement("label");
@@ -166,6 +165,7 @@
     bodies.forEach((body, n) => select.append(new Option(body.name, n)));
     select.addEventListener("change", () => {
       state.chosen = Number(select.value);
+      chosenRow();
       draw();
       say();
     });
@@ -195,12 +195,20 @@
   }
   const places = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(span))));
   const timeText = () => (data.start + state.time).toFixed(places);
-  const number = (x) => (x < 0 ? "" : "\u2007") + (Math.abs(x) < 5e-13 ? 0 : x).toPrecision(4).replace("-", "\u2212");
+  function number(x) {
+    const away = Math.abs(x);
+    const text = away < 1e-12 ? "0" : (away < 1e-3 || away >= 1e6 ? x.toExponential(2) : x.toPrecision(4));
+    return text.replace(/-/g, "\u2212");
+  }
   const size = (arrow) => (k, part) => length(between(arrow.values, 3, k, part));
   row("t", "s", () => data.start + state.time);
   rows[0].fixed = true;
-  row(several ? "|\u03c9| of the chosen body" : "|\u03c9|", "rad/s",
+  row("|\u03c9|", "rad/s",
       (k, part) => size(arrows[state.chosen])(k, part));
+  function chosenRow() {
+    rows[1].cell.previousSibling.textContent = several ? "|\u03c9| of " + bodies[state.chosen].name : "|\u03c9|";
+  }
+  chosenRow();
   arrows.filter((a) => a.kind !== "omega").forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
   told.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
 
@@ -242,7 +250,7 @@
     arrows.forEach((arrow, n) => {
       const seen = shown[arrow.kind] && (arrow.kind !== "omega" || n === state.chosen);
       const origin = arrow.body >= 0 ? at[arrow.body] : (arrow.places ? between(arrow.places, 3, k, part) : ORIGIN);
-      const factor = reach / (scales[arrow.kind] || 1);
+      const factor = (SHARE[arrow.kind] * reach) / (scales[arrow.kind] || 1);
       const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor) : null;
       viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
     });
@@ -258,7 +266,7 @@
     rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
     state.said = performance.now();
     if (!state.playing) {
-      byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent.trim() + " " + r.unit).join(", ");
+      byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
     }
   }
 
