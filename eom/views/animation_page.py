@@ -23,8 +23,9 @@ from eom.views.animation import Animation
 from eom.views.equivalents import Shape
 from eom.views.figures import Figure
 from eom.views.solid_meshes import Mesh
+from eom.views.tracks import Track
 
-FRAME = 1.25
+FRAME = 1.15
 """Length of b1, b2, b3 as a share of the extent of one body; of many, of what is seen."""
 FRAME_OF_MANY = 0.16
 PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
@@ -90,7 +91,7 @@ def data(animation: Animation) -> dict[str, Any]:
             "axes": list(figure.axes),
             "words": figure.words,
             "frame": _number(_frame(animation, figure)),
-            "tip": [_number(x) for x in figure.tip] if np.any(figure.tip) else None,
+            "tip": _tip(figure, track),
             "shapes": [meshes.shape(s) for s in figure.shapes],
             "positions": floats(track.positions) if np.any(track.positions) else None,
             "quaternions": floats(track.quaternions),
@@ -124,6 +125,12 @@ def data(animation: Animation) -> dict[str, Any]:
 def _number(x: float) -> float:
     """Return a number with the digits that a picture needs."""
     return float(f"{float(x):.7g}") + 0.0
+
+
+def _tip(figure: Figure, track: Track) -> list[float] | None:
+    """Return the point whose path is drawn; none where it stays in place."""
+    moves = np.any(figure.tip) or np.any(track.positions != track.positions[0])
+    return [_number(x) for x in figure.tip] if moves else None
 
 
 def _frame(animation: Animation, figure: Figure) -> float:

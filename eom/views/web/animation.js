@@ -282,7 +282,7 @@
     if (!state.playing) {
       return;
     }
-    const passed = Math.min((now - state.last) / 1000, LONGEST_FRAME);
+    const passed = Math.max(0, Math.min((now - state.last) / 1000, LONGEST_FRAME));
     state.last = now;
     let time = state.time + passed * state.speed * data.speed;
     if (time >= span) {

@@ -416,7 +416,7 @@ const createViewer = (() => {
     function home() {
       const [azimuth, elevation] = (description.view || [35, 22]).map((a) => (a * Math.PI) / 180);
       const narrow = Math.min(1, camera.aspect);
-      const distance = (1.08 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
+      const distance = (1.14 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
       const [c, s] = [Math.cos(elevation), Math.sin(elevation)];
       controls.target.copy(centre);
       camera.position.copy(centre).addScaledVector(from(c * Math.cos(azimuth), c * Math.sin(azimuth), s), distance);
