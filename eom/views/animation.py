@@ -149,19 +149,21 @@ def _tracks(scene: AnyScene, integrate: Integrate) -> tuple[Tracks, Result]:
 
 def _needed(tracks: Tracks, scene: AnyScene) -> int:
     """Return how many times are stored. Raises `InputError` where they would be too many."""
-    turn = max(float(np.linalg.norm(b.omega, axis=1).max()) for b in tracks.bodies)
-    span = abs(float(tracks.times[-1] - tracks.times[0]))
+    rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
+    spans = np.abs(tracks.times - tracks.times[0])
+    turned = np.maximum.accumulate(rates) * spans
     vectors = len(tracks.bodies) + 2 + MOST_TOLD / 3
     most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
-    if turn * span > LARGEST_STEP * most:
+    if turned[-1] > LARGEST_STEP * most:
+        possible = float(spans[turned <= 0.95 * LARGEST_STEP * most][-1])
         raise InputError(
             "too many turns for one animation",
             where=scene.name,
-            got=f"{turn * span / (2 * math.pi):.0f} turns in {span:g} s",
+            got=f"{turned[-1] / (2 * math.pi):.0f} turns in {spans[-1]:g} s",
             expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
-            hint=f"--seconds {0.9 * LARGEST_STEP * most / turn:.3g}",
+            hint=f"--seconds {possible:.3g}",
         )
-    return max(COARSE, min(most, math.ceil(turn * span / STEP) + 1))
+    return max(COARSE, min(most, math.ceil(turned[-1] / STEP) + 1))
 
 
 def shown(

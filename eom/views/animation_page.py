@@ -182,6 +182,7 @@ class Meshes:
                     "faces": base64.b64encode(key[1]).decode("ascii"),
                     "wide": faces.dtype.itemsize == 4,
                     "round": mesh.round,
+                    "flat": mesh.flat,
                 }
             )
         return self._known[key]

@@ -23,12 +23,13 @@ from eom.views.equivalents import Shape
 from eom.views.solid_meshes import Mesh, of_solid
 
 MOST_TRIANGLES = 20_000
-"""Of one mesh file: more would not fit into a page of 3 MB."""
+"""Of all links: links beyond that would not fit into a page of 3 MB, and are drawn by their inertia."""
 _SCHEMES = ("package://", "file://")
 
 
 def shapes_of_file(name: str | Path) -> dict[str, tuple[Shape, ...]]:
     """Return the shapes of the links of a URDF file by the names of their bodies; none for other scenes."""
+    left = MOST_TRIANGLES
     if not catalogue.is_file(str(name)) or Path(name).suffix != catalogue.URDF:
         return {}
     file = Path(name)
@@ -36,7 +37,10 @@ def shapes_of_file(name: str | Path) -> dict[str, tuple[Shape, ...]]:
     found = {}
     for link in robot.links:
         shapes = tuple(_shapes(link.visuals, file)) or tuple(_shapes(link.collisions, file))
-        found[spelling(link.name)] = shapes
+        size = sum(len(s.mesh.faces) for s in shapes)
+        if size <= left:
+            found[spelling(link.name)] = shapes
+            left -= size
     return found
 
 
@@ -80,9 +84,5 @@ def _read(place: Path, scale: Any) -> Mesh | None:
         vertices, faces = read_mesh(place)
     except InputError:
         return None
-    if len(faces) > MOST_TRIANGLES:
-        return None
     factor = np.ones(3) if scale is None else np.broadcast_to(np.asarray(scale, dtype=float), (3,))
-    points, triangles = np.array(vertices) * factor, np.array(faces, dtype=np.int64)
-    corners = points[triangles].reshape(-1, 3)
-    return Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
+    return Mesh(np.array(vertices) * factor, np.array(faces, dtype=np.int64), flat=True)

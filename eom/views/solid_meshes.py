@@ -37,12 +37,14 @@ class Mesh:
     Vertices are shared within a smooth piece of the surface and apart at its edges. ``round``: whether
     turns of it are not seen unless its octants have two tones. ``closed``: whether faces are
     anticlockwise seen from outside and bound it, so that those that are turned away are not seen.
+    ``flat``: whether vertices are shared at edges, too.
     """
 
     vertices: Floats
     faces: Integers
     round: bool = False
     closed: bool = False
+    flat: bool = False
 
     def moved(self, position: ArrayLike, rotation: ArrayLike | None = None) -> Mesh:
         """Return the mesh at another place: ``rotation`` takes its components to those there."""

@@ -24,9 +24,11 @@
     vertices: floats(m.vertices),
     faces: m.wide ? new Uint32Array(bytes(m.faces)) : new Uint16Array(bytes(m.faces)),
     round: m.round,
+    flat: m.flat,
   }));
   const shape = (s) => ({
     kind: "mesh", vertices: meshes[s.mesh].vertices, faces: meshes[s.mesh].faces, marked: meshes[s.mesh].round,
+    flat: meshes[s.mesh].flat,
     colour: s.colour, opacity: s.opacity,
   });
   const bodies = data.bodies.map((b) => ({
