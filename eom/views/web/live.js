@@ -98,7 +98,7 @@
       const thin = 0.025 * radius;
       if (found.kind === "box") found.size = found.size.map((x) => Math.max(x, thin));
       else Object.assign(found, {radius: Math.max(found.radius, thin / 2), length: Math.max(found.length, thin)});
-      shapes.push(Object.assign(turned(found, axes), {position: centre}));
+      shapes.push(Object.assign(turned(found, axes), {position: centre, opacity: hides(k, centre, moments) ? 0.35 : 1}));
     }
     const ends = Array.from({length: data.joints[k]}, (_, n) => Array.from(v.subarray(s + 10 + 3 * n, s + 13 + 3 * n)));
     [centre, ...ends].forEach((end) => {
@@ -108,6 +108,24 @@
     });
     shapes.push({kind: "sphere", radius: 0.018 * radius, colour: "grey", plain: true});
     return shapes;
+  }
+
+  /* Whether the centre of mass of another body lies in this one, about where its mass is. */
+  function hides(k, centre, moments) {
+    const v = motion.view, s = 12 * k;
+    const size = Math.sqrt((0.75 * Math.max(...moments)) / v[shapesFrom[k]]);
+    return data.bodies.some((_, n) => {
+      if (n === k || !(v[shapesFrom[n]] > 0)) return false;
+      const other = shapesFrom[n], at = [0, 0, 0];
+      for (let i = 0; i < 3; i += 1) {
+        at[i] = v[12 * n + i] - v[s + i];
+        for (let j = 0; j < 3; j += 1) {
+          at[i] += v[other + 1 + j] * (v[12 * n + 3 * (j + 1) + i] - v[12 * n + i]);
+          at[i] -= centre[j] * (v[s + 3 * (j + 1) + i] - v[s + i]);
+        }
+      }
+      return length(at) < size && v[shapesFrom[n]] < v[shapesFrom[k]];
+    });
   }
 
   /* The ball that holds a tree at its start, with room to move. */
