@@ -108,7 +108,7 @@ def speed_of(t_end: float) -> float:
     """Return seconds of motion a second of the page: one, but for long motions a minute for all.
 
     >>> speed_of(10.0), speed_of(55603.4)
-    (1.0, 1000.0)
+    (1.0, 900.0)
     """
     return 1.0 if t_end <= LONG else float(f"{t_end / 60:.0e}") + 0.0
 

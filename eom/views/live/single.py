@@ -41,8 +41,7 @@ DEFAULT_SEQUENCE = "3-2-1"
 def subject(scene: Scene) -> Subject:
     """Return what a page about a scene of one body needs."""
     attitude_used = _attitude(scene)
-    pair = _pair(scene)
-    switches = tuple(_switches(scene, pair))
+    pair, switches = _pair(scene), switches_of(scene)
     variants = {
         choice: _variant(scene, attitude_used, dict(zip(switches, choice, strict=True)), pair)
         for choice in product((False, True), repeat=len(switches))
@@ -92,6 +91,11 @@ def _pair(scene: Scene) -> tuple[int, int] | None:
     values = principal_values(scene)
     pairs = [(i, j) for i, j in ((0, 1), (1, 2), (0, 2)) if values[i] == values[j]]
     return pairs[0] if pairs else (0, 1)
+
+
+def switches_of(scene: Scene) -> tuple[Switch, ...]:
+    """Return what can be left out of a scene of one body, at most `MOST_SWITCHES`."""
+    return tuple(_switches(scene, _pair(scene)))
 
 
 def _switches(scene: Scene, pair: tuple[int, int] | None) -> Iterator[Switch]:
