@@ -142,7 +142,7 @@
   }
 
   function makeViewer() {
-    radius = single ? 1 : 0.85 * reach();
+    radius = single ? 1 : reach();
     viewer = createViewer(byId("body"), {
       radius: single ? 1.05 : radius, up: data.up, view: single ? [35, 18] : [-62, 16], ground: null, theme: theme(),
       names: {space: data.kind === "spinner" ? ["i\u2081", "i\u2082", "i\u2083"] : ["a\u2081", "a\u2082", "a\u2083"]},
