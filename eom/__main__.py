@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from eom.commands.animating import animate
 from eom.commands.benching import bench
 from eom.commands.checking import check
 from eom.commands.converting import convert
@@ -15,6 +16,7 @@ from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
+from eom.commands.living import live
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
 from eom.errors import InputError
@@ -53,7 +55,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress,
+    check, convert, bench, stress, animate, live,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)
