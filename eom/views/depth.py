@@ -89,12 +89,12 @@ def _pieces(item: Item, lift: Floats, size: float) -> list[Drawn]:
         return _faces(item.vertices, item.faces, item.colour, item.opacity)
     if isinstance(item, Curve):
         colour = rgba(item.colour)
-        over = (1 + 0.6 * item.width) * lift
+        over = (1 + item.width) * lift
         return [Drawn(p + over, colour, item.width) for p in cut(item.points, item.dash, size)]
     if isinstance(item, Marks):
         dot = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3e-3 * size]])
         places = item.points[np.isfinite(item.points).all(axis=1)]
-        return [Drawn(p + dot + 4 * lift, rgba(item.colour), item.size) for p in places]
+        return [Drawn(p + dot + 5 * lift, rgba(item.colour), item.size) for p in places]
     return _arrow(item, lift, size) if isinstance(item, Arrow) else []
 
 
@@ -106,7 +106,7 @@ def _arrow(item: Arrow, lift: Floats, size: float) -> list[Drawn]:
     end = item.end - min(TIP * size, length) * 0.9 * way / length
     line = Curve(np.stack([item.start, end]), item.colour, item.width)
     vertices, faces = tip(item.start, item.end, TIP * size)
-    return [*_pieces(line, 0 * lift, size), *_faces(vertices, faces, item.colour, 1.0)]
+    return [*_pieces(line, lift, size), *_faces(vertices + 4 * lift, faces, item.colour, 1.0)]
 
 
 def _faces(vertices: Floats, faces: Faces, colour: str, opacity: float) -> list[Drawn]:

@@ -17,7 +17,7 @@ from eom.herpolhode import herpolhode as exact_herpolhode
 from eom.views.formulas import plain
 from eom.views.free import FreeBody, moving, polhode_of, polhode_points
 from eom.views.matrices import quaternion_matrices
-from eom.views.meshes import ellipsoid
+from eom.views.meshes import ellipsoid, grid_faces
 from eom.views.picture import (
     Arrow,
     Axis,
@@ -125,9 +125,9 @@ def herpolhode(body: FreeBody, seconds: float | None = None, points: int | None 
     body.turning("herpolhode")
     path = traced(body, _positive(seconds), points)
     caption = (
-        "Left: the ellipsoid of inertia rolls without slip on the invariable plane, which it touches at the "
-        "tip of the angular velocity; the polhode rolls on the herpolhode. Right: the herpolhode seen along "
-        f"the angular momentum, t = {path.t[0]:.4g} to {path.t[-1]:.4g} s."
+        "Left: the ellipsoid of inertia rolls without slip on the invariable plane, which it touches "
+        "at the tip of the angular velocity; the polhode rolls on the herpolhode. Right: the herpolhode "
+        f"seen along the angular momentum, t = {path.t[0]:.4g} to {path.t[-1]:.4g} s."
     )
     return Picture(((_construction(body, path), _plane(body, path)),), plain(body.title), caption)
 
@@ -165,14 +165,10 @@ def _construction(body: FreeBody, path: Traced) -> Panel:
 
 
 def _sheet(body: FreeBody, path: Traced, height: float) -> Surface:
-    reach = 1.15 * max(
-        float(np.abs(path.space[:, :2]).max()), 0.6 * float(np.median(energy_axes(body)))
-    )
+    reach = 1.15 * max(float(np.abs(path.space[:, :2]).max()), float(np.median(energy_axes(body))))
     s = np.linspace(0.0, 2 * np.pi, 73)
     radii = np.linspace(0.0, 1.0, 7)[:, None]
     flat = np.stack([radii * np.cos(s), radii * np.sin(s)], -1).reshape(-1, 2) * reach
-    from eom.views.meshes import grid_faces
-
     vertices = np.column_stack([flat, np.full(len(flat), height)])
     return Surface(vertices, grid_faces(len(radii), len(s)), "yellow", 0.25, "invariable plane")
 
