@@ -16,8 +16,10 @@ from eom.views.picture import COLOURS, Arrow, Curve, Floats, Item, Marks, Panel,
 
 LIFT = 0.012
 """By which part of the diagonal lines are moved towards the eye; wide ones by some more."""
-LONGEST = 0.03
+LONGEST = 0.024
 """Length of the pieces of a line, as a part of the diagonal."""
+LOOSE = 1.2
+"""Length of the vector to the eye in a cube with edges of length 1."""
 TIP = 0.033
 """Length of the tip of an arrow, as a part of the diagonal."""
 DASHES = {"solid": (1.0, 0.0), "dashed": (0.02, 0.012), "dotted": (0.003, 0.01)}
@@ -51,7 +53,7 @@ class View:
         """Return the view of a projection as Matplotlib makes it, with depth growing away from the eye."""
         matrix = matrix / matrix[3, 3]
         way = np.cross(matrix[0, :3], matrix[1, :3])
-        way = way / np.linalg.norm(way / (high - low)) / np.sqrt(3.0)
+        way = way / np.linalg.norm(way / (high - low)) * LOOSE
         way = way if matrix[2, :3] @ way < 0 else -way
         return cls(matrix, way)
 

@@ -55,13 +55,18 @@ class Traced:
     first: Floats
 
 
-def traced(body: FreeBody, seconds: float | None = None, points: int | None = None) -> Traced:
+def traced(
+    body: FreeBody,
+    seconds: float | None = None,
+    points: int | None = None,
+    periods: float = PERIODS,
+) -> Traced:
     """Return omega of a free body over time, in closed form.
 
-    ``seconds``: from t = 0 on; by default three periods, one turn where two moments are equal, and on
+    ``seconds``: from t = 0 on; by default some periods, one turn where two moments are equal, and on
     the separatrix from where it leaves the intermediate axis to where it comes back to it.
     """
-    start, end = _span(body, seconds)
+    start, end = _span(body, seconds, periods)
     fastest = body.momentum / min(body.moments) * (end - start) / (2 * np.pi)
     count = points or int(np.clip(PER_TURN * fastest, FEWEST, MOST))
     t = np.linspace(start, end, count)
@@ -85,7 +90,7 @@ def _frame(momentum: Floats, omega: Floats, C: Floats) -> Floats:
     return np.stack([first, np.cross(third, first), third])
 
 
-def _span(body: FreeBody, seconds: float | None) -> tuple[float, float]:
+def _span(body: FreeBody, seconds: float | None, periods: float) -> tuple[float, float]:
     if seconds is not None:
         return 0.0, seconds
     motion = body.motion
@@ -94,7 +99,7 @@ def _span(body: FreeBody, seconds: float | None) -> tuple[float, float]:
         return 0.0, 2 * np.pi * (low if low == mid else high) / body.momentum
     if motion.kind == "separatrix":
         return _around(body)
-    return 0.0, PERIODS * motion.period if motion.period else 1.0
+    return 0.0, periods * motion.period if motion.period else 1.0
 
 
 def _around(body: FreeBody) -> tuple[float, float]:

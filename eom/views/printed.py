@@ -71,7 +71,7 @@ LEGEND = 1.5
 """Width of a legend beside a panel; inches."""
 LETTERS, ROOM = 15.0, 7
 """Letters of a legend below panels that an inch holds; the room that a line takes, in letters."""
-FULL, BARE = 1.03, 1.3
+FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
