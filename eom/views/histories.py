@@ -24,7 +24,7 @@ MOST = 8
 COLOURS = ("blue", "red", "green", "orange", "purple", "sky", "black", "grey")
 DASHES: tuple[Dash, ...] = ("solid", "dashed")
 FLOOR, ROUNDING = 1e-17, 1e-13
-"""Drift below the floor, zero above all, is drawn at it; the scale reaches at least to rounding."""
+"""Ends of the scale of drift, at least."""
 TIME = Axis("$t$ [s]")
 
 
@@ -72,7 +72,9 @@ def histories(
     notes = [*_left_out(groups, shown), *_gaps(result, shown)]
     if result.drift:
         panels.append(_drifts(result, notes))
-    return check(Picture(tuple((p,) for p in _timed(panels, result)), plain(title), " ".join(notes)))
+    return check(
+        Picture(tuple((p,) for p in _timed(panels, result)), plain(title), " ".join(notes))
+    )
 
 
 def _held(result: Result, quantity: str) -> bool:
@@ -129,16 +131,26 @@ def _drifts(result: Result, notes: list[str]) -> Panel:
     same = len(set(kinds.values())) == 1
     items: list[Item] = []
     for n, (colour, dash) in zip(shown, _looks(), strict=False):
-        drift = result.drift[n]
-        size = np.maximum(np.abs(drift.over_time) / drift.scale, FLOOR)
-        line = points(*thinned(result.t, size))
         label = name(n) if same else f"{name(n)}, {kinds[n]}"
-        items.append(Curve(line, colour, 1.2, dash, label))
-    top = max([ROUNDING, *(_largest(result.drift[n]) for n in shown)])
+        items.append(Curve(_sizes(result.t, result.drift[n]), colour, 1.2, dash, label))
+    top = max([ROUNDING, *filter(math.isfinite, (_largest(result.drift[n]) for n in shown))])
     limits = (FLOOR, 10.0 ** math.ceil(math.log10(top)))
     words = f"{kinds[shown[0]]} drift" if same else "drift"
-    notes.append("Below: the size of the drift of each constant of the motion, value less first value.")
+    notes.append(
+        "Below: the size of the drift of each constant of the motion, value less first value."
+    )
     return Panel(tuple(items), (Axis(), Axis(words, "log", limits)), height=0.9)
+
+
+def _sizes(t: Floats, drift: Drift) -> Floats:
+    """Return the size of the drift over time, but for zeros, which a logarithmic scale has not.
+
+    What is always zero is drawn at the floor.
+    """
+    size = np.abs(drift.over_time) / drift.scale
+    if not np.any(size):
+        return points(t, np.full(len(t), FLOOR))
+    return points(*thinned(t[size != 0], size[size != 0]))
 
 
 def _largest(drift: Drift) -> float:

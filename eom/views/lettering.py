@@ -1,7 +1,7 @@
-"""Words of pictures: names as formulas, units with raised digits, and text of users as nothing but text.
+r"""Words of pictures: names as formulas, units with raised digits, and text of users as nothing but text.
 
 In a picture's words a formula stands between dollar signs. Names and titles come from users, so that
-a dollar sign of theirs is written ``\\$``.
+a dollar sign of theirs is written ``\$``.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from eom.views.picture import Floats
@@ -21,7 +23,7 @@ def thinned(x: Floats, y: Floats, most: int = MOST) -> tuple[Floats, Floats]:
         return x, y
     edges = np.linspace(0, size, most // 2).astype(np.int64)
     kept = {0, size - 1}
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         kept |= _extremes(y[first:last], int(first))
     chosen = np.array(sorted(kept))
     return x[chosen], y[chosen]
