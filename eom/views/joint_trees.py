@@ -50,7 +50,7 @@ def _shown(given: str) -> str:
 
 
 def _coordinates(joint: Joint) -> tuple[str, int]:
-    """Return the names of a joint's coordinates as formulas, the first and the last of many; their width."""
+    """Return the names of a joint's coordinates, of many the first and the last; and their width."""
     if joint.motion is not None:
         return "given motion", 12
     names = [c.name for c in joint.coordinates]
