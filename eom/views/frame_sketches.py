@@ -10,9 +10,10 @@ import numpy as np
 from eom.kinematics import GREEK_ANGLES
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, axes_of, triads
+from eom.views.viewpoint import best_view
 
 COLOURS = ("black", "blue", "green", "red")
-LETTERS = ("a", "a'", "a''", "b")
+LETTERS = ("a", "a′", "a″", "b")
 SPACE = (Axis(), Axis(), Axis())
 ANGLES = tuple(math.radians(x) for x in (40.0, 30.0, 35.0))
 """Angles that show well, where none are asked for."""
@@ -40,7 +41,8 @@ def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "
         old, new = frames[k], frames[k + 1]
         start = (0.5 + 0.1 * k) * old.axis(moved)
         items += arc(old.axis(axis), start, angle, f"$\\{GREEK_ANGLES[k]}$", new.colour)
-    space = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3)
+    view = best_view([frames[k].axis(axis) for k, axis in enumerate(axes)], items)
+    space = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.1, view=view)
     plane = tuple(_seen_along(axes[k], frames[k], frames[k + 1], k, angles[k]) for k in range(3))
     words = title or f"Turns {sequence} from the axes a to the axes b of the body"
     return check(Picture(((space,), plane), words, _told(sequence, angles)))
@@ -69,7 +71,7 @@ def _seen_along(axis: int, old: Frame, new: Frame, number: int, angle: float) ->
     items += _towards_reader(rf"${old.label(axis)} = {new.label(axis)}$", angle)
     axes = (Axis(limits=(-1.35, 1.35)), Axis(limits=(-1.35, 1.35)))
     title = f"{letter} = {math.degrees(angle):.4g}°"
-    return Panel(tuple(items), axes, title, equal=True, bare=True, height=0.65)
+    return Panel(tuple(items), axes, title, equal=True, bare=True, height=0.55)
 
 
 def _flat_arc(start: Floats, angle: float, words: str, colour: str) -> Iterator[Item]:

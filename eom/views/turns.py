@@ -27,7 +27,7 @@ PARALLEL = 1e-6
 class Frame:
     """A frame: the letter of its axes, C of shape (3, 3), colour, and length of its arrows.
 
-    ``letter`` is TeX, ``a`` or ``a'``.
+    ``letter`` is TeX, ``a`` or ``a′``.
     """
 
     letter: str

@@ -11,11 +11,12 @@ from eom.views.frame_sketches import SPACE
 from eom.views.meshes import grid_faces
 from eom.views.picture import Curve, Floats, Item, Panel, Picture, Surface, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, triads
+from eom.views.viewpoint import best_view
 
 SEQUENCE = "3-1-2"
 FRAMES = (("i", "black", 1.75), ("a", "blue", 1.6), ("b", "green", 1.6), ("c", "red", 1.25))
 """Letters, colours and lengths of the inertial frame, those after psi and theta, and the body's."""
-ANGLES = tuple(math.radians(x) for x in (50.0, 25.0, 40.0))
+ANGLES = tuple(math.radians(x) for x in (40.0, 25.0, 50.0))
 RIM, SPOKES = 1.0, 8
 
 
@@ -35,7 +36,8 @@ def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
         *arc(b.axis(2), 0.75 * b.axis(1), angles[2], r"$\phi$", "red"),
         *triads((i, a, b, c)),
     ]
-    panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.6)
+    view = best_view([i.axis(3), a.axis(1), b.axis(2)], items)
+    panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3, view=view)
     psi, theta, phi = (f"{math.degrees(x):.4g}" for x in angles)
     told = (
         f"A wheel after turns of psi = {psi} degrees about the vertical, theta = {theta} degrees about the "
@@ -57,9 +59,7 @@ def _body(frame: Frame) -> Iterator[Item]:
 
 def _tube(radius: float, thickness: float) -> Floats:
     """Return a ring about axis 2, shape (73 * 13, 3)."""
-    u, v = np.meshgrid(
-        np.linspace(0, 2 * np.pi, 73), np.linspace(0, 2 * np.pi, 13), indexing="ij"
-    )
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 73), np.linspace(0, 2 * np.pi, 13), indexing="ij")
     r = radius + thickness * np.cos(v)
     return np.stack([r * np.cos(u), thickness * np.sin(v), r * np.sin(u)], axis=-1).reshape(-1, 3)
 
