@@ -123,7 +123,7 @@ def _told(s: _Sketch) -> str:
 
 def _ground(s: _Sketch) -> Iterator[Item]:
     for k, letter in enumerate("xyz"):
-        yield Arrow(np.zeros(3), 0.22 * s.size * np.eye(3)[k], "black", 1.6, f"${letter}$")
+        yield Arrow(np.zeros(3), 0.3 * s.size * np.eye(3)[k], "black", 1.6, f"${letter}$")
 
 
 def _body(s: _Sketch, body: str) -> Iterator[Item]:
@@ -207,7 +207,7 @@ def _contact(s: _Sketch, c: Rolling) -> Iterator[Item]:
         -normal if way is None else way
     )
     across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    sides = s.size * np.stack([across, np.cross(normal, across)]) / np.linalg.norm(across)
+    sides = 0.7 * s.size * np.stack([across, np.cross(normal, across)]) / np.linalg.norm(across)
     corners = point + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ sides
     yield Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]), "grey", 0.15)
     yield Marks(point[None], "green", 6.0)
