@@ -75,6 +75,8 @@ FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
+SIDEWAYS = 0.5
+"""Words at the tip of an arrow in space whose way across the paper is more stand beside the tip."""
 ELEVATION, AZIMUTH = 22.0, 35.0
 """Where space is seen from, in degrees."""
 
@@ -125,7 +127,7 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    made = Figure(figsize=size or _size(rows, sum(heights)), layout="constrained")
+    made = Figure(figsize=size or picture.size or _size(rows, sum(heights)), layout="constrained")
     if picture.title:
         made.suptitle(_words(picture.title), fontsize=11)
     if any(_square(panel) for row in rows for panel in row):
@@ -135,6 +137,9 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
         return made
     grid = made.add_gridspec(len(rows), 1, height_ratios=heights)
     for k, row in enumerate(rows):
+        if len(row) == 1:  # panels below each other have their sides in line
+            _beside(_panel(made, grid[k, 0], row[0]), row[0])
+            continue
         columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(p) for p in row])
         for column, panel in enumerate(row):
             _beside(_panel(made, columns[0, column], panel), panel)
@@ -251,7 +256,8 @@ def _plane(axes: Any, panel: Panel) -> None:
         elif isinstance(item, Arrow):
             _arrow(axes, item, order)
         elif isinstance(item, Words):
-            axes.text(*item.place, _words(item.text), color=colour, zorder=order)
+            at = {"ha": "center", "va": "center", "zorder": order}
+            axes.text(*item.place, _words(item.text), color=colour, **at)
     _axes(axes, panel, "xy")
     if panel.equal:
         axes.set_aspect("equal", adjustable="box")
@@ -308,7 +314,8 @@ def _space(axes: Any, panel: Panel) -> None:
     """Draw all items of a panel in space as one collection, sorted by depth as one."""
     low, high = bounds(panel)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    elevation, azimuth = panel.view or (ELEVATION, AZIMUTH)
+    axes.view_init(elev=elevation, azim=azimuth)
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)
     axes.set_box_aspect(high - low if panel.equal else (1, 1, 1))
@@ -386,21 +393,22 @@ def _labels(axes: Any, panel: Panel, view: View) -> None:
             end = view.flat(item.end)
             way = end - view.flat(item.start)
             size = float(np.hypot(*way))
-            shift = 9 * way / size if size > 0 else way
+            shift = way / size if size > 0 else way
             _label(axes, end, item.words, item.colour, (float(shift[0]), float(shift[1])))
 
 
 def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
-    """Write words at a place of the projection, moved by some printer's points."""
+    """Write words at a place of the projection, or beside it on the side of a unit vector."""
     from matplotlib.patheffects import withStroke
 
+    side = int(np.sign(shift[0])) if abs(shift[0]) > SIDEWAYS else 0
     axes.annotate(
         _words(text),
         place,
-        xytext=shift,
+        xytext=(6 * shift[0], 9 * shift[1]),
         textcoords="offset points",
         color=COLOURS[colour],
-        ha="center",
+        ha=("right", "center", "left")[side + 1],
         va="center",
         zorder=5,
         annotation_clip=False,
