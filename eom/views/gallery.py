@@ -66,6 +66,62 @@ def _sphere(ask: Ask) -> Picture:
     return sphere(turning(ask.scene, ask.seconds, ask.points))
 
 
+def _histories(ask: Ask) -> Picture:
+    from eom.views.histories import histories, quantities
+    from eom.views.runs import run
+
+    result, system = run(ask.scene, ask.seconds, ask.points)
+    known = (*system.state_names, *system.output_names)
+    names = [name for name in ask.scene.requested if name in known]
+    return histories(result, quantities(system), names, ask.scene.title or ask.scene.name)
+
+
+def _joints(ask: Ask) -> Picture:
+    from eom.views.joint_trees import joint_tree
+
+    assert ask.scene.model == "tree"
+    return joint_tree(ask.scene.tree, ask.scene.title)
+
+
+def _sketch(ask: Ask) -> Picture:
+    from eom.views.free_body import free_body as one_body
+    from eom.views.tree_sketch import tree_sketch
+
+    return tree_sketch(ask.scene) if ask.scene.model == "tree" else one_body(ask.scene)
+
+
+def _frames(ask: Ask) -> Picture:
+    from eom.views.frame_sketches import frame_sketch
+
+    assert ask.scene.model != "tree"
+    return frame_sketch("3-1-2" if ask.scene.model == "spinner" else ask.scene.attitude)
+
+
+def _wheel(_: Ask) -> Picture:
+    from eom.views.wheel import wheel
+
+    return wheel()
+
+
+def _nothing(_: AnyScene) -> str:
+    return ""
+
+
+def _no_tree(scene: AnyScene) -> str:
+    return "" if scene.model == "tree" else "it is one body, without joints"
+
+
+def _no_spinner(scene: AnyScene) -> str:
+    return "" if scene.model == "spinner" else 'it is not of the model "spinner"'
+
+
+def _no_angles(scene: AnyScene) -> str:
+    if scene.model == "tree":
+        return _no_single_body(scene)
+    written = {"none", "quaternion", "dcm"} if scene.model != "spinner" else set()
+    return "its attitude has no angles" if scene.attitude in written else ""
+
+
 def _no_single_body(scene: AnyScene) -> str:
     return "a tree has many bodies, and this is about one" if scene.model == "tree" else ""
 
@@ -78,7 +134,7 @@ def _no_cones(scene: AnyScene) -> str:
     return _no_single_body(scene)
 
 
-FREE, ONE = "a torque-free body", "a scene of one body"
+FREE, ONE, ANY = "a torque-free body", "one body", "any scene"
 PICTURES = {
     "polhodes": Entry(
         "ellipsoids of momentum and energy with polhodes by class and the separatrix",
@@ -98,18 +154,40 @@ PICTURES = {
     "sphere": Entry(
         "attitude: paths of the body axes on the unit sphere", ONE, _no_single_body, _sphere
     ),
+    "histories": Entry(
+        "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
+    ),
+    "sketch": Entry(
+        "the body or the bodies at the start, with the forces and torques on them",
+        ANY,
+        _nothing,
+        _sketch,
+    ),
+    "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
+    "frames": Entry(
+        "frames of the rotation sequence, each turn as an arc",
+        "attitude by angles",
+        _no_angles,
+        _frames,
+    ),
+    "wheel": Entry(
+        "the wheel of the 3-1-2 spinning symmetric body, with its angles",
+        "the model spinner",
+        _no_spinner,
+        _wheel,
+    ),
 }
 """Pictures by name."""
-FIRST = ("polhodes", "sphere")
-"""What is drawn of a scene where nothing is asked for: the first that it can have."""
+FIRST = ("polhodes", "sphere", "sketch")
+"""What is drawn of a scene where nothing is asked for: the first that it can have.
+
+Any scene can have the last.
+"""
 
 
 def default(scene: AnyScene) -> str:
     """Return the name of the picture that suits a scene best."""
-    fitting = [name for name in FIRST if not PICTURES[name].refused(scene)]
-    if not fitting:
-        raise InputError("no picture suits this scene", where=scene.title or scene.name)
-    return fitting[0]
+    return next(name for name in FIRST if not PICTURES[name].refused(scene))
 
 
 def available(scene: AnyScene) -> tuple[str, ...]:
