@@ -369,6 +369,7 @@ def _collection(view: View, drawn: list[Drawn]) -> Any:
         clip_on=False,
         zorder=3,
     )
+    made.set_in_layout(False)
     made.do_3d_projection = lambda: 0.0  # axes in space ask each collection for its depth
     return made
 
