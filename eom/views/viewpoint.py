@@ -24,8 +24,8 @@ def best_view(
 ) -> tuple[float, float]:
     """Return elevation and azimuth (degrees) for arcs about some axes and arrows with words.
 
-    ``apart``: which distance of names is enough, over the largest. The usual view is taken where it is as good
-    as any.
+    ``apart``: which distance of names is enough, over the largest. The usual view is taken where it is
+    as good as any.
     """
     tips = np.array([i.end for i in items if isinstance(i, Arrow) and i.words])
     return max(_views(), key=lambda view: _worth(view, arcs, tips, apart))

@@ -23,9 +23,9 @@ RIM, SPOKES = 1.0, 8
 def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
     r"""Return the wheel at an attitude psi, theta, phi (rad): turns about axes 3, 1 and 2.
 
-    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about the
-    vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the axle.
-    Lengths are without a unit. Raises `InputError` for angles that are no numbers.
+    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
+    the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
+    axle. Lengths are without a unit. Raises `InputError` for angles that are no numbers.
     """
     rows = zip(FRAMES, after_turns(SEQUENCE, angles), strict=True)
     i, a, b, c = (Frame(letter, C, colour, size) for (letter, colour, size), C in rows)
