@@ -83,7 +83,7 @@ def _flat_arc(start: Floats, angle: float, words: str, colour: str) -> Iterator[
 
 
 def _towards_reader(words: str, angle: float) -> Iterator[Item]:
-    """Yield the mark of an axis that points at the reader: a dot in a circle, its name away from the arcs."""
+    """Yield the mark of an axis that points at the reader: a dot in a circle, and its name."""
     yield Curve(0.09 * arc_points(np.eye(3)[2], np.eye(3)[0], 2 * math.pi)[:, :2], "black", 1.2)
     yield Marks(np.zeros((1, 2)), size=3.0)
     away = angle / 2 + math.pi * 1.25

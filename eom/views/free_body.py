@@ -99,9 +99,9 @@ def free_body(scene: Scene) -> Picture:
     """Return the sketch of a scene's body at its start, with the forces and torques that the scene states.
 
     The reference frame has the axes a, the body (a spinner's frame that does not spin) the axes b. The
-    body is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the centre
-    of mass G along -a3, with the reaction of the fixed point O; torque by components has an arrow along each
-    of them, its sense that at the start; a gravity gradient one along the torque at the start.
+    body is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the
+    centre of mass G along -a3, with the reaction of the fixed point O; torque by components has an arrow
+    along each of them, its sense that at the start; a gravity gradient one along the torque at the start.
     """
     s = _Sketch(scene)
     C = s.C

@@ -129,7 +129,8 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    made = Figure(figsize=size or picture.size or _size(rows, sum(heights), picture.title), layout="constrained")
+    inches = size or picture.size or _size(rows, sum(heights), picture.title)
+    made = Figure(figsize=inches, layout="constrained")
     if picture.title:
         made.suptitle(_words(picture.title), fontsize=11)
     if any(_square(panel) for row in rows for panel in row):

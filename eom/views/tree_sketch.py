@@ -91,8 +91,8 @@ def tree_sketch(scene: TreeScene) -> Picture:
 
     Bodies are drawn to scale as uniform solids of the same mass and inertia; lengths of arrows say nothing.
     Weights act at centres of mass; at joints stand torques and forces on the child by springs, dampers
-    and motors, with their sense at the start; reactions of the ground at joints and contacts are drawn against
-    gravity, as their direction is not known. Springs between points are dotted, rods dashed.
+    and motors, with their sense at the start; reactions of the ground at joints and contacts are drawn
+    against gravity, as their direction is not known. Springs between points are dotted, rods dashed.
     """
     s = _Sketch.of(scene)
     items: list[Item] = [*s.shapes]
@@ -139,7 +139,7 @@ def _ground(s: _Sketch, items: list[Item], view: tuple[float, float]) -> Iterato
     across, up = paper(view)
     points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
     left, low = float(np.nanmin(points @ across)), float(np.nanmin(points @ up))
-    corner = (left - 0.3 * s.size) * across + (low + 0.1 * s.size) * up
+    corner = (left - 0.45 * s.size) * across + (low + 0.1 * s.size) * up
     for k, letter in enumerate("xyz"):
         end = corner + 0.35 * s.size * s.upright[:, k]
         yield Arrow(corner, end, "black", 1.6, f"${letter}$")
