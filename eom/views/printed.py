@@ -73,7 +73,7 @@ LEGEND = 1.5
 """Width of a legend beside a panel; inches."""
 LETTERS, ROOM = 15.0, 7
 """Letters of a legend below panels that an inch holds; the room that a line takes, in letters."""
-FULL, BARE = 1.15, 1.3
+FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
@@ -264,11 +264,7 @@ def _plane(axes: Any, panel: Panel) -> None:
             axes.text(*item.place, _words(item.text), color=colour, **at)
     _axes(axes, panel, "xy")
     if panel.equal:
-        axes.set_aspect("equal", adjustable="datalim" if _free(panel) else "box")
-
-
-def _free(panel: Panel) -> bool:
-    return all(axis.limits is None for axis in panel.axes)
+        axes.set_aspect("equal", adjustable="box")
 
 
 def _arrow(axes: Any, item: Arrow, order: int) -> None:
