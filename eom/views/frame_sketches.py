@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eom.kinematics import GREEK_ANGLES
+from eom.kinematics import GREEK_ANGLES, SEQUENCES
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, axes_of, triads
 from eom.views.viewpoint import best_view
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
 
 COLOURS = ("black", "blue", "green", "red")
 LETTERS = ("a", "a′", "a″", "b")
@@ -46,6 +50,17 @@ def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "
     plane = tuple(_seen_along(axes[k], frames[k], frames[k + 1], k, angles[k]) for k in range(3))
     words = title or f"Turns {sequence} from the axes a to the axes b of the body"
     return check(Picture(((space,), plane), words, _told(sequence, angles)))
+
+
+def sequence_of(scene: AnyScene) -> str:
+    """Return the sequence of turns that a scene's attitude is in, empty if it is in none."""
+    from eom.scene import Scene
+
+    if not isinstance(scene, Scene):
+        return ""
+    if scene.model == "spinner":
+        return "3-1-2"
+    return scene.attitude if scene.attitude in SEQUENCES else ""
 
 
 def _told(sequence: str, angles: Sequence[float]) -> str:

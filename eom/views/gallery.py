@@ -66,6 +66,58 @@ def _sphere(ask: Ask) -> Picture:
     return sphere(turning(ask.scene, ask.seconds, ask.points))
 
 
+def _histories(ask: Ask) -> Picture:
+    from eom.views.histories import histories_of
+
+    return histories_of(ask.scene, ask.seconds, ask.points)
+
+
+def _wheel(ask: Ask) -> Picture:
+    from eom.views.wheel import wheel_of
+
+    return wheel_of(ask.scene, ask.seconds)
+
+
+def _frames(ask: Ask) -> Picture:
+    from eom.views.frame_sketches import frame_sketch, sequence_of
+
+    return frame_sketch(sequence_of(ask.scene), title=plain(ask.scene.title))
+
+
+def _loads(ask: Ask) -> Picture:
+    from eom.scene import Scene
+    from eom.views.body_sketch import body_sketch
+    from eom.views.tree_sketch import tree_sketch
+
+    return body_sketch(ask.scene) if isinstance(ask.scene, Scene) else tree_sketch(ask.scene)
+
+
+def _tree(ask: Ask) -> Picture:
+    from eom.multibody.scene import TreeScene
+    from eom.views.joint_trees import joint_tree
+
+    assert isinstance(ask.scene, TreeScene)
+    return joint_tree(ask.scene.tree, ask.scene.title)
+
+
+def _no_spinner(scene: AnyScene) -> str:
+    return "" if scene.model == "spinner" else "its attitude is not in the 3-1-2 angles of a spinner"
+
+
+def _no_turns(scene: AnyScene) -> str:
+    from eom.views.frame_sketches import sequence_of
+
+    return "" if sequence_of(scene) else "its attitude is no sequence of turns"
+
+
+def _no_tree(scene: AnyScene) -> str:
+    return "" if scene.model == "tree" else "it has no joints"
+
+
+def _anything(scene: AnyScene) -> str:  # noqa: ARG001
+    return ""
+
+
 def _no_single_body(scene: AnyScene) -> str:
     return "a tree has many bodies, and this is about one" if scene.model == "tree" else ""
 
@@ -78,7 +130,7 @@ def _no_cones(scene: AnyScene) -> str:
     return _no_single_body(scene)
 
 
-FREE, ONE = "a torque-free body", "a scene of one body"
+FREE, ONE, ANY = "a torque-free body", "a scene of one body", "any scene"
 PICTURES = {
     "polhodes": Entry(
         "ellipsoids of momentum and energy with polhodes by class and the separatrix",
@@ -98,9 +150,25 @@ PICTURES = {
     "sphere": Entry(
         "attitude: paths of the body axes on the unit sphere", ONE, _no_single_body, _sphere
     ),
+    "histories": Entry(
+        "states and outputs over time, the drift of the constants below", ANY, _anything, _histories
+    ),
+    "free-body": Entry(
+        "free-body sketch: bodies at the start, forces and torques", ANY, _anything, _loads
+    ),
+    "frames": Entry(
+        "frames of the turns of a sequence, angles as arcs",
+        "a scene with its attitude in angles",
+        _no_turns,
+        _frames,
+    ),
+    "wheel": Entry(
+        "the 3-1-2 wheel, with psi, theta and phi", "a spinner", _no_spinner, _wheel
+    ),
+    "tree": Entry("bodies and joints as a diagram", "a tree", _no_tree, _tree),
 }
 """Pictures by name."""
-FIRST = ("polhodes", "sphere")
+FIRST = ("polhodes", "sphere", "free-body")
 """What is drawn of a scene where nothing is asked for: the first that it can have."""
 
 

@@ -95,7 +95,7 @@ class _Sketch:
         return number(self.scene.full_system.expand(torque.expression), self.known)
 
 
-def free_body(scene: Scene) -> Picture:
+def body_sketch(scene: Scene) -> Picture:
     """Return the sketch of a scene's body at its start, with the forces and torques that the scene states.
 
     The reference frame has the axes a, the body (a spinner's frame that does not spin) the axes b. The
