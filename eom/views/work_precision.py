@@ -20,6 +20,7 @@ COLOURS = ("blue", "red", "green", "orange", "purple", "sky", "yellow", "grey")
 STYLES: Mapping[str, Style] = {
     "solve_ivp:": ("dotted", 1.2),
     "scipy:": ("dashed", 1.2),
+    "sundials:": ("dashed", 2.2),
     "heyoka": ("solid", 2.6),
 }
 """Dash and width by the beginning of a program's name; this project's own are solid and of usual width."""
