@@ -72,50 +72,48 @@ def _histories(ask: Ask) -> Picture:
     return histories_of(ask.scene, ask.seconds, ask.points)
 
 
+def _joints(ask: Ask) -> Picture:
+    from eom.views.joint_trees import joint_tree
+
+    assert ask.scene.model == "tree"
+    return joint_tree(ask.scene.tree, ask.scene.title)
+
+
+def _sketch(ask: Ask) -> Picture:
+    from eom.views.body_sketch import body_sketch
+    from eom.views.tree_sketch import tree_sketch
+
+    return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
+
+
+def _frames(ask: Ask) -> Picture:
+    from eom.views.frame_sketches import frame_sketch, sequence_of
+
+    return frame_sketch(sequence_of(ask.scene))
+
+
 def _wheel(ask: Ask) -> Picture:
     from eom.views.wheel import wheel_of
 
     return wheel_of(ask.scene, ask.seconds)
 
 
-def _frames(ask: Ask) -> Picture:
-    from eom.views.frame_sketches import frame_sketch, sequence_of
-
-    return frame_sketch(sequence_of(ask.scene), title=plain(ask.scene.title))
-
-
-def _loads(ask: Ask) -> Picture:
-    from eom.scene import Scene
-    from eom.views.body_sketch import body_sketch
-    from eom.views.tree_sketch import tree_sketch
-
-    return body_sketch(ask.scene) if isinstance(ask.scene, Scene) else tree_sketch(ask.scene)
-
-
-def _tree(ask: Ask) -> Picture:
-    from eom.multibody.scene import TreeScene
-    from eom.views.joint_trees import joint_tree
-
-    assert isinstance(ask.scene, TreeScene)
-    return joint_tree(ask.scene.tree, ask.scene.title)
-
-
-def _no_spinner(scene: AnyScene) -> str:
-    return "" if scene.model == "spinner" else "its attitude is not in the 3-1-2 angles of a spinner"
-
-
-def _no_turns(scene: AnyScene) -> str:
-    from eom.views.frame_sketches import sequence_of
-
-    return "" if sequence_of(scene) else "its attitude is no sequence of turns"
+def _nothing(_: AnyScene) -> str:
+    return ""
 
 
 def _no_tree(scene: AnyScene) -> str:
-    return "" if scene.model == "tree" else "it has no joints"
+    return "" if scene.model == "tree" else "it is one body, without joints"
 
 
-def _anything(scene: AnyScene) -> str:  # noqa: ARG001
-    return ""
+def _no_spinner(scene: AnyScene) -> str:
+    return "" if scene.model == "spinner" else 'it is not of the model "spinner"'
+
+
+def _no_angles(scene: AnyScene) -> str:
+    from eom.views.frame_sketches import sequence_of
+
+    return "" if sequence_of(scene) else "its attitude is in no sequence of turns"
 
 
 def _no_single_body(scene: AnyScene) -> str:
@@ -130,7 +128,7 @@ def _no_cones(scene: AnyScene) -> str:
     return _no_single_body(scene)
 
 
-FREE, ONE, ANY = "a torque-free body", "a scene of one body", "any scene"
+FREE, ONE, ANY = "a torque-free body", "one body", "any scene"
 PICTURES = {
     "polhodes": Entry(
         "ellipsoids of momentum and energy with polhodes by class and the separatrix",
@@ -151,33 +149,39 @@ PICTURES = {
         "attitude: paths of the body axes on the unit sphere", ONE, _no_single_body, _sphere
     ),
     "histories": Entry(
-        "states and outputs over time, the drift of the constants below", ANY, _anything, _histories
+        "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
     ),
-    "free-body": Entry(
-        "free-body sketch: bodies at the start, forces and torques", ANY, _anything, _loads
+    "sketch": Entry(
+        "the body or the bodies at the start, with the forces and torques on them",
+        ANY,
+        _nothing,
+        _sketch,
     ),
+    "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
     "frames": Entry(
-        "frames of the turns of a sequence, angles as arcs",
-        "a scene with its attitude in angles",
-        _no_turns,
+        "frames of the rotation sequence, each turn as an arc",
+        "attitude by angles",
+        _no_angles,
         _frames,
     ),
     "wheel": Entry(
-        "the 3-1-2 wheel, with psi, theta and phi", "a spinner", _no_spinner, _wheel
+        "the wheel of the 3-1-2 spinning symmetric body, with its angles",
+        "the model spinner",
+        _no_spinner,
+        _wheel,
     ),
-    "tree": Entry("bodies and joints as a diagram", "a tree", _no_tree, _tree),
 }
 """Pictures by name."""
-FIRST = ("polhodes", "sphere", "free-body")
-"""What is drawn of a scene where nothing is asked for: the first that it can have."""
+FIRST = ("polhodes", "sphere", "sketch")
+"""What is drawn of a scene where nothing is asked for: the first that it can have.
+
+Any scene can have the last.
+"""
 
 
 def default(scene: AnyScene) -> str:
     """Return the name of the picture that suits a scene best."""
-    fitting = [name for name in FIRST if not PICTURES[name].refused(scene)]
-    if not fitting:
-        raise InputError("no picture suits this scene", where=scene.title or scene.name)
-    return fitting[0]
+    return next(name for name in FIRST if not PICTURES[name].refused(scene))
 
 
 def available(scene: AnyScene) -> tuple[str, ...]:

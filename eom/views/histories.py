@@ -88,8 +88,9 @@ def histories_of(
     """
     from eom.views.runs import run
 
-    found = run(scene, seconds, points)
-    return histories_asked(found.result, found.system, found.names, scene)
+    result, system = run(scene, seconds, points)
+    known = (*system.state_names, *system.output_names)
+    return histories_asked(result, system, [n for n in scene.requested if n in known], scene)
 
 
 def histories_asked(

@@ -65,14 +65,14 @@ FLAT = (3.0, 2.2)
 """Least width of a column, and height of a row, of panels that show quantities over others; inches."""
 WIDE = 6.5
 """Least width of a picture without equal scales; inches."""
-SQUARE = (4.2, 3.9)
+SQUARE = (4.2, 3.6)
 """Width of a column and height of a row of panels in space or with equal scales; inches."""
-TITLE = 0.085
-"""Width of a letter of the title; inches."""
 LEGEND = 1.5
 """Width of a legend beside a panel; inches."""
 LETTERS, ROOM = 15.0, 7
 """Letters of a legend below panels that an inch holds; the room that a line takes, in letters."""
+TITLE = 11.0
+"""Letters of a title that an inch holds."""
 FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
@@ -129,10 +129,11 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    inches = size or picture.size or _size(rows, sum(heights), picture.title)
+    inches = size or picture.size or _size(rows, sum(heights))
     made = Figure(figsize=inches, layout="constrained")
     if picture.title:
-        made.suptitle(_words(picture.title), fontsize=11)
+        lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
+        made.suptitle("\n".join(map(_words, lines.split("\n"))), fontsize=11)
     if any(_square(panel) for row in rows for panel in row):
         parts = made.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)
         for part, row in zip(parts[:, 0], rows, strict=True):
@@ -184,11 +185,10 @@ def _width(panel: Panel) -> float:
     return FLAT[0] + (LEGEND if _handles(panel) else 0.0)
 
 
-def _size(rows: list[tuple[Panel, ...]], height: float, title: str) -> tuple[float, float]:
+def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
     square = all(_square(panel) for row in rows for panel in row)
     widths = [sum(_width(panel) for panel in row) for row in rows]
-    words = TITLE * (len(formulas.as_text(title)) + 2)
-    return max(*widths, words, 0.0 if square else WIDE), height + 0.5
+    return max(*widths, 0.0 if square else WIDE), height + 0.5
 
 
 def _panel(made: Any, place: Any, panel: Panel) -> Any:

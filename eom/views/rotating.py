@@ -12,6 +12,7 @@ from eom.errors import InputError
 from eom.views.free import FreeBody, free_body, not_free
 from eom.views.matrices import quaternion_matrices, sequence_matrices
 from eom.views.picture import Floats
+from eom.views.runs import integrated
 
 if TYPE_CHECKING:
     from codegen import Result
@@ -154,22 +155,7 @@ def _asked(scene: Scene, outputs: tuple[str, ...]) -> Scene:
 
 def _values(scene: Scene, names: tuple[str, ...], t: Floats) -> tuple[Result, Floats]:
     """Integrate; return the run and the named quantities, (n, N), those that never change among them."""
-    import codegen
-
-    initial, parameters, plan = scene.initial_values(), scene.parameter_values(), scene.integration
-    compiled = codegen.compile(scene.derive())
-    result = codegen.simulate(
-        compiled,
-        initial,
-        (float(t[0]), float(t[-1])),
-        parameters,
-        plan.method,
-        plan.rtol,
-        plan.atol,
-        t,
-        inputs=scene.input_values(),
-        max_steps=plan.max_steps,
-    )
+    result, parameters = integrated(scene, t), scene.parameter_values()
     held = {**result.outputs, **dict(zip(result.names, result.y, strict=True))}
     fixed = np.ones_like(result.t)
     return result, np.array([held[n] if n in held else parameters[n] * fixed for n in names])

@@ -1,53 +1,43 @@
-"""Runs of scenes for pictures: integrated as they say, with angles handed over where they ask for it."""
+"""The integrated motion of a scene of any model, for pictures of its states and outputs."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eom.scene import Scene
-from eom.views.picture import Floats
-
 if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
+    from eom.scene import Scene
     from eom.system import System
+    from eom.views.picture import Floats
 
 
-@dataclass(frozen=True)
-class Run:
-    """A scene's system and its run; ``names``: what the scene asks for that varies."""
+def run(
+    scene: AnyScene, seconds: float | None = None, points: int | None = None
+) -> tuple[Result, System]:
+    """Integrate a scene as `eom simulate` does; return the run and the system of its states and outputs.
 
-    system: System
-    result: Result
-    names: tuple[str, ...]
-
-
-def run(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Run:
-    """Return the run of a scene from t = 0, by default as long and at as many times as it says.
-
-    Raises `InputError` as the scene and `codegen.simulate` do.
+    ``seconds``, ``points``: end and number of the stored times, by default the scene's own. Raises as
+    derivation and `codegen.simulate` do.
     """
     plan = scene.integration
     t = np.linspace(0.0, seconds or plan.t_end, points or plan.points)
-    if isinstance(scene, Scene) and plan.handover:
-        system, result = _handed_over(scene, t)
-    else:
-        system, result = _in_one(scene, t)
-    known = {*system.state_names, *system.output_names}
-    return Run(system, result, tuple(n for n in scene.requested if n in known))
+    if plan.handover and scene.model != "tree":
+        return _handed_over(scene, t)
+    return integrated(scene, t), scene.derive()
 
 
-def _in_one(scene: AnyScene, t: Floats) -> tuple[System, Result]:
+def integrated(scene: AnyScene, t: Floats) -> Result:
+    """Return the run of a scene over the times ``t``, in the scene's own coordinates."""
     import codegen
 
-    plan, system = scene.integration, scene.derive()
-    result = codegen.simulate(
-        system,
+    plan = scene.integration
+    return codegen.simulate(
+        codegen.compile(scene.derive()),
         scene.initial_values(),
-        (0.0, float(t[-1])),
+        (float(t[0]), float(t[-1])),
         scene.parameter_values(),
         plan.method,
         plan.rtol,
@@ -56,26 +46,28 @@ def _in_one(scene: AnyScene, t: Floats) -> tuple[System, Result]:
         inputs=scene.input_values(),
         max_steps=plan.max_steps,
     )
-    return system, result
 
 
-def _handed_over(scene: Scene, t: Floats) -> tuple[System, Result]:
+def _handed_over(scene: Scene, t: Floats) -> tuple[Result, System]:
+    """Return the run of a scene whose angles go on in a quaternion near their singularity."""
     from codegen import handover
     from codegen.charts import compile_charts
     from eom.handover import charts, numbers
 
-    found, plan = charts(scene), scene.integration
+    found = charts(scene)
     initial, parameters = numbers(scene, found)
+    plan = scene.integration
+    held = {n: v.value for n, v in scene.inputs.items() if n in found.first.input_names}
     result = handover.simulate(
-        compile_charts(found, "auto"),
+        compile_charts(found),
         initial,
-        (0.0, float(t[-1])),
+        (float(t[0]), float(t[-1])),
         parameters,
         plan.method,
         plan.rtol,
         plan.atol,
-        t.tolist(),
-        inputs={n: v.value for n, v in scene.inputs.items() if n in found.first.input_names},
+        t,
+        inputs=held,
         max_steps=plan.max_steps,
     )
-    return found.first, result
+    return result, found.first

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 Data = dict[str, Any]
 DASHES = {"solid": "solid", "dashed": "dash", "dotted": "dot"}
+TITLE = 80
+"""Letters in a line of the title."""
 GAP = 0.07
 """Room between panels, as a part of the picture."""
 POINT = 4 / 3
@@ -69,7 +71,11 @@ def described(picture: Picture, size: tuple[float, float] | None = None) -> Data
     size = size or picture.size
     rows = [row for row in picture.rows if row]
     layout: Data = {
-        "title": {"text": formulas.as_html(picture.title), "x": 0.5, "font": {"size": 17}},
+        "title": {
+            "text": formulas.as_html(formulas.wrapped(picture.title, TITLE)),
+            "x": 0.5,
+            "font": {"size": 17},
+        },
         "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#222222"},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",

@@ -67,7 +67,7 @@ def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
     title = plain(scene.title or scene.name)
     if seconds is None:
         return wheel(title=title)
-    result = run(with_attitude(scene, 2, seconds)).result
+    result, _ = run(with_attitude(scene, 2, seconds))
     if not result.t_stop == seconds:
         raise InputError("the run stopped before", where=title, got=result.message)
     return wheel([float(result[n][-1]) for n in ("psi", "theta", "phi")], title)
