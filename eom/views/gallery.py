@@ -67,13 +67,9 @@ def _sphere(ask: Ask) -> Picture:
 
 
 def _histories(ask: Ask) -> Picture:
-    from eom.views.histories import histories, quantities
-    from eom.views.runs import run
+    from eom.views.histories import histories_of
 
-    result, system = run(ask.scene, ask.seconds, ask.points)
-    known = (*system.state_names, *system.output_names)
-    names = [name for name in ask.scene.requested if name in known]
-    return histories(result, quantities(system), names, ask.scene.title or ask.scene.name)
+    return histories_of(ask.scene, ask.seconds, ask.points)
 
 
 def _joints(ask: Ask) -> Picture:
@@ -84,23 +80,22 @@ def _joints(ask: Ask) -> Picture:
 
 
 def _sketch(ask: Ask) -> Picture:
-    from eom.views.free_body import free_body as one_body
+    from eom.views.body_sketch import body_sketch
     from eom.views.tree_sketch import tree_sketch
 
-    return tree_sketch(ask.scene) if ask.scene.model == "tree" else one_body(ask.scene)
+    return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
 
 
 def _frames(ask: Ask) -> Picture:
-    from eom.views.frame_sketches import frame_sketch
+    from eom.views.frame_sketches import frame_sketch, sequence_of
 
-    assert ask.scene.model != "tree"
-    return frame_sketch("3-1-2" if ask.scene.model == "spinner" else ask.scene.attitude)
+    return frame_sketch(sequence_of(ask.scene))
 
 
-def _wheel(_: Ask) -> Picture:
-    from eom.views.wheel import wheel
+def _wheel(ask: Ask) -> Picture:
+    from eom.views.wheel import wheel_of
 
-    return wheel()
+    return wheel_of(ask.scene, ask.seconds)
 
 
 def _nothing(_: AnyScene) -> str:
@@ -116,10 +111,9 @@ def _no_spinner(scene: AnyScene) -> str:
 
 
 def _no_angles(scene: AnyScene) -> str:
-    if scene.model == "tree":
-        return _no_single_body(scene)
-    written = {"none", "quaternion", "dcm"} if scene.model != "spinner" else set()
-    return "its attitude has no angles" if scene.attitude in written else ""
+    from eom.views.frame_sketches import sequence_of
+
+    return "" if sequence_of(scene) else "its attitude is in no sequence of turns"
 
 
 def _no_single_body(scene: AnyScene) -> str:

@@ -130,7 +130,8 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    made = Figure(figsize=size or picture.size or _size(rows, sum(heights)), layout="constrained")
+    inches = size or picture.size or _size(rows, sum(heights))
+    made = Figure(figsize=inches, layout="constrained")
     if picture.title:
         lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
         made.suptitle("\n".join(map(_words, lines.split("\n"))), fontsize=11)

@@ -15,11 +15,22 @@ from eom.multibody.scalars import is_zero
 from eom.multibody.scene import TreeScene
 from eom.views.equivalents import equivalent
 from eom.views.frame_sketches import SPACE
-from eom.views.labels import names
+from eom.views.labels import names, paper
 from eom.views.lettering import formula, name, plain
 from eom.views.load_arrows import FORCE, force, hang, marked, numbers, push, torque, unit
 from eom.views.outlines import solid
-from eom.views.picture import Arrow, Curve, Floats, Item, Marks, Panel, Picture, Surface, check
+from eom.views.picture import (
+    Arrow,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Surface,
+    check,
+    placed,
+)
 from eom.views.tracks import matrices
 from eom.views.tree_posture import Posture
 from eom.views.tree_tracks import from_third
@@ -61,7 +72,7 @@ class _Sketch(Posture):
 
     @cached_property
     def upright(self) -> Floats:
-        """The rotation of the sketch that takes what is up to the third axis, by whole axes if it is one."""
+        """The rotation of the sketch that takes what is up to the third axis, by whole axes if it can."""
         up = -self.down
         for k in range(3):
             if up[k] > 1 - 1e-9:
@@ -79,12 +90,12 @@ def tree_sketch(scene: TreeScene) -> Picture:
     """Return the sketch of a tree at its start: bodies, centres of mass, joints, and what acts on them.
 
     Bodies are drawn to scale as uniform solids of the same mass and inertia; lengths of arrows say nothing.
-    Weights act at centres of mass; at joints stand the torques and forces on the child by springs, dampers and
-    motors, with their sense at the start; reactions of the ground at joints and contacts are drawn against
-    gravity, as their direction is not known. Springs between points are dotted, rods dashed.
+    Weights act at centres of mass; at joints stand torques and forces on the child by springs, dampers
+    and motors, with their sense at the start; reactions of the ground at joints and contacts are drawn
+    against gravity, as their direction is not known. Springs between points are dotted, rods dashed.
     """
     s = _Sketch.of(scene)
-    items: list[Item] = [*s.shapes, *_ground(s)]
+    items: list[Item] = [*s.shapes]
     for body in s.tree.bodies:
         items += _body(s, body.name)
     for joint in s.tree.ordered:
@@ -97,9 +108,9 @@ def tree_sketch(scene: TreeScene) -> Picture:
     if len(s.tree.bodies) <= MOST_NAMED:
         centres = {plain(b.name): s.upright @ s.centre(b.name) for b in s.tree.bodies}
         items += names(centres, items, view, 0.17 * s.size)
+    items += [*_ground(s, items, view)]
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.4, view=view)
-    words = f"Forces and torques: {plain(scene.title or scene.name)}"
-    return check(Picture(((panel,),), words, _told(s)))
+    return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
 
 
 def _upright(item: Item, R: Floats) -> Item:
@@ -114,16 +125,24 @@ def _upright(item: Item, R: Floats) -> Item:
 
 
 def _told(s: _Sketch) -> str:
+    count = len(s.tree.bodies)
     held = ", ".join(c.name for c in s.tree.constraints)
     words = (
-        f"{len(s.tree.bodies)} bodies at the start, drawn as uniform solids of the same inertia."
+        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as "
+        "uniform solids of the same inertia."
     )
     return words + (f" Bound by {held}." if held else "")
 
 
-def _ground(s: _Sketch) -> Iterator[Item]:
+def _ground(s: _Sketch, items: list[Item], view: tuple[float, float]) -> Iterator[Item]:
+    """Yield the directions of the ground's axes, at the lower left of all else."""
+    across, up = paper(view)
+    points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
+    left, low = float(np.nanmin(points @ across)), float(np.nanmin(points @ up))
+    corner = (left - 0.45 * s.size) * across + (low + 0.1 * s.size) * up
     for k, letter in enumerate("xyz"):
-        yield Arrow(np.zeros(3), 0.3 * s.size * np.eye(3)[k], "black", 1.6, f"${letter}$")
+        end = corner + 0.35 * s.size * s.upright[:, k]
+        yield Arrow(corner, end, "black", 1.6, f"${letter}$")
 
 
 def _body(s: _Sketch, body: str) -> Iterator[Item]:
