@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eom.errors import InputError
 from eom.views import printed, turned
-from eom.views.extras import require
+from eom.views.extras import installed, require
 from eom.views.picture import Picture, check
 
 Size = tuple[float, float]
@@ -65,7 +65,7 @@ def kind_of(path: str | Path) -> Kind:
 def can_write(path: str | Path) -> bool:
     """Tell whether a picture's ending is known, and the package that it needs is installed."""
     kind = KINDS.get(Path(path).suffix.lower())
-    return kind is not None and importlib.util.find_spec(kind.package) is not None
+    return kind is not None and installed(kind.package)
 
 
 def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:
