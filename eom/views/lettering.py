@@ -48,7 +48,7 @@ def formula(value: Any, otherwise: str) -> str:
     r"""Return an expression as a formula, or other words where it is too long to stand at an arrow.
 
     >>> formula(-sp.Symbol("M1"), "torque")
-    '$- M_{1}$'
+    '$-M_{1}$'
     """
     long = [r for r in value.atoms(sp.Rational) if r.q > MOST_PARTS]
     short = value.xreplace({r: sp.Float(r, DIGITS) for r in long})
