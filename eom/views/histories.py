@@ -111,9 +111,8 @@ def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
     """Return names by unit, units in the order in which they first come."""
     found: dict[str, list[str]] = {}
     for n in names:
-        unit = units.get(n, "")
-        found.setdefault("1" if unit == "" else unit, []).append(n)
-    return [_Group(unit, tuple(group)) for unit, group in found.items()]
+        found.setdefault(units.get(n, "") or "1", []).append(n)
+    return [_Group(own, tuple(group)) for own, group in found.items()]
 
 
 def _parts(group: _Group) -> Iterator[_Group]:

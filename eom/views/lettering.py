@@ -64,9 +64,3 @@ def unit(given: str) -> str:
     """
     words = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), plain(given))
     return "" if words == "1" else words
-
-
-def bracketed(words: str, given: str) -> str:
-    """Return words with a unit in brackets, if there is one."""
-    found = unit(given)
-    return f"{words} [{found}]".strip() if found else words

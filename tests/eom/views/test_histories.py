@@ -170,8 +170,8 @@ def test_a_name_is_a_whole_formula_or_plain_text(text):
 
 def test_units_have_raised_digits():
     assert lettering.unit("kg m^2/s^2") == "kg m²/s²"
-    assert lettering.bracketed("H", "N m") == "H [N m]"
-    assert lettering.bracketed("q", "1") == "q"
+    assert lettering.unit("N m") == "N m"
+    assert lettering.unit("1") == ""
 
 
 def test_the_histories_of_a_scene_are_those_of_its_run():
