@@ -48,7 +48,6 @@ def test_the_default_is_among_those_that_a_scene_can_have(name):
     [
         ("heavy-top", "polhodes", "weight"),
         ("double-pendulum", "sphere", "many bodies"),
-        ("double-pendulum", "frames", "many bodies"),
         ("gravity-gradient-satellite", "cones", "turns with an orbit"),
         ("t-handle", "joints", "without joints"),
         ("t-handle", "wheel", "spinner"),
