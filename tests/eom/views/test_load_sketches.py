@@ -16,6 +16,7 @@ from eom.views.body_sketch import body_sketch
 from eom.views.labels import names, paper
 from eom.views.load_arrows import FORCE, REACTION, TORQUE, number
 from eom.views.picture import Arrow, Curve, Marks, Surface, Words
+from eom.views.tree_frames import tree_frames
 from eom.views.tree_posture import Posture
 from eom.views.tree_sketch import tree_sketch
 
@@ -65,7 +66,7 @@ def test_a_component_of_torque_has_its_sense_at_the_start():
     np.testing.assert_allclose(way(first), b[0], atol=1e-12)
     np.testing.assert_allclose(way(third), -b[2], atol=1e-12)
     assert first.words == r"$M \cos{\left(t \right)}\,\mathbf{b}_1$"
-    assert third.words == r"$- k \omega_{3}\,\mathbf{b}_3$"
+    assert third.words == r"$-k \omega_{3}\,\mathbf{b}_3$"
 
 
 def test_the_ring_turns_the_way_the_torque_does():
@@ -219,3 +220,20 @@ def test_a_robot_of_a_file_is_drawn():
     scene = load_scene(file)
     texts = {i.text for i in items(tree_sketch(scene)) if isinstance(i, Words)}
     assert {b.name for b in scene.tree.bodies} <= texts
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_the_frames_of_a_tree_stand_at_the_origins_of_its_bodies(name):
+    scene = TreeScene.ready(name)
+    here, picture = Posture.of(scene), tree_frames(scene)
+    drawn = [i for i in items(picture) if isinstance(i, Arrow)]
+    assert len(drawn) == 3 * (1 + len(scene.tree.bodies))
+    assert [i.words for i in drawn[:3]] == ["$x$", "$y$", "$z$"]
+    R = np.array([way(i) for i in drawn[:3]]).T  # what turns the ground's axes upright
+    np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)
+    for k, body in enumerate(scene.tree.bodies, 1):
+        three, place = drawn[3 * k : 3 * k + 3], here.bodies[body.name]
+        np.testing.assert_allclose([way(i) for i in three], place.C @ R.T, atol=1e-12)
+        np.testing.assert_allclose([i.start for i in three], [R @ place.origin] * 3, atol=1e-12)
+    words = [i.words for i in drawn] + [i.text for i in items(picture) if isinstance(i, Words)]
+    assert all(any(b.name.split("_")[0][:3] in w for w in words) for b in scene.tree.bodies)
