@@ -38,7 +38,7 @@ p {{ margin: 0; padding: 0.5rem 1.5rem 1rem; max-width: 60rem; align-self: cente
 <body>
 <main>
 <h1>{title}</h1>
-<div id="picture" role="img" aria-label="{words}"></div>
+<div id="picture" role="group" aria-label="{words}"></div>
 {caption}</main>
 <script type="application/json" id="data">{data}</script>
 <script>
