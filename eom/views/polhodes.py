@@ -134,7 +134,7 @@ def _told(body: FreeBody) -> str:
 
 
 def _letters(body: FreeBody, semi_axes: Floats) -> list[Item]:
-    """Return the axes of the body from where they come out of a surface; letters alone on unequal scales."""
+    """Return the axes of the body from from a surface on; letters alone on unequal scales."""
     places, names = np.diag(semi_axes), [body.axis(k) for k in (1, 2, 3)]
     if not _equal(semi_axes):
         return [Words(1.15 * place, name) for place, name in zip(places, names, strict=True)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eom.errors import InputError
-from eom.views import printed, turned
+from eom.views import printed, turned_page
 from eom.views.extras import installed, require
 from eom.views.picture import Picture, check
 
@@ -31,7 +31,7 @@ def _print(kind: str) -> Callable[[Picture, Path, Size | None, float], None]:
 
 
 def _page(picture: Picture, file: Path, size: Size | None, dpi: float) -> None:  # noqa: ARG001
-    file.write_text(turned.page(picture, size), encoding="utf-8", newline="\n")
+    file.write_text(turned_page.page(picture, size), encoding="utf-8", newline="\n")
 
 
 KINDS = {

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
-from eom.views import extras, formulas, printed, saving, turned
+from eom.views import extras, formulas, printed, saving, turned, turned_page
 from eom.views.depth import cut, in_space, runs
 from eom.views.meshes import ellipsoid, tip
 from eom.views.picture import Arrow, Axis, Curve, Marks, Panel, Picture, Surface, Words, points
@@ -92,8 +92,8 @@ def test_hostile_words_in_svg(tmp_path):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_hostile_words_on_pages(monkeypatch, text):
-    monkeypatch.setattr(turned, "library", lambda: "")
-    body = turned.page(sample(formulas.plain(text), text))
+    monkeypatch.setattr(turned_page, "library", lambda: "")
+    body = turned_page.page(sample(formulas.plain(text), text))
     assert formulas.as_text(formulas.plain(text)) == formulas.clean(text)
     assert f"<title>{html.escape(formulas.clean(text))}</title>" in body
     assert len(re.findall("<script", body)) == 3
