@@ -85,6 +85,13 @@ class _Sketch:
         return Mesh(REACH * mesh.vertices / reach, mesh.faces)
 
     @property
+    def axles(self) -> list[Floats]:
+        """The axis that the body is best not seen from the side of: a spinner's, or a top's."""
+        if self.scene.model == "spinner":
+            return [self.C[1]]
+        return [self.centre @ self.C] if self.weight is not None else []
+
+    @property
     def torques(self) -> list[Definition]:
         """The components of the torque in the body's axes, those that are not zero."""
         outputs = {d.name: d for d in self.scene.full_system.outputs}
@@ -114,7 +121,7 @@ def body_sketch(scene: Scene) -> Picture:
         *_points(s),
         *_loads(s),
     ]
-    view = best_view((), items, CROWDED)
+    view = best_view(s.axles, items, CROWDED)
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3, view=view)
     return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
 

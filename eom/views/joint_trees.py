@@ -196,7 +196,7 @@ def joint_tree(tree: Tree, title: str = "") -> Picture:
     ]
     low = d.heights[-1] - ROW / 2 - LANE * (d.lanes.count(len(d.heights) - 1) + 1)
     sides = 3.0 + 2.0 * len(_bands(d))
-    least = 1.25 * max(len(words), len(_legend(d)))  # titles have larger letters
+    least = 1.35 * max(len(words), len(_legend(d)))  # titles have larger letters
     room = max(sides, (least - d.right) / 2)
     limits = ((-room, d.right + room), (low, ROW / 2))
     axes = (Axis(limits=limits[0]), Axis(limits=limits[1]))

@@ -11,7 +11,8 @@ from eom.views.picture import Arrow, Floats, Item
 
 USUAL = (22.0, 35.0)
 """Elevation and azimuth (degrees) of pictures that do not ask for others."""
-ELEVATIONS, AZIMUTHS = range(14, 36, 4), range(-60, 121, 5)
+ELEVATIONS, AZIMUTHS = range(14, 36, 4), [a for a in range(-60, 121, 5) if 15 <= a % 90 <= 75]
+"""What is tried: no axis of the reference frame points at the eye, or is upright on paper but the third."""
 OPEN, APART, CROWDED = 0.45, 0.25, 0.1
 """Enough: cosine between an arc's axis and the line of sight, distance of names over the largest,
 and that distance where axes may be nearly parallel."""
