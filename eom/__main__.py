@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run, check, convert, bench, stress."""
+"""The command line: list, derive, generate, accuracy, simulate, run, check, convert, plot, ...."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
 from eom.commands.living import live
+from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
 from eom.errors import InputError
@@ -55,7 +56,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress, animate, live,
+    check, convert, bench, stress, animate, live, plot,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)
