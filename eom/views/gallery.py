@@ -244,4 +244,14 @@ def pictures(names: Sequence[str], ask: Ask) -> Picture:
         rows += [titled, *rest]
     captions = " ".join(one.caption for one in made if one.caption)
     title = made[0].title or plain(ask.scene.title)
-    return Picture(tuple(rows), title, captions)
+    return Picture(tuple(rows), title, captions, _size(made))
+
+
+def _size(made: Sequence[Picture]) -> tuple[float, float] | None:
+    """Return the size of pictures below each other, if one of them needs a size of its own."""
+    from eom.views.printed import size_of
+
+    sizes = [size_of(one) for one in made]
+    if all(one.size is None for one in made):
+        return None
+    return max(width for width, _ in sizes), sum(height for _, height in sizes)

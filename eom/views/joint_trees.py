@@ -36,6 +36,8 @@ INCH = 0.073
 """Width of a letter in inches; all lengths here are in letters."""
 BOX, ROW, HALF, LANE = 3.2, 7.0, 4.0, 2.6
 """Height of a box, distance of rows, of rows whose boxes are in other columns, and of dashed lines."""
+USUAL_HEIGHT = 3.6
+"""Inches of a panel of height 1: what the height of a diagram is given in."""
 ROUND = 1.5
 """Radius of the circle round the letter of a joint."""
 
@@ -200,8 +202,9 @@ def joint_tree(tree: Tree, title: str = "") -> Picture:
     room = max(sides, (least - d.right) / 2)
     limits = ((-room, d.right + room), (low, ROW / 2))
     axes = (Axis(limits=limits[0]), Axis(limits=limits[1]))
-    panel = Panel(tuple(items), axes, plain(_legend(d)), equal=True, bare=True)
     size = (INCH * (limits[0][1] - limits[0][0]), INCH * (limits[1][1] - limits[1][0]) + 0.6)
+    height = size[1] / USUAL_HEIGHT
+    panel = Panel(tuple(items), axes, plain(_legend(d)), equal=True, bare=True, height=height)
     return check(Picture(((panel,),), words, _told(tree), size))
 
 

@@ -132,7 +132,7 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    inches = size or picture.size or _size(rows, sum(heights))
+    inches = size or size_of(picture)
     made = Figure(figsize=inches, layout="constrained")
     if picture.title:
         lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
@@ -186,6 +186,13 @@ def _width(panel: Panel) -> float:
     if _square(panel):
         return panel.height * SQUARE[0]
     return FLAT[0] + (LEGEND if _handles(panel) else 0.0)
+
+
+def size_of(picture: Picture) -> tuple[float, float]:
+    """Return width and height in inches that a picture has if no size is asked for."""
+    rows = [row for row in picture.rows if row]
+    heights = (max(height_of(panel) for panel in row) for row in rows)
+    return picture.size or _size(rows, sum(heights))
 
 
 def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
