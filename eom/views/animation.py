@@ -46,7 +46,7 @@ Integrate = Callable[[AnyScene], "Result"]
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A vector over time: ``values`` and the ``places`` it starts from (m), shape (N, 3); one ``kind``, one scale."""
+    """A vector over time: ``values``, ``places`` it starts from (m), shape (N, 3). A ``kind`` has one scale."""
 
     kind: str
     text: str
@@ -109,7 +109,7 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``seconds``: of the motion, by default to the scene's end; ``speed``: seconds of it that are shown in one.
+    ``seconds``: of the motion, else to the scene's end; ``speed``: seconds of it that are shown in one.
     ``robot``: shapes of bodies by name (`eom.views.robot_shapes`). Raises `InputError` for a motion that
     turns so fast that its samples would not fit into a page of 3 MB.
     """
@@ -163,7 +163,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
             expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
             hint=f"--seconds {possible:.3g}",
         )
-    return max(COARSE, min(most, math.ceil(turned[-1] / STEP) + 1))
+    return max(COARSE, min(most, math.ceil(float(turned[-1]) / STEP) + 1))
 
 
 def shown(
@@ -194,7 +194,7 @@ def shown(
 
 
 def _speed(span: float) -> float:
-    """Return 1 for a motion of fair length, else the power of ten, twice or five times it, that is nearest."""
+    """Return 1 for a motion of fair length, else the nearest of ..., 0.5, 1, 2, 5, 10, 20, ..."""
     if SHORT <= span <= LONG:
         return 1.0
     wanted = span / AIM

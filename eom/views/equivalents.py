@@ -1,6 +1,6 @@
 """Bodies that are drawn for want of a shape: uniform ones of the same mass and inertia.
 
-The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has the sides 12 P_k/m = a_k^2,
+The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has sides a_k^2 = 12 P_k/m,
 a cylinder 4 P/m = r^2 across and 12 P/m = l^2 along its axis, a sphere 5 P/m = r^2. Lengths in m.
 """
 

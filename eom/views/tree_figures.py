@@ -67,7 +67,10 @@ class Drawing:
     @cached_property
     def places(self) -> dict[str, list[Floats]]:
         """For each body and the ground: where other joints are on it, from its origin."""
-        found: dict[str, list[Floats]] = {GROUND: [], **{b.name: [] for b in self.scene.tree.bodies}}
+        found: dict[str, list[Floats]] = {
+            GROUND: [],
+            **{b.name: [] for b in self.scene.tree.bodies},
+        }
         for joint in self.scene.tree.joints:
             found[joint.parent].append(self.array(joint.on_parent.position))
         for loop in (c for c in self.scene.tree.constraints if isinstance(c, Loop)):
@@ -78,8 +81,8 @@ class Drawing:
     @cached_property
     def reach(self) -> float:
         """The largest length (m) in a body, which sizes of joints follow."""
-        lengths = [np.linalg.norm(p) for places in self.places.values() for p in places]
-        lengths += [np.linalg.norm(self.array(b.centre)) for b in self.scene.tree.bodies]
+        lengths = [float(np.linalg.norm(p)) for places in self.places.values() for p in places]
+        lengths += [float(np.linalg.norm(self.array(b.centre))) for b in self.scene.tree.bodies]
         lengths += [0.5 * s.mesh.extent for b in self.scene.tree.bodies for s in self.own(b)[0]]
         return float(max([x for x in lengths if x > 0], default=1.0))
 
@@ -138,7 +141,10 @@ class Drawing:
         """Return what is drawn on the ground: rails of sliding joints, stands of the others."""
         found: list[Shape] = []
         for joint in self.scene.tree.joints:
-            place, turn = self.array(joint.on_parent.position), self.array(joint.on_parent.rotation).T
+            place, turn = (
+                self.array(joint.on_parent.position),
+                self.array(joint.on_parent.rotation).T,
+            )
             if joint.parent != name:
                 continue
             if joint.kind == "prismatic":
@@ -175,5 +181,5 @@ class Drawing:
             shapes = self.own(tree.body[joint.child])[0]
             if shapes:
                 yield self.array(joint.on_parent.position), max(s.mesh.extent for s in shapes)
-        for rotor in (r for r in tree.rotors if r.body == name):
+        if any(rotor.body == name for rotor in tree.rotors):
             yield self.array(tree.body[name].centre), ROTOR * self.reach

@@ -1,4 +1,4 @@
-"""Animations: data equal to the simulation, shapes of the right size and inertia, pages of the same bytes."""
+"""Animations: data equal to the simulation, shapes of the right size and inertia, the same bytes."""
 
 import base64
 import io
@@ -23,8 +23,9 @@ from eom.views.animation import animation_of, at
 from eom.views.animation_page import data, page
 from eom.views.equivalents import equivalent
 from eom.views.figures import figures_of
+from eom.views.filming import Film, Filming
 from eom.views.robot_shapes import shapes_of_file
-from eom.views.slides import Film, Filming, film_bytes
+from eom.views.slides import film_bytes
 from eom.views.solid_meshes import of_solid
 from eom.views.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
 
@@ -111,7 +112,9 @@ def test_a_double_pendulum_is_where_its_angles_say():
     _, result, tracks = simulated(load_scene("double-pendulum"), 41, 2.0)
     upper, lower = tracks.bodies
     q1, q2 = result["q_shoulder"], result["q_elbow"]
-    elbow = np.stack([-np.sin(q1), 0 * q1, -np.cos(q1)], axis=-1)  # rods hang along -z, turn about y
+    elbow = np.stack(
+        [-np.sin(q1), 0 * q1, -np.cos(q1)], axis=-1
+    )  # rods hang along -z, turn about y
     assert np.abs(lower.positions - elbow).max() < 1e-12
     tip = elbow + 0.8 * np.stack([-np.sin(q1 + q2), 0 * q1, -np.cos(q1 + q2)], axis=-1)
     assert np.abs(at(lower, (0, 0, -0.8)) - tip).max() < 1e-12
@@ -140,9 +143,10 @@ def test_driven_joints_and_rotors_move():
     """A turntable at a given speed carries a body with a rotor at a given speed."""
     scene = TreeScene(
         name="turntable",
-        bodies={"table": {"mass": 1.0, "moments": (1, 1, 1)}, "arm": {"mass": 1.0, "moments": (1, 1, 1)}},
+        bodies={name: {"mass": 1.0, "moments": (1, 1, 1)} for name in ("table", "arm")},
         joints={
-            "table": {"kind": "revolute", "parent": "ground", "child": "table", "motion": {"position": "w*t"}},
+            "table": {"kind": "revolute", "parent": "ground", "child": "table",
+                      "motion": {"position": "w*t"}},
             "arm": {"kind": "revolute", "parent": "table", "child": "arm", "axis": "x"},
         },
         rotors={"wheel": {"body": "arm", "inertia": 0.1, "axis": "x", "speed": 3.0}},
@@ -214,7 +218,9 @@ def test_equivalent_bodies_have_the_inertia(spread, mass, q):
 
 
 def test_a_named_solid_is_drawn_as_it_is():
-    scene = tumbling("none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}})
+    scene = tumbling(
+        "none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}}
+    )
     (figure,) = figures_of(scene).bodies
     assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.2, 0.15, 0.1))
     assert "box" in figure.words
@@ -222,8 +228,10 @@ def test_a_named_solid_is_drawn_as_it_is():
 
 URDF = """<robot name="r">
 <link name="base"/>
-<link name="arm-1"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-<visual><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/><geometry><box size="1 0.2 0.1"/></geometry></visual>
+<link name="arm-1">
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/>
+<geometry><box size="1 0.2 0.1"/></geometry></visual>
 <visual><geometry><mesh filename="package://../../secret.stl"/></geometry></visual></link>
 <joint name="j" type="revolute"><parent link="base"/><child link="arm-1"/><axis xyz="0 1 0"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
