@@ -46,7 +46,10 @@ Integrate = Callable[[AnyScene], "Result"]
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A vector over time: ``values``, ``places`` it starts from (m), shape (N, 3). A ``kind`` has one scale."""
+    """A vector over time: ``values``, and ``places`` it starts from (m), shape (N, 3).
+
+    Vectors of one ``kind`` have one scale.
+    """
 
     kind: str
     text: str

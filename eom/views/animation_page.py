@@ -115,6 +115,10 @@ def data(animation: Animation) -> dict[str, Any]:
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],
         "meshes": meshes.told,
+        "links": [
+            {"bodies": list(link.bodies), "points": [[_number(x) for x in p] for p in link.points]}
+            for link in figures.links
+        ],
         "arrows": list(_arrows(animation)),
         "told": [
             {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.told

@@ -217,6 +217,7 @@ def _draw(filming: Filming, place: float, figure: Any) -> None:
             list(flat[order]), facecolors=shaded, edgecolors=edges, linewidths=0.4, zorder=3
         )
     )
+    _links(filming, place, axes)
     _vectors(filming, place, axes, back)
     times, title = filming.animation.times, filming.animation.title
     time = float(times[0]) + place * float(times[1] - times[0])
@@ -285,6 +286,21 @@ def _paths(filming: Filming, place: float, axes: Any) -> None:
         flat, _ = filming.camera.seen(done)
         colour = COLOURS[PALETTE[k % len(PALETTE)] if many else "orange"]
         axes.plot(flat[:, 0], flat[:, 1], color=colour, linewidth=1.2, alpha=0.7, zorder=2)
+
+
+def _links(filming: Filming, place: float, axes: Any) -> None:
+    """Draw springs and rods without mass."""
+    tracks = filming.animation.tracks.bodies
+    for link in filming.animation.figures.links:
+        ends = []
+        for body, point in zip(link.bodies, link.points, strict=True):
+            if body < 0:
+                ends.append(point)
+                continue
+            q = interpolated(tracks[body].quaternions, place)
+            ends.append(_between(tracks[body].positions, place) + turned(q[None], point[None])[0])
+        flat, _ = filming.camera.seen(np.array(ends))
+        axes.plot(flat[:, 0], flat[:, 1], color=COLOURS["grey"], linewidth=2, zorder=4)
 
 
 def _vectors(filming: Filming, place: float, axes: Any, back: str) -> None:

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.multibody.attachments import Rotor
-from eom.multibody.constraints import Loop
+from eom.multibody.constraints import Distance, Loop
 from eom.multibody.model import GROUND, Body, Joint
 from eom.multibody.scene import TreeScene
 from eom.multibody.sections import Reading
 from eom.multibody.values import is_number
 from eom.views.equivalents import Shape, equivalent
-from eom.views.figures import Figure, Figures, rod
+from eom.views.figures import Figure, Figures, Line, rod
 from eom.views.solid_meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,8 @@ def figures_of_tree(scene: TreeScene, robot: Mapping[str, tuple[Shape, ...]]) ->
     drawing = Drawing(scene, robot)
     bodies = tuple(drawing.body(b) for b in scene.tree.bodies)
     rotors = tuple(drawing.rotor(r) for r in scene.tree.rotors)
-    return Figures((*map(drawing.seen_through, bodies), *rotors), drawing.held_by(GROUND))
+    shown = (*map(drawing.seen_through, bodies), *rotors)
+    return Figures(shown, drawing.held_by(GROUND), tuple(drawing.lines()))
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,15 @@ class Drawing:
                 ball = of_solid("sphere", {"radius": 2.2 * PIN * self.reach})
                 found.append(Shape(replace(ball.moved(place), round=False), "grey"))
         return tuple(found)
+
+    def lines(self) -> Iterator[Line]:
+        """Yield springs, and rods without mass that keep a distance."""
+        number = {GROUND: -1, **{b.name: k for k, b in enumerate(self.scene.tree.bodies)}}
+        ends = [(s.bodies, s.points) for s in self.scene.tree.springs]
+        ends += [((c.first, c.second), (c.first_point, c.second_point))
+                 for c in self.scene.tree.constraints if isinstance(c, Distance)]  # fmt: skip
+        for (first, second), (p, q) in ends:
+            yield Line((number[first], number[second]), (self.array(p), self.array(q)))
 
     def rotor(self, rotor: Rotor) -> Figure:
         """Return a flat cylinder about its axis, which is the third of its own axes."""
