@@ -187,16 +187,16 @@ def shown(
         words=scene.description,
         tracks=tracks,
         figures=figures,
-        arrows=tuple(_arrows(tracks)),
+        arrows=tuple(arrows_of(tracks)),
         told=tuple(_told(scene, result, asked))[:MOST_TOLD],
         view=_view(scene, tracks, figures),
-        speed=speed or _speed(span),
+        speed=speed or speed_of(span),
         axes=("a₁ radial", "a₂ along", "a₃ normal") if orbit else ("a₁", "a₂", "a₃"),
         notes=tuple(_notes(scene, result, figures)),
     )
 
 
-def _speed(span: float) -> float:
+def speed_of(span: float) -> float:
     """Return 1 for a motion of fair length, else the nearest of ..., 0.5, 1, 2, 5, 10, 20, ..."""
     if SHORT <= span <= LONG:
         return 1.0
@@ -205,7 +205,8 @@ def _speed(span: float) -> float:
     return float(min((n * power for n in (1, 2, 5, 10)), key=lambda s: abs(math.log(s / wanted))))
 
 
-def _arrows(tracks: Tracks) -> Iterator[Arrows]:
+def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
+    """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
     for k, body in enumerate(tracks.bodies):
         yield Arrows("omega", "ω", "rad/s", "red", body.omega, body.positions, k)
     yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
@@ -236,22 +237,28 @@ def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
 # -- the view --------------------------------------------------------------------------------------
 
 
-def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+def view_of(tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a motion without gravity."""
     points = np.concatenate([*_places(tracks, figures)])
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
         centre = np.zeros(3)
     radius = float(np.linalg.norm(points - centre, axis=1).max())
-    radius *= AROUND_ONE if len(tracks.bodies) == 1 else 1
-    gravity = _gravity(scene)
+    return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1))
+
+
+def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a scene: under gravity there are up, down and a ground."""
+    view, gravity = view_of(tracks, figures), _gravity(scene)
     if gravity is None:
-        return View(centre, radius)
+        return view
     up = -gravity / np.linalg.norm(gravity)
     floor = _floor(scene)
     if floor is None:
-        floor = float((points @ up).min()) - GROUND_GAP * radius
+        lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
+        floor = lowest - GROUND_GAP * view.radius
     a, b, c = (float(x) for x in up)
-    return View(centre, radius, (a, b, c), _camera(tracks, up), floor)
+    return replace(view, up=(a, b, c), camera=_camera(tracks, up), ground=floor)
 
 
 def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:

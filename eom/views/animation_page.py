@@ -52,7 +52,7 @@ def page(animation: Animation) -> str:
 
 @cache
 def _web(name: str) -> str:
-    return resources.files("eom.views.web").joinpath(name).read_text(encoding="utf-8")
+    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
 
 
 def _policy(scripts: Iterable[str], style: str) -> str:

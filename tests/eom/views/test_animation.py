@@ -12,9 +12,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
+import codegen
 from eom import catalogue, regions, solids
 from eom.commands.jobs import job_of
 from eom.errors import InputError
+from eom.gyrostat import gyrostat
 from eom.kinematics import attitude, elementary
 from eom.multibody.scene import TreeScene
 from eom.opening import load_scene
@@ -24,6 +26,11 @@ from eom.views.animation_page import data, page
 from eom.views.equivalents import equivalent
 from eom.views.figures import figures_of
 from eom.views.filming import Film, Filming
+from eom.views.motions import (
+    animation_of_motion,
+    quaternions_of_modified_rodrigues,
+    quaternions_of_rodrigues,
+)
 from eom.views.robot_shapes import shapes_of_file
 from eom.views.slides import film_bytes
 from eom.views.solid_meshes import of_solid
@@ -271,6 +278,54 @@ def test_shapes_of_a_robot_come_from_its_file(tmp_path):
     assert figure.words == "shapes of the file"
     assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.05, 0.1, 1.0))
     assert shapes_of_file("heavy-top") == {}
+
+
+# -- motions that are no scenes --------------------------------------------------------------------
+
+
+def test_a_gyrostat_keeps_its_momentum_in_space():
+    system = gyrostat(1, drives="free", attitude=attitude("quaternion"))
+    start = {"omega_1": 0.3, "omega_2": 0.2, "omega_3": 0.5, "p_1": 2.0,
+             "q0": 1.0, "q1": 0.0, "q2": 0.0, "q3": 0.0}  # fmt: skip
+    moments = {"I1": 1.0, "I2": 2.0, "I3": 2.5, "Js_1": 0.1}
+    t = np.linspace(0, 3, 301)
+    run = codegen.simulate(system, start, (0, 3), moments, t_eval=t)
+    q, omega, h = (np.stack([run[n] for n in names], axis=-1) for names in (
+        ("q0", "q1", "q2", "q3"), ("omega_1", "omega_2", "omega_3"), ("h_1", "h_2", "h_3")))  # fmt: skip
+    animation = animation_of_motion("Gyrostat", t, q, omega, (1.0, 2.0, 2.5), momentum=h)
+    assert np.ptp(animation.tracks.momentum, axis=0).max() < 1e-8
+    assert (
+        np.abs(rate(animation.tracks.bodies[0], t) - animation.tracks.bodies[0].omega[1:-1]).max()
+        < 1e-3
+    )
+    assert "box" in animation.notes[0]
+    assert data(animation)["count"] == 301
+
+
+@given(st.floats(0.01, 3.0), quaternions)
+def test_rodrigues_parameters_are_quaternions(angle, direction):
+    axis = np.array(direction[:3]) / np.linalg.norm(direction[:3])
+    q = np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
+    for found, parameters in (
+        (quaternions_of_rodrigues, math.tan(angle / 2) * axis),
+        (quaternions_of_modified_rodrigues, math.tan(angle / 4) * axis),
+    ):
+        assert found([parameters])[0] == pytest.approx(q, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"times": [0.0, 1.0, 3.0]}, "not equally far apart"),
+        ({"quaternions": np.ones((3, 4))}, "unit norm"),
+        ({"omega": np.ones((2, 3))}, "does not fit"),
+        ({"omega": np.full((3, 3), 9.0)}, "too large a turn"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(changes, what):
+    still = {"times": [0.0, 1.0, 2.0], "quaternions": [[1, 0, 0, 0]] * 3, "omega": np.zeros((3, 3))}
+    with pytest.raises(InputError, match=what):
+        animation_of_motion("still", **{**still, **changes}, inertia=(1, 1, 1))
 
 
 # -- the page --------------------------------------------------------------------------------------
