@@ -119,15 +119,31 @@ def animation_of(
     for name, given in (("seconds", seconds), ("speed", speed)):
         if given is not None and not (math.isfinite(given) and given > 0):
             raise InputError("not a positive number", where=name, got=given)
-    first = with_attitude(scene, COARSE, seconds)
-    tracks, result = _tracks(first, integrate)
-    count = _needed(tracks, first)
-    if count > COARSE:
-        planned = abs(float(first.integration.t_end))
-        share = planned / float(tracks.times[-1] - tracks.times[0])
-        first = _with_points(first, math.ceil(count * share))
-        tracks, result = _tracks(first, integrate)
-    return shown(first, tracks, result, speed=speed, robot=robot, asked=scene.requested)
+    prepared = with_attitude(scene, COARSE, seconds)
+    return sampled(prepared, integrate, speed=speed, robot=robot, asked=scene.requested)
+
+
+def sampled(
+    prepared: AnyScene,
+    integrate: Integrate,
+    *,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+    asked: tuple[str, ...] = (),
+) -> Animation:
+    """Return the animation of a scene of `with_attitude`, simulated again where it needs more samples.
+
+    ``asked``: names of states and outputs whose values are told. Raises as `animation_of`.
+    """
+    prepared = _with_points(prepared, max(COARSE, prepared.integration.points))
+    tracks, result = _tracks(prepared, integrate)
+    count = _needed(tracks, prepared)
+    if count > len(tracks.times):
+        planned = abs(float(prepared.integration.t_end))
+        share = planned / abs(float(tracks.times[-1] - tracks.times[0]))
+        prepared = _with_points(prepared, math.ceil(count * share))
+        tracks, result = _tracks(prepared, integrate)
+    return shown(prepared, tracks, result, speed=speed, robot=robot, asked=asked)
 
 
 def _with_points(scene: AnyScene, points: int) -> AnyScene:
