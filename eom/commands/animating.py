@@ -94,13 +94,17 @@ def _film(
     if file.suffix == PAGE:
         for name, value in given.items():
             if value is not None:
-                raise InputError("this option is for slides", where=name, hint=f"--out FILE{FILMS[0]}")
+                raise InputError(
+                    "this option is for slides", where=name, hint=f"--out FILE{FILMS[0]}"
+                )
         return None
-    from eom.views.slides import Film, checked
+    from eom.views.filming import Film
+    from eom.views.slides import checked
 
     wide, high = _size(size) if size else (Film.width, Film.height)
-    checked(Film(wide, high, fps or Film.fps, dark, length))
-    return fps or Film.fps, length, (wide, high), dark
+    rate = Film.fps if fps is None else fps
+    checked(Film(wide, high, rate, dark, length))
+    return rate, length, (wide, high), dark
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -135,7 +139,8 @@ def _page(animation: Animation) -> bytes:
 def _filmed(
     animation: Animation, file: Path, film: tuple[int, float | None, tuple[int, int], bool]
 ) -> bytes:
-    from eom.views.slides import Film, film_bytes
+    from eom.views.filming import Film
+    from eom.views.slides import film_bytes
 
     fps, length, (wide, high), dark = film
     with progress_of("drawing") as progress:

@@ -46,7 +46,10 @@ Integrate = Callable[[AnyScene], "Result"]
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A vector over time: ``values`` and the ``places`` it starts from (m), shape (N, 3); one ``kind``, one scale."""
+    """A vector over time: ``values``, and ``places`` it starts from (m), shape (N, 3).
+
+    Vectors of one ``kind`` have one scale.
+    """
 
     kind: str
     text: str
@@ -109,22 +112,38 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``seconds``: of the motion, by default to the scene's end; ``speed``: seconds of it that are shown in one.
+    ``seconds``: of the motion, else to the scene's end; ``speed``: seconds of it that are shown in one.
     ``robot``: shapes of bodies by name (`eom.views.robot_shapes`). Raises `InputError` for a motion that
     turns so fast that its samples would not fit into a page of 3 MB.
     """
     for name, given in (("seconds", seconds), ("speed", speed)):
         if given is not None and not (math.isfinite(given) and given > 0):
             raise InputError("not a positive number", where=name, got=given)
-    first = with_attitude(scene, COARSE, seconds)
-    tracks, result = _tracks(first, integrate)
-    count = _needed(tracks, first)
-    if count > COARSE:
-        planned = abs(float(first.integration.t_end))
-        share = planned / float(tracks.times[-1] - tracks.times[0])
-        first = _with_points(first, math.ceil(count * share))
-        tracks, result = _tracks(first, integrate)
-    return shown(first, tracks, result, speed=speed, robot=robot, asked=scene.requested)
+    prepared = with_attitude(scene, COARSE, seconds)
+    return sampled(prepared, integrate, speed=speed, robot=robot, asked=scene.requested)
+
+
+def sampled(
+    prepared: AnyScene,
+    integrate: Integrate,
+    *,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+    asked: tuple[str, ...] = (),
+) -> Animation:
+    """Return the animation of a scene of `with_attitude`, simulated again where it needs more samples.
+
+    ``asked``: names of states and outputs whose values are told. Raises as `animation_of`.
+    """
+    prepared = _with_points(prepared, max(COARSE, prepared.integration.points))
+    tracks, result = _tracks(prepared, integrate)
+    count = _needed(tracks, prepared)
+    if count > len(tracks.times):
+        planned = abs(float(prepared.integration.t_end))
+        share = planned / abs(float(tracks.times[-1] - tracks.times[0]))
+        prepared = _with_points(prepared, math.ceil(count * share))
+        tracks, result = _tracks(prepared, integrate)
+    return shown(prepared, tracks, result, speed=speed, robot=robot, asked=asked)
 
 
 def _with_points(scene: AnyScene, points: int) -> AnyScene:
@@ -163,7 +182,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
             expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
             hint=f"--seconds {possible:.3g}",
         )
-    return max(COARSE, min(most, math.ceil(turned[-1] / STEP) + 1))
+    return max(COARSE, min(most, math.ceil(float(turned[-1]) / STEP) + 1))
 
 
 def shown(
@@ -184,17 +203,17 @@ def shown(
         words=scene.description,
         tracks=tracks,
         figures=figures,
-        arrows=tuple(_arrows(tracks)),
+        arrows=tuple(arrows_of(tracks)),
         told=tuple(_told(scene, result, asked))[:MOST_TOLD],
         view=_view(scene, tracks, figures),
-        speed=speed or _speed(span),
+        speed=speed or speed_of(span),
         axes=("a₁ radial", "a₂ along", "a₃ normal") if orbit else ("a₁", "a₂", "a₃"),
         notes=tuple(_notes(scene, result, figures)),
     )
 
 
-def _speed(span: float) -> float:
-    """Return 1 for a motion of fair length, else the power of ten, twice or five times it, that is nearest."""
+def speed_of(span: float) -> float:
+    """Return 1 for a motion of fair length, else the nearest of ..., 0.5, 1, 2, 5, 10, 20, ..."""
     if SHORT <= span <= LONG:
         return 1.0
     wanted = span / AIM
@@ -202,7 +221,8 @@ def _speed(span: float) -> float:
     return float(min((n * power for n in (1, 2, 5, 10)), key=lambda s: abs(math.log(s / wanted))))
 
 
-def _arrows(tracks: Tracks) -> Iterator[Arrows]:
+def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
+    """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
     for k, body in enumerate(tracks.bodies):
         yield Arrows("omega", "ω", "rad/s", "red", body.omega, body.positions, k)
     yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
@@ -233,22 +253,28 @@ def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
 # -- the view --------------------------------------------------------------------------------------
 
 
-def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+def view_of(tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a motion without gravity."""
     points = np.concatenate([*_places(tracks, figures)])
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
         centre = np.zeros(3)
     radius = float(np.linalg.norm(points - centre, axis=1).max())
-    radius *= AROUND_ONE if len(tracks.bodies) == 1 else 1
-    gravity = _gravity(scene)
+    return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1))
+
+
+def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a scene: under gravity there are up, down and a ground."""
+    view, gravity = view_of(tracks, figures), _gravity(scene)
     if gravity is None:
-        return View(centre, radius)
+        return view
     up = -gravity / np.linalg.norm(gravity)
     floor = _floor(scene)
     if floor is None:
-        floor = float((points @ up).min()) - GROUND_GAP * radius
+        lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
+        floor = lowest - GROUND_GAP * view.radius
     a, b, c = (float(x) for x in up)
-    return View(centre, radius, (a, b, c), _camera(tracks, up), floor)
+    return replace(view, up=(a, b, c), camera=_camera(tracks, up), ground=floor)
 
 
 def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:

@@ -52,7 +52,7 @@ def page(animation: Animation) -> str:
 
 @cache
 def _web(name: str) -> str:
-    return resources.files("eom.views.web").joinpath(name).read_text(encoding="utf-8")
+    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
 
 
 def _policy(scripts: Iterable[str], style: str) -> str:
@@ -84,22 +84,7 @@ def data(animation: Animation) -> dict[str, Any]:
     """Return what the page's script reads."""
     view, times, meshes = animation.view, animation.times, Meshes()
     figures = animation.figures
-    bodies = [
-        {
-            "name": figure.name,
-            "colour": PALETTE[k % len(PALETTE)],
-            "axes": list(figure.axes),
-            "words": figure.words,
-            "frame": _number(_frame(animation, figure)),
-            "tip": _tip(figure, track),
-            "shapes": [meshes.shape(s) for s in figure.shapes],
-            "positions": floats(track.positions) if np.any(track.positions) else None,
-            "quaternions": floats(track.quaternions),
-        }
-        for k, (figure, track) in enumerate(
-            zip(figures.bodies, animation.tracks.bodies, strict=True)
-        )
-    ]
+    bodies = list(_bodies(animation, meshes))
     return {
         "title": animation.title,
         "start": float(times[0]),
@@ -115,11 +100,31 @@ def data(animation: Animation) -> dict[str, Any]:
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],
         "meshes": meshes.told,
+        "links": [
+            {"bodies": list(link.bodies), "points": [[_number(x) for x in p] for p in link.points]}
+            for link in figures.links
+        ],
         "arrows": list(_arrows(animation)),
         "told": [
             {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.told
         ],
     }
+
+
+def _bodies(animation: Animation, meshes: Meshes) -> Iterator[dict[str, Any]]:
+    """Yield what is told of each body; one that stays in place has no positions."""
+    pairs = zip(animation.figures.bodies, animation.tracks.bodies, strict=True)
+    for k, (figure, track) in enumerate(pairs):
+        yield {
+            "name": figure.name,
+            "colour": PALETTE[k % len(PALETTE)],
+            "axes": list(figure.axes),
+            "frame": _number(_frame(animation, figure)),
+            "tip": _tip(figure, track),
+            "shapes": [meshes.shape(s) for s in figure.shapes],
+            "positions": floats(track.positions) if np.any(track.positions) else None,
+            "quaternions": floats(track.quaternions),
+        }
 
 
 def _number(x: float) -> float:

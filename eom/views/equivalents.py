@@ -1,6 +1,6 @@
 """Bodies that are drawn for want of a shape: uniform ones of the same mass and inertia.
 
-The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has the sides 12 P_k/m = a_k^2,
+The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has sides a_k^2 = 12 P_k/m,
 a cylinder 4 P/m = r^2 across and 12 P/m = l^2 along its axis, a sphere 5 P/m = r^2. Lengths in m.
 """
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 EQUAL = 1e-6
 """Moments of inertia that differ by less than this share are drawn as equal."""
-THINNEST = 0.03
+THINNEST = 0.05
 """The least thickness that is drawn, as a share of the largest."""
 FLAT = 0.3
 """A cylinder whose length is less than this share of its radius is a wheel, if it shall be one."""
@@ -37,11 +37,15 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Equivalent:
-    """A uniform body: the name of a solid, its sizes (m), and ``axes``: from the solid's to the body's."""
+    """A uniform body: the name of a solid, its sizes (m), and ``axes``: from the solid's to the body's.
+
+    ``thickened``: whether it is drawn thicker than it is.
+    """
 
     solid: str
     sizes: dict[str, float]
     axes: Floats
+    thickened: bool = False
 
     @property
     def mesh(self) -> Mesh:
@@ -52,7 +56,7 @@ class Equivalent:
     def words(self) -> str:
         """How it is called, with its sizes."""
         sizes = ", ".join(f"{n} {v:.3g} m" for n, v in self.sizes.items())
-        return f"{self.solid} of equal inertia ({sizes})"
+        return f"{self.solid} of equal inertia ({sizes}{', thickened' if self.thickened else ''})"
 
 
 def equivalent(inertia: ArrayLike, mass: float | None = None) -> Equivalent:
@@ -71,17 +75,18 @@ def equivalent(inertia: ArrayLike, mass: float | None = None) -> Equivalent:
     if any(equal):
         k = equal.index(True)
         return _cylinder(float(spread[k - 1]) / m, float(spread[k]) / m, axes @ _to_third(k))
-    a, b, c = _thick([math.sqrt(12 * p / m) for p in spread])
-    return Equivalent("box", {"a": a, "b": b, "c": c}, axes)
+    (a, b, c), thickened = _thick([math.sqrt(12 * p / m) for p in spread])
+    return Equivalent("box", {"a": a, "b": b, "c": c}, axes, thickened)
 
 
 def _cylinder(across: float, along: float, axes: Floats) -> Equivalent:
-    radius, half = _thick([math.sqrt(4 * across), math.sqrt(3 * along)])
-    return Equivalent("cylinder", {"radius": radius, "length": 2 * half}, axes)
+    (radius, half), thickened = _thick([math.sqrt(4 * across), math.sqrt(3 * along)])
+    return Equivalent("cylinder", {"radius": radius, "length": 2 * half}, axes, thickened)
 
 
-def _thick(sizes: list[float]) -> list[float]:
-    return [max(s, THINNEST * max(sizes)) for s in sizes]
+def _thick(sizes: list[float]) -> tuple[list[float], bool]:
+    least = THINNEST * max(sizes)
+    return [max(s, least) for s in sizes], min(sizes) < least
 
 
 def _to_third(axis: int) -> Floats:

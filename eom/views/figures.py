@@ -43,11 +43,20 @@ class Figure:
 
 
 @dataclass(frozen=True, eq=False)
+class Line:
+    """A spring or a rod without mass: numbers of two bodies, -1 for the ground, and a point of each (m)."""
+
+    bodies: tuple[int, int]
+    points: tuple[Floats, Floats]
+
+
+@dataclass(frozen=True, eq=False)
 class Figures:
-    """The bodies in the order of `eom.views.tracks.Tracks`, and what stands on the ground."""
+    """The bodies in the order of `eom.views.tracks.Tracks`, what stands on the ground, lines between."""
 
     bodies: tuple[Figure, ...]
     ground: tuple[Shape, ...] = ()
+    links: tuple[Line, ...] = ()
 
 
 def figures_of(scene: AnyScene, robot: dict[str, tuple[Shape, ...]] | None = None) -> Figures:

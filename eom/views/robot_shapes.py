@@ -1,7 +1,7 @@
 """Shapes of links as a URDF file names them: what is to be seen, else what touches.
 
-Boxes, cylinders, spheres and mesh files beside the robot's (extra ``mesh``); a mesh that is not there, or in
-a format that is not read, is left out, and the link is drawn by its inertia. Axes are those of the link.
+Boxes, cylinders, spheres and mesh files beside the robot's (extra ``mesh``); a mesh that is not there, or
+in a format that is not read, is left out, and the link is drawn by its inertia. Axes are those of the link.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Where the bodies of a simulated scene are: positions, quaternions and vectors at the stored times.
 
-A is the frame of the ground, or the one that attitude is measured in; B that of a body. Quaternions have the
-scalar first; of the two that are one attitude, that nearer to the one before is taken, so that they can
+A is the frame of the ground, or the one that attitude is measured in; B that of a body. Quaternions have
+the scalar first; of the two that are one attitude, that nearer to the one before is taken, so that they can
 be interpolated.
 """
 

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.multibody.attachments import Rotor
-from eom.multibody.constraints import Loop
+from eom.multibody.constraints import Distance, Loop
 from eom.multibody.model import GROUND, Body, Joint
 from eom.multibody.scene import TreeScene
 from eom.multibody.sections import Reading
 from eom.multibody.values import is_number
 from eom.views.equivalents import Shape, equivalent
-from eom.views.figures import Figure, Figures, rod
+from eom.views.figures import Figure, Figures, Line, rod
 from eom.views.solid_meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,8 @@ def figures_of_tree(scene: TreeScene, robot: Mapping[str, tuple[Shape, ...]]) ->
     drawing = Drawing(scene, robot)
     bodies = tuple(drawing.body(b) for b in scene.tree.bodies)
     rotors = tuple(drawing.rotor(r) for r in scene.tree.rotors)
-    return Figures((*map(drawing.seen_through, bodies), *rotors), drawing.held_by(GROUND))
+    shown = (*map(drawing.seen_through, bodies), *rotors)
+    return Figures(shown, drawing.held_by(GROUND), tuple(drawing.lines()))
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,10 @@ class Drawing:
     @cached_property
     def places(self) -> dict[str, list[Floats]]:
         """For each body and the ground: where other joints are on it, from its origin."""
-        found: dict[str, list[Floats]] = {GROUND: [], **{b.name: [] for b in self.scene.tree.bodies}}
+        found: dict[str, list[Floats]] = {
+            GROUND: [],
+            **{b.name: [] for b in self.scene.tree.bodies},
+        }
         for joint in self.scene.tree.joints:
             found[joint.parent].append(self.array(joint.on_parent.position))
         for loop in (c for c in self.scene.tree.constraints if isinstance(c, Loop)):
@@ -78,8 +82,8 @@ class Drawing:
     @cached_property
     def reach(self) -> float:
         """The largest length (m) in a body, which sizes of joints follow."""
-        lengths = [np.linalg.norm(p) for places in self.places.values() for p in places]
-        lengths += [np.linalg.norm(self.array(b.centre)) for b in self.scene.tree.bodies]
+        lengths = [float(np.linalg.norm(p)) for places in self.places.values() for p in places]
+        lengths += [float(np.linalg.norm(self.array(b.centre))) for b in self.scene.tree.bodies]
         lengths += [0.5 * s.mesh.extent for b in self.scene.tree.bodies for s in self.own(b)[0]]
         return float(max([x for x in lengths if x > 0], default=1.0))
 
@@ -138,7 +142,10 @@ class Drawing:
         """Return what is drawn on the ground: rails of sliding joints, stands of the others."""
         found: list[Shape] = []
         for joint in self.scene.tree.joints:
-            place, turn = self.array(joint.on_parent.position), self.array(joint.on_parent.rotation).T
+            place, turn = (
+                self.array(joint.on_parent.position),
+                self.array(joint.on_parent.rotation).T,
+            )
             if joint.parent != name:
                 continue
             if joint.kind == "prismatic":
@@ -148,6 +155,15 @@ class Drawing:
                 ball = of_solid("sphere", {"radius": 2.2 * PIN * self.reach})
                 found.append(Shape(replace(ball.moved(place), round=False), "grey"))
         return tuple(found)
+
+    def lines(self) -> Iterator[Line]:
+        """Yield springs, and rods without mass that keep a distance."""
+        number = {GROUND: -1, **{b.name: k for k, b in enumerate(self.scene.tree.bodies)}}
+        ends = [(s.bodies, s.points) for s in self.scene.tree.springs]
+        ends += [((c.first, c.second), (c.first_point, c.second_point))
+                 for c in self.scene.tree.constraints if isinstance(c, Distance)]  # fmt: skip
+        for (first, second), (p, q) in ends:
+            yield Line((number[first], number[second]), (self.array(p), self.array(q)))
 
     def rotor(self, rotor: Rotor) -> Figure:
         """Return a flat cylinder about its axis, which is the third of its own axes."""
@@ -175,5 +191,5 @@ class Drawing:
             shapes = self.own(tree.body[joint.child])[0]
             if shapes:
                 yield self.array(joint.on_parent.position), max(s.mesh.extent for s in shapes)
-        for rotor in (r for r in tree.rotors if r.body == name):
+        if any(rotor.body == name for rotor in tree.rotors):
             yield self.array(tree.body[name].centre), ROTOR * self.reach

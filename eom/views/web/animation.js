@@ -249,6 +249,14 @@
     if (!several) {
       viewer.trailTo("omega", k + 2);
     }
+    data.links.forEach((link, n) => {
+      const [a, b] = link.points.map((p, end) => {
+        const body = link.bodies[end];
+        const turn = body < 0 ? p : turned(slerp(bodies[body].quaternions, k, part), p);
+        return body < 0 ? p : at[body].map((x, m) => x + turn[m]);
+      });
+      viewer.line("link " + n, a, b, {colour: "grey", width: 3, opacity: 1});
+    });
     arrows.forEach((arrow, n) => {
       const seen = shown[arrow.kind] && (arrow.kind !== "omega" || n === state.chosen);
       const origin = arrow.body >= 0 ? at[arrow.body] : (arrow.places ? between(arrow.places, 3, k, part) : ORIGIN);

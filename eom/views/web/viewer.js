@@ -576,6 +576,16 @@ const createViewer = (() => {
       }
     }
 
+    function line(name, a, b, options) {
+      let found = named.trails.get(name);
+      if (!found) {
+        found = newTrail(Object.assign({layer: "lines"}, options), new Float32Array(6));
+        named.trails.set(name, found);
+      }
+      found.buffer.array.set([...a, ...b]);
+      found.buffer.needsUpdate = true;
+    }
+
     function surface(name, shape, options) {
       const {colour = "grey", layer: where = "surfaces"} = options || {};
       if (named.surfaces.has(name)) {
@@ -615,6 +625,8 @@ const createViewer = (() => {
       trailTo,
       /* Append a point to a trail that keeps the last `most` (2000) of them; take all points away. */
       trailAdd, trailClear,
+      /* A line between two points, by name; it may be given other points at any time. */
+      line,
       /* A shape in space, by name; options: colour, layer. It is moved by place(). */
       surface,
       place(name, position, quaternion) { placed(named.surfaces.get(name), position, quaternion); },

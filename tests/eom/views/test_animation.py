@@ -1,10 +1,11 @@
-"""Animations: data equal to the simulation, shapes of the right size and inertia, pages of the same bytes."""
+"""Animations: data equal to the simulation, shapes of the right size and inertia, the same bytes."""
 
 import base64
 import io
 import json
 import math
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,19 +13,27 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
+import codegen
 from eom import catalogue, regions, solids
 from eom.commands.jobs import job_of
 from eom.errors import InputError
+from eom.gyrostat import gyrostat
 from eom.kinematics import attitude, elementary
 from eom.multibody.scene import TreeScene
 from eom.opening import load_scene
 from eom.scene import Scene
-from eom.views.animation import animation_of, at
+from eom.views.animation import animation_of, at, sampled
 from eom.views.animation_page import data, page
 from eom.views.equivalents import equivalent
 from eom.views.figures import figures_of
+from eom.views.filming import Film, Filming
+from eom.views.motions import (
+    animation_of_motion,
+    quaternions_of_modified_rodrigues,
+    quaternions_of_rodrigues,
+)
 from eom.views.robot_shapes import shapes_of_file
-from eom.views.slides import Film, Filming, film_bytes
+from eom.views.slides import film_bytes
 from eom.views.solid_meshes import of_solid
 from eom.views.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
 
@@ -32,11 +41,33 @@ HOSTILE = "</script><img src=x onerror=alert(1)>\u2028{{data}} $x$ & \"'"
 
 
 def integrate(scene):
-    return job_of(scene, "auto", ()).integrate(lambda _: None)
+    """As the commands do; one system is compiled once."""
+    plan = scene.integration
+    if plan.handover:
+        return job_of(scene, "auto", ()).integrate(lambda _: None)
+    times = [*(plan.t_end * k / (plan.points - 1) for k in range(plan.points - 1)), plan.t_end]
+    return codegen.simulate(
+        scene.derive(),
+        scene.initial_values(),
+        (0.0, plan.t_end),
+        scene.parameter_values(),
+        plan.method,
+        plan.rtol,
+        t_eval=times,
+        inputs=scene.input_values(),
+    )
 
 
-def simulated(scene, points=21, t_end=None):
-    prepared = with_attitude(scene, points, t_end)
+@cache
+def ready(name):
+    """A ready scene with attitude: what is derived of it is kept."""
+    return with_attitude(load_scene(name), 2)
+
+
+def simulated(scene, points=21, t_end=2.0):
+    prepared = ready(scene) if isinstance(scene, str) else with_attitude(scene, points)
+    plan = prepared.integration.model_copy(update={"points": points, "t_end": t_end})
+    prepared = prepared.model_copy(update={"integration": plan})
     result = integrate(prepared)
     return prepared, result, tracks_of(prepared, result)
 
@@ -88,8 +119,7 @@ def test_a_body_without_attitude_gets_it_integrated_along():
 
 
 def test_a_spinner_turns_by_its_spin_too():
-    scene = load_scene("bicycle-wheel")
-    _, result, tracks = simulated(scene, 2001, 2.0)
+    _, result, tracks = simulated("bicycle-wheel", 2001)
     track = tracks.bodies[0]
     turns = [(3, "psi"), (1, "theta"), (2, "phi")]
     C = sp.eye(3)
@@ -108,10 +138,12 @@ def rate(track, times):
 
 
 def test_a_double_pendulum_is_where_its_angles_say():
-    _, result, tracks = simulated(load_scene("double-pendulum"), 41, 2.0)
+    _, result, tracks = simulated("double-pendulum", 41)
     upper, lower = tracks.bodies
     q1, q2 = result["q_shoulder"], result["q_elbow"]
-    elbow = np.stack([-np.sin(q1), 0 * q1, -np.cos(q1)], axis=-1)  # rods hang along -z, turn about y
+    elbow = np.stack(
+        [-np.sin(q1), 0 * q1, -np.cos(q1)], axis=-1
+    )  # rods hang along -z, turn about y
     assert np.abs(lower.positions - elbow).max() < 1e-12
     tip = elbow + 0.8 * np.stack([-np.sin(q1 + q2), 0 * q1, -np.cos(q1 + q2)], axis=-1)
     assert np.abs(at(lower, (0, 0, -0.8)) - tip).max() < 1e-12
@@ -119,7 +151,7 @@ def test_a_double_pendulum_is_where_its_angles_say():
 
 
 def test_a_free_tree_keeps_its_momentum_and_turns_at_its_rates():
-    _, _, tracks = simulated(load_scene("floating-tree"), 2001, 2.0)
+    _, _, tracks = simulated("floating-tree", 2001)
     assert np.ptp(tracks.momentum, axis=0).max() < 1e-8
     for track in tracks.bodies:
         assert np.abs(rate(track, tracks.times) - track.omega[1:-1]).max() < 2e-4
@@ -127,7 +159,7 @@ def test_a_free_tree_keeps_its_momentum_and_turns_at_its_rates():
 
 def test_speeds_that_constraints_eliminate_are_known():
     """A disc that rolls: the point that touches the ground is at rest."""
-    _, _, tracks = simulated(load_scene("rolling-disc"), 2001, 2.0)
+    _, _, tracks = simulated("rolling-disc", 2001)
     (track,) = tracks.bodies
     axle = np.einsum("nij,i->nj", matrices(track.quaternions), np.array([0.0, 1.0, 0.0]))
     down = np.array([0.0, 0.0, -1.0]) + axle * axle[:, 2:]
@@ -140,9 +172,10 @@ def test_driven_joints_and_rotors_move():
     """A turntable at a given speed carries a body with a rotor at a given speed."""
     scene = TreeScene(
         name="turntable",
-        bodies={"table": {"mass": 1.0, "moments": (1, 1, 1)}, "arm": {"mass": 1.0, "moments": (1, 1, 1)}},
+        bodies={name: {"mass": 1.0, "moments": (1, 1, 1)} for name in ("table", "arm")},
         joints={
-            "table": {"kind": "revolute", "parent": "ground", "child": "table", "motion": {"position": "w*t"}},
+            "table": {"kind": "revolute", "parent": "ground", "child": "table",
+                      "motion": {"position": "w*t"}},
             "arm": {"kind": "revolute", "parent": "table", "child": "arm", "axis": "x"},
         },
         rotors={"wheel": {"body": "arm", "inertia": 0.1, "axis": "x", "speed": 3.0}},
@@ -150,7 +183,7 @@ def test_driven_joints_and_rotors_move():
         initial={"u_arm": 0.2},
         integration={"t_end": 1.0},
     )  # fmt: skip
-    _, _, tracks = simulated(scene, 201)
+    _, _, tracks = simulated(scene, 201, 1.0)
     table, arm, wheel = tracks.bodies
     assert np.allclose(table.omega, (0, 0, 0.5))
     assert table.quaternions[-1] == pytest.approx((math.cos(0.25), 0, 0, math.sin(0.25)))
@@ -170,6 +203,29 @@ def test_quaternions_are_continuous_and_those_of_their_matrices(rows):
     again = of_matrices(matrices(q))
     assert np.abs(matrices(again) - matrices(q)).max() < 1e-12
     assert np.abs(np.abs(np.einsum("ij,ij->i", again, q)) - 1).max() < 1e-12
+
+
+def test_springs_and_rods_without_mass_are_lines_between_points():
+    """Two blobs on a rod without mass, one on a spring from the ground."""
+    scene = TreeScene(
+        name="dumb-bell",
+        bodies={name: {"mass": 1.0, "moments": (1, 1, 1)} for name in ("one", "two")},
+        joints={name: {"kind": "free", "parent": "ground", "child": name} for name in ("one", "two")},
+        constraints={"rod": {"kind": "distance", "first": "one", "second": "two", "length": "l"}},
+        springs={"coil": {"first": "ground", "second": "one", "stiffness": 2.0,
+                          "first_point": (0, 0, 3)}},
+        parameters={"l": 2.0},
+        initial={"x_two": 2.0, "v_one_2": 0.3},
+        integration={"t_end": 1.0},
+    )  # fmt: skip
+    animation = animation_of(scene, integrate)
+    coil, rod = animation.figures.links
+    assert (coil.bodies, rod.bodies) == ((-1, 0), (0, 1))
+    assert coil.points[0].tolist() == [0, 0, 3]
+    one, two = animation.tracks.bodies
+    apart = at(two, rod.points[1]) - at(one, rod.points[0])
+    assert np.linalg.norm(apart, axis=1) == pytest.approx(2.0)
+    assert len(data(animation)["links"]) == 2
 
 
 # -- shapes ----------------------------------------------------------------------------------------
@@ -199,7 +255,7 @@ def test_thin_solids_have_meshes_too(name):
     assert np.isfinite(mesh.vertices).all()
 
 
-spreads = st.tuples(*(st.sampled_from((0.01, 0.3, 1.0, 4.0)) for _ in range(3)))
+spreads = st.tuples(*(st.sampled_from((0.02, 0.3, 1.0, 4.0)) for _ in range(3)))
 
 
 @given(spreads, st.floats(0.1, 50), quaternions)
@@ -214,7 +270,9 @@ def test_equivalent_bodies_have_the_inertia(spread, mass, q):
 
 
 def test_a_named_solid_is_drawn_as_it_is():
-    scene = tumbling("none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}})
+    scene = tumbling(
+        "none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}}
+    )
     (figure,) = figures_of(scene).bodies
     assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.2, 0.15, 0.1))
     assert "box" in figure.words
@@ -222,8 +280,10 @@ def test_a_named_solid_is_drawn_as_it_is():
 
 URDF = """<robot name="r">
 <link name="base"/>
-<link name="arm-1"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
-<visual><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/><geometry><box size="1 0.2 0.1"/></geometry></visual>
+<link name="arm-1">
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/>
+<geometry><box size="1 0.2 0.1"/></geometry></visual>
 <visual><geometry><mesh filename="package://../../secret.stl"/></geometry></visual></link>
 <joint name="j" type="revolute"><parent link="base"/><child link="arm-1"/><axis xyz="0 1 0"/>
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
@@ -242,12 +302,60 @@ def test_shapes_of_a_robot_come_from_its_file(tmp_path):
     assert shapes_of_file("heavy-top") == {}
 
 
+# -- motions that are no scenes --------------------------------------------------------------------
+
+
+def test_a_gyrostat_keeps_its_momentum_in_space():
+    system = gyrostat(1, drives="free", attitude=attitude("quaternion"))
+    start = {"omega_1": 0.3, "omega_2": 0.2, "omega_3": 0.5, "p_1": 2.0,
+             "q0": 1.0, "q1": 0.0, "q2": 0.0, "q3": 0.0}  # fmt: skip
+    moments = {"I1": 1.0, "I2": 2.0, "I3": 2.5, "Js_1": 0.1}
+    t = np.linspace(0, 3, 301)
+    run = codegen.simulate(system, start, (0, 3), moments, t_eval=t)
+    q, omega, h = (np.stack([run[n] for n in names], axis=-1) for names in (
+        ("q0", "q1", "q2", "q3"), ("omega_1", "omega_2", "omega_3"), ("h_1", "h_2", "h_3")))  # fmt: skip
+    animation = animation_of_motion("Gyrostat", t, q, omega, (1.0, 2.0, 2.5), momentum=h)
+    assert np.ptp(animation.tracks.momentum, axis=0).max() < 1e-8
+    assert (
+        np.abs(rate(animation.tracks.bodies[0], t) - animation.tracks.bodies[0].omega[1:-1]).max()
+        < 1e-3
+    )
+    assert "box" in animation.notes[0]
+    assert data(animation)["count"] == 301
+
+
+@given(st.floats(0.01, 3.0), quaternions)
+def test_rodrigues_parameters_are_quaternions(angle, direction):
+    axis = np.array(direction[:3]) / np.linalg.norm(direction[:3])
+    q = np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
+    for found, parameters in (
+        (quaternions_of_rodrigues, math.tan(angle / 2) * axis),
+        (quaternions_of_modified_rodrigues, math.tan(angle / 4) * axis),
+    ):
+        assert found([parameters])[0] == pytest.approx(q, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"times": [0.0, 1.0, 3.0]}, "not equally far apart"),
+        ({"quaternions": np.ones((3, 4))}, "unit norm"),
+        ({"omega": np.ones((2, 3))}, "does not fit"),
+        ({"omega": np.full((3, 3), 9.0)}, "too large a turn"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(changes, what):
+    still = {"times": [0.0, 1.0, 2.0], "quaternions": [[1, 0, 0, 0]] * 3, "omega": np.zeros((3, 3))}
+    with pytest.raises(InputError, match=what):
+        animation_of_motion("still", **{**still, **changes}, inertia=(1, 1, 1))
+
+
 # -- the page --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", catalogue.names())
 def test_every_ready_scene_fits_into_a_page(name):
-    animation = animation_of(load_scene(name), integrate)
+    animation = sampled(ready(name), integrate, asked=load_scene(name).requested)
     text = page(animation)
     assert len(text.encode()) < 3_000_000
     assert text == page(animation)
