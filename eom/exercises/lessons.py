@@ -6,16 +6,16 @@ values, and the theorem of parallel axes; all others are the verified steps them
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from eom import derivations
 from eom.checker.derived import front_matter
 from eom.derivation import Derivation, Step
 from eom.errors import unknown_name
-from eom.exercises.solids import front_matter_of, solid_of, told
-from eom.notation import NOTATIONS
-from eom.showing import only_names
+from eom.exercises.solids import front_matter_of, legend, solid_of, told
+from eom.notation import NOTATIONS, Notation
+from eom.showing import Item, only_names, symbols
 
 RELATIONS = ("=", ":=")
 
@@ -24,12 +24,14 @@ RELATIONS = ("=", ":=")
 class Lesson:
     """A topic: its derivation, with the steps that can be lines of an exercise, and its lexicon.
 
-    ``front``: from a notation to front matter that `eom check` reads.
+    ``front``: from the name of a notation to front matter that `eom check` reads; ``legend``: from lines
+    and a notation to symbols with their meanings.
     """
 
     topic: str
     derivation: Derivation
     front: Callable[[str], str]
+    legend: Callable[[Derivation, Notation], Iterable[Item]] = symbols
 
 
 def topics() -> dict[str, dict[str, str]]:
@@ -44,7 +46,7 @@ def lesson(topic: str) -> Lesson:
     solid = solid_of(topic)
     if solid:
         made = told(topic, solid)
-        return Lesson(topic, made, lambda _: front_matter_of(solid))
+        return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
     return Lesson(topic, _with(made, lines), lambda notation: front_matter(made, notation))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import eom.checker.checking as checker
 from eom.checker.explanation import Counterexample
@@ -20,13 +21,17 @@ from eom.exercises import page, slips
 from eom.exercises.lessons import Lesson, lesson
 from eom.exercises.slips import Planted
 from eom.notation import notation_named
+from eom.showing import Item
+from eom.terms import Equation
 from eom.verification import verify
 
 LINES = 6
 """Lines of an exercise where nobody says how many."""
-MOST_LINES = 40
+LEAST_LINES, MOST_LINES = 2, 40
 TRIES = 40
 """Slips that are shown to the checker at most."""
+OTHERS = 4
+"""False versions of the false line that are offered beside the right one."""
 DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 
@@ -35,7 +40,8 @@ class Exercise:
     """Lines of which one is false, and its key.
 
     ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
-    in it; ``counterexample``: a state in small numbers at which the line fails, if one was found.
+    in it; ``finding``: what the checker says of the false line; ``others``: other false versions of it,
+    where they were asked for, the planted one first; ``lines``, ``slip``: what was asked for.
     """
 
     lesson: Lesson
@@ -45,6 +51,9 @@ class Exercise:
     number: int
     planted: Planted
     finding: Finding
+    others: tuple[Equation, ...] = ()
+    lines: int = LINES
+    slip: str = ""
 
     @property
     def wrong(self) -> Derivation:
@@ -57,6 +66,14 @@ class Exercise:
         return self.right.steps[self.number - 1]
 
     @property
+    def legend(self) -> tuple[Item, ...]:
+        """Symbols with their meanings, of both versions of the false line: none tells by its absence."""
+        both = (*self.right.steps, self.wrong.steps[self.number - 1])
+        return tuple(
+            self.lesson.legend(replace(self.right, steps=both), notation_named(self.notation))
+        )
+
+    @property
     def counterexample(self) -> Counterexample | None:
         """A state in small numbers at which the line fails."""
         return self.finding.explanation.counterexample
@@ -67,27 +84,51 @@ def exercise(
 ) -> Exercise:
     """Return the exercise of a topic and seed; the same arguments give the same exercise.
 
+    topic: one of `eom.exercises.topics`; all others: see `planted_in`. Raises `InputError` for unknown
+    names, and where no slip can be planted that the checker finds.
+    """
+    return planted_in(lesson(topic), seed, notation=notation, lines=lines, slip=slip)
+
+
+def planted_in(
+    about: Lesson, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
+) -> Exercise:
+    """Return an exercise made from a lesson.
+
     notation: one of `eom.notation.NOTATIONS`; lines: at most so many; slip: a kind of slip, "" for any.
     Raises `InputError` for unknown names, and where no slip can be planted that the checker finds.
     """
     notation = notation_named(notation).name
     if slip and slip not in slips.names():
         raise unknown_name("kind of slip", slip, slips.names())
-    if not 2 <= lines <= MOST_LINES:
-        raise InputError("wrong number of lines", got=lines, expected=f"2 to {MOST_LINES}")
-    about = lesson(topic)
-    rng = random.Random(f"{topic} {seed} {lines} {slip}")  # noqa: S311 - the same for ever
-    for tried, (right, number, planted) in enumerate(_drawn(about, rng, lines, slip)):
-        if tried == TRIES:
-            break
+    if not LEAST_LINES <= lines <= MOST_LINES:
+        raise InputError(
+            "wrong number of lines", got=lines, expected=f"{LEAST_LINES} to {MOST_LINES}"
+        )
+    rng = random.Random(f"{about.topic} {seed} {lines} {slip}")  # noqa: S311 - the same for ever
+    for right, number, planted in islice(_drawn(about, rng, lines, slip), TRIES):
         found = judged(about, right, number, planted, notation)
         if found is not None:
-            return Exercise(about, seed, notation, right, number, planted, found)
-    raise InputError(
-        "no slip was found that the checker proves",
-        where=topic,
-        got=f"kind {slip}" if slip else "",
-        hint="another seed, another kind of slip, or another topic (eom exercise --list)",
+            return Exercise(
+                about, seed, notation, right, number, planted, found, lines=lines, slip=slip
+            )
+    raise _nothing(about, slip)
+
+
+def _nothing(about: Lesson, slip: str) -> InputError:
+    """Return the error for a topic in which no slip could be planted."""
+    kinds = dict.fromkeys(name for name, _, _ in _offers(about, ""))
+    if slip and slip not in kinds:
+        return InputError(
+            f"no line of this topic can have the slip {slip}",
+            where=about.topic,
+            expected=", ".join(kinds) or "another topic",
+        )
+    return InputError(
+        "no slip was found in this topic that the checker proves",
+        where=about.topic,
+        got=f"slip {slip}" if slip else "",
+        hint="another seed, another slip, or another topic (eom exercise --list)",
     )
 
 
@@ -105,12 +146,9 @@ def _drawn(
 ) -> Iterator[tuple[Derivation, int, Planted]]:
     """Yield lines, the number of one of them, and a false equation for it; kinds of slips in turn."""
     steps = about.derivation.steps
-    given = slips.around(t for s in steps for t in (s.statement.left, s.statement.right))
     kinds: dict[str, list[tuple[int, Planted]]] = {}
-    for k, step in enumerate(steps):
-        for planted in slips.planted(step.statement, given):
-            if slip in {"", planted.slip.name}:
-                kinds.setdefault(planted.slip.name, []).append((k, planted))
+    for name, k, planted in _offers(about, slip):
+        kinds.setdefault(name, []).append((k, planted))
     order = list(kinds)
     rng.shuffle(order)
     while order:
@@ -122,6 +160,20 @@ def _drawn(
             first = _first(rng, k, len(steps), lines)
             window = steps[first : first + lines]
             yield replace(about.derivation, steps=tuple(window)), k - first + 1, planted
+
+
+def _offers(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
+    """Yield the slips of a kind, "" for all, in every line: the kind, the place of the line, the slip."""
+    around = _around(about)
+    for k, step in enumerate(about.derivation.steps):
+        for planted in slips.planted(step.statement, around):
+            if slip in {"", planted.slip.name}:
+                yield planted.slip.name, k, planted
+
+
+def _around(about: Lesson) -> slips.Around:
+    steps = about.derivation.steps
+    return slips.around(t for s in steps for t in (s.statement.left, s.statement.right))
 
 
 def _first(rng: random.Random, k: int, count: int, lines: int) -> int:
@@ -140,6 +192,30 @@ def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
     return False
 
 
+def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
+    """Return an exercise with other false versions of its false line, each proved like the first one.
+
+    At most ``count``, the planted one among them; lines are told apart by how they are written.
+    """
+    lesson, notation = made.lesson, notation_named(made.notation)
+    rng = random.Random(f"{lesson.topic} {made.seed} others")  # noqa: S311 - the same for ever
+    offered = list(slips.planted(made.step.statement, _around(lesson)))
+    rng.shuffle(offered)
+    alone = replace(made.right, steps=(made.step,))
+    seen = {page.line_latex(alone, made.step, notation)}
+    found: list[Equation] = []
+    for planted in (made.planted, *offered[:TRIES]):
+        latex = page.line_latex(alone, replace(made.step, statement=planted.equation), notation)
+        if latex in seen or not _is_false(made.right, made.step, planted):
+            continue
+        seen.add(latex)
+        if planted is made.planted or judged(lesson, alone, 1, planted, made.notation):
+            found.append(planted.equation)
+        if len(found) == count:
+            break
+    return replace(made, others=tuple(found))
+
+
 # -- the proof ----------------------------------------------------------------------------------------
 
 
@@ -151,8 +227,13 @@ def judged(
     report = checker.check(about.front(notation) + shown)
     displays = [f for f in report.findings if f.kind == "display"]
     blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
-    if len(displays) != len(right.steps) or len(blamed) != 1:
+    if len(displays) != len(right.steps) or blamed != displays[number - 1 : number]:
         return None
     found = displays[number - 1]
-    told = found.verdict in FAULTS and found.explanation.counterexample is not None
-    return found if blamed == [found] and told else None
+    return found if found.verdict in FAULTS and _is_shown(found) else None
+
+
+def _is_shown(found: Finding) -> bool:
+    """Tell whether there are small numbers for what stands on both sides."""
+    example = found.explanation.counterexample
+    return example is not None and all(value for _, value in example.members)

@@ -122,7 +122,14 @@ def _dot(node: Term, _: Around) -> Iterator[Term]:
 
 _TURNED = frozenset({"rotation", "angular_velocity"})
 _ABOUT = frozenset(
-    {"position", "inertia", "torque", "angular_momentum", "absolute_angular_momentum", "first_moment"}
+    {
+        "position",
+        "inertia",
+        "torque",
+        "angular_momentum",
+        "absolute_angular_momentum",
+        "first_moment",
+    }
 )
 
 
@@ -273,8 +280,8 @@ def planted(equation: Equation, given: Around) -> Iterator[Planted]:
     """Yield an equation with one slip, in every way that gives another equation of its kind."""
     sides = (equation.left, equation.right)
     for k, side in enumerate(sides):
-        if k == 0 and side.head not in {"add", "expr"}:
-            continue  # what is derived stays what it is
+        if k == 0 and not _parts(side):
+            continue  # what a line is about stays what it is
         for path, node in _places(side):
             for slip in SLIPS:
                 yield from _at(equation, k, path, node, slip, given)
@@ -284,14 +291,14 @@ def _at(
     equation: Equation, side: int, path: Path, node: Term, slip: Slip, given: Around
 ) -> Iterator[Planted]:
     for new, right, wrong in slip.rule(node, given):
+        sides = [equation.left, equation.right]
         try:
-            made = _put((equation.left, equation.right)[side], path, new)
+            made = _put(sides[side], path, new)
         except InputError:
             continue
-        other = (equation.right, equation.left)[side]
-        if made != (equation.left, equation.right)[side] and made != other:
-            name = ("left", "right")[side]
-            yield Planted(slip, right, wrong, changed(equation, **{name: made}))
+        if made not in sides:
+            sides[side] = made
+            yield Planted(slip, right, wrong, Equation(*sides, equation.relation))
 
 
 def _places(term: Term, path: Path = ()) -> Iterator[tuple[Path, Term]]:

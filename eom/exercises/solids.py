@@ -12,11 +12,13 @@ from typing import Any
 import sympy as sp
 
 from eom import derivations
+from eom.boxes import Formula
 from eom.checker.solid_models import COORDINATES, SPELLINGS
 from eom.derivation import Derivation, Step
 from eom.derivations import SOLIDS
 from eom.markup import symbol_latex
 from eom.mass import MassProperties
+from eom.showing import Item
 from eom.solids import MASS, mass_properties
 from eom.solids import SOLIDS as CATALOGUE
 from eom.terms import Equation, expr, integral
@@ -43,7 +45,9 @@ def told(topic: str, solid: str) -> Derivation:
 def front_matter_of(solid: str) -> str:
     """Return front matter that names the solid, so that `eom check` knows mass, sizes and moments."""
     names = [(s, old.name) for old, s in _letters(solid).items()]
-    names += [(_moment(k, point), f"I{k}{_tail(point)}") for k in (1, 2, 3) for point in _points(solid)]
+    names += [
+        (_moment(k, point), f"I{k}{_tail(point)}") for k in (1, 2, 3) for point in _points(solid)
+    ]
     names += [
         (_product(i, j, point), f"J{i + 1}{j + 1}{_tail(point)}")
         for i, j in PAIRS
@@ -53,6 +57,22 @@ def front_matter_of(solid: str) -> str:
     return "\n".join(
         ["+++", "[check.system]", f'is = "{solid}"', "[check.system.symbols]", *rows, "+++", "", ""]
     )
+
+
+def legend(solid: str) -> Iterator[Item]:
+    """Yield mass, sizes, axes and moments with their meanings."""
+    for old, letter in _letters(solid).items():
+        yield (
+            Formula(letter),
+            old.name.replace("_", " ") if len(old.name) > 1 else "an edge or axis",
+        )
+    for point in _points(solid):
+        where = f"the {point}" if point else "the centre of mass"
+        yield (
+            Formula(_moment(1, point)),
+            f"moment of inertia about axis 1 through {where}; 2, 3 likewise",
+        )
+    yield Formula(X), "coordinate along axis 1 from the centre of mass; y, z along axes 2, 3"
 
 
 def _points(solid: str) -> tuple[str, ...]:
@@ -92,10 +112,14 @@ def _steps(solid: str) -> Iterator[Step]:
             symbol, label = _moment(k, point), f"I{k}{_tail(point)}"
             if point:
                 central = expr(_moment(k, "") + m * _distance(body, moved, k - 1, letters))
-                yield _step(f"{label}-moved", symbol, central, f"parallel axes: axis {k} through {where}")
+                yield _step(
+                    f"{label}-moved", symbol, central, f"parallel axes: axis {k} through {where}"
+                )
             else:
                 about = integral(expr(SQUARES[k - 1]))
-                yield _step(f"{label}-integral", symbol, about, f"moment about axis {k} through {where}")
+                yield _step(
+                    f"{label}-integral", symbol, about, f"moment about axis {k} through {where}"
+                )
             yield _step(label, symbol, expr(value), "carried out")
         yield from _products(moved, point, where, letters)
 
