@@ -140,11 +140,11 @@ def _written(made: list[Exercise], style: str, lexicon: bool, out: Path) -> list
 
     texts: dict[str, str] = {}
     for one in made:
-        name = f"{one.lesson.topic}-{one.seed}"
+        name = f"{one.asked.lesson.topic}-{one.asked.seed}"
         if style == "markdown":
             texts |= {f"{name}.md": student(one, lexicon), f"{name}-key.md": marker(one)}
     if style == "moodle":
-        texts[f"{made[0].lesson.topic}-{made[0].seed}.xml"] = moodle(made)
+        texts[f"{made[0].asked.lesson.topic}-{made[0].asked.seed}.xml"] = moodle(made)
     out.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         (out / file).write_text(text, encoding="utf-8")

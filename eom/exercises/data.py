@@ -16,15 +16,15 @@ def as_data(made: Exercise) -> dict[str, Any]:
 
     ``maxima``: the side with the slip as it is right, null where it is no scalar expression.
     """
-    notation = notation_named(made.notation)
+    notation = notation_named(made.asked.notation)
     typed = typed_answer(made)
     return {
-        "topic": made.lesson.topic,
+        "topic": made.asked.lesson.topic,
         "title": made.right.title,
         "group": made.right.group,
-        "seed": made.seed,
-        "notation": made.notation,
-        "lines": _lines(made.wrong, made.notation),
+        "seed": made.asked.seed,
+        "notation": made.asked.notation,
+        "lines": _lines(made.wrong, made.asked.notation),
         "key": {
             "line": made.number,
             "slip": made.planted.slip.name,

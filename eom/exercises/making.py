@@ -36,29 +36,35 @@ DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 
 @dataclass(frozen=True)
-class Exercise:
-    """Lines of which one is false, and its key.
-
-    ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
-    in it; ``finding``: what the checker says of the false line; ``others``: other false versions of it,
-    where they were asked for, the planted one first; ``lines``, ``slip``: what was asked for.
-    """
+class Asked:
+    """What makes an exercise: topic, seed, notation, at most so many lines, a kind of slip or ""."""
 
     lesson: Lesson
-    seed: int
-    notation: str
+    seed: int = 0
+    notation: str = "arrow"
+    lines: int = LINES
+    slip: str = ""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Lines of which one is false.
+
+    ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
+    in it.
+    """
+
+    asked: Asked
     right: Derivation
     number: int
     planted: Planted
-    finding: Finding
-    others: tuple[Equation, ...] = ()
-    lines: int = LINES
-    slip: str = ""
 
     @property
     def wrong(self) -> Derivation:
         """The lines that the student sees."""
-        return _with_slip(self.right, self.number, self.planted)
+        steps = list(self.right.steps)
+        steps[self.number - 1] = replace(self.step, statement=self.planted.equation)
+        return replace(self.right, steps=tuple(steps))
 
     @property
     def step(self) -> Step:
@@ -69,9 +75,20 @@ class Exercise:
     def legend(self) -> tuple[Item, ...]:
         """Symbols with their meanings, of both versions of the false line: none tells by its absence."""
         both = (*self.right.steps, self.wrong.steps[self.number - 1])
-        return tuple(
-            self.lesson.legend(replace(self.right, steps=both), notation_named(self.notation))
-        )
+        notation = notation_named(self.asked.notation)
+        return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
+
+
+@dataclass(frozen=True)
+class Exercise(Sheet):
+    """Lines of which the checker proves that one is false and no other.
+
+    ``finding``: what it says of the false line; ``others``: other false versions of that line, where
+    they were asked for, the planted one first.
+    """
+
+    finding: Finding
+    others: tuple[Equation, ...] = ()
 
     @property
     def counterexample(self) -> Counterexample | None:
@@ -105,13 +122,11 @@ def planted_in(
         raise InputError(
             "wrong number of lines", got=lines, expected=f"{LEAST_LINES} to {MOST_LINES}"
         )
-    rng = random.Random(f"{about.topic} {seed} {lines} {slip}")  # noqa: S311 - the same for ever
-    for right, number, planted in islice(_drawn(about, rng, lines, slip), TRIES):
-        found = judged(about, right, number, planted, notation)
+    asked = Asked(about, seed, notation, lines, slip)
+    for sheet in islice(_drawn(asked), TRIES):
+        found = judged(sheet)
         if found is not None:
-            return Exercise(
-                about, seed, notation, right, number, planted, found, lines=lines, slip=slip
-            )
+            return Exercise(asked, sheet.right, sheet.number, sheet.planted, found)
     raise _nothing(about, slip)
 
 
@@ -132,22 +147,15 @@ def _nothing(about: Lesson, slip: str) -> InputError:
     )
 
 
-def _with_slip(right: Derivation, number: int, planted: Planted) -> Derivation:
-    steps = list(right.steps)
-    steps[number - 1] = replace(steps[number - 1], statement=planted.equation)
-    return replace(right, steps=tuple(steps))
-
-
 # -- drawing ------------------------------------------------------------------------------------------
 
 
-def _drawn(
-    about: Lesson, rng: random.Random, lines: int, slip: str
-) -> Iterator[tuple[Derivation, int, Planted]]:
-    """Yield lines, the number of one of them, and a false equation for it; kinds of slips in turn."""
-    steps = about.derivation.steps
+def _drawn(asked: Asked) -> Iterator[Sheet]:
+    """Yield lines with a slip in one of them that makes it false, kinds of slips in turn."""
+    derivation, lines = asked.lesson.derivation, asked.lines
+    rng = _random(asked, "lines")
     kinds: dict[str, list[tuple[int, Planted]]] = {}
-    for name, k, planted in _offers(about, slip):
+    for name, k, planted in _offers(asked.lesson, asked.slip):
         kinds.setdefault(name, []).append((k, planted))
     order = list(kinds)
     rng.shuffle(order)
@@ -156,10 +164,16 @@ def _drawn(
         k, planted = kinds[name].pop(rng.randrange(len(kinds[name])))
         if kinds[name]:
             order.append(name)
-        if _is_false(about.derivation, steps[k], planted):
-            first = _first(rng, k, len(steps), lines)
-            window = steps[first : first + lines]
-            yield replace(about.derivation, steps=tuple(window)), k - first + 1, planted
+        if _is_false(derivation, derivation.steps[k], planted):
+            first = _first(rng, k, len(derivation.steps), lines)
+            window = derivation.steps[first : first + lines]
+            yield Sheet(asked, replace(derivation, steps=window), k - first + 1, planted)
+
+
+def _random(asked: Asked, what: str) -> random.Random:
+    """Return random numbers that are the same for the same request, on every machine."""
+    words = f"{asked.lesson.topic} {asked.seed} {asked.lines} {asked.slip} {what}"
+    return random.Random(words)  # noqa: S311 - reproducible
 
 
 def _offers(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
@@ -197,40 +211,43 @@ def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
 
     At most ``count``, the planted one among them; lines are told apart by how they are written.
     """
-    lesson, notation = made.lesson, notation_named(made.notation)
-    rng = random.Random(f"{lesson.topic} {made.seed} others")  # noqa: S311 - the same for ever
-    offered = list(slips.planted(made.step.statement, _around(lesson)))
-    rng.shuffle(offered)
+    offered = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
+    _random(made.asked, "others").shuffle(offered)
     alone = replace(made.right, steps=(made.step,))
-    seen = {page.line_latex(alone, made.step, notation)}
+    seen = {_written(made, made.step.statement)}
     found: list[Equation] = []
     for planted in (made.planted, *offered[:TRIES]):
-        latex = page.line_latex(alone, replace(made.step, statement=planted.equation), notation)
+        latex = _written(made, planted.equation)
         if latex in seen or not _is_false(made.right, made.step, planted):
             continue
         seen.add(latex)
-        if planted is made.planted or judged(lesson, alone, 1, planted, made.notation):
+        if planted is made.planted or judged(Sheet(made.asked, alone, 1, planted)):
             found.append(planted.equation)
         if len(found) == count:
             break
     return replace(made, others=tuple(found))
 
 
-# -- the proof ----------------------------------------------------------------------------------------
+def _written(made: Exercise, equation: Equation) -> str:
+    step = replace(made.step, statement=equation)
+    return page.line_latex(made.right, step, notation_named(made.asked.notation))
 
 
-def judged(
-    about: Lesson, right: Derivation, number: int, planted: Planted, notation: str
-) -> Finding | None:
-    """Return what the checker says of the line with the slip; None unless it blames that one alone."""
-    shown = page.lines(_with_slip(right, number, planted), notation_named(notation))
-    report = checker.check(about.front(notation) + shown)
+# -- the proof --------------------------------------------------------------------------------------
+
+
+def judged(sheet: Sheet) -> Finding | None:
+    """Return what the checker says of the false line; None unless it blames that one alone.
+
+    It reads the page as the student gets it.
+    """
+    report = checker.check(page.student(sheet))
     displays = [f for f in report.findings if f.kind == "display"]
     blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
-    if len(displays) != len(right.steps) or blamed != displays[number - 1 : number]:
+    if len(displays) != len(sheet.right.steps):
         return None
-    found = displays[number - 1]
-    return found if found.verdict in FAULTS and _is_shown(found) else None
+    found = displays[sheet.number - 1]
+    return found if blamed == [found] and found.verdict in FAULTS and _is_shown(found) else None
 
 
 def _is_shown(found: Finding) -> bool:

@@ -152,7 +152,7 @@ def _question(quiz: ET.Element, exercise: Exercise, kind: str, name: str, text: 
     """Add what every question begins with."""
     made = _element(quiz, "question", type=kind)
     title = " ".join(exercise.right.title.split())
-    _text(made, "name", f"{title}: {name} ({exercise.seed})")
+    _text(made, "name", f"{title}: {name} ({exercise.asked.seed})")
     _text(made, "questiontext", text, "html")
     solution = _html(key(exercise))
     _text(made, "generalfeedback", _apart(solution) if kind == "stack" else solution, "html")
@@ -194,7 +194,7 @@ def _which(quiz: ET.Element, exercise: Exercise) -> None:
 
 def _correction(quiz: ET.Element, exercise: Exercise) -> None:
     """Add the question what stands rightly in the place of the false line."""
-    notation = notation_named(exercise.notation)
+    notation = notation_named(exercise.asked.notation)
     asked = said(f"Line ({exercise.number}) is false. What should stand in its place?")
     text = _html([*_symbols(exercise), *_lines(exercise), asked])
     made = _choice(quiz, exercise, "what is right?", text, shuffle=True)
@@ -207,7 +207,7 @@ def _correction(quiz: ET.Element, exercise: Exercise) -> None:
 
 def _line(exercise: Exercise, lines: Any) -> str:
     step = lines.steps[exercise.number - 1]
-    return line_latex(lines, step, notation_named(exercise.notation))
+    return line_latex(lines, step, notation_named(exercise.asked.notation))
 
 
 def _symbols(exercise: Exercise) -> Iterator[Said]:
@@ -224,12 +224,12 @@ def _lines(exercise: Exercise) -> Iterator[Said]:
     """Yield the lines: what is assumed anew, the reason, the formula."""
     wrong = exercise.wrong
     for step, block in zip(
-        wrong.steps, steps(wrong, notation_named(exercise.notation)), strict=True
+        wrong.steps, steps(wrong, notation_named(exercise.asked.notation)), strict=True
     ):
         (note,) = block.notes
         if note.assumed:
             yield said(note.assumed)
-        latex = line_latex(wrong, step, notation_named(exercise.notation))
+        latex = line_latex(wrong, step, notation_named(exercise.asked.notation))
         yield said(f"({note.number}) {note.reason}:", display(latex))
 
 

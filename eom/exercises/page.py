@@ -14,7 +14,7 @@ from eom.showing import separate
 from eom.terms import Term
 
 if TYPE_CHECKING:
-    from eom.exercises.making import Exercise
+    from eom.exercises.making import Exercise, Sheet
 
 WORDS, INLINE, DISPLAY = "words", "inline", "display"
 
@@ -72,7 +72,7 @@ def line_latex(derivation: Derivation, step: Step, notation: Notation) -> str:
 # -- what is said -------------------------------------------------------------------------------------
 
 
-def task(exercise: Exercise) -> Said:
+def task(exercise: Sheet) -> Said:
     """Return what the student is asked."""
     count = len(exercise.right.steps)
     return said(
@@ -83,7 +83,7 @@ def task(exercise: Exercise) -> Said:
 
 def key(exercise: Exercise) -> Iterator[Said]:
     """Yield the key: the line, the term, what is right, small numbers, and what of the lines behind."""
-    notation = notation_named(exercise.notation)
+    notation = notation_named(exercise.asked.notation)
     slip = exercise.planted.slip
     wrong = exercise.wrong.steps[exercise.number - 1]
     yield said(f"Line ({exercise.number}) is false: {slip.words}. It says")
@@ -124,14 +124,14 @@ def _numbers(exercise: Exercise) -> Iterator[Said]:
 # -- Markdown -----------------------------------------------------------------------------------------
 
 
-def student(exercise: Exercise, lexicon: bool = True) -> str:
+def student(exercise: Sheet, lexicon: bool = True) -> str:
     """Return the page for the student as Markdown; with its lexicon `eom check` can judge it."""
-    front = exercise.lesson.front(exercise.notation) if lexicon else ""
+    front = exercise.asked.lesson.front(exercise.asked.notation) if lexicon else ""
     return front + pages.markdown_page(_student(exercise))
 
 
-def _student(exercise: Exercise) -> Iterator[Block]:
-    notation = notation_named(exercise.notation)
+def _student(exercise: Sheet) -> Iterator[Block]:
+    notation = notation_named(exercise.asked.notation)
     yield Heading(f"Which line is false? {_line(exercise.right.title)}", 1)
     yield Paragraph(markdown(task(exercise)))
     yield Heading("Symbols")
@@ -151,9 +151,13 @@ def marker(exercise: Exercise) -> str:
 
 def command(exercise: Exercise) -> str:
     """Return the command that makes the exercise."""
-    words = [exercise.lesson.topic, f"--seed {exercise.seed}", f"--notation {exercise.notation}"]
-    words += [f"--lines {exercise.lines}"]
-    words += [f"--slip {exercise.slip}"] if exercise.slip else []
+    words = [
+        exercise.asked.lesson.topic,
+        f"--seed {exercise.asked.seed}",
+        f"--notation {exercise.asked.notation}",
+    ]
+    words += [f"--lines {exercise.asked.lines}"]
+    words += [f"--slip {exercise.asked.slip}"] if exercise.asked.slip else []
     return " ".join(["eom exercise", *words])
 
 

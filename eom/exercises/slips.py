@@ -298,7 +298,8 @@ def _at(
             continue
         if made not in sides:
             sides[side] = made
-            yield Planted(slip, right, wrong, Equation(*sides, equation.relation))
+            left, other = sides
+            yield Planted(slip, right, wrong, Equation(left, other, equation.relation))
 
 
 def _places(term: Term, path: Path = ()) -> Iterator[tuple[Path, Term]]:
