@@ -6,7 +6,7 @@ numbers at which the line fails. The same topic and seed give the same bytes.
 
 >>> made = exercise("point-mass", seed=1)
 >>> made.number, made.planted.slip.name
-(1, 'order')
+(3, 'term')
 """
 
 from eom.exercises.lessons import Lesson, lesson, topics

@@ -264,6 +264,9 @@ def names() -> tuple[str, ...]:
     return tuple(dict.fromkeys(s.name for s in SLIPS))
 
 
+_PRODUCTS = frozenset({"matmul", "dot", "cross", "inner"})
+
+
 def around(terms: Iterator[Term]) -> Around:
     """Return what slips in some terms may take from them, in the order of its first use."""
     found = list(dict.fromkeys(n for t in terms for n in nodes(t)))
@@ -280,7 +283,7 @@ def planted(equation: Equation, given: Around) -> Iterator[Planted]:
     """Yield an equation with one slip, in every way that gives another equation of its kind."""
     sides = (equation.left, equation.right)
     for k, side in enumerate(sides):
-        if k == 0 and not _parts(side):
+        if k == 0 and not (_parts(side) or side.head in _PRODUCTS):
             continue  # what a line is about stays what it is
         for path, node in _places(side):
             for slip in SLIPS:
