@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
 from eom import catalogue
 
 
 @click.command("list")
-def list_names() -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print names and titles as JSON.")
+def list_names(as_json: bool) -> None:
     """List the scenes and derivations that ship with the package."""
+    from eom import derivations
+
+    if as_json:
+        scenes = [{"name": n, "title": t} for n, t in catalogue.titles().items()]
+        groups = derivations.titles().items()
+        derived = [{"name": n, "title": t, "group": g} for g, row in groups for n, t in row.items()]
+        click.echo(json.dumps({"scenes": scenes, "derivations": derived}, indent=2))
+    else:
+        _print()
+
+
+def _print() -> None:
     from rich.console import Console
     from rich.table import Table
 
