@@ -8,6 +8,7 @@ import click
 
 from eom.commands.benching import bench
 from eom.commands.checking import check
+from eom.commands.completing import completing, completion
 from eom.commands.converting import convert
 from eom.commands.deriving import derive
 from eom.commands.ensembling import ensemble
@@ -51,10 +52,10 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, exercise, convert, bench, stress,
+    check, exercise, convert, bench, stress, completion,
 )  # fmt: skip
 for command in COMMANDS:
-    main.add_command(command)
+    main.add_command(completing(command))
 main.add_command(linearise, "linearize")
 
 if __name__ == "__main__":

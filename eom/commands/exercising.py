@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import Rows, WithTable, progress_of, report_files
+from eom.commands.shared import Rows, WithTable, progress_of, report_files, waiting_for
 from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -119,6 +119,10 @@ def _made(topic: str, seeds: range, others: bool, settings: dict[str, Any]) -> l
     from eom.exercises import with_others
 
     made: list[Exercise] = []
+    if len(seeds) == 1:
+        with waiting_for("looking for a slip that is proved"):
+            one = make(topic, seeds[0], **settings)
+            return [with_others(one) if others else one]
     with progress_of("exercises") as progress:
         for number, seed in enumerate(seeds, 1):
             one = make(topic, seed, **settings)

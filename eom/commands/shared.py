@@ -81,16 +81,20 @@ def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
     from eom.printing import show
 
-    click.echo(show(scene.derive(), style))
+    with waiting_for("deriving"):
+        shown = show(scene.derive(), style)
+        left_out = scene.explain() if explain and style == "text" else ""
+    click.echo(shown)
     if explain and style == "text":
-        click.echo(f"\nLeft out\n{scene.explain()}")
+        click.echo(f"\nLeft out\n{left_out}")
 
 
 def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error."""
     import codegen
 
-    compiled = codegen.compile(scene.derive(), target, stable=stable)
+    with waiting_for("deriving and compiling"):
+        compiled = codegen.compile(scene.derive(), target, stable=stable)
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)
     return compiled
@@ -121,7 +125,10 @@ def progress_of(work: str) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def waiting_for(work: str) -> Iterator[None]:
-    """Show that something goes on whose end nobody knows, once it has taken a while, as `progress_of`."""
+    """Show that something goes on whose end nobody knows, once it has taken a while, as `progress_of`.
+
+    Nothing may be printed meanwhile: the line that is shown is written over.
+    """
     from threading import Timer
 
     from rich.console import Console
@@ -132,7 +139,9 @@ def waiting_for(work: str) -> Iterator[None]:
         yield
         return
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    bar = Progress(*columns, console=console, transient=True)
+    bar = Progress(
+        *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
+    )
     bar.add_task(work, total=None)
     timer = Timer(QUIET_SECONDS, bar.start)
     timer.daemon = True
