@@ -20,11 +20,11 @@ from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
 from eom.errors import InputError
 
-UNUSABLE = 2
+UNUSABLE, INTERRUPTED = 2, 130
 
 
 class Commands(click.Group):
-    """Turn input errors into one message and exit status 2."""
+    """Turn input errors into one message and exit status 2, an interruption into status 130."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
@@ -33,6 +33,11 @@ class Commands(click.Group):
         except InputError as error:
             click.echo(f"error: {error}", err=True)
             ctx.exit(UNUSABLE)
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+        except BrokenPipeError:
+            raise  # the reader has seen enough; click ends quietly
         except OSError as error:
             click.echo(f"error: {error.strerror or error}", err=True)
             ctx.exit(UNUSABLE)
@@ -46,7 +51,8 @@ def main() -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
     SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
-    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input.
+    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input; 130
+    interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
 
 

@@ -8,6 +8,9 @@ import click
 
 from eom import catalogue
 
+WIDE = 120
+"""Columns where nobody looks at a terminal: a name and its title stay on one line."""
+
 
 @click.command("list")
 @click.option("--json", "as_json", is_flag=True, help="Print names and titles as JSON.")
@@ -36,7 +39,8 @@ def _print() -> None:
         for name, title in titles.items():
             table.add_row(f"  {name}", title)
         table.add_row()
-    Console(soft_wrap=True).print(table)
+    console = Console(soft_wrap=True)
+    Console(soft_wrap=True, width=console.width if console.is_terminal else WIDE).print(table)
     click.echo("Try: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
     click.echo("or:  eom derive euler-equations --notation underline --as html > euler.html")
     click.echo("or:  eom generate t-handle --closed-form --out handle")
