@@ -10,9 +10,11 @@ import click
 from eom.commands.animating import animate
 from eom.commands.benching import bench
 from eom.commands.checking import check
+from eom.commands.completing import completing, completion
 from eom.commands.converting import convert
 from eom.commands.deriving import derive
 from eom.commands.ensembling import ensemble
+from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
@@ -23,11 +25,11 @@ from eom.commands.stressing import stress
 from eom.errors import InputError
 from eom.limits import SELDOM
 
-UNUSABLE = 2
+UNUSABLE, INTERRUPTED = 2, 130
 
 
 class Commands(click.Group):
-    """Turn input errors into one message and exit status 2."""
+    """Turn input errors into one message and exit status 2, an interruption into status 130."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command."""
@@ -36,6 +38,11 @@ class Commands(click.Group):
         except InputError as error:
             click.echo(f"error: {error}", err=True)
             ctx.exit(UNUSABLE)
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+        except BrokenPipeError:
+            raise  # the reader has seen enough; click ends quietly
         except OSError as error:
             click.echo(f"error: {error.strerror or error}", err=True)
             ctx.exit(UNUSABLE)
@@ -49,17 +56,18 @@ def main() -> None:
     """Derive equations of motion, generate code from them, integrate them, check hand derivations.
 
     SCENE is the name of a ready scene (see: eom list) or a file: .toml, or .urdf for a robot. Exit
-    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input.
+    status: 0 done; 1 the run stopped before its end, or something is wrong; 2 unusable input; 130
+    interrupted. Colours are left out where NO_COLOR is set and where no terminal reads.
     """
     gc.set_threshold(*SELDOM)
 
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress, animate, live, plot,
+    check, convert, bench, stress, animate, live, plot, exercise, completion,
 )  # fmt: skip
 for command in COMMANDS:
-    main.add_command(command)
+    main.add_command(completing(command))
 main.add_command(linearise, "linearize")
 
 if __name__ == "__main__":

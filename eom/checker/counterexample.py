@@ -53,10 +53,10 @@ TESTS = 32
 """Worlds that are built at most to make one small."""
 FULL, SPARSE = (0, 1, 1, 2, 3), (0, 0, 1, 1, 2, 3)
 """Numbers that worlds are drawn from: where nothing shown should vanish, and where it may."""
-SIMPLE = 2
-"""Digits of numbers that need not be made shorter."""
+SIMPLE = 2  # digits that need not be fewer
 LARGEST = 10_000
 """Numerators and denominators that are shown at most."""
+ROTOR = "k"  # numbers rotors; all other indices number masses
 SHOWN = 24
 """Symbols whose values are shown at most."""
 HEAD = 60
@@ -370,7 +370,8 @@ def _numbers(evaluator: Evaluator, term: Term) -> str:
     found: list[str] = []
     for env in evaluator.numberings(evaluator.labels(term)):
         masses = evaluator.world.masses
-        if all(masses[n].coefficients[0] != 0 for n in env.values() if n < len(masses)):
+        kept = (masses[n] for i, n in env.items() if i != ROTOR and n < len(masses))
+        if all(mass.coefficients[0] != 0 for mass in kept):
             found.append(_written(evaluator.value(term, env)))
     return ", ".join(found[:1] if len(set(found)) == 1 else found)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import io
 import json
 import os
 import subprocess
@@ -50,11 +51,13 @@ def _problems() -> Rows:
 )
 @click.option("--quick", is_flag=True, help="Fewer tolerances and rounds, in seconds a problem.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the order of the runs.")
+@click.option("--json", "as_json", is_flag=True, help="Print all data as JSON instead of tables.")
 def bench(
     names: tuple[str, ...],
     everything: bool,
     methods: str | None,
     folder: Path | None,
+    as_json: bool,
     **options: Any,
 ) -> None:
     """Measure run time against error of every method, beside SciPy and heyoka.
@@ -73,8 +76,9 @@ def bench(
     if folder is not None:
         write_files({}, folder)
     about = _about(measured)
-    for problem in chosen:
-        _bench(problem, measured, _plan(**options), folder, about)
+    found = [_bench(p, measured, _plan(**options), folder, about, as_json) for p in chosen]
+    if as_json:
+        click.echo(json.dumps({"problems": found}, indent=1))
 
 
 def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
@@ -109,7 +113,10 @@ def _bench(
     plan: Plan,
     folder: Path | None,
     about: Mapping[str, Any],
-) -> None:
+    as_json: bool,
+) -> Any:
+    """Measure a problem, print or write what was found, and return it as data."""
+    from codegen.workprecision import showing
     from codegen.workprecision.case import Case
     from codegen.workprecision.measuring import measure
 
@@ -118,10 +125,11 @@ def _bench(
     with progress_of(f"measuring {problem.name}") as progress:
         first = _first_results(problem, measured, progress)
         diagram = measure(case, measured, plan, lambda f: progress(0.1 + 0.9 * f))
-    lines = _print(diagram, first)
+    lines = _print(diagram, first, quiet=as_json)
+    about = {**about, "source": problem.source, "closed": problem.closed, "first_result": first}
     if folder is not None:
-        about = {**about, "source": problem.source, "closed": problem.closed, "first_result": first}
-        _write(diagram, lines, about, folder)
+        report_files(_write(diagram, lines, about, folder), err=as_json)
+    return json.loads(showing.data(diagram, about))
 
 
 def _first_results(
@@ -151,13 +159,14 @@ def _first_results(
     return found
 
 
-def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
-    """Print the table and what is to be said of it; return the same as text."""
+def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bool) -> str:
+    """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
     from codegen.workprecision import showing
 
-    console = Console(record=True, width=max(WIDTH, Console().width))
+    file = io.StringIO() if quiet else None
+    console = Console(record=True, width=max(WIDTH, Console().width), file=file)
     console.print(showing.table(diagram))
     for line in (*showing.comparison_lines(diagram), *showing.notes(diagram)):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
@@ -168,7 +177,7 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
     return console.export_text()
 
 
-def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> None:
+def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> list[Path]:
     from codegen.compiled import write_files
     from codegen.workprecision import showing
     from eom.views.saving import can_write, save
@@ -182,4 +191,4 @@ def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) 
         written.append(save(work_precision(diagram), picture))
     else:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
-    report_files(written)
+    return written

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from eom.commands.shared import Rows, WithTable, progress_of
+from eom.commands.shared import Rows, WithTable, progress_of, waiting_for
 from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -226,7 +226,8 @@ def _checked(
     if len(notes) == 1:
         from eom.checker.checking import grade
 
-        return notes, (grade(notes[0], settings),)
+        with waiting_for("check"):
+            return notes, (grade(notes[0], settings),)
     from eom.checker.grading import check_notes
 
     with progress_of("check") as progress:

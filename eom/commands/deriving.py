@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from eom import catalogue
-from eom.commands.shared import print_equations, scene_of
+from eom.commands.shared import print_equations, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
 
 
@@ -83,7 +83,9 @@ def derive(
             print_equations(scene_of(name), style, explain is not False)
         else:
             _refuse(name, "equations without --method", {"--explain": explain})
-            click.echo(_closed_form(name, method, style, bool(absolute)))
+            with waiting_for("deriving"):
+                shown = _closed_form(name, method, style, bool(absolute))
+            click.echo(shown)
 
 
 _TREES = "scenes of many bodies"
@@ -130,6 +132,8 @@ def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon
     from eom.showing import check_choices, show_derivation
 
     check_choices(style, notation)
-    derivation = derive(name)
-    before = front_matter(derivation, notation) if lexicon else ""
-    click.echo(before + show_derivation(derivation, style, notation, steps))
+    with waiting_for("deriving"):
+        derivation = derive(name)
+        before = front_matter(derivation, notation) if lexicon else ""
+        shown = before + show_derivation(derivation, style, notation, steps)
+    click.echo(shown)

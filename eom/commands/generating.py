@@ -19,6 +19,7 @@ from eom.commands.shared import (
     scene_argument,
     scene_of,
     target_option,
+    waiting_for,
 )
 from eom.errors import InputError
 
@@ -104,9 +105,11 @@ def _generate(
     if report:
         show_report(scene.derive(), values, target, integrator)
     if folder is not None:
-        made = specialised(scene.derive(), values, stable=options["stable"])
-        made = with_jacobians(*made, options["jacobian"], options["stable"])
-        report_files(write_files(generate_files(*made, target, integrator), folder))
+        with waiting_for("writing code"):
+            made = specialised(scene.derive(), values, stable=options["stable"])
+            made = with_jacobians(*made, options["jacobian"], options["stable"])
+            files = generate_files(*made, target, integrator)
+        report_files(write_files(files, folder))
 
 
 def _write_alone(
@@ -130,9 +133,11 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
     from codegen import closed_c
 
     values = scene.initial_values(), scene.parameter_values(), scene.input_values()
-    closed = closed_c.of_values(codegen.compile(scene.derive(), "python"), *values)
+    with waiting_for("writing code"):
+        closed = closed_c.of_values(codegen.compile(scene.derive(), "python"), *values)
+        files = closed_c.files(closed, f"{scene.name}_closed")
     click.echo(f"{closed.name}: {closed.meaning}")
-    return closed_c.files(closed, f"{scene.name}_closed")
+    return files
 
 
 def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str]:
@@ -140,7 +145,8 @@ def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str
     from codegen.charts import compile_charts
     from eom.handover import charts
 
-    return handover_c.files(compile_charts(charts(scene), "python"), integrator)
+    with waiting_for("writing code"):
+        return handover_c.files(compile_charts(charts(scene), "python"), integrator)
 
 
 def _choice(name: str | None, scene: AnyScene) -> Choice | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from eom.commands.occurring import events_of
-from eom.commands.shared import EVERY, compiled_of
+from eom.commands.shared import EVERY, compiled_of, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
         )
     found = charts(scene)
     initial, parameters = numbers(scene, found)
-    made = compile_charts(found, target)
+    with waiting_for("compiling"):
+        made = compile_charts(found, target)
     if made.first.notice:
         click.echo(f"note: {made.first.notice}", err=True)
     plan = scene.integration

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import scene_argument, scene_of, target_option
+from eom.commands.shared import scene_argument, scene_of, target_option, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,13 +53,15 @@ def linearise(
     import codegen
 
     opened = scene_of(scene)
-    compiled = codegen.compile(opened.derive(), target)
     guess, parameters = opened.initial_values(), opened.parameter_values()
-    point = codegen.equilibrium(
-        compiled, guess, parameters, hold=dict(map(_value, held)),
-        cyclic=cyclic, free=free, starts=starts, seed=seed,
-    )  # fmt: skip
-    near = codegen.linearise_about(compiled, point, constraints=keep, attitude=attitude)
+    fixed = dict(map(_value, held))
+    with waiting_for("deriving, compiling, looking for the point"):
+        compiled = codegen.compile(opened.derive(), target)
+        point = codegen.equilibrium(
+            compiled, guess, parameters, hold=fixed,
+            cyclic=cyclic, free=free, starts=starts, seed=seed,
+        )  # fmt: skip
+        near = codegen.linearise_about(compiled, point, constraints=keep, attitude=attitude)
     if as_json:
         click.echo(json.dumps(data(near, compiled.layout.name), indent=2, allow_nan=False))
     else:

@@ -2,14 +2,32 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
 from eom import catalogue
 
+WIDE = 120
+"""Columns where nobody looks at a terminal: a name and its title stay on one line."""
+
 
 @click.command("list")
-def list_names() -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print names and titles as JSON.")
+def list_names(as_json: bool) -> None:
     """List the scenes and derivations that ship with the package."""
+    from eom import derivations
+
+    if as_json:
+        scenes = [{"name": n, "title": t} for n, t in catalogue.titles().items()]
+        groups = derivations.titles().items()
+        derived = [{"name": n, "title": t, "group": g} for g, row in groups for n, t in row.items()]
+        click.echo(json.dumps({"scenes": scenes, "derivations": derived}, indent=2))
+    else:
+        _print()
+
+
+def _print() -> None:
     from rich.console import Console
     from rich.table import Table
 
@@ -21,7 +39,8 @@ def list_names() -> None:
         for name, title in titles.items():
             table.add_row(f"  {name}", title)
         table.add_row()
-    Console(soft_wrap=True).print(table)
+    console = Console(soft_wrap=True)
+    Console(soft_wrap=True, width=console.width if console.is_terminal else WIDE).print(table)
     click.echo("Try: eom derive bicycle-wheel, or: eom run bicycle-wheel --out wheel")
     click.echo("or:  eom derive euler-equations --notation underline --as html > euler.html")
     click.echo("or:  eom generate t-handle --closed-form --out handle")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -80,16 +81,20 @@ def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
     from eom.printing import show
 
-    click.echo(show(scene.derive(), style))
+    with waiting_for("deriving"):
+        shown = show(scene.derive(), style)
+        left_out = scene.explain() if explain and style == "text" else ""
+    click.echo(shown)
     if explain and style == "text":
-        click.echo(f"\nLeft out\n{scene.explain()}")
+        click.echo(f"\nLeft out\n{left_out}")
 
 
 def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error."""
     import codegen
 
-    compiled = codegen.compile(scene.derive(), target, stable=stable)
+    with waiting_for("deriving and compiling"):
+        compiled = codegen.compile(scene.derive(), target, stable=stable)
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)
     return compiled
@@ -118,7 +123,45 @@ def progress_of(work: str) -> Iterator[Callable[[float], None]]:
             bar.stop()
 
 
-def report_files(files: list[Path]) -> None:
-    """Print what was written."""
+@contextmanager
+def waiting_for(work: str) -> Iterator[None]:
+    """Show that something goes on whose end nobody knows, once it has taken a while, as `progress_of`.
+
+    Nothing may be printed meanwhile: the line that is shown is written over.
+    """
+    from threading import Timer
+
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    bar = Progress(
+        *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
+    )
+    bar.add_task(work, total=None)
+    timer = Timer(QUIET_SECONDS, bar.start)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()  # it may be starting the bar just now
+        bar.stop()
+
+
+def report_files(files: list[Path], *, err: bool = False) -> None:
+    """Print what was written; to standard error where the other stream holds JSON."""
     for file in files:
-        click.echo(f"wrote {file} ({file.stat().st_size:,} bytes)")
+        click.echo(f"wrote {file} ({file.stat().st_size:,} bytes)", err=err)
+
+
+def finite(values: Any) -> Any:
+    """Return numbers, or nested rows of them, as JSON has them: null where they are not finite."""
+    if isinstance(values, list | tuple):
+        return [finite(v) for v in values]
+    return float(values) if math.isfinite(values) else None

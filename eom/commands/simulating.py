@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from eom.commands.jobs import Job, job_of
 from eom.commands.occurring import event_option, rows
 from eom.commands.shared import (
     WithTable,
+    finite,
     handover_option,
     methods,
     print_equations,
@@ -26,6 +28,7 @@ from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen import Result
+    from codegen.simulation import Drift
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
@@ -69,6 +72,9 @@ MOST_CHANGES = 6
     default=None,
     help="Draw to FILE.png, .svg or .pdf, or to FILE.html to turn by hand.",
 )
+@click.option(
+    "--json", "as_json", is_flag=True, help="Print the trajectory and all that is told as JSON."
+)
 def simulate(
     scene: str,
     target: str,
@@ -76,6 +82,7 @@ def simulate(
     plot: Path | None,
     project: tuple[str, ...],
     events: tuple[str, ...],
+    as_json: bool,
     **options: Any,
 ) -> None:
     """Integrate SCENE; print steps, time, drift of the constants and distance from singularities.
@@ -92,8 +99,12 @@ def simulate(
     chosen = scene_of(scene, **options)
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
-    _save(job, result, file, plot)
-    _closing(job, result)
+    _save(job, result, file, plot, err=as_json)
+    if as_json:
+        click.echo(json.dumps(data(job, result), indent=1, allow_nan=False))
+    else:
+        _closing(job, result)
+    _end(result)
 
 
 @click.command()
@@ -123,6 +134,7 @@ def run(
     if not drawn:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
     _closing(job, result)
+    _end(result)
 
 
 def _simulate(job: Job) -> Result:
@@ -130,7 +142,9 @@ def _simulate(job: Job) -> Result:
         return job.integrate(progress)
 
 
-def _save(job: Job, result: Result, file: Path | None, plot: Path | None) -> None:
+def _save(
+    job: Job, result: Result, file: Path | None, plot: Path | None, *, err: bool = False
+) -> None:
     from codegen import export
 
     written = []
@@ -140,7 +154,7 @@ def _save(job: Job, result: Result, file: Path | None, plot: Path | None) -> Non
             written.append(export.save_events(result, file.with_suffix(".events.csv")))
     if plot is not None:
         written += _draw(job, result, plot)
-    report_files(written)
+    report_files(written, err=err)
 
 
 def _draw(job: Job, result: Result, file: Path) -> list[Path]:
@@ -171,7 +185,7 @@ def _changes(result: Result) -> str:
 
 
 def _closing(job: Job, result: Result) -> None:
-    """Print the closing table; a run that stopped early ends with status 1."""
+    """Print the closing table."""
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
@@ -197,5 +211,38 @@ def _closing(job: Job, result: Result) -> None:
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
     Console(soft_wrap=True).print(table)
+
+
+def data(job: Job, result: Result) -> dict[str, Any]:
+    """Return a trajectory and what is told of it as JSON has it; what is not finite is null."""
+    rows = zip(result.names, result.y.tolist(), strict=True)
+    return {
+        "scene": job.scene.name,
+        "status": result.status,
+        "message": result.message,
+        "method": result.method,
+        "why": result.why,
+        "steps": result.steps,
+        "rejected": result.rejected,
+        "evaluations": result.nfev,
+        "seconds": result.seconds,
+        "left_out": [*job.not_needed(), *result.left_out],
+        "changes_of_chart": finite(result.changes),
+        "drift": {n: _drift(d) for n, d in result.drift.items()},
+        "margin": {n: finite(m) for n, m in result.margin.items()},
+        "events": {n: finite(e.t.tolist()) for n, e in result.events.items()},
+        "t": finite(result.t.tolist()),
+        "states": {n: finite(row) for n, row in rows},
+        "outputs": {n: finite(row.tolist()) for n, row in result.outputs.items()},
+    }
+
+
+def _drift(drift: Drift) -> dict[str, float | None]:
+    numbers = {"start": drift.start, "largest": drift.largest, "relative": drift.relative}
+    return {name: finite(number) for name, number in numbers.items()}
+
+
+def _end(result: Result) -> None:
+    """End with status 1 where a run stopped early."""
     if result.status not in {REACHED, AT_EVENT}:
         sys.exit(STOPPED)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import io
 import sys
 import time
 from dataclasses import replace
@@ -47,8 +48,13 @@ def _checks() -> Rows:
     help="Folder for the table as stress.txt and all figures as stress.json.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Of starts and scenes.")
+@click.option("--json", "as_json", is_flag=True, help="Print all figures as JSON, not the table.")
 def stress(
-    names: tuple[str, ...], methods: tuple[str, ...], folder: Path | None, **options: Any
+    names: tuple[str, ...],
+    methods: tuple[str, ...],
+    folder: Path | None,
+    as_json: bool,
+    **options: Any,
 ) -> None:
     """Measure numerical stability against bounds that follow from something; a table of pass and fail.
 
@@ -64,10 +70,13 @@ def stress(
         write_files({}, folder)
     material = _material()
     outcomes = [_measured(check, material, plan) for check in checks]
-    text = _print(outcomes, plan)
+    text = _print(outcomes, plan, quiet=as_json)
+    data = showing.data(outcomes, plan, _about())
     if folder is not None:
-        files = {"stress.json": showing.data(outcomes, plan, _about()), "stress.txt": text}
-        report_files(write_files(files, folder))
+        files = {"stress.json": data, "stress.txt": text}
+        report_files(write_files(files, folder), err=as_json)
+    if as_json:
+        click.echo(data, nl=False)
     if not showing.all_passed(outcomes):
         sys.exit(FAILED)
 
@@ -123,13 +132,14 @@ def _about() -> dict[str, Any]:
     return {"machine": machine.description(), "date": date}
 
 
-def _print(outcomes: list[Outcome], plan: Plan) -> str:
-    """Print the table and what is to be said of it; return the same as text."""
+def _print(outcomes: list[Outcome], plan: Plan, quiet: bool) -> str:
+    """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
     from codegen.stress import showing
 
-    console = Console(record=True, width=max(WIDTH, Console().width))
+    file = io.StringIO() if quiet else None
+    console = Console(record=True, width=max(WIDTH, Console().width), file=file)
     console.print(showing.table(outcomes, plan))
     for line in showing.lines(outcomes):
         console.print(line, highlight=False, markup=False, soft_wrap=True)

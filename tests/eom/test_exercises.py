@@ -1,0 +1,335 @@
+"""Exercises: one line is false and no other, the key is right, the same bytes, readable questions."""
+
+import ast
+import operator
+import os
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+import eom
+from eom import derivations
+from eom.errors import InputError
+from eom.exercises import (
+    Exercise,
+    exercise,
+    lesson,
+    making,
+    marker,
+    moodle,
+    planted_in,
+    student,
+    topics,
+    with_others,
+)
+from eom.exercises.maxima import RESERVED, maxima, names_for
+from eom.exercises.moodle import typed_answer
+from eom.exercises.slips import SLIPS, around, names, planted
+from eom.notation import NOTATIONS
+from eom.terms import expr
+
+FAULTS = {"wrong", "ill-formed", "ambiguous"}
+LONG = {"inertia-of-frustum"}
+"""Topics whose lines are quotients of long polynomials, and take the checker seconds."""
+
+
+def displays(report):
+    return [f for f in report.findings if f.kind == "display"]
+
+
+@pytest.mark.parametrize(
+    "topic", [n for titles in topics().values() for n in titles if n not in LONG]
+)
+def test_the_checker_blames_the_planted_line_and_no_other(topic, monkeypatch):
+    seen, check = [], making.checker.check
+
+    def recorded(text):
+        seen.append((text, check(text)))
+        return seen[-1][1]
+
+    monkeypatch.setattr(making.checker, "check", recorded)
+    seed = len(topic)
+    made = exercise(topic, seed, lines=2)
+    text, report = seen[-1]
+    assert text == student(made)
+    blamed = [k for k, f in enumerate(displays(report), 1) if f.verdict in FAULTS]
+    assert blamed == [made.number]
+    assert not [f for f in report.findings if f.kind != "display" and f.verdict in FAULTS]
+    assert len(displays(report)) == len(made.right.steps) <= 2
+    assert made.finding.explanation.counterexample is not None
+
+
+@pytest.mark.parametrize(
+    ("topic", "seed"), [("point-mass", 0), ("inertia-of-rod", 1), ("inertia-of-rod", 2)]
+)
+def test_what_the_key_says_makes_the_page_right(topic, seed):
+    made = exercise(topic, seed, lines=2)
+    assert [f.verdict in FAULTS for f in displays(eom.check(student(made)))].count(True) == 1
+    mended = replace(made, planted=replace(made.planted, equation=made.step.statement))
+    assert eom.check(student(mended)).faults == ()
+    assert made.planted.slip.words in marker(made)
+    assert f"Line ({made.number}) is false" in marker(made)
+    for latex, value in made.counterexample.members:
+        assert latex in marker(made)
+        assert value in marker(made)
+
+
+@pytest.mark.parametrize("notation", [n for n in NOTATIONS if n != "arrow"])
+def test_every_notation(notation):
+    made = exercise("point-mass", 1, notation=notation, lines=2)
+    found = [k for k, f in enumerate(displays(eom.check(student(made))), 1) if f.verdict in FAULTS]
+    assert found == [made.number]
+
+
+def test_other_lines_are_those_of_the_derivation():
+    made = exercise("euler-equations", 3)
+    lines = zip(made.right.steps, made.wrong.steps, strict=True)
+    changed = [k for k, (a, b) in enumerate(lines, 1) if a != b]
+    assert changed == [made.number]
+    assert set(made.right.steps) <= set(derivations.derive("euler-equations").steps)
+
+
+def test_every_kind_of_slip_can_be_planted_somewhere():
+    found = set()
+    for topic in (
+        "point-mass", "tilde-identities", "transport-theorem", "spinning-symmetric-body",
+        "inertia-properties", "inertia-of-rod",
+    ):  # fmt: skip
+        found |= {name for name, _, _ in making._offers(lesson(topic), "")}
+    assert found == set(names()) == {s.name for s in SLIPS}
+
+
+def test_a_slip_changes_one_side_and_keeps_its_kind():
+    steps = derivations.derive("rigid-body-momentum").steps
+    given_ = around(t for s in steps for t in (s.statement.left, s.statement.right))
+    count = 0
+    for step in steps:
+        old = step.statement
+        for made in planted(old, given_):
+            new = made.equation
+            assert (new.left == old.left) != (new.right == old.right)
+            assert (new.left.kind, new.right.kind) == (old.left.kind, old.right.kind)
+            assert made.right != made.wrong
+            count += 1
+    assert count > 100
+
+
+SCRIPT = """
+from eom.exercises import *
+for topic in ("kinetic-energy", "inertia-of-rod"):
+    made = exercise(topic, 2, lines=2)
+    print(student(made), marker(made), moodle([made]))
+"""
+
+
+def test_the_same_bytes_whatever_the_seed_of_hashes():
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+            timeout=120,
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert runs[0] == runs[1]
+    assert len(runs[0]) > 10_000
+
+
+def test_names_that_are_unknown_and_slips_that_cannot_be():
+    with pytest.raises(InputError, match="point-mass"):
+        exercise("point-mas")
+    with pytest.raises(InputError, match="did you mean sign"):
+        exercise("point-mass", slip="sgn")
+    with pytest.raises(InputError, match="no line of this topic can have the slip transpose"):
+        exercise("point-mass", slip="transpose")
+    with pytest.raises(InputError, match="2 to 40"):
+        exercise("point-mass", lines=1)
+    with pytest.raises(InputError, match="notation"):
+        exercise("point-mass", notation="arow")
+
+
+def test_a_topic_without_lines_says_so():
+    about = lesson("inertia-of-rod")
+    empty = replace(about, derivation=replace(about.derivation, steps=()))
+    with pytest.raises(InputError, match="no slip was found in this topic"):
+        planted_in(empty)
+    with pytest.raises(InputError, match="another topic"):
+        planted_in(empty, slip="sign")
+
+
+# -- Maxima ------------------------------------------------------------------------------------------
+
+SYMBOLS = sp.symbols("x omega_1 lambda I_2")
+LETTERS = st.sampled_from(SYMBOLS)
+EXPRESSIONS = st.recursive(
+    LETTERS | st.fractions(-5, 5, max_denominator=7).map(sp.Rational),
+    lambda inner: (
+        st.tuples(inner, inner).map(lambda p: p[0] + p[1])
+        | st.tuples(inner, inner).map(lambda p: p[0] * p[1])
+        | st.tuples(inner, LETTERS).map(lambda p: p[0] / (p[1] + 7))
+        | st.tuples(inner, st.integers(-3, 3)).map(lambda p: (p[0] + SYMBOLS[0] + 11) ** p[1])
+    ),
+    max_leaves=8,
+)
+OPERATIONS = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.Pow: operator.pow, ast.USub: operator.neg,
+}  # fmt: skip
+
+
+def value(node, at):
+    if isinstance(node, ast.Constant):
+        return Fraction(node.value)
+    if isinstance(node, ast.Name):
+        return at[node.id]
+    operation = OPERATIONS[type(node.op)]
+    if isinstance(node, ast.UnaryOp):
+        return operation(value(node.operand, at))
+    return operation(value(node.left, at), value(node.right, at))
+
+
+@given(EXPRESSIONS)
+def test_maxima_reads_the_same_value(expression):
+    """Maxima binds + - * / ^ and the sign as Python does, so Python's grammar is the reader."""
+    spelt = names_for(SYMBOLS)
+    at = dict(
+        zip(SYMBOLS, (Fraction(2, 3), Fraction(5), Fraction(1, 7), Fraction(13)), strict=True)
+    )
+    text = maxima(expression, spelt)
+    read = ast.parse(text.replace("^", "**"), mode="eval").body
+    wanted = expression.xreplace({s: sp.Rational(v) for s, v in at.items()})
+    assert value(read, {spelt[s]: v for s, v in at.items()}) == Fraction(str(wanted))
+
+
+def test_names_for_maxima():
+    found = names_for(sp.symbols("e lambda pi R_i Omega_sk a&b"))
+    assert len(set(found.values())) == 6
+    assert not RESERVED & set(found.values())
+    assert all(n.replace("_", "").isalnum() and n[0].isalpha() for n in found.values())
+    x = sp.Symbol("x")
+    assert maxima(sp.sqrt(x) * sp.sin(x) / 2, {x: "x"}) == "sqrt(x)*sin(x)/2"
+    assert maxima(sp.pi * x, {x: "x"}) == "%pi*x"
+    assert maxima(sp.Integral(x, (x, 0, 1)), {x: "x"}) is None
+    assert maxima(sp.Function("f")(x), {x: "x"}) is None
+
+
+@pytest.mark.skipif(shutil.which("maxima") is None, reason="Maxima is not installed")
+def test_maxima_itself_reads_the_answers():
+    answers = [a for t in ("inertia-of-cone", "inertia-of-disc") for a in typed(t)]
+    lines = [f"print(ratsimp(({a.right})-({a.wrong})))$" for a in answers]
+    run = subprocess.run(
+        ["maxima", "--very-quiet", f"--batch-string={' '.join(lines)}"],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert len(answers) >= 2
+    assert "incorrect syntax" not in run.stdout
+    assert run.stdout.count("ratsimp") == len(answers)
+
+
+def typed(topic):
+    made = (exercise(topic, seed, lines=2) for seed in range(2))
+    return [a for a in map(typed_answer, made) if a is not None]
+
+
+# -- Moodle ------------------------------------------------------------------------------------------
+
+HOSTILE = "]]> <script>alert(1)</script> & \x00 \ud800 [[input:x]] {@1@} ${x}$ \\(\n\"'"
+
+
+@pytest.fixture(scope="module")
+def scalar() -> Exercise:
+    about = lesson("inertia-of-disc")
+    named = replace(about, derivation=replace(about.derivation, title=HOSTILE))
+    return with_others(planted_in(named, 1, lines=2, slip="square"), 3)
+
+
+@pytest.fixture(scope="module")
+def vectors() -> Exercise:
+    return with_others(exercise("point-mass", 1, lines=2, slip="order"), 2)
+
+
+def questions(*made):
+    root = ET.fromstring(moodle(made))
+    return {(q.get("type"), n): q for n, q in enumerate(root.iter("question"))}
+
+
+def text(question, tag):
+    return question.find(f"{tag}/text").text or ""
+
+
+def test_questions_of_choice(vectors):
+    found = questions(vectors)
+    assert [kind for kind, _ in found] == ["category", "multichoice", "multichoice"]
+    which, what = found["multichoice", 1], found["multichoice", 2]
+    for question in (which, what):
+        scores = [a.get("fraction") for a in question.iter("answer")]
+        assert scores.count("100") == 1
+        assert scores.count("0") == len(scores) - 1 >= 1
+        assert question.findtext("single") == "true"
+    right = [a.get("fraction") for a in which.iter("answer")].index("100")
+    assert right == vectors.number - 1
+    shown = [a.findtext("text") for a in what.iter("answer")]
+    assert len(set(shown)) == len(shown)
+    assert all(t.startswith(r"\(") and t.endswith(r"\)") for t in shown)
+    lines = text(which, "questiontext")
+    assert lines.count(r"\[") == lines.count(r"\]") == len(vectors.right.steps)
+    assert "$" not in lines
+    assert r"\times" in text(which, "generalfeedback")
+
+
+def test_the_typed_question(scalar):
+    found = questions(scalar)
+    stack = next(q for (kind, _), q in found.items() if kind == "stack")
+    answer = typed_answer(scalar)
+    assert text(stack, "questionvariables") == f"ta1: {answer.right};"
+    assert stack.findtext("input/tans") == "ta1" == stack.findtext("prt/node/tans")
+    assert stack.findtext("prt/node/answertest") == "AlgEquiv"
+    assert [t.findtext("testinput/value") for t in stack.iter("qtest")] == [
+        answer.right,
+        answer.wrong,
+    ]
+    assert [t.findtext("expected/expectedscore") for t in stack.iter("qtest")] == ["1", "0"]
+    side = getattr(scalar.step.statement, answer.side)
+    names_ = {name: symbol for symbol, name in answer.names.items()}
+    values = {s: Fraction(k) for k, s in enumerate(names_, 2)}
+    read = ast.parse(answer.right.replace("^", "**"), mode="eval").body
+    wanted = side.data[0].xreplace({names_[n]: sp.Rational(v) for n, v in values.items()})
+    assert value(read, values) == Fraction(str(wanted))
+
+
+def test_hostile_titles(scalar):
+    assert HOSTILE in scalar.right.title
+    written = moodle([scalar])
+    assert "<script>" not in written
+    for (kind, _), question in questions(scalar).items():
+        if kind == "category":
+            continue
+        name = text(question, "name")
+        assert name.startswith("]]> <script>alert(1)</script> &")
+        assert "\x00" not in name
+        assert "\n" not in name
+        asked = text(question, "questiontext")
+        assert asked.count("[[") == (2 if kind == "stack" else 0)
+        assert "<script>" not in asked
+    assert student(scalar).count("\n# ") == 1
+
+
+def test_what_stack_would_take_for_commands_is_put_apart():
+    from eom.exercises.moodle import _apart
+
+    assert _apart("[[a]] {@b@} {#c#} [[[") == "[ [a]] { @b@} { #c#} [ [["
+
+
+def test_no_typed_question_for_vectors(vectors):
+    assert typed_answer(vectors) is None
+    assert vectors.planted.right.head != expr(1).head
