@@ -1,0 +1,146 @@
+"""Run the blocks of a page of the documentation, in order, in the current folder.
+
+``python tests/pages.py PAGE``: blocks ``python`` share their names; blocks ``bash`` are commands of
+``eom``, called through the command line in this process, or of a shell; a block ``text`` or ``json``
+that follows is what they must have printed, where ``...`` stands for anything, and numbers agree if they
+are as near as their digits say; a block with a caption is a file of that name. A block ``console`` is not
+run: `NOT_RUN` says what may stand there.
+"""
+
+import contextlib
+import difflib
+import io
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+FENCE = re.compile(
+    r"^(?P<mark>`{3,}|:{3,})(?:\{code-block\} ?)?(?P<language>[\w+-]*)\n(?P<body>.*?)^(?P=mark)$",
+    re.MULTILINE | re.DOTALL,
+)
+CAPTION = re.compile(r"\A(?::\w+:.*\n)*:caption: (?P<name>\S+)\n(?::\w+:.*\n)*\n*")
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.]*[A-Za-z_])")
+NOT_RUN = ("pip install", "python3 -m venv", "sbatch", "dask ", "git clone")
+SHELL = ("cc ", "make", "./", "cat ", "ls", "mkdir ", "cd ")
+
+
+@dataclass(frozen=True)
+class Block:
+    """What stands between fences: its language, the file it is (or nothing), its text, and its line."""
+
+    language: str
+    file: str
+    text: str
+    line: int
+
+
+def blocks(page: str) -> Iterator[Block]:
+    """Yield the blocks of a page that have a language."""
+    for found in FENCE.finditer(page):
+        body = found["body"]
+        caption = CAPTION.match(body)
+        text = body[caption.end() :] if caption else body
+        line = page.count("\n", 0, found.start()) + 1
+        if found["language"]:
+            yield Block(found["language"], caption["name"] if caption else "", text, line)
+
+
+def agrees(shown: str, printed: str) -> bool:
+    """Tell whether what a page shows is what was printed, but for ``...`` and digits beyond those shown."""
+    pattern, wanted = [], []
+    for k, part in enumerate(shown.strip().split("...")):
+        pattern.append(".*?" if k else "")
+        numbers = NUMBER.findall(part)
+        between = NUMBER.split(part)
+        wanted += numbers
+        spaced = [r"\s+".join(map(re.escape, re.split(r"\s+", words))) for words in between]
+        pattern.append(f"({NUMBER.pattern})".join(spaced))
+    found = re.fullmatch("".join(pattern), printed.strip(), re.DOTALL)
+    return bool(found) and all(map(_near, wanted, found.groups()))
+
+
+def _near(shown: str, printed: str) -> bool:
+    digits = len(re.sub(r"[eE].*|\D", "", shown).lstrip("0"))
+    return shown == printed or abs(float(shown) - float(printed)) <= 1.5 * abs(float(shown)) * 10.0 ** (
+        1 - max(digits, 4)
+    )
+
+
+def _called(words: list[str]) -> None:
+    """Call the command line; a status other than 0 is told, as a shell would not."""
+    from eom.__main__ import main
+
+    try:
+        main(words, prog_name="eom")
+    except SystemExit as done:
+        if done.code:
+            print(f"(exit status {done.code})")
+
+
+def _bash(text: str) -> None:
+    for command in text.replace("\\\n", " ").splitlines():
+        if not command.strip() or command.startswith("#"):
+            continue
+        words, _, file = command.partition(" > ")
+        if words.startswith("eom "):
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                _called(shlex.split(words)[1:])
+            if file:
+                Path(file.strip()).write_text(out.getvalue(), encoding="utf-8")
+            else:
+                print(out.getvalue(), end="")
+        else:
+            assert command.startswith(SHELL), f"what is {command!r}?"
+            done = subprocess.run(
+                command, shell=True, capture_output=True, text=True, check=False
+            )
+            assert done.returncode == 0, done.stderr
+            print(done.stdout, end="")
+
+
+def _python(name: str, names: dict[str, object]) -> Callable[[Block], None]:
+    def run(block: Block) -> None:
+        code = "\n" * block.line + block.text
+        exec(compile(code, name, "exec"), names)
+
+    return run
+
+
+def run(path: Path) -> int:
+    """Run a page, and return how many of its blocks were run. Raises what a block raises."""
+    names: dict[str, object] = {"__name__": "__main__"}
+    python = _python(path.name, names)
+    runs: dict[str, Callable[[Block], None]] = {"python": python, "bash": lambda b: _bash(b.text)}
+    printed, count = "", 0
+    for block in blocks(path.read_text(encoding="utf-8")):
+        place = f"{path.name}, line {block.line}"
+        if block.file:
+            Path(block.file).write_text(block.text, encoding="utf-8")
+        elif block.language in runs:
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                runs[block.language](block)
+            printed, count = out.getvalue(), count + 1
+        elif block.language == "console":
+            assert all(any(n in line for n in NOT_RUN) for line in block.text.splitlines()), place
+        elif block.language in {"text", "json"}:
+            if not agrees(block.text, printed):
+                lines = difflib.unified_diff(
+                    block.text.splitlines(), printed.splitlines(), "shown", "printed", lineterm=""
+                )
+                raise AssertionError("\n".join([place, *lines]))
+            printed = ""
+        else:
+            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, f"{place}: {block.language}"
+    return count
+
+
+if __name__ == "__main__":
+    os.environ |= {"COLUMNS": "100", "NO_COLOR": "1"}
+    print(run(Path(sys.argv[1])))
