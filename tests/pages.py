@@ -20,11 +20,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 FENCE = re.compile(
-    r"^(?P<mark>`{3,}|:{3,})(?:\{code-block\} ?)?(?P<language>[\w+-]*)\n(?P<body>.*?)^(?P=mark)$",
-    re.MULTILINE | re.DOTALL,
+    r"^(?P<mark>`{3,}|:{3,})(?P<kind>[^\n`]*)\n(?P<body>.*?)^(?P=mark)$", re.MULTILINE | re.DOTALL
 )
 CAPTION = re.compile(r"\A(?::\w+:.*\n)*:caption: (?P<name>\S+)\n(?::\w+:.*\n)*\n*")
-NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.]*[A-Za-z_])")
+NUMBER = re.compile(
+    r"(?<![\w.])[-+]?(?:\d{1,3}(?:,\d{3})+|\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?![\w.]*[A-Za-z_])"
+)
+VARYING = re.compile(r" (?:bytes|s|ms|us|ns)\b")
+"""What follows a number that differs from run to run, or from machine to machine: sizes and times."""
+ROUNDING = 1e-12
+"""Numbers up to this are rounding errors: they agree with each other."""
 NOT_RUN = ("pip install", "python3 -m venv", "sbatch", "dask ", "git clone")
 SHELL = ("cc ", "make", "./", "cat ", "ls", "mkdir ", "cd ")
 
@@ -42,12 +47,13 @@ class Block:
 def blocks(page: str) -> Iterator[Block]:
     """Yield the blocks of a page that have a language."""
     for found in FENCE.finditer(page):
-        body = found["body"]
-        caption = CAPTION.match(body)
-        text = body[caption.end() :] if caption else body
+        language = found["kind"].removeprefix("{code-block}").strip()
+        if not language or language.startswith("{"):
+            continue
+        caption = CAPTION.match(found["body"])
+        text = found["body"][caption.end() :] if caption else found["body"]
         line = page.count("\n", 0, found.start()) + 1
-        if found["language"]:
-            yield Block(found["language"], caption["name"] if caption else "", text, line)
+        yield Block(language, caption["name"] if caption else "", text, line)
 
 
 def agrees(shown: str, printed: str) -> bool:
@@ -55,20 +61,22 @@ def agrees(shown: str, printed: str) -> bool:
     pattern, wanted = [], []
     for k, part in enumerate(shown.strip().split("...")):
         pattern.append(".*?" if k else "")
-        numbers = NUMBER.findall(part)
-        between = NUMBER.split(part)
-        wanted += numbers
-        spaced = [r"\s+".join(map(re.escape, re.split(r"\s+", words))) for words in between]
+        found = list(NUMBER.finditer(part))
+        wanted += [(m[0], bool(VARYING.match(part, m.end()))) for m in found]
+        spaced = [r"\s+".join(map(re.escape, re.split(r"\s+", words))) for words in NUMBER.split(part)]
         pattern.append(f"({NUMBER.pattern})".join(spaced))
-    found = re.fullmatch("".join(pattern), printed.strip(), re.DOTALL)
-    return bool(found) and all(map(_near, wanted, found.groups()))
+    match = re.fullmatch("".join(pattern), printed.strip(), re.DOTALL)
+    if match is None:
+        return False
+    pairs = zip(wanted, match.groups(), strict=True)
+    return all(varies or _near(number, other) for (number, varies), other in pairs)
 
 
 def _near(shown: str, printed: str) -> bool:
+    a, b = (float(number.replace(",", "")) for number in (shown, printed))
     digits = len(re.sub(r"[eE].*|\D", "", shown).lstrip("0"))
-    return shown == printed or abs(float(shown) - float(printed)) <= 1.5 * abs(float(shown)) * 10.0 ** (
-        1 - max(digits, 4)
-    )
+    allowed = 1.5 * abs(a) * 10.0 ** (1 - max(digits, 4))
+    return a == b or abs(a - b) <= allowed or max(abs(a), abs(b)) <= ROUNDING
 
 
 def _called(words: list[str]) -> None:
