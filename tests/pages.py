@@ -31,7 +31,7 @@ VARYING = re.compile(r" (?:bytes|s|ms|us|ns)\b")
 ROUNDING = 1e-12
 """Numbers up to this are rounding errors: they agree with each other."""
 NOT_RUN = ("pip install", "python3 -m venv", "sbatch", "dask ", "git clone")
-SHELL = ("cc ", "make", "./", "cat ", "ls", "mkdir ", "cd ")
+SHELL = ("cc ", "make ", "./", "cat ", "cp ", "ls", "mkdir ")
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def run(path: Path) -> int:
             Path(block.file).write_text(block.text, encoding="utf-8")
         elif block.language in runs:
             out = io.StringIO()
-            with contextlib.redirect_stdout(out):
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
                 runs[block.language](block)
             printed, count = out.getvalue(), count + 1
         elif block.language == "console":

@@ -70,6 +70,19 @@ def _presets() -> Rows:
     return [(f"`{name}`", lines[0].removeprefix("# ")) for name, lines in first]
 
 
+def _tree_outputs() -> Rows:
+    from eom.multibody.outputs import GROUPS
+
+    told = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
+    return [
+        *told,
+        ("`reactions`", "forces and torques through joints: `F_JOINT_1`, ..., `M_JOINT_3`"),
+        ("`drives`", "what moves prescribed joints: `tau_JOINT`"),
+        ("`points`", "points of bodies: `x_POINT_1`, `v_POINT_1`, `a_POINT_1`, ..."),
+        ("`constraint_forces`", "multipliers: `lambda_CONSTRAINT`, ..."),
+    ]
+
+
 TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "books": (
         ("name", "book or program", "matrix", "angles turn about", "scalar", "products", "angles", "axes"),
@@ -81,6 +94,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "scenes": (("scene", "title"), _scenes),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),
+    "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip
 
 
