@@ -36,8 +36,15 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_format = "short"
 autodoc_class_signature = "mixed"
+autodoc_type_aliases = {
+    name: name
+    for name in (
+        "AnyScene", "Array", "ArrayLike", "Domain", "Expr", "Given", "Many", "Matrix", "Names", "Quaternion",
+        "Range", "Row", "Signal", "TorqueLaw", "Values",
+    )
+}  # fmt: skip
 python_use_unqualified_type_names = True
-toc_object_entries = False
+toc_object_entries_show_parents = "hide"
 nitpick_ignore_regex = [("py:.*", ".*")]  # types of other packages have no page here
 
 html_theme = "furo"

@@ -1,0 +1,93 @@
+"""The documentation: every block of every page runs, and prints what the page shows."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from codegen import native
+from tests.pages import Block, agrees, blocks
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = sorted(
+    page
+    for page in DOCS.rglob("*.md")
+    if any(b.language in {"python", "bash"} for b in blocks(page.read_text(encoding="utf-8")))
+)
+NEEDS = {"many-bodies": "yourdfpy", "monte-carlo": "zarr", "tutorial": "matplotlib"}
+TASKS = 10
+
+
+@pytest.mark.skipif(not native.compiler(), reason="pages show runs in C")
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_blocks_run_and_print_what_is_shown(page, tmp_path):
+    module = NEEDS.get(page.stem)
+    if module and importlib.util.find_spec(module) is None:
+        pytest.skip(f"needs {module}")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(ROOT / "tests" / "pages.py"), str(page)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 0
+
+
+def test_there_is_a_page_a_task_and_each_is_run():
+    tasks = {page.stem for page in (DOCS / "howto").glob("*.md")} - {"index"}
+    assert len(tasks) >= TASKS
+    assert tasks <= {page.stem for page in PAGES}
+    assert {"tutorial", "conventions", "verification", "accuracy", "checking"} <= {
+        page.stem for page in PAGES
+    }
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "same"),
+    [
+        ("error 3e-07", "error 3e-07", True),
+        ("error 3e-07", "error 4e-07", False),
+        ("tilt 0.618067738 rad", "tilt 0.618067739 rad", True),
+        ("tilt 0.618067738 rad", "tilt 0.618067838 rad", False),
+        ("drift 8.0e-16", "drift 1.2e-15", True),
+        ("drift 8.0e-16", "drift 1.2e-11", False),
+        ("time  0.05 ms", "time 7.25 ms", True),
+        ("wrote x (1,234 bytes)", "wrote x (91 bytes)", True),
+        ("steps 1,234", "steps 1,235", True),
+        ("steps 1,234", "steps 2,345", False),
+        ("a\n...\nd", "a\nb\nc\nd", True),
+        ("a\n...\nd", "a\nb\nc", False),
+        ("omega_1 = 2", "omega_2 = 2", False),
+        ("two  words", "two words", True),
+        ("all of it", "all of it, and more", False),
+    ],
+)
+def test_what_is_shown_is_compared_by_words_and_digits(shown, printed, same):
+    assert agrees(shown, printed) is same
+
+
+def test_blocks_are_found_with_their_files_and_lines():
+    page = (
+        "# Page\n\n```python\nx = 1\n```\n\n```{admonition} Note\n:class: tip\n\nwords\n```\n\n"
+        "```{code-block} toml\n:caption: a.toml\n\nb = 2\n```\n\n```{shown-table} books\n```\n"
+    )
+    assert list(blocks(page)) == [
+        Block("python", "", "x = 1\n", 3),
+        Block("toml", "a.toml", "b = 2\n", 13),
+    ]
+
+
+def test_a_page_that_shows_something_else_fails(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n", encoding="utf-8")
+    command = [sys.executable, str(ROOT / "tests" / "pages.py"), str(page)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "page.md, line 5" in done.stderr
