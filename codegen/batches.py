@@ -33,8 +33,9 @@ LEAST_WORK = 500_000
 
 @dataclass(frozen=True)
 class Batch:
-    """``f(t, x, p, u, out=None)`` like the functions of `Compiled`, for many points at once.
+    """A function ``f(t, x, p, u, out=None)`` like those of `Compiled`, for many points at once.
 
+    ``compiled``, ``group``: of what; ``threads``: how many work at once; ``function``: what they run.
     ``form``: ``lanes``, or the target whose plain form it is. ``notice``: why, in that case.
     """
 
@@ -53,7 +54,10 @@ class Batch:
         u: ArrayLike | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Evaluate; fill and return ``out`` where it is given."""
+        """Return the results, (k,) or (k, N), in ``out`` where it is given.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         return self.function(t, x, p, u, out)
 
     def __repr__(self) -> str:

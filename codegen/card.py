@@ -21,9 +21,10 @@ VERDICTS = (EXACT, ACCURATE, ILL, UNDERFLOWS, OVERFLOWS, NOT_A_NUMBER, UNSTABLE)
 
 @dataclass(frozen=True)
 class Cause:
-    """What a result owes its error to: a formula, the digits lost there, its share of the error.
+    """What a result owes its error to.
 
-    ``operands``, ``value``: the numbers that meet there, and what they give.
+    ``formula``: where digits are lost, as text; ``digits``: how many; ``share``: of the error that comes
+    from there. ``operands``, ``value``: the numbers that meet there, and what they give.
     """
 
     formula: str
@@ -35,7 +36,13 @@ class Cause:
 
 @dataclass(frozen=True)
 class Finding:
-    """One result at one point; ``bound``: the error that running error analysis allows, in ulps."""
+    """One result at one point.
+
+    ``at``: values by name; ``how`` the point was made. ``value``: what was computed, ``exact``: the same
+    with 50 digits, rounded. ``ulps``: the error, in units in the last place of the exact value;
+    ``bound``: that which running error analysis allows, in ulps. ``condition``: the condition number.
+    ``verdict``: one of `VERDICTS`. ``cause``: of the error, where it was looked for.
+    """
 
     at: Mapping[str, float]
     how: str
@@ -52,9 +59,10 @@ class Finding:
 class Row:
     """One result in one region.
 
-    ``points``: how many were compared; ``typical``: the median error in ulps; ``worst``: where the
-    error is largest; ``judged``: where it is largest against what condition and operations allow;
-    ``failed``: the first point with an infinity or NaN for a finite value.
+    ``group``, ``result``, ``region``: their names. ``operations``: of the result. ``points``: how many
+    were compared; ``typical``: the median error in ulps; ``worst``: where the error is largest;
+    ``judged``: where it is largest against what condition and operations allow; ``failed``: the first
+    point with an infinity or NaN for a finite value.
     """
 
     group: str
@@ -76,7 +84,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Gain:
-    """Where a rewriting makes most difference to a result: its error in ulps without and with it."""
+    """Where a rewriting makes most difference to a result.
+
+    ``group``, ``result``, ``region``: their names. ``at``: values by name. ``before``, ``after``: the
+    error in ulps without and with it.
+    """
 
     group: str
     result: str
@@ -88,7 +100,10 @@ class Gain:
 
 @dataclass(frozen=True)
 class Change:
-    """A rewriting: (identity, formula that it replaces) in order, and what each result gains."""
+    """A rewriting of formulas.
+
+    ``identities``: (identity, formula that it replaces), in order. ``gains``: what results gain by it.
+    """
 
     identities: tuple[tuple[str, str], ...]
     gains: tuple[Gain, ...]
@@ -96,7 +111,14 @@ class Change:
 
 @dataclass(frozen=True)
 class Card:
-    """What was measured; ``made`` is a rewriting of this code, ``possible`` one by ``stable=True``."""
+    """What was measured of a compiled system: the error of each result against 50 digits.
+
+    ``system``, ``target``, ``stable``: what was measured. ``samples``, ``seed``: as of
+    `codegen.accuracy`. ``domain``: (low, high) by name, in the units of the system; ``unit``: names of
+    states that are one unit quaternion. ``rows``: one a result and region. ``made``: a rewriting of this
+    code; ``possible``: one that ``stable=True`` would add. Errors are in units in the last place (ulps).
+    Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 1.6.
+    """
 
     system: str
     target: str
@@ -110,7 +132,10 @@ class Card:
     possible: Change
 
     def row(self, result: str, region: str = REGIONS[0], group: str = RATES) -> Row:
-        """Return the row of a result. Raises `InputError` where there is none."""
+        """Return the row of a ``result`` in a ``region``, of a ``group``: rates, outputs or invariants.
+
+        ``region``: domain, zero, singular or extreme. Raises `InputError` where there is none.
+        """
         for row in self.rows:
             if (row.group, row.result, row.region) == (group, result, region):
                 return row

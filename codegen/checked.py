@@ -22,7 +22,7 @@ Kernel = Callable[[Any, Array, Array, Array, Array], None]
 
 
 class Function(Protocol):
-    """``f(t, x, p, u, out=None)``: results of one group, in shape (k,) or (k, N)."""
+    """A function ``f(t, x, p, u, out=None)`` of one group of results, in shape (k,) or (k, N)."""
 
     def __call__(
         self,
@@ -32,12 +32,20 @@ class Function(Protocol):
         u: ArrayLike | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Evaluate; fill and return ``out`` where it is given."""
+        """Return the results at one point, (k,), or at N points, (k, N).
+
+        ``t``: time, a number or (N,). ``x``: states, ``p``: parameters, ``u``: inputs, (n,) or (n, N);
+        what has no column axis is the same at every point. ``out``: an array that is filled and
+        returned. Raises `InputError` for wrong shapes and types.
+        """
 
 
 @dataclass(frozen=True)
 class CheckedFunction:
-    """The whole contract of a function: conversion, shapes, errors; then the target's kernel."""
+    """The contract of a function of one ``group``: conversion, shapes, errors; then the ``kernel``.
+
+    ``layout``: names in the order of its arrays.
+    """
 
     group: str
     layout: Layout
@@ -51,7 +59,10 @@ class CheckedFunction:
         u: ArrayLike | None = None,
         out: Array | None = None,
     ) -> Array:
-        """Evaluate. Raises `InputError` for wrong shapes and types."""
+        """Return the results, (k,) or (k, N), in ``out`` where it is given.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         columns: dict[str, int] = {}
         time = _real(t, "t")
         if time.ndim > 1:

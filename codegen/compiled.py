@@ -42,10 +42,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Compiled:
-    """A system compiled for a target.
+    """A system compiled for a target, made by `codegen.compile`.
 
     ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
-    ``singularities`` are like it, where the system has any. ``structure``: what was compiled in.
+    ``singularities`` are like it, where the system has any. Shapes: ``t`` a number or (N,); ``x``, ``p``,
+    ``u`` (n,) or (n, N), in the order of ``layout``; results (k,) or (k, N). Units are those of the system.
+
+    ``system``: what was compiled; ``program``: its straight-line code; ``target``: c, numpy or python.
+    ``functions``: by group: rates, outputs, invariants, singularities. ``structure``: what was compiled in.
     ``notice``: what the user should know, for example that there was no C compiler.
     ``stable``: whether every identity against cancellation was applied, also those that cost time.
     """
@@ -88,17 +92,23 @@ class Compiled:
 
     @property
     def outputs(self) -> Function:
-        """The outputs, in the order of ``layout.results["outputs"]``."""
+        """The outputs, in the order of ``layout.results["outputs"]``.
+
+        Raises `InputError` where the system has none.
+        """
         return self._group(OUTPUTS)
 
     @property
     def invariants(self) -> Function:
-        """The constants of the motion."""
+        """The constants of the motion. Raises `InputError` where the system has none."""
         return self._group(INVARIANTS)
 
     @property
     def singularities(self) -> Function:
-        """The expressions that are zero in singular configurations."""
+        """The expressions that are zero in singular configurations.
+
+        Raises `InputError` where the system has none.
+        """
         return self._group(SINGULARITIES)
 
     def _group(self, group: str) -> Function:
@@ -131,7 +141,8 @@ class Compiled:
         """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
 
         ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
-        there are processors; results do not depend on it. See `codegen.batches`.
+        there are processors; results do not depend on it. See `codegen.batches`. Raises `InputError` for
+        an unknown group and a number of threads that is none.
         """
         from codegen.batches import batch
 
@@ -149,7 +160,10 @@ class Compiled:
         return self.files[f"{name}.{ROWS[self.target].extension}"]
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write the generated files, each whole or not at all; return their paths."""
+        """Write the generated files into ``folder``, each whole or not at all; return their paths.
+
+        Raises `InputError` where the folder cannot be made or written.
+        """
         return write_files(self.files, folder)
 
 
@@ -165,7 +179,6 @@ def compile(  # noqa: A001 - the word that users expect
     """Compile ``system`` for a target.
 
     ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
-
     ``system``: an `eom.System`, or what `codegen.elsewhere.as_system` accepts: SymPy's KanesMethod,
     LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
@@ -175,9 +188,20 @@ def compile(  # noqa: A001 - the word that users expect
     ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
     ``stable``: apply every identity of `codegen.identities` against cancellation; those that cost no
     time are always applied. `codegen.accuracy` tells where it helps.
+
+    Units are those of the system, any consistent units.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
     system's assumptions and expressions without an operation; `CompilerError` where target ``c``
     cannot be compiled.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")
+    >>> oscillator.rhs(0, [1, 0], [4])  # t, x, p
+    array([ 0., -4.])
+    >>> oscillator.rhs(0, [[1, 2], [0, 3]], [4])  # two points: a column each
+    array([[ 0.,  3.],
+           [-4., -8.]])
     """
     system = as_system(system)
     structure = Structure.of(system, parameters, states, inputs)

@@ -52,13 +52,16 @@ CHUNKS = 8
 class Ensemble:
     """What many trajectories came to; all arrays have the trajectories as their last axis.
 
-    ``t`` (K,): the stored times. ``counts``: how many trajectories ended by each reason: end,
-    singular, not finite, step, max_steps. ``stopped`` (2, M): numbers of the first 10,000
-    trajectories that did not reach the end, and their status. ``statistics``, ``drift``: by name of
-    the state or output, and of the constant of the motion (largest change over its first value).
-    ``columns``: ``y`` (n, K, N), ``outputs`` (o, K, N), ``y_stop`` (n, N), ``t_stop``, ``status``,
-    ``which``, ``steps``, ``rejected`` (N,), ``drift`` (i, N), where they are kept: NaN at times that
-    a trajectory did not reach. ``computed``: chunks that were not read from the store.
+    ``count``: N of them. ``names``, ``outputs``: of the n states and o outputs, in order. ``t`` (K,):
+    the stored times. ``counts``: how many trajectories ended by each reason: end, singular, not finite,
+    step, max_steps. ``stopped`` (2, M): numbers of the first 10,000 trajectories that did not reach the
+    end, and their status. ``statistics``, ``drift``: by name of the state or output, and of the constant
+    of the motion (largest change over its first value). ``columns``: ``y`` (n, K, N), ``outputs`` (o, K,
+    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected`` (N,), ``drift`` (i,
+    N), where they are kept: NaN at times that a trajectory did not reach. ``method``: what integrated,
+    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder
+    of the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are
+    those of the system.
     """
 
     count: int
@@ -105,11 +108,17 @@ class Ensemble:
 
     @property
     def status(self) -> NDArray[np.int32]:
-        """Why each stopped, by number: `STATUS` names them."""
+        """Why each stopped, by number, (N,): `STATUS` names them.
+
+        Raises `InputError`, as all of these do, where the trajectories were not kept.
+        """
         return self._column("status")
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values of a state or output at the stored times, (K, N)."""
+        """Return the values of a state or output by ``name`` at the stored times, (K, N).
+
+        Raises `InputError` for others, and where the trajectories were not kept.
+        """
         for column, names in (("y", self.names), ("outputs", self.outputs)):
             if name in names:
                 values: Array = self._column(column)[names.index(name)]
@@ -150,19 +159,28 @@ def ensemble(
 ) -> Ensemble:
     """Integrate many trajectories of ``system`` over ``t_span`` (s).
 
-    ``initial``, ``parameters``: by name or in order, each a number for all or one a trajectory (N,);
-    or as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
-    operation has a rule, else DOP853), taylor or DOP853. Tolerances are those of `simulate`.
-    ``t_eval``: times to store; without it the end alone. ``statistics``: names of states and outputs,
-    or `Statistics`. ``keep``: whether the trajectories are kept in memory, by default where there is
-    no ``store``, a folder for them in ``store_format`` zarr or parquet; a run that broke off is called
-    again to go on. ``chunk``: trajectories of a task, made a multiple of 256. ``threads``: by default
-    one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``: called
-    with the share that is done.
+    ``initial``, ``parameters``: by name or in order, each a number for all or one a trajectory (N,); or
+    as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
+    operation has a rule, else DOP853), taylor or DOP853. ``rtol``, ``atol``, ``max_step``, ``max_steps``
+    and ``margin`` are those of `simulate`, ``inputs`` numbers by name. ``t_eval``: times to store;
+    without it the end alone. ``statistics``: names of states and outputs, or `Statistics`. ``keep``:
+    whether the trajectories are kept in memory, by default where there is no ``store``, a folder for
+    them in ``store_format`` zarr or parquet; a run that broke off is called again to go on. ``chunk``:
+    trajectories of a task, made a multiple of 256. ``threads``: by default one a processor; ``client``:
+    a client of `dask.distributed` does it instead. ``progress``: called with the share that is done.
 
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
     `InputError` for unusable arguments, samples that are not finite or contradict the system's
-    assumptions, and a store that cannot be written or holds another ensemble.
+    assumptions (`AssumptionError`), and a store that cannot be written or holds another ensemble.
+    Units are those of the system. Sources: as of `simulate`; of means and variances Chan, Golub and
+    LeVeque, Am. Stat. 37 (1983) 242; of random numbers Salmon, Moraes, Dror and Shaw, SC 2011.
+
+    >>> import sympy as sp, codegen
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = codegen.compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")
+    >>> found = ensemble(oscillator, {"y": [1, 2, 3], "v": 0}, (0, sp.pi), {"k": 4})
+    >>> found.y.shape, found["y"].round(6)  # (n, K, N): one time, three trajectories
+    ((2, 1, 3), array([[1., 2., 3.]]))
     """
     compiled = system if isinstance(system, Compiled) else compile_once(SameObject(system))
     shared = _shared(

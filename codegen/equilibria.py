@@ -50,7 +50,8 @@ class Equilibrium:
     ``unknowns``, ``rank``: of the equations. ``kind``: ``isolated`` if the rank is full; ``family`` if
     other solutions lie beside it, along ``directions`` (by name, one mapping a dimension); else
     ``degenerate``: it stands alone as far as was seen, but few of its digits are certain.
-    ``rates``: of the cyclic states, which may run.
+    ``rates``: of the cyclic states, which may run, by name.
+    Units are those of the system.
     """
 
     states: Mapping[str, float]
@@ -91,13 +92,22 @@ def equilibrium(
 ) -> Equilibrium:
     """Return the first solution that is found: from the guess, else from points around it.
 
-    ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``inputs``: their
-    values, 0 where left out; those in ``free`` are looked for, from there. ``cyclic``: states that may
-    run, on which no other rate depends. ``hold``: values of states, outputs or invariants that the
-    solution must have; the constraints that the system maintains are met anyhow. ``starts``, ``seed``,
-    ``spread``: how many points are tried, drawn how, how far from the guess (by its size, at least 1).
-    The same arguments give the same result.
-    Raises `InputError` where nothing is found, for unknown names, and for rates that depend on time.
+    ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``parameters``:
+    numbers by name or in order. ``inputs``: their values, 0 where left out; those in ``free`` are looked
+    for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
+    states, outputs or invariants that the solution must have; the constraints that the system maintains
+    are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
+    the guess (by its size, at least 1). The same arguments give the same result. Units are those of the
+    system. Raises `InputError` where nothing is found, for unknown names, and for rates that depend on
+    time. Source: Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966)
+    243.
+
+    >>> import sympy as sp, codegen, eom
+    >>> q, u = sp.symbols("q u", real=True)
+    >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: sp.cos(q) - u}), "numpy")
+    >>> found = equilibrium(arm, {"q": 1.0})
+    >>> found.kind, round(found.states["q"], 6)
+    ('isolated', 1.570796)
     """
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     for start in search.starts(starts, seed, spread):
@@ -122,8 +132,15 @@ def equilibria(
 ) -> tuple[Equilibrium, ...]:
     """Return all solutions that are found from so many points, each once; see `equilibrium`.
 
+    Arguments, units, errors (`InputError`) and source as there.
     Nearest to the guess first; angles are within half a turn of it where that changes nothing. Of families,
     single members are told. None of this says that there are no others.
+
+    >>> import sympy as sp, codegen, eom
+    >>> x = sp.Symbol("x", real=True)
+    >>> logistic = codegen.compile(eom.System.from_rates("logistic", {x: x * (1 - x)}), "numpy")
+    >>> [round(found.states["x"], 6) for found in equilibria(logistic, {"x": 0.9})]
+    [1.0, 0.0]
     """
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     found: list[Array] = []

@@ -41,7 +41,12 @@ class Event:
     ``terminal``: whether the run ends there, or at the how manyth. ``name``: by default the expression.
 
     A zero at the start is reported, as a crossing towards where the expression goes, but does not end
-    the run. Raises `InputError` for what is no expression, no direction or no number of times.
+    the run. The expression is in any consistent units. Raises `InputError` for what is no expression, no
+    direction or no number of times.
+
+    >>> height = sp.Symbol("height", real=True)
+    >>> Event(height, direction=-1, terminal=True, name="landing").label
+    'landing'
     """
 
     expression: Expr

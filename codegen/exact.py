@@ -233,7 +233,9 @@ class FreeMotion:
     """A torque-free motion in closed form: call it with times; made by `free_motion`.
 
     ``kind``: its row of `KINDS` by name, ``meaning`` in words. ``period``: of the angular velocity
-    in the body, s; 0 where it is constant, infinite on the separatrix.
+    in the body, s; 0 where it is constant, infinite on the separatrix. Units, frames, signs and sources
+    are those of `free_body`. ``body``, ``form``: the motion in the frame of the polhode; ``first``: the
+    quaternion that takes it to inertial space, scalar first.
     """
 
     kind: str
@@ -244,7 +246,9 @@ class FreeMotion:
     first: tuple[float, float, float, float]
 
     def __call__(self, t: ArrayLike) -> tuple[Array, Array]:
-        """Return angular velocity (3, ...) and quaternion (4, ...) at times of any shape; see `free_body`.
+        """Return angular velocity (3, ...) and quaternion (4, ...) at times ``t`` of any shape.
+
+        See `free_body`.
 
         Raises `InputError` for times that are not finite or phases beyond `FARTHEST`.
         """
@@ -263,9 +267,9 @@ class FreeMotion:
 def free_motion(
     moments: ArrayLike, omega0: ArrayLike, attitude0: ArrayLike = (1, 0, 0, 0)
 ) -> FreeMotion:
-    """Prepare the closed form of a torque-free motion, to be called with times.
+    """Return the closed form of a torque-free motion, to be called with times.
 
-    Arguments, conventions, errors and source as those of `free_body`.
+    Arguments, units, conventions, errors and source as those of `free_body`.
 
     >>> free_motion((1, 2, 3), (1.0, 0.0, 1.0)).kind
     'greatest'
@@ -299,7 +303,8 @@ def free_body(
 
     Accuracy: both are right to some units in the last place of their size, at all times alike: the
     data are taken as exact, constants have 50 digits, phases are reduced in two doubles.
-    Source: see `codegen.exact`.
+    Source: Whittaker, Analytical Dynamics (1937), sec. 69; Jacobi, J. reine angew. Math. 39 (1850) 293;
+    more in `codegen.exact`.
 
     >>> omega, q = free_body((1, 1, 2), (0.0, 0.0, 3.0), (1, 0, 0, 0), [0.0, 1.0])
     >>> [round(float(v), 6) for v in q[:, 1]]  # turned by 3 rad about b3

@@ -15,7 +15,11 @@ from eom.system import Assumption, System
 
 @dataclass(frozen=True)
 class Condition:
-    """One testable condition of an assumption: zero, or not negative."""
+    """One testable condition of an assumption: zero, or not negative.
+
+    ``expression``: over ``names``; ``is_zero``: whether it is to vanish, else to be at least zero;
+    ``program``: what computes it.
+    """
 
     assumption: Assumption
     expression: Any
@@ -26,6 +30,7 @@ class Condition:
     def check(self, values: Mapping[str, float], where: str) -> None:
         """Raise `AssumptionError` if the numbers contradict the condition.
 
+        ``values``: by name; ``where``: for the message.
         A difference counts as zero against the largest of the values; a single value must be zero.
         """
         numbers = [float(values[n]) for n in self.names]
@@ -45,7 +50,11 @@ class Condition:
 
 @dataclass(frozen=True)
 class Guard:
-    """All conditions of a system, and the names that it knows."""
+    """All conditions of a system, and the names that it knows.
+
+    ``system``: its name; ``known``: names of its states, parameters and inputs; ``conditions``: of all its
+    assumptions.
+    """
 
     system: str
     known: frozenset[str]
@@ -55,7 +64,7 @@ class Guard:
 
     @classmethod
     def of(cls, system: System) -> Guard:
-        """Prepare the conditions of ``system``."""
+        """Return the guard with the conditions of ``system``."""
         conditions = [
             _condition(a, e, is_zero)
             for a in system.assumptions
@@ -68,7 +77,7 @@ class Guard:
         return cls(system.name, known, positive, tuple(conditions))
 
     def check(self, values: Mapping[str, float]) -> None:
-        """Refuse values that contradict an assumption or that the system does not know.
+        """Refuse ``values`` by name that contradict an assumption or that the system does not know.
 
         A name that the system no longer has but that an assumption speaks of is tested against
         it: a torque given to a torque-free system, a third moment of inertia to a symmetric one.

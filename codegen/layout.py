@@ -15,7 +15,10 @@ from eom.system import Quantity, System
 
 @dataclass(frozen=True)
 class Layout:
-    """Names and units of states, parameters, inputs and of each group of results."""
+    """Names and units of states, parameters, inputs and of each group of results.
+
+    ``states``, ``parameters``, ``inputs``: quantities in the order of the arrays ``x``, ``p``, ``u``.
+    """
 
     name: str
     title: str
@@ -60,7 +63,7 @@ class Layout:
         )
 
     def without(self, fixed: Collection[str]) -> Layout:
-        """Return the layout without the parameters that were fixed to numbers."""
+        """Return the layout without the parameters whose names are ``fixed`` to numbers."""
         return replace(self, parameters=tuple(q for q in self.parameters if q.name not in fixed))
 
     def quantities(self) -> dict[str, tuple[Quantity, ...]]:

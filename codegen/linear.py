@@ -48,13 +48,23 @@ VALUES = "values"
 def compiled_jacobian(
     compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
 ) -> SparseJacobian:
-    """Differentiate a group of results (``rates``, ``outputs``, ...) by states, inputs, ...
+    """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
 
-    ``by``: states, parameters, inputs or time. ``target``: that of ``compiled`` if left out. The
-    same arguments give the same object again, at once: ``compiled`` keeps it.
-    Raises `InputError` for other words and for groups that the system does not have.
+    ``of``: rates, outputs, invariants or singularities. ``by``: states, parameters, inputs or time.
+    ``target``: that of ``compiled`` if left out. The same arguments give the same object again, at once:
+    ``compiled`` keeps it. Raises `InputError` for other words and for groups that the system does not
+    have.
 
-    Accuracy: derivatives are exact up to rounding, as no differences are taken.
+    Accuracy: derivatives are exact up to rounding, as no differences are taken. Units are those of the
+    results over those of the variables.
+    Source: Griewank and Walther, Evaluating Derivatives (2008), ch. 9 and 10: elimination of inner values.
+
+    >>> import sympy as sp, codegen, eom
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = eom.System.from_rates("oscillator", {y: v, v: -k * y})
+    >>> compiled_jacobian(codegen.compile(oscillator, "numpy")).dense(0, [1, 0], [4])
+    array([[ 0.,  1.],
+           [-4.,  0.]])
     """
     if by not in KINDS:
         raise unknown_name("kind of variable", by, KINDS)
@@ -164,7 +174,12 @@ def _one_group(program: Program, group: str) -> Program:
 
 @dataclass(frozen=True)
 class Linear:
-    """dx' = A dx + B du, dy = C dx + D du about a point; names in the order of rows and columns."""
+    """A linear system dx' = A dx + B du, dy = C dx + D du about a point, or about N points.
+
+    ``A`` (n, n), ``B`` (n, m), ``C`` (o, n), ``D`` (o, m), with a last axis of N about N points, for n
+    states, m inputs, o outputs. ``states``, ``inputs``, ``outputs``: their names, in the order of rows
+    and columns. Units are those of the system.
+    """
 
     A: Array
     B: Array
@@ -187,8 +202,16 @@ def linearise(
     Shapes: ``x`` (n,) or (n, N), and so for ``p``, ``u``, ``t``: the ``y``, ``t`` and parameters
     of a `codegen.Result` fit as they are. All four come from one call of one function, which is
     compiled at the first use and kept by ``compiled``. They are the linear part about any point;
-    that dx' = A dx + B du alone describes the motion holds about points at rest.
-    Raises `InputError` as the compiled functions do.
+    that dx' = A dx + B du alone describes the motion holds about points at rest. ``x``: states, ``p``:
+    parameters, ``u``: inputs, ``t``: time, in the units of the system.
+    Raises `InputError` as the compiled functions do. Source: as of `compiled_jacobian`.
+
+    >>> import sympy as sp, codegen, eom
+    >>> y, v, F = sp.symbols("y v F", real=True)
+    >>> cart = eom.System.from_rates("cart", {y: v, v: F - sp.sin(y)}, inputs=[F])
+    >>> near = linearise(codegen.compile(cart, "numpy"), [0, 0], u=[0])
+    >>> near.A.tolist(), near.B.tolist()
+    ([[0.0, 1.0], [-1.0, 0.0]], [[0.0], [1.0]])
     """
     layout = compiled.layout
     n, k = len(layout.states), len(layout.results[OUTPUTS])

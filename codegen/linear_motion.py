@@ -57,14 +57,16 @@ class Stability:
 
 @dataclass(frozen=True)
 class LinearMotion(Linear):
-    """dz' = A dz + B du, dy = C dz + D du; ``states`` are the names of z.
+    """A linear motion dz' = A dz + B du, dy = C dz + D du; ``states`` are the names of z.
 
-    ``point``: about which. ``eliminated``: what other states are by these, {state: {state: factor}}.
-    ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints follow from those
-    that were given; ``redundant``: those given that say nothing new. ``agreement``: the largest difference
-    to a complex step, relative to the largest entry of its row (at least a thousandth of the largest of
-    all rows); NaN where that could not be made. ``doubtful``: states by their
-    rates, and outputs, that differ by more than `DOUBT`: they have no derivative there, but a corner.
+    ``A``, ``B``, ``C``, ``D``, ``inputs``, ``outputs``: as of `Linear`, with A (k, k) for k independent
+    states. ``point``: about which. ``eliminated``: what other states are by these, {state: {state:
+    factor}}. ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints
+    follow from those that were given; ``redundant``: those given that say nothing new. ``agreement``:
+    the largest difference to a complex step, relative to the largest entry of its row (at least a
+    thousandth of the largest of all rows); NaN where that could not be made. ``doubtful``: states by
+    their rates, and outputs, that differ by more than `DOUBT`: they have no derivative there, but a
+    corner.
     """
 
     point: Equilibrium
@@ -81,12 +83,12 @@ class LinearMotion(Linear):
 
     @property
     def eigenvalues(self) -> NDArray[np.complex128]:
-        """The eigenvalues of A (1/s), largest real part first."""
+        """The eigenvalues of A (1/s), largest real part first, (k,)."""
         return self._eigen[0]
 
     @property
     def errors(self) -> Array:
-        """How far each eigenvalue may be off by rounding, to first order."""
+        """How far each eigenvalue may be off by rounding, to first order (1/s), (k,)."""
         return self._eigen[1]
 
     @cached_property
@@ -106,12 +108,21 @@ def linearise_about(
 ) -> LinearMotion:
     """Return the linear motion about a point that `codegen.equilibrium` found, by independent states.
 
-    ``constraints``: invariants or outputs that keep their values, beside the constraints that the
-    system maintains; what follows from them along the motion is kept, too. Unit quaternions lose one
-    state, or with ``attitude="angles"`` become three small angles about the body's axes,
-    ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
-    whether `agreement` is computed.
-    Raises `InputError` for unknown names, and a point of another system.
+    ``point``: of the same system. ``constraints``: invariants or outputs that keep their values, beside
+    the constraints that the system maintains; what follows from them along the motion is kept, too. Unit
+    quaternions lose one state, or with ``attitude="angles"`` become three small angles about the body's
+    axes, ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
+    whether `agreement` is computed. Units are those of the system, eigenvalues are in 1/s. ``attitude``:
+    ``states`` or ``angles`` (rad). Raises `InputError` for unknown names, and a point of another system.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the
+    check: Squire and Trapp, SIAM Review 40 (1998) 110.
+
+    >>> import sympy as sp, codegen, eom
+    >>> q, u = sp.symbols("q u", real=True)
+    >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: -sp.sin(q) - 2 * u}), "numpy")
+    >>> near = linearise_about(arm, codegen.equilibrium(arm, {"q": 3.0}))
+    >>> near.stability.kind, [round(float(value.real), 6) for value in near.eigenvalues]
+    ('unstable', [0.414214, -2.414214])
     """
     layout = compiled.layout
     x, u, p = _arrays(compiled, point)

@@ -26,7 +26,7 @@ Names = str | tuple[str, ...]
 
 
 class Distribution(Protocol):
-    """``values(u)`` takes uniform numbers (draws, N) inside (0, 1) and gives values (size, N)."""
+    """What `Sampler` takes: ``values(u)`` makes values (size, N) of numbers (draws, N) in (0, 1)."""
 
     @property
     def draws(self) -> int:
@@ -37,12 +37,16 @@ class Distribution(Protocol):
         """How many names it gives values to."""
 
     def values(self, u: Array) -> Array:
-        """Return the values."""
+        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1)."""
 
 
 @dataclass(frozen=True)
 class Uniform:
-    """Between two limits, each value as likely as the other."""
+    """Between two limits, ``low`` and ``high``, each value as likely as the other.
+
+    In the unit of what is sampled. It takes one number (``draws``) for one name (``size``). Raises
+    `InputError` for limits that are not finite or not in order.
+    """
 
     low: float
     high: float
@@ -55,13 +59,18 @@ class Uniform:
             raise InputError("limits do not fit", got=(self.low, self.high), expected="low <= high")
 
     def values(self, u: Array) -> Array:
-        """Return the values."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
         return self.low + (self.high - self.low) * u
 
 
 @dataclass(frozen=True)
 class Normal:
-    """The normal distribution, by the inverse of its distribution function."""
+    """The normal distribution of a ``mean`` and a standard ``deviation``.
+
+    In the unit of what is sampled; by the inverse of its distribution function. It takes one number
+    (``draws``) for one name (``size``). Raises `InputError` for what is not finite, and a negative
+    deviation.
+    """
 
     mean: float = 0.0
     deviation: float = 1.0
@@ -75,20 +84,24 @@ class Normal:
             raise InputError("wrong mean or deviation", got=got, expected="finite, deviation >= 0")
 
     def values(self, u: Array) -> Array:
-        """Return the values."""
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
         found: Array = self.mean + self.deviation * ndtri(u)
         return found
 
 
 @dataclass(frozen=True)
 class UniformQuaternion:
-    """Every attitude as likely as the other; for four names, scalar first (Shoemake, 1992)."""
+    """Every attitude as likely as the other; for four names, scalar first.
+
+    It takes three numbers (``draws``) for four names (``size``), a quaternion of unit norm.
+    Source: Shoemake, Uniform random rotations, in Graphics Gems III (1992).
+    """
 
     draws: int = field(default=3, init=False)
     size: int = field(default=4, init=False)
 
     def values(self, u: Array) -> Array:
-        """Return the values."""
+        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1)."""
         one, other = np.sqrt(1.0 - u[0]), np.sqrt(u[0])
         a, b = 2.0 * math.pi * u[1], 2.0 * math.pi * u[2]
         return np.stack([other * np.cos(b), one * np.sin(a), one * np.cos(a), other * np.sin(b)])
@@ -96,7 +109,12 @@ class UniformQuaternion:
 
 @dataclass(frozen=True)
 class Grid:
-    """So many values from low to high at equal distances; grids of several names are crossed."""
+    """A ``count`` of values from ``low`` to ``high`` at equal distances, both included.
+
+    In the unit of what is sampled; grids of several names are crossed. It takes no random number
+    (``draws``) for one name (``size``). Raises `InputError` for limits that are not finite, and fewer
+    than one value.
+    """
 
     low: float
     high: float
@@ -111,7 +129,7 @@ class Grid:
             raise InputError("wrong grid", got=self, expected="finite limits, one value or more")
 
     def values(self, u: Array) -> Array:
-        """Return the values of places u (1, N)."""
+        """Return the values (1, N) of places ``u`` (1, N), counted from 0."""
         return self.low + (self.high - self.low) * (u / max(1, self.count - 1))
 
 
@@ -120,11 +138,16 @@ Value = Distribution | float
 
 @dataclass(frozen=True)
 class Sampler:
-    """``count`` samples of states and parameters by name, a pure function of ``seed`` and number.
+    """Samples of states and parameters by name, ``count`` of them, a pure function of ``seed`` and number.
 
     ``values``: for a name a number or a distribution, for four names `UniformQuaternion`. The first
     grid changes slowest; with grids ``count`` may be left out: each combination once. More samples
-    go through the combinations again. Raises `InputError` for what does not fit.
+    go through the combinations again. Units are those of what is sampled. Raises `InputError` for what
+    does not fit.
+    Source: Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+
+    >>> Sampler({"k": Grid(1, 2, 3), "mass": 5.0}).sample(0, 3)
+    {'k': array([1. , 1.5, 2. ]), 'mass': array([5., 5., 5.])}
     """
 
     values: Mapping[Names, Value]

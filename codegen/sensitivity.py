@@ -43,7 +43,8 @@ class Sensitivities:
     ``compiled``: its states are x, then, variable by variable, the derivatives of all states, named
     ``dtheta_dI1`` or, by a first state, ``dtheta_dpsi_0``; its outputs are those of the system and
     their derivatives, named alike. ``states``: names of x; ``variables``: what is differentiated
-    by, first states with ``_0`` behind the name.
+    by, first states with ``_0`` behind the name. Units are those of a state over those of a variable.
+    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
     """
 
     compiled: Compiled
@@ -53,8 +54,8 @@ class Sensitivities:
     def initial(self, values: Values, slopes: Values | None = None) -> dict[str, float]:
         """Return the first values of everything from those of the states x, by name.
 
-        ``slopes``: derivatives of first values that depend on parameters, by name (``dpsi_dI1``);
-        zero without. Raises `InputError` for other names.
+        ``values``: of the states x. ``slopes``: derivatives of first values that depend on parameters,
+        by name (``dpsi_dI1``); zero without. Raises `InputError` for other names.
         """
         given = dict(slopes or {})
         full = {n: float(values[n]) for n in self.states if n in values}
@@ -70,7 +71,11 @@ class Sensitivities:
         return full
 
     def matrix(self, y: ArrayLike) -> Array:
-        """Return S in shape (states, variables) from values of all states, or (..., N) of N points."""
+        """Return S in shape (states, variables), or (states, variables, N) at N points.
+
+        ``y``: values of all states, (n,) or (n, N), as of a `codegen.Result`. Raises `InputError` for other
+        shapes.
+        """
         values = np.asarray(y, dtype=np.float64)
         n, m = len(self.states), len(self.variables)
         if values.ndim not in {1, 2} or values.shape[0] != n * (1 + m):
@@ -86,9 +91,20 @@ def sensitivities(
 ) -> Sensitivities:
     """Return a system extended by the derivatives of its states by parameters and first states.
 
-    ``system``: a compiled system, whose target is kept, or what `codegen.compile` takes.
+    ``system``: a compiled system, whose target is kept, or what `codegen.compile` takes. ``parameters``,
+    ``initial_states``: names of those to differentiate by. Units are those of a state over those of a
+    variable.
     Raises `InputError` for names that the system does not have (a parameter that was compiled in is
     no parameter any more), for repeated ones, and where a name would mean two things.
+    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14.
+
+    >>> import sympy as sp, codegen
+    >>> x, k = sp.symbols("x k", real=True)
+    >>> decay = codegen.compile(System.from_rates("decay", {x: -k * x}), "numpy")
+    >>> S = sensitivities(decay, ["k"])
+    >>> run = codegen.simulate(S.compiled, S.initial({"x": 1}), (0, 1), {"k": 2}, "scipy:DOP853")
+    >>> round(float(S.matrix(run.y)[0, 0, -1]), 6)  # dx/dk = -t exp(-k t)
+    -0.135335
     """
     compiled = system if isinstance(system, Compiled) else compile(system)
     layout = compiled.layout

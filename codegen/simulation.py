@@ -37,14 +37,17 @@ Signal = float | Callable[[float], float]
 
 @dataclass(frozen=True)
 class Drift:
-    """How far a constant of the motion wandered from its first value, over the stored points."""
+    """How far a constant of the motion wandered from its first value, over the stored points.
+
+    ``start``: the first value; ``largest``: the largest change from it, both in the unit of the invariant.
+    """
 
     start: float
     largest: float
     floor: float = field(compare=False)
     """Change of the first value if every state changes by `RELATIVE_FLOOR` of itself."""
     over_time: Array = field(compare=False, repr=False)
-    """Value less first value at each stored point."""
+    """Value less first value at each stored point, (N,)."""
 
     @property
     def scale(self) -> float:
@@ -64,11 +67,13 @@ class Result:
     ``t`` (N,), ``y`` (n, N), ``sol`` (dense output or None), ``nfev``, ``status`` (0: end reached;
     1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
-    ``t_events`` and ``y_events``: the same in order, as SciPy has them.
+    ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
+    order of ``y``; ``result[name]`` gives one of them, or an output.
     ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
-    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop``:
+    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
     where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
-    the method was chosen and not given.
+    the method was chosen and not given. ``steps`` were made, ``rejected`` tried in vain. ``notice``: what
+    the user should know. Units are those of the system.
     """
 
     t: Array
@@ -120,7 +125,7 @@ class Result:
         return [found.y.T for found in self.events.values()]
 
     def __getitem__(self, name: str) -> Array:
-        """Return the values of a state or output by name."""
+        """Return the values (N,) of a state or output by ``name``. Raises `InputError` for others."""
         if name in self.outputs:
             return self.outputs[name]
         if name in self.names:
@@ -154,9 +159,13 @@ def simulate(
 
     ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
     time for each input; functions are called from Python. ``method``: one of `METHODS`.
-    ``outputs``: names of outputs and states; only states that these need are integrated. Steps meet
-    the local error atol + rtol |x| (atol: rtol / 1000 unless given). ``t_eval``: times to store;
-    every step without it. ``margin``: the run stops where a singularity's expression gets below it.
+    ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
+    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 unless
+    given). ``t_eval``: times to store; without it every step, of a closed form 1001 times.
+    ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``: limits of
+    steps (s); ``max_steps``: of their number. ``margin``: the run stops where a singularity's expression
+    gets below it. ``progress``: called with the share that is done, 0 to 1.
+
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.integrate.projection`); all stored points lie on them. Without
     it, those that the system maintains: what constraints leave, if the method can project. The
@@ -167,7 +176,19 @@ def simulate(
     integrated with those that ``outputs`` need.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
-    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments.
+    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
+    `AssumptionError` for values that contradict the system's assumptions. Units are those of the system.
+    Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. II.5 and
+    II.6; Jorba and Zou, Experimental Mathematics 14 (2005); others in the modules of `codegen.integrate`.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> energy = {"energy": (v**2 + k * y**2) / 2}
+    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y}, invariants=energy)
+    >>> compiled = compile_system(oscillator, "numpy")
+    >>> run = simulate(compiled, {"y": 1, "v": 0}, (0, sp.pi), {"k": 4}, "scipy:DOP853")
+    >>> run.status, round(float(run["y"][-1]), 6), run.drift["energy"].relative < 1e-8
+    (0, 1.0, True)
     """
     found, span = looked_for.checked(events), arguments.span(t_span)
     part = _part(_compiled(system), outputs, found)

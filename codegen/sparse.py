@@ -21,8 +21,9 @@ Array = NDArray[np.float64]
 class SparseJacobian:
     """The derivatives of one group of results, and the results with them, from one function.
 
-    ``rows``, ``columns``: place of each entry that is not zero everywhere. A call gives these
-    entries, in shape (entries,) for one point or (entries, N) for N points.
+    ``shape``: (results, variables). ``rows``, ``columns``: place of each entry that is not zero everywhere.
+    A call gives these entries, in shape (entries,) for one point or (entries, N) for N points. Units are
+    those of the results over those of the variables. How it is made: see `codegen.compiled_jacobian`.
     """
 
     shape: tuple[int, int]
@@ -39,20 +40,29 @@ class SparseJacobian:
     def __call__(
         self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
     ) -> Array:
-        """Return the entries. Raises `InputError` for wrong shapes and types."""
+        """Return the entries that are not zero everywhere, (entries,) or (entries, N).
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         return self.with_value(t, x, p, u)[1]
 
     def with_value(
         self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
     ) -> tuple[Array, Array]:
-        """Return the results and the entries; both from one evaluation."""
+        """Return results, (k,) or (k, N), and entries, (entries,) or (entries, N), of one evaluation.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         everything = self.function(t, x, p, u)
         return everything[: self.shape[0]], everything[self.shape[0] :]
 
     def dense(
         self, t: ArrayLike, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
     ) -> Array:
-        """Return the whole matrix, in shape ``shape`` or (*shape, N)."""
+        """Return the whole matrix, in shape ``shape`` or (*shape, N).
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
         entries = self(t, x, p, u)
         whole = np.zeros((*self.shape, *entries.shape[1:]))
         whole[list(self.rows), list(self.columns)] = entries
@@ -61,7 +71,10 @@ class SparseJacobian:
     def sparse(
         self, t: float, x: ArrayLike, p: ArrayLike | None = None, u: ArrayLike | None = None
     ) -> Any:
-        """Return the matrix at one point as a SciPy CSR array."""
+        """Return the matrix at one point as a SciPy CSR array.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`, of one point. Raises `InputError` for wrong shapes.
+        """
         from scipy.sparse import csr_array
 
         entries = self(t, x, p, u)

@@ -26,7 +26,8 @@ from eom.system import System
 class Structure:
     """What is fixed: numbers of parameters, parameters equal to others, held states and inputs.
 
-    ``equal``: by the name of a parameter the name of the one that takes its place.
+    ``parameters``, ``states``, ``inputs``: values by name, in the units of the system. ``equal``: by the
+    name of a parameter the name of the one that takes its place.
     """
 
     parameters: Mapping[str, float]
@@ -42,8 +43,9 @@ class Structure:
         states: Mapping[str, float] | None = None,
         inputs: Mapping[str, float] | None = None,
     ) -> Structure:
-        """Read what the user fixes; a string names another parameter.
+        """Return what the user fixes of a system; a string names another parameter.
 
+        ``parameters``, ``states``, ``inputs``: as of `codegen.compile`.
         Raises `InputError` for unknown names, for parameters that are equal in a circle and for
         values that are not finite numbers; `AssumptionError` for values that contradict the
         system's assumptions.
@@ -73,8 +75,8 @@ class Structure:
     def without(self, kind: str, given: Any) -> Any:
         """Return values by name without those that are fixed; values in order stay as they are.
 
-        ``kind``: state, parameter or input. Raises `InputError` for a value that contradicts, and
-        for every parameter that is fixed.
+        ``kind``: state, parameter or input. ``given``: the values. Raises `InputError` for a value that
+        contradicts, and for every parameter that is fixed.
         """
         if not isinstance(given, Mapping):
             return given

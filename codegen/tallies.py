@@ -161,7 +161,8 @@ def quantile(bins: Bins, row: int, share: float, moments: Moments) -> float:
 class Statistics:
     """What to count of states and outputs ``names`` at each stored time.
 
-    ``quantiles``: keep what they need. ``edges``: by name the ascending edges of a histogram.
+    ``quantiles``: keep what they need. ``edges``: by name the ascending edges of a histogram, in the
+    unit of the quantity. Raises `InputError` for edges that do not ascend, or of other names.
     """
 
     names: tuple[str, ...]
@@ -183,8 +184,10 @@ class Statistics:
 class Summary:
     """Statistics of one quantity at the times ``t`` (K,), all arrays (K,): of trajectories that got there.
 
-    ``variance`` divides by count - 1. ``edges`` and ``histogram`` (K, bins): the last bin has both
-    its edges; values outside are in none.
+    ``count`` of trajectories, ``mean``, ``minimum``, ``maximum``; ``variance`` divides by count - 1.
+    ``edges`` (bins + 1,) and ``histogram`` (K, bins): the last bin has both its edges; values outside
+    are in none. ``rows``, ``moments``, ``bins``: what quantiles are computed from. In the unit of the
+    quantity. Source: Chan, Golub and LeVeque, Am. Stat. 37 (1983) 242, eq. 2.1.
     """
 
     name: str
@@ -202,11 +205,11 @@ class Summary:
 
     @property
     def deviation(self) -> Array:
-        """The standard deviation."""
+        """The standard deviation, (K,)."""
         return np.sqrt(self.variance)
 
     def quantile(self, share: ArrayLike) -> Array:
-        """Return the values below which a share lies, (K,) or (K, shares), right to 0.1 %.
+        """Return the values below which a ``share`` lies, (K,) or (K, shares), right to 0.1 %.
 
         Raises `InputError` where quantiles were not asked for, and for shares outside [0, 1].
         """

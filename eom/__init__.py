@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from eom.tables import Table as Table
 
 __version__ = "0.1.0"
+"""The version of both packages, `eom` and `codegen`, as text: major.minor.patch."""
 
 _HOME = {
     "check": "checker.checking",

@@ -25,8 +25,9 @@ from eom.worlds import ASSUMPTIONS, closure
 class Step:
     """A verified statement: its reason, where the lectures state it, and what it rests on.
 
-    ``kind``: definition, law or result; ``states``: the equations of the lectures that it states;
-    ``evidence``: how it was verified.
+    ``label``: by which `Derivation` finds it. ``statement``: two sides and a relation. ``reason``: in
+    words. ``kind``: definition, law or result; ``states``: the equations of the lectures that it states;
+    ``assumptions``: names of those that it needs; ``evidence``: how it was verified.
     """
 
     label: str
@@ -40,7 +41,12 @@ class Step:
 
 @dataclass(frozen=True)
 class Derivation:
-    """A derivation with its verified steps and its result as SymPy objects by name."""
+    """A derivation with its verified steps and its result as SymPy objects by name.
+
+    ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. In a notebook it shows
+    itself as a page.
+    """
 
     name: str
     title: str
@@ -50,7 +56,7 @@ class Derivation:
     result: Mapping[str, Any]
 
     def __getitem__(self, label: str) -> Step:
-        """Return the step with a label. Raises `KeyError`."""
+        """Return the step with a ``label``. Raises `KeyError`."""
         for step in self.steps:
             if step.label == label:
                 return step

@@ -45,8 +45,10 @@ class Part(pydantic.BaseModel):
 class Body(Part):
     """The body by principal moments, by its inertia matrix, or as a named uniform solid.
 
+    All are in the body's axes b1, b2, b3, about the centre of mass; with a weight about the fixed point,
+    where those of a solid are moved.
     ``moments``: I1, I2, I3 (kg m^2); for a spinner I1 (transverse) and I2 (about the axle).
-    ``matrix``: 3 by 3, off-diagonal entries minus the products of inertia.
+    ``matrix``: 3 x 3 (kg m^2), off-diagonal entries minus the products of inertia.
     ``solid`` with ``mass`` (kg) and ``size`` (m): see `eom.solids`; symmetric solids have their
     axis along b3, for a spinner along b2.
     """
@@ -59,7 +61,10 @@ class Body(Part):
 
 
 class Weight(Part):
-    """Weight about a fixed point: gravity along -a3."""
+    """Weight about a fixed point: gravity along -a3.
+
+    ``mass`` (kg), ``gravity`` (m/s^2), ``centre_of_mass``: from the fixed point, along b1, b2, b3 (m).
+    """
 
     mass: Positive
     gravity: Positive = 9.81
@@ -67,13 +72,20 @@ class Weight(Part):
 
 
 class GravityGradient(Part):
-    """Gravity gradient on a circular orbit; attitude is measured in the orbit frame."""
+    """Gravity gradient on a circular orbit; attitude is measured in the orbit frame.
+
+    ``orbital_rate`` (rad/s). The orbit frame: a1 radially out, a2 along the velocity, a3 the normal.
+    """
 
     orbital_rate: Positive
 
 
 class Torque(Part):
-    """At most one of: components in B (numbers or formulas), weight, gravity gradient."""
+    """At most one of: components in B, weight, gravity gradient; torque-free if none is given.
+
+    ``components``: along b1, b2, b3 (N m), numbers, or formulas over parameters, inputs, states and t.
+    ``weight``, ``gravity_gradient``: see their types.
+    """
 
     components: tuple[Formula, Formula, Formula] | None = None
     weight: Weight | None = None
@@ -81,7 +93,7 @@ class Torque(Part):
 
 
 class Value(Part):
-    """A number with its unit and meaning."""
+    """A number ``value`` with its SI ``unit`` and ``meaning``, which are texts for pages."""
 
     value: Number
     unit: str = ""
@@ -89,7 +101,12 @@ class Value(Part):
 
 
 class InitialAttitude(Part):
-    """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion."""
+    """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion.
+
+    ``sequence``: one of the 12, for ``radians`` or ``degrees``: three angles in the order of the turns,
+    each about an axis of the body as it then is. ``quaternion``: four numbers of unit norm, scalar first,
+    of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q).
+    """
 
     sequence: str = "3-1-2"
     radians: Triple | None = None
@@ -100,7 +117,10 @@ class InitialAttitude(Part):
 class Integration(Part):
     """End time (s), method, tolerances, number of output times, and of steps to try at most.
 
-    ``handover``: near the singularity of Euler angles go on in quaternions (`eom.handover`).
+    ``t_end``: from 0; negative runs backwards. ``method``: one of `codegen.METHODS`. ``rtol``, ``atol``:
+    steps meet atol + rtol |x| (``atol``: rtol / 1000 unless given). ``points``: output times at equal
+    distances, ends included. ``max_steps``: when a run is given up. ``handover``: near the singularity
+    of Euler angles go on in quaternions (`eom.handover`).
     """
 
     t_end: Number = 10.0
@@ -126,7 +146,11 @@ Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
 class Request(Part):
     """What scenes of every model have: names, numbers of formulas, and what is asked for.
 
-    ``outputs``: names of states and outputs; nothing else is derived. Empty means all states.
+    ``name``: for files, by default the scene file's. ``title``, ``description``: for pages.
+    ``parameters``: numbers, or numbers with unit and meaning, by the names that formulas use;
+    ``inputs``: the same, for what may vary with time, at the value that it is held at. ``outputs``:
+    names of states and outputs; nothing else is derived. Empty means all states. ``integration``: how
+    the scene is simulated.
     """
 
     name: str = "scene"
@@ -142,8 +166,10 @@ class Description(Request):
     """One body, its attitude coordinates and torque, numbers, and what is asked for.
 
     ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
-    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences.
-    ``initial``: values of states at t = 0, or of outputs that determine a missing state.
+    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences. ``initial``:
+    values of states at t = 0 (rad, rad/s), or of outputs that determine a missing state.
+    ``initial_attitude``: in place of the coordinates' values. ``body``, ``torque``: see their types. SI
+    units.
     """
 
     model: Literal["rigid body", "spinner"] = "rigid body"
@@ -175,15 +201,37 @@ def check_end(scene: Request) -> None:
 
 
 def inertia_values(scene: Description) -> tuple[Triple, Triple, Triple] | None:
-    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe."""
+    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe.
+
+    About the point that the equations are about: that of a solid under its weight is moved there.
+    """
     body = scene.body
     if body.solid is None:
         return body.matrix
-    J = solids.central_inertia(body.solid)
-    if J.is_diagonal():
+    central = solids.central_inertia(body.solid)
+    moved = _moved(scene)
+    if central.is_diagonal() and all(moved[i][j] == 0 for i, j in ((0, 1), (0, 2), (1, 2))):
         return None
-    a, b, c, d, e, f, g, h, i = (_number_of(entry, body) for entry in J)
+    a, b, c, d, e, f, g, h, i = (
+        _number_of(entry, body) + more
+        for entry, more in zip(central, (m for row in moved for m in row), strict=True)
+    )
     return (a, b, c), (d, e, f), (g, h, i)
+
+
+def _moved(scene: Description) -> tuple[Triple, Triple, Triple]:
+    """Return what a solid's inertia has more about the fixed point than about its centre of mass.
+
+    Huygens and Steiner's theorem: m (r.r 1 - r r^T); zero where there is no fixed point.
+    """
+    weight = scene.torque.weight
+    m = 0.0 if weight is None or scene.body.mass is None else scene.body.mass
+    x, y, z = (0.0, 0.0, 0.0) if weight is None else weight.centre_of_mass
+    return (
+        (m * (y * y + z * z), -m * x * y, -m * x * z),
+        (-m * x * y, m * (x * x + z * z), -m * y * z),
+        (-m * x * z, -m * y * z, m * (x * x + y * y)),
+    )
 
 
 def principal_values(scene: Description) -> tuple[float, float, float]:
@@ -200,7 +248,10 @@ def principal_values(scene: Description) -> tuple[float, float, float]:
             )
         first, second, *third = body.moments
         return (first, second, first) if spinner else (first, second, third[0])
-    a, b, c = (_number_of(f, body) for f in solids.principal_moments(str(body.solid)))
+    a, b, c = (
+        _number_of(f, body) + _moved(scene)[k][k]
+        for k, f in enumerate(solids.principal_moments(str(body.solid)))
+    )
     if not spinner:
         return a, b, c
     if a != b:
@@ -269,6 +320,13 @@ def _check_solid(scene: Description) -> None:
         raise unknown_name("solid", name, solids.SOLIDS, "[body] solid")
     if body.mass is None:
         raise InputError("a solid needs its mass", where="[body] mass", expected="kilograms")
+    weight = scene.torque.weight
+    if weight is not None and weight.mass != body.mass:
+        raise InputError(
+            "the solid and its weight have different masses",
+            where="[body] mass and [torque] weight",
+            got=f"{body.mass!r} and {weight.mass!r}",
+        )
     solids.check_sizes(name, body.size, "[body] size")
     J = solids.central_inertia(name)
     if scene.model == "spinner" and not J.is_diagonal():

@@ -16,8 +16,16 @@ from collections.abc import Iterable
 class InputError(ValueError):
     """Say what is wrong with an input, where, what was got and expected, and what to do.
 
-    The parts are kept as attributes (``what``, ``where``, ``got``, ``expected``, ``hint``); an
-    empty part is left out of the message.
+    The parts are kept as attributes (``what``, ``where``, ``got``, ``expected``, ``hint``), each a text; an
+    empty part is left out of the message. A `ValueError`, so that it can be caught as one.
+
+    >>> try:
+    ...     raise InputError("unknown state", got="thta", hint="did you mean theta?")
+    ... except ValueError as error:
+    ...     print(error)
+    unknown state
+      got:      thta
+      hint:     did you mean theta?
     """
 
     def __init__(
@@ -49,7 +57,10 @@ def _rebuild(
 
 
 class AssumptionError(InputError):
-    """Refuse values that contradict an assumption under which a system was derived."""
+    """Refuse values that contradict an assumption under which a system was derived.
+
+    An `InputError` with the same parts: ``what`` names the assumption, ``got`` the values.
+    """
 
 
 def near_matches(name: str, known: Iterable[str]) -> str:

@@ -20,7 +20,11 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Vector:
-    """Components of a vector in a right-handed orthonormal frame."""
+    """Components of a vector in a right-handed orthonormal frame.
+
+    ``frame``: its name. ``components``: three expressions, along the frame's unit vectors 1, 2, 3, in any
+    consistent units. Sums and products of vectors in different frames raise `InputError`.
+    """
 
     frame: str
     components: tuple[Expr, Expr, Expr]
@@ -41,16 +45,18 @@ class Vector:
         return self.map(lambda c: factor * c)
 
     def map(self, rule: Callable[[Expr], Expr]) -> Vector:
-        """Apply ``rule`` to each component."""
+        """Return the vector with ``rule`` applied to each component."""
         return vector(self.frame, (rule(c) for c in self.components))
 
     def dot(self, other: Vector) -> Expr:
-        """Scalar product; both vectors in the same frame."""
+        """Return the scalar product with ``other``. Raises `InputError` unless the frames are the same."""
         _same_frame(self, other)
         return sp.Add(*(a * b for a, b in zip(self.components, other.components, strict=True)))
 
     def cross(self, other: Vector) -> Vector:
-        """Vector product; both vectors in the same frame.
+        """Return the vector product, this times ``other``.
+
+        Raises `InputError` unless the frames are the same.
 
         >>> x, y = vector("B", (1, 0, 0)), vector("B", (0, 1, 0))
         >>> x.cross(y).components
@@ -61,13 +67,18 @@ class Vector:
 
     @property
     def column(self) -> Expr:
-        """The components as a SymPy column."""
+        """The components as a SymPy column, 3 by 1."""
         return sp.Matrix(self.components)
 
 
 @dataclass(frozen=True)
 class Rotation:
-    """``matrix`` takes components in ``from_frame`` to components in ``to_frame``."""
+    """A rotation ``matrix`` that takes components in ``from_frame`` to components in ``to_frame``.
+
+    It is 3 x 3, and written C_BA for ``to_frame`` B and ``from_frame`` A: [v]_B = C_BA [v]_A; its rows are
+    the unit vectors of B, written in A. Rotations chain by ``@``: C_CA = C_CB @ C_BA, and raise
+    `InputError` where the inner frames differ.
+    """
 
     to_frame: str
     from_frame: str
@@ -91,7 +102,7 @@ class Rotation:
         return Rotation(self.from_frame, self.to_frame, self.matrix.T)
 
     def apply(self, v: Vector) -> Vector:
-        """Express ``v``, given in ``from_frame``, in ``to_frame``."""
+        """Return ``v``, given in ``from_frame``, in ``to_frame``. Raises `InputError` for other frames."""
         if v.frame != self.from_frame:
             raise InputError(
                 f"C_{self.to_frame}{self.from_frame} takes components in {self.from_frame}",

@@ -43,7 +43,10 @@ def poisson(C: Expr, omega: Vector) -> Expr:
 
 
 class Attitude(Protocol):
-    """A choice of attitude coordinates of a body frame B in a reference frame A."""
+    """A choice of attitude coordinates of a body frame B in a reference frame A.
+
+    Made by `eom.kinematics.attitude` of a name: ``quaternion``, ``dcm``, or a sequence such as ``3-1-2``.
+    """
 
     @property
     def name(self) -> str:
@@ -55,10 +58,10 @@ class Attitude(Protocol):
 
     @property
     def matrix(self) -> Expr:
-        """``C_BA`` over the coordinates."""
+        """``C_BA`` over the coordinates, 3 x 3: it takes components in A to components in B."""
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:
-        """Rates of the coordinates; ``omega`` of B in A, components in B."""
+        """Return the rates of the coordinates; ``omega`` of B in A (rad/s), components in B."""
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:
@@ -66,7 +69,7 @@ class Attitude(Protocol):
 
     @property
     def constraints(self) -> tuple[tuple[str, str, Expr], ...]:
-        """(name, meaning, expression) of what stays constant for every motion."""
+        """What stays constant for every motion, as (name, meaning, expression)."""
 
 
 @dataclass(frozen=True)

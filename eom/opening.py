@@ -17,7 +17,9 @@ AnyScene = Scene | TreeScene
 def load_scene(name: str | Path) -> AnyScene:
     """Return a ready scene by its name, or one from a file: ``.toml``, or ``.urdf`` (extra ``urdf``).
 
-    Raises `InputError` for other names, and with the file's name for whatever is wrong in it.
+    A word that is no file is a ``name`` of a ready scene. A `Scene` has one body, a `TreeScene` many;
+    both answer the same. Raises `InputError` for other names, and with the file's name for whatever is
+    wrong in it.
 
     >>> load_scene("double-pendulum").derive().state_names
     ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')

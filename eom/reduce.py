@@ -21,7 +21,7 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Reduction:
-    """What was left out of a system, why, and the operations saved an evaluation."""
+    """``what`` was left out of a system, ``why``, and the operations ``saved`` an evaluation."""
 
     what: str
     why: str
@@ -30,7 +30,7 @@ class Reduction:
 
 @dataclass(frozen=True)
 class Explanation:
-    """The reductions in order, with the operations of the system before and after."""
+    """The ``reductions`` in order, with the operations of the rates ``before`` and ``after``."""
 
     reductions: tuple[Reduction, ...]
     before: int

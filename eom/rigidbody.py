@@ -31,7 +31,16 @@ OMEGA = vector("B", (sp.Symbol(f"omega_{k}", real=True) for k in (1, 2, 3)))
 
 
 def principal_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
-    """Return diag(I1, I2, I3) and the quantities in it."""
+    """Return diag(I1, I2, I3) and the quantities in it, for principal axes b1, b2, b3.
+
+    The matrix is 3 x 3, of positive symbols in kg m^2, about the centre of mass or a fixed point.
+
+    >>> principal_inertia()[0]
+    Matrix([
+    [I1,  0,  0],
+    [ 0, I2,  0],
+    [ 0,  0, I3]])
+    """
     moments = tuple(
         Quantity(
             sp.Symbol(f"I{k}", positive=True),
@@ -47,7 +56,14 @@ def principal_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
 def full_inertia() -> tuple[Expr, tuple[Quantity, ...]]:
     """Return the symmetric matrix of J11, J12, ..., J33 and the six quantities in it.
 
-    Off-diagonal entries are minus the products of inertia: J12 = -integral of r1 r2 dm.
+    The matrix is 3 x 3, in kg m^2, in the body's axes b1, b2, b3, about the centre of mass or a fixed
+    point. Off-diagonal entries are minus the products of inertia: J12 = -integral of r1 r2 dm.
+
+    >>> full_inertia()[0]
+    Matrix([
+    [J11, J12, J13],
+    [J12, J22, J23],
+    [J13, J23, J33]])
     """
     entries = {}
     for i in (1, 2, 3):
@@ -82,8 +98,12 @@ def euler_equations(
     """Return (mass matrix or None, rates) of dh/dt = torque; principal axes need no matrix.
 
     ``J``: inertia matrix (kg m^2) about the centre of mass or a fixed point, in B; ``torque`` about
-    the same point (N m), in B. A full inertia matrix stays on the left and is never inverted.
-    ``momentum``: symbols that name J omega, where the result shall use them.
+    the same point (N m), in B. ``omega``: angular velocity of B in inertial space (rad/s), in B.
+    ``momentum``: symbols that name J omega (N m s), where the result shall use them.
+
+    The mass matrix is 3 x 3, there are three rates. A full inertia matrix stays on the left and is never
+    inverted. Raises `InputError` for vectors in different frames.
+    Source: lecture 002 eq. 3.22-3.27; Goldstein, Classical Mechanics (2002), sect. 5.5.
 
     >>> J, _ = principal_inertia()
     >>> euler_equations(J, vector("B", (0, 0, 0)))[1][0]
@@ -113,9 +133,20 @@ def rigid_body(
     """Derive a rigid body's equations of motion: Euler's equations, and attitude where given.
 
     ``inertia``: from `principal_inertia` or `full_inertia`. ``torque``: from (C_BA, J) to a
-    `Torque`. States: omega_1, omega_2, omega_3 (rad/s, of B in inertial space, components in B),
-    then the coordinates of ``attitude`` (of B in the reference frame A). Outputs and invariants
+    `Torque`, both in the body's axes B; C_BA takes components in A to components in B, and is None
+    without ``attitude``. States: omega_1, omega_2, omega_3 (rad/s, of B in inertial space, components in
+    B), then the coordinates of ``attitude`` (of B in the reference frame A). Outputs and invariants
     hold everything that can be computed; `eom.scene` keeps what is asked for.
+
+    Raises `InputError` for a torque that is not in B, and as `System` does, for symbols of the torque
+    that are in none of its parameters and inputs.
+    Source: lecture 002 eq. 3.22-3.27, 3.36; Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
+
+    >>> from eom.torques import applied
+    >>> M = sp.Symbol("M", real=True)
+    >>> spun_up = applied((0, 0, M), inputs=(Quantity(M, "N m", "torque about b3"),))
+    >>> rigid_body(principal_inertia(), lambda C, J: spun_up).rates[2]
+    (M + omega_1*omega_2*(I1 - I2))/I3
     """
     J, moments = inertia
     C = attitude.matrix if attitude else None
@@ -263,6 +294,12 @@ def _with_unit(constraint: tuple[str, str, Expr]) -> tuple[str, Expr, str, str]:
 def free_rigid_body(attitude: str | None = None) -> System:
     """Derive the torque-free body in principal axes, with its constants T and H.
 
+    ``attitude``: coordinates of B in inertial space, ``quaternion`` (scalar first), ``dcm`` or one of the
+    12 rotation sequences such as ``3-1-2``; none if left out. States: see `rigid_body`, in SI units.
+    T (J) is the kinetic energy, H (N m s) the magnitude of the angular momentum about the centre of mass.
+    Raises `InputError` for other names of attitudes.
+    Source: lecture 000; Goldstein, Classical Mechanics (2002), sect. 5.6.
+
     >>> free_rigid_body().invariant_names
     ('T', 'H')
     """
@@ -278,7 +315,17 @@ def free_rigid_body(attitude: str | None = None) -> System:
 
 
 def heavy_top(attitude: str = "quaternion") -> System:
-    """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3."""
+    """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3.
+
+    ``attitude``: coordinates of B in inertial space A, as in `free_rigid_body`. Parameters: principal
+    moments I1, I2, I3 (kg m^2) about the fixed point, mass m (kg), gravity g (m/s^2), and r3 (m), the
+    centre of mass along b3 from the fixed point. States: see `rigid_body`.
+    Raises `InputError` for other names of attitudes.
+    Source: lecture 002 eq. 3.20; Goldstein, Classical Mechanics (2002), sect. 5.7.
+
+    >>> heavy_top().invariant_names  # energy, angular momentum along the vertical a3, norm
+    ('E', 'H_3', 'q_norm')
+    """
     return rigid_body(
         principal_inertia(),
         lambda C, J: torques.weight(C),
@@ -289,7 +336,18 @@ def heavy_top(attitude: str = "quaternion") -> System:
 
 
 def gravity_gradient_satellite(attitude: str = "quaternion") -> System:
-    """Derive a satellite on a circular orbit; attitude is that in the orbit frame."""
+    """Derive a satellite on a circular orbit; attitude is that in the orbit frame.
+
+    The orbit frame A: a1 radially out, a2 along the velocity, a3 the orbit normal; it turns by n a3.
+    ``attitude``: coordinates of B in A, as in `free_rigid_body`. Parameters: principal moments I1, I2, I3
+    (kg m^2) about the centre of mass, orbital rate n (rad/s). omega is still that in inertial space.
+    The torque is 3 n^2 a1 x (J a1), of first order in size of the body by radius of the orbit.
+    Raises `InputError` for other names of attitudes.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1.
+
+    >>> gravity_gradient_satellite().invariant_names  # E is Jacobi's integral
+    ('E', 'q_norm')
+    """
     return rigid_body(
         principal_inertia(),
         torques.gravity_gradient,

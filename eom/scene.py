@@ -24,8 +24,14 @@ from eom.system import System
 class Scene(Description):
     """A checked description, with the systems and numbers that follow from it.
 
-    Fields: see `eom.description.Description`. Raises `InputError` for anything that is misspelt,
-    missing or impossible.
+    Fields: see `eom.description.Description` and `eom.description.Request`. SI units, angles in radians;
+    frames: A reference, B body, with C_BA from components in A to those in B. Raises `InputError` for
+    anything that is misspelt, missing or impossible.
+
+    >>> top = Scene(body={"moments": (1, 1, 2)}, torque={"components": (0, 0, "M")},
+    ...     parameters={"M": 0.1}, outputs=("omega_3",), initial={"omega_3": 5})
+    >>> top.derive()
+    System('scene': states omega_3; parameters I3, M)
     """
 
     def __init__(self, /, **data: Any) -> None:
@@ -54,7 +60,10 @@ class Scene(Description):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Scene:
-        """Read a scene file. Raises `InputError` with the file's name for whatever is wrong in it."""
+        """Return the scene of a TOML file at ``path``.
+
+        Raises `InputError` with the file's name for whatever is wrong in it.
+        """
         file = Path(path)
         data = data_of(file)
         with in_file(file):
@@ -64,7 +73,9 @@ class Scene(Description):
 
     @classmethod
     def ready(cls, name: str) -> Scene:
-        """Return one of the scenes that ship with the package. Raises `InputError` for other names.
+        """Return one of the scenes that ship with the package; ``eom list`` names them.
+
+        Raises `InputError` for other names.
 
         >>> Scene.ready("bicycle-wheel").derive().state_names
         ('theta', 'psi', 'theta_dot', 'psi_dot')
@@ -99,19 +110,25 @@ class Scene(Description):
         return self._derived[1]
 
     def initial_values(self) -> dict[str, float]:
-        """Return the initial value of each state of `derive`. Raises `InputError` for missing ones."""
+        """Return the value at t = 0 of each state of `derive`, by name, in SI units.
+
+        Raises `InputError` for missing ones, and for an attitude that is no rotation.
+        """
         values = start.states(self, self.full_system)
         return start.pick(values, self.derive().state_names, "initial value", "[initial]")
 
     def parameter_values(self) -> dict[str, float]:
-        """Return the value of each parameter of `derive`, constants of the motion included."""
+        """Return the value of each parameter of `derive`, by name, constants of the motion included.
+
+        SI units. Raises `InputError` for missing ones.
+        """
         values = start.states(self, self.full_system) | start.constants(self)
         return start.pick(
             values, self.derive().parameter_names, "parameter", "[parameters] or [initial]"
         )
 
     def input_values(self) -> dict[str, float]:
-        """Return the value at which each input of `derive` is held."""
+        """Return the value at which each input of `derive` is held, by name."""
         return {n: v.value for n, v in self.inputs.items() if n in self.derive().input_names}
 
     @property

@@ -45,8 +45,16 @@ RATES = {
 class SpinningSymmetricBody:
     """The derivation of lecture 001 for a torque given by its components in B.
 
-    ``torque``: components (M1, M2, M3) along b1, b2, b3 about the centre of mass, expressions of
+    Frames: I inertial; A after psi about the third axis; B after theta about the first axis; the body's
+    own frame turns about b2 relative to B by phi, at the rate Omega. Moments of inertia (kg m^2) about
+    the centre of mass: I2 about the axle b2, I1 across it. Angles in rad, rates in rad/s.
+
+    ``torque``: components (M1, M2, M3) (N m) along b1, b2, b3 about the centre of mass, expressions of
     parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
+    ``parameters``, ``inputs``: the quantities in it. Source: lecture 001.
+
+    >>> SpinningSymmetricBody((0, 0, 0)).accelerations[1]
+    (-C*I2*theta_dot + 2*I1*psi_dot*theta_dot*sin(theta))/(I1*cos(theta))
     """
 
     torque: tuple[Expr, Expr, Expr]
@@ -82,12 +90,12 @@ class SpinningSymmetricBody:
 
     @property
     def inertia(self) -> Expr:
-        """Inertia matrix about the centre of mass G, in B."""
+        """Inertia matrix (3 x 3, kg m^2) about the centre of mass G, in B: diag(I1, I2, I1)."""
         return sp.ImmutableMatrix(sp.diag(I1, I2, I1))
 
     @property
     def h_G(self) -> Vector:
-        """Angular momentum about G, components in B."""
+        """Angular momentum about G (N m s), components in B."""
         return angular_momentum(self.inertia, self.omega_CI)
 
     @cached_property
@@ -136,7 +144,11 @@ class SpinningSymmetricBody:
     def system(
         self, name: str = "spinner", title: str = "3-1-2 spinning symmetric rigid body"
     ) -> System:
-        """Return the equations of motion, over the states theta, psi, phi, theta', psi', C."""
+        """Return the equations of motion, over the states theta, psi, phi, theta', psi', C.
+
+        Singular where cos(theta) = 0. Raises `InputError` as `System` does, for symbols of the torque that
+        are in none of ``parameters`` and ``inputs``.
+        """
         theta_ddot, psi_ddot = self.accelerations
         Omega = self._over_spin(OMEGA)
         equations = {
@@ -228,7 +240,9 @@ class SpinningSymmetricBody:
 
 
 def lecture_torque() -> SpinningSymmetricBody:
-    """Return the body of lecture 001 with its torque -M1 b1, M1 a parameter.
+    """Return the body of lecture 001 with its torque -M1 b1, M1 (N m) a parameter.
+
+    Source: lecture 001; frames and symbols as in `SpinningSymmetricBody`.
 
     >>> lecture_torque().h_G.components[1]
     I2*(Omega + psi_dot*sin(theta))

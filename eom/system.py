@@ -39,7 +39,11 @@ def as_expression(value: Any) -> Expr:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A symbol with its SI unit, a one-line meaning and its LaTeX form."""
+    """A symbol with its SI unit, a one-line meaning and its LaTeX form.
+
+    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
+    ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
+    """
 
     symbol: Expr
     unit: str = ""
@@ -59,7 +63,11 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Definition:
-    """A named expression: an intermediate, an output or a constant of the motion."""
+    """A named expression: an intermediate, an output or a constant of the motion.
+
+    ``quantity``: the name, with its SI unit. ``expression``: over states, parameters, inputs, time and
+    definitions before it.
+    """
 
     quantity: Quantity
     expression: Expr
@@ -79,7 +87,9 @@ class Definition:
 class Singularity:
     """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
 
-    ``coordinate`` is the state to name in a report (the middle angle of a rotation sequence).
+    ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
+    configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
+    rotation sequence). ``meaning``: what happens there.
     """
 
     expression: Expr
@@ -93,7 +103,8 @@ class Assumption:
 
     Every expression of ``vanish`` is zero and every one of ``nonnegative`` is at least zero when
     the assumption holds. The expressions may use symbols that the system no longer has, so that
-    values given for them can be tested against what was assumed.
+    values given for them can be tested against what was assumed. ``meaning``: in words. What has no
+    expressions is stated and not tested.
     """
 
     name: str
@@ -113,7 +124,11 @@ class System:
     ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
-    integration brings the state back unless told otherwise. Units are SI; angles are in radians.
+    integration brings the state back unless told otherwise. ``time``: the symbol of time. Units are SI;
+    angles are in radians.
+
+    Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
+    by the meanings of the quantities. Two systems are equal if all but their titles are.
 
     Raises `InputError` for repeated names, free symbols without a meaning, or wrong lengths.
     """
@@ -149,7 +164,12 @@ class System:
         outputs: Mapping[str, Expr] | None = None,
         invariants: Mapping[str, Expr] | None = None,
     ) -> System:
-        """Build a system from ``{state symbol: rate}``; what else is free becomes a parameter.
+        """Return a system of ``{state symbol: rate}``; what else is free becomes a parameter.
+
+        ``rates``: one expression a state, in the order of the states. ``inputs``: symbols of inputs.
+        ``time``: the symbol of time, SymPy's real ``t``. ``outputs``, ``invariants``: expressions by name;
+        that an invariant is constant is not tested. Parameters are in the order of their names. Any
+        consistent units. Raises `InputError` for text in place of expressions, and as `System` does.
 
         >>> y1, y2, k = sp.symbols("y1 y2 k")
         >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
@@ -216,7 +236,10 @@ class System:
         return full
 
     def expand(self, expression: Expr) -> Expr:
-        """Return ``expression`` over states, parameters, inputs and time alone."""
+        """Return ``expression`` over states, parameters, inputs and time alone.
+
+        Raises `InputError` for what is no expression, text above all.
+        """
         return as_expression(expression).xreplace(self._full_definitions)
 
     def rate_of(self, expression: Expr) -> Expr:

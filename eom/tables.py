@@ -36,12 +36,13 @@ OUTSIDE = {
 class Table:
     """A function of one variable, given by values at breakpoints; call it on an expression.
 
-    ``kind``: ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends
-    (de Boor, A Practical Guide to Splines, ch. IV), which may overshoot; ``pchip``, cubic with one
-    continuous derivative, monotone where the values are (Fritsch and Butland, SIAM J. Sci. Stat.
-    Comput. 5, 1984). ``outside``: what holds beyond the first and last breakpoint: ``hold``, the end
-    values, or ``linear``, the end slopes. ``order``: how often the function has been differentiated;
-    at a breakpoint a derivative that jumps has its value from the right.
+    ``breakpoints``, ``values``: K numbers each, K at least 2, in any consistent units. ``kind``:
+    ``linear``; ``cubic``, the spline with two continuous derivatives and not-a-knot ends (de Boor, A
+    Practical Guide to Splines, ch. IV), which may overshoot; ``pchip``, cubic with one continuous
+    derivative, monotone where the values are (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
+    ``outside``: what holds beyond the first and last breakpoint: ``hold``, the end values, or
+    ``linear``, the end slopes. ``order``: how often the function has been differentiated; at a
+    breakpoint a derivative that jumps has its value from the right.
 
     Raises `InputError` for fewer than two breakpoints, breakpoints that do not increase, numbers
     that are not finite, lists of different lengths, and unknown words.
@@ -63,7 +64,7 @@ class Table:
         _check(self, where)
 
     def __call__(self, argument: Any) -> Expr:
-        """Return the function applied to an expression. Raises `InputError` for text."""
+        """Return the function applied to an expression ``argument``. Raises `InputError` for text."""
         return TableFunction(_Data(self), as_expression(argument))
 
     @property
@@ -110,7 +111,7 @@ class Table:
         return row, self.breakpoints[max(row - 1, 0)]
 
     def at(self, x: Fraction) -> Fraction:
-        """Return the exact value at a rational number."""
+        """Return the exact value at a rational number ``x``."""
         row, start = self.anchor(x)
         value, h = Fraction(0), x - Fraction(start)
         for c in reversed(self.exact_rows[row]):

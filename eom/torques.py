@@ -27,10 +27,11 @@ AT_REST = vector("B", (0, 0, 0))
 class Torque:
     """Torque about the reference point, in B, with what comes with it.
 
-    ``potential``: energy whose loss is the work of the torque, or zero. ``frame_rate``: angular
-    velocity in inertial space of the frame A that attitude is measured from, in B. ``directions``:
-    components in B of the axes of A that matter, as definitions. ``reference_point``: what momentum
-    and torque are about.
+    ``components``: of the torque (N m), in B. ``potential``: energy (J) whose loss is the work of the
+    torque, or zero. ``frame_rate``: angular velocity (rad/s) in inertial space of the frame A that
+    attitude is measured from, in B. ``parameters``, ``inputs``: the quantities in it. ``directions``:
+    components in B of the axes of A that matter, as definitions. ``assumptions``: under which it holds.
+    ``reference_point``: what momentum and torque are about.
     """
 
     components: Vector

@@ -22,7 +22,10 @@ Rates = Mapping[Any, Any]
 
 @dataclass(frozen=True)
 class FirstDerivative:
-    """The two terms of the first derivative."""
+    """The two terms of the first derivative, as seen from A, of a vector v that is given in B.
+
+    Source: the transport theorem, Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.3.
+    """
 
     local: Vector
     """B-derivative of v."""

@@ -218,7 +218,15 @@ ROWS: tuple[Method, ...] = (
 OF_ATTITUDE = (rkmk.NAME, splitting.NAME)
 """Methods for systems with an attitude quaternion alone."""
 METHODS = tuple(row.name for row in ROWS)
-"""Names that ``method`` takes; `ROWS` says what they are."""
+"""Names of integration methods that `codegen.simulate` takes as ``method``.
+
+``auto`` chooses, and says why. DOP853, DP5, Tsit5 (explicit Runge-Kutta methods of orders 8, 5, 5) and
+taylor (Taylor series) run in generated C; rkmk and splitting are for attitude as a quaternion; names
+with ``scipy:`` and ``sundials:`` are methods of these libraries over the compiled functions. `ROWS` says
+more. Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993); Jorba and
+Zou, Experimental Mathematics 14 (2005); Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; Blanes and Moan,
+J. Comput. Appl. Math. 142 (2002) 313.
+"""
 
 
 def can_project(method: str) -> bool:

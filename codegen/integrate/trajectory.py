@@ -83,7 +83,8 @@ class Problem:
 class Stop:
     """Why and when a run stopped: end, singular, event, not finite, step, max_steps, memory, left.
 
-    ``which``: number of the singularity, of the event, or of the state that is not finite.
+    ``kind``: one of these words; ``t``: the time, in the unit of the system (s).
+    ``which``: number of the singularity, of the event, or of the state that is not finite; -1 for none.
     A run is left where its ``watch`` says so.
     """
 

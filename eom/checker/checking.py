@@ -68,7 +68,12 @@ def check(
 
     ``note``: a `Path`, the name of a file (see `eom.checker.inputs.is_file`), else a text. All others:
     see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a draft
-    from its words, as ``Report.lexicon`` tells.
+    from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon gives
+    to the symbols; numbers with units are compared in SI.
+
+    Verdicts are found by exact values in random worlds of rigid bodies (`eom.verification`): what fails is
+    wrong for certain, what holds does so but with a negligible probability of error (Schwartz, J. ACM 27,
+    1980).
     Raises `InputError` for a note that cannot be read and for settings that cannot be used.
 
     >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict

@@ -26,9 +26,10 @@ class Correction:
 
 @dataclass(frozen=True)
 class Counterexample:
-    """Small numbers for which a line fails: values by the LaTeX of symbols, then those of members.
+    """Small numbers for which a line fails.
 
-    ``assumptions``: under which the numbers stand.
+    ``values``: by the LaTeX of symbols; ``members``: what each member of the line then is. Both are texts,
+    in any consistent units. ``assumptions``: under which the numbers stand.
     """
 
     values: tuple[tuple[str, str], ...]
@@ -42,6 +43,7 @@ class Explanation:
 
     ``residual``: LaTeX of what is too much on the left side, in the writer's symbols, "" if no short one
     was found; ``blamed``: the places at fault; ``corrections``: the most plausible first;
+    ``counterexample``: small numbers for which it fails, None if none was found;
     ``convention``: what other convention makes the line right, "" for none.
     """
 

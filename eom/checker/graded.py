@@ -9,7 +9,7 @@ from eom.checker.report import Report
 
 @dataclass(frozen=True)
 class Graded:
-    """A note by its name with its report, or with the error for which there is none."""
+    """A note by its name with its ``report``, or with the ``error`` for which there is none."""
 
     name: str
     report: Report | None = None

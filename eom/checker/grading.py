@@ -38,11 +38,16 @@ def check_files(
     workers: int = 0,
     progress: Progress = lambda _: None,
 ) -> tuple[Graded, ...]:
-    """Return what became of each note, in order; folders stand for the notes in them.
+    r"""Return what became of each note, in order; folders stand for the notes in them.
 
     ``notes``: as `eom.check` takes them. ``workers``: processes, 0 for as many as there are cores.
-    ``progress`` is told the fraction done. Raises `InputError` for settings that cannot be used, a folder
-    with too many notes, and where no worker can be started.
+    ``progress`` is told the fraction done. A note that cannot be read has an error in place of a report.
+    Raises `InputError` for settings that cannot be used, a folder with too many notes, and where no worker
+    can be started.
+
+    >>> graded = check_files([r"\vec H_C = I_C \vec\omega"], Settings("arrow-tilde"), workers=1)
+    >>> [(one.status, one.report.counts) for one in graded]
+    [('nothing wrong', {'holds under': 1})]
     """
     return check_notes([note_of(n) for n in notes], settings or Settings(), workers, progress)
 

@@ -21,7 +21,7 @@ class Span(NamedTuple):
     stop: int
 
     def join(self, other: Span) -> Span:
-        """Return the smallest span that holds both."""
+        """Return the smallest span that holds both, this and ``other``; `NOWHERE` adds nothing."""
         if other == NOWHERE:
             return self
         if self == NOWHERE:
@@ -34,7 +34,7 @@ NOWHERE = Span(-1, -1)
 
 @dataclass(frozen=True)
 class Source:
-    """A decoded text with a name for messages: a file, a cell of a notebook, the command line."""
+    """A decoded ``text`` with a name for messages: a file, a cell of a notebook, the command line."""
 
     text: str
     name: str = ""
@@ -45,7 +45,7 @@ class Source:
         object.__setattr__(self, "_starts", tuple(starts))
 
     def line_column(self, offset: int) -> tuple[int, int]:
-        """Return line and column of an offset, both counted from 1."""
+        """Return line and column of an ``offset`` in characters, both counted from 1."""
         offset = min(max(offset, 0), len(self.text))
         line = bisect.bisect_right(self._starts, offset)
         return line, offset - self._starts[line - 1] + 1
@@ -66,7 +66,7 @@ class Source:
         return printable(self.text[left:right]), start - left, width
 
     def caret(self, span: Span, indent: int = 0) -> str:
-        """Return two lines: the text around a place, and carets under it."""
+        """Return two lines: the text around a place, and carets under it, ``indent`` spaces in."""
         text, column, width = self.shown(span)
         return f"{text}\n{' ' * (indent + column)}{'^' * width}"
 

@@ -31,7 +31,11 @@ PROSE = "prose"
 
 @dataclass(frozen=True)
 class Remark:
-    """What a formula has to do with the rest of the note: a kind (row of a table), words, a line."""
+    """What a formula has to do with the rest of the note.
+
+    ``kind``: a row of a table, in words. ``text``: what is remarked. ``line``: of the note that it is
+    about, from 1; 0 for none.
+    """
 
     kind: str
     text: str
@@ -43,7 +47,8 @@ class Finding:
     """A formula of a note, or a claim in words, with its verdict.
 
     ``number``: from 1, each kind apart; ``kind``: "display", "inline" or "prose"; ``line`` and
-    ``column`` from 1; ``span``: place in ``source``; ``latex``: as it stands; ``sets``: smallest sets of
+    ``column`` from 1; ``span``: place in ``source``; ``latex``: as it stands; ``verdict``: one of
+    `ORDER`, "wrong" to "no claim"; ``remarks``: on its place in the note; ``sets``: smallest sets of
     assumptions under which it holds; ``reason``: of a verdict that needs one; ``place``: of the reason;
     ``read_as``: what was read otherwise than it stands; ``carried``: the line whose slip it carries
     forward, 0 for none.
@@ -78,9 +83,10 @@ class Finding:
 class Report:
     """What was found in a note.
 
-    ``name``: of the note; ``lexicon``: where the meanings of its symbols come from; ``drafts``: those
-    that were taken from its words unconfirmed; ``unplaced``: symbols that the draft has no meaning for;
-    ``given``: what was assumed without being said; ``notices``: what of the note was not read.
+    ``name``: of the note; ``findings``: in the order of the note; ``lexicon``: where the meanings of its
+    symbols come from; ``drafts``: those that were taken from its words unconfirmed; ``unplaced``:
+    symbols that the draft has no meaning for; ``given``: what was assumed without being said;
+    ``notices``: what of the note was not read.
     """
 
     name: str

@@ -114,7 +114,15 @@ def names() -> list[str]:
 
 @lru_cache(maxsize=64)
 def derive(name: str) -> Derivation:
-    """Return a derivation, every step verified. Raises `InputError` for unknown names."""
+    """Return a derivation by its ``name``, every step verified when it is made.
+
+    The names are those that ``eom list`` prints: of the lectures, and ``inertia-of-`` a solid. The same
+    object is returned again. Frames, units and sources stand in the steps.
+    Raises `InputError` for unknown names.
+
+    >>> derive("point-mass")["newton"].reason
+    "Newton's second law"
+    """
     solids = _solid_names()
     if name in solids:
         module = importlib.import_module("eom.derivations.solids")

@@ -25,7 +25,11 @@ class RotorPart(Part):
 
 
 class SpringPart(Part):
-    """A spring and damper between two points: see `eom.multibody.attachments.Spring`."""
+    """A spring and damper between two points: see `eom.multibody.attachments.Spring`.
+
+    ``first``, ``second``: bodies, or the ground. ``first_point``, ``second_point``: on these, from their
+    origins, in their axes (m).
+    """
 
     first: str
     second: str
@@ -37,7 +41,7 @@ class SpringPart(Part):
 
 
 class PointPart(Part):
-    """A point of a body, or of the ground: see `eom.multibody.points.Point`."""
+    """A point of a ``body``, or of the ground: see `eom.multibody.points.Point`."""
 
     body: str
     position: Formulas = (0, 0, 0)

@@ -24,7 +24,9 @@ class Rotor:
     and braked by ``damping`` (N m s) of its speed in the body; ``angle``: whether the angle in the body,
     ``q_<name>``, is a state too. ``speed``: instead, its speed in the body as an expression of time.
 
-    Raises `InputError` for a moment that is not positive, and a given speed together with what drives it.
+    ``torque`` and ``tau_<name>`` act on the rotor, their opposites on the body. Raises `InputError` for a
+    moment that is not positive, and a given speed together with what drives it.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 3.3 and 6.2.
     """
 
     name: str
@@ -66,7 +68,7 @@ class Rotor:
 
     @property
     def acceleration(self) -> Value:
-        """The rate of a given speed."""
+        """The rate of a given speed (rad/s^2). Raises `InputError` where it is no real expression."""
         return (
             0
             if values.is_number(self.speed)
@@ -81,7 +83,7 @@ class Spring:
     ``bodies``: two names. ``points``: one of each, in its axes, from its origin (m). The tension is
     ``stiffness`` (N/m) times the distance less the free ``length`` (m), and ``damping`` (N s/m) times
     the rate of the distance. Its direction is lost where the points coincide, unless length and damping
-    are zero.
+    are zero. Raises `InputError` for other than two bodies and two points.
     """
 
     name: str

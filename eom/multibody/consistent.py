@@ -30,7 +30,9 @@ NOTABLE = 1e-12
 class Assembly:
     """Consistent values by name, of all coordinates and speeds, and how they differ from those given.
 
-    ``turns``: of Newton's iteration. ``left``: the largest constraint that is left (m or 1).
+    ``values``: coordinates (rad, m) and speeds (rad/s, m/s); ``changes``: those that were changed
+    notably, by how much. ``turns``: of Newton's iteration. ``left``: the largest constraint that is left
+    (m or 1).
     """
 
     values: Mapping[str, float]
@@ -46,7 +48,7 @@ class Assembly:
         return f"changed: {told}"
 
     def start(self, system: System) -> dict[str, float]:
-        """Return the values of a system's states."""
+        """Return the values of the states of a ``system``, by name."""
         return {name: self.values[name] for name in system.state_names}
 
 
@@ -64,10 +66,19 @@ def assemble(
     out, for a quaternion the unit. ``weights``: by name of a speed; what has a larger one changes
     less, and so does its coordinate (1 unless given). ``keep``: names of speeds, or of coordinates
     whose rate is a speed, that must not change. Coordinates change least in each turn of Newton's
-    iteration; of all speeds that meet the constraints there, the nearest are returned.
+    iteration; of all speeds that meet the constraints there, the nearest are returned. ``time``: at which
+    prescribed motions and constraints are taken (s). SI units.
 
     Raises `InputError` for unknown names, where no configuration is found near the values, where
     constraints meet with the wrong side (an axis turned round), and in singular configurations.
+    Source: Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+
+    >>> from eom.multibody import Body, Distance, Joint
+    >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))
+    >>> rod = Distance("rod", "ground", "bead", 2)
+    >>> tree = Tree("rod", (bead,), (Joint("free", "free", "ground", "bead"),), constraints=(rod,))
+    >>> print(assemble(tree, {"x_free": 1.0, "v_free_1": 3.0, "v_free_2": 1.0}))
+    changed: x_free by 1, v_free_1 by -3
     """
     geometry, q, u = _given(tree, values, time)
     mobility = _mobility(tree, weights or {}, keep)

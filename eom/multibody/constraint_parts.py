@@ -11,7 +11,7 @@ from eom.multibody.places import Axis, Formulas, Place
 
 
 class LoopPart(Part):
-    """A loop closed by a ``joint`` of that kind: see `eom.multibody.constraints.Loop`."""
+    """A loop closed by a ``joint`` of that kind, of ``kind`` loop: see `eom.multibody.constraints.Loop`."""
 
     kind: Literal["loop"]
     joint: str
@@ -24,7 +24,7 @@ class LoopPart(Part):
 
 
 class DistancePart(Part):
-    """A rod without mass: see `eom.multibody.constraints.Distance`."""
+    """A rod without mass, of ``kind`` distance: see `eom.multibody.constraints.Distance`."""
 
     kind: Literal["distance"]
     first: str
@@ -35,21 +35,27 @@ class DistancePart(Part):
 
 
 class EquationPart(Part):
-    """An equation between coordinates, or with ``kind`` speed_equation between speeds."""
+    """An equation between coordinates, or with ``kind`` speed_equation between speeds.
+
+    See `eom.multibody.constraints.Equation` and `SpeedEquation`; ``expression`` is a formula in quotes.
+    """
 
     kind: Literal["equation", "speed_equation"]
     expression: Formula
 
 
 class CouplingPart(Part):
-    """Gears: see `eom.multibody.constraints.Coupling`; ``ratios`` by joint."""
+    """Gears, of ``kind`` coupling: see `eom.multibody.constraints.Coupling`; ``ratios`` by joint."""
 
     kind: Literal["coupling"]
     ratios: dict[str, Formula]
 
 
 class RollingPart(Part):
-    """A wheel (``axis``) or ``ball`` on a plane: see `eom.multibody.constraints.Rolling`."""
+    """A wheel (``axis``) or ``ball`` on a plane, of ``kind`` rolling.
+
+    See `eom.multibody.constraints.Rolling`.
+    """
 
     kind: Literal["rolling"]
     body: str
@@ -62,7 +68,7 @@ class RollingPart(Part):
 
 
 class SkatePart(Part):
-    """A knife edge: see `eom.multibody.constraints.Skate`."""
+    """A knife edge under a ``body``, of ``kind`` skate: see `eom.multibody.constraints.Skate`."""
 
     kind: Literal["skate"]
     body: str

@@ -59,8 +59,12 @@ def _without_motion(constraint: Constraint, tree: Tree) -> None:
 class Loop(Constraint):
     """A loop closed by a joint from ``first`` to ``second`` (bodies, or the ground), which was cut.
 
-    ``kind``, axes, placements: as those of a `Joint` whose parent is ``first`` and whose child is
-    ``second``. Multipliers: force at the origin of the joint's frame on ``second``, torque on it.
+    ``kind``, ``axis``, ``second_axis``: as those of a `Joint` whose parent is ``first`` and whose child
+    is ``second``; ``on_first``, ``on_second``: placements, as its on_parent and on_child (m).
+    Multipliers: force (N) at the origin of the joint's frame on ``second``, torque (N m) on it.
+
+    Raises `InputError` for a kind that closes no loop, a zero axis, and two axes along one line.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 8.
     """
 
     name: str
@@ -115,8 +119,10 @@ class Loop(Constraint):
 class Distance(Constraint):
     """Two points at a constant distance (m): a rod without mass between two balls.
 
-    ``first_point``, ``second_point``: on the bodies, from their origins, in their axes (m).
-    Multiplier: force along the rod, from the first point to the second; a pull is negative.
+    ``first``, ``second``: the bodies, or the ground; ``first_point``, ``second_point``: on them, from their
+    origins, in their axes (m). ``length``: the distance (m).
+    Multiplier: force (N) along the rod, from the first point to the second; a pull is negative.
+    Raises `InputError` for a distance that is not positive.
     """
 
     name: str
@@ -177,7 +183,8 @@ class _Expressed(Constraint):
 class Equation(_Expressed):
     """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
 
-    Multiplier: generalised force by the gradient of the expression.
+    In any consistent units; angles are in radians. Multiplier: generalised force by the gradient of the
+    expression. Raises `InputError` for text in place of an expression.
     """
 
     def check(self, tree: Tree) -> None:
@@ -192,7 +199,8 @@ class Equation(_Expressed):
 class SpeedEquation(_Expressed):
     """An equation between speeds: ``expression`` = 0, linear in them, over all else that moves.
 
-    Multiplier: generalised force by the coefficients of the speeds.
+    In any consistent units. Multiplier: generalised force by the coefficients of the speeds.
+    Raises `InputError` for text in place of an expression.
     """
 
     def check(self, tree: Tree) -> None:
@@ -212,8 +220,9 @@ class SpeedEquation(_Expressed):
 class Coupling(Constraint):
     """Gears: the sum of ratio times rate is zero over some joints of one speed each.
 
-    ``ratios``: a number a joint. The sum of ratio times coordinate keeps its start value.
-    Multiplier: generalised force on a joint of ratio 1.
+    ``ratios``: a number a joint, by its name. The sum of ratio times coordinate keeps its start value.
+    Multiplier: generalised force (N m or N) on a joint of ratio 1.
+    Raises `InputError` for fewer than two joints, and for a ratio of zero.
     """
 
     name: str
@@ -261,8 +270,11 @@ class Rolling(Constraint):
     ``axis``: of a wheel with a thin edge, in the axes of the ``body``; None for a ball. ``centre``: of
     the circle or ball, from the body's origin, in its axes (m). ``radius`` (m). ``normal``: of the
     plane, towards the wheel; ``origin``: a point of the plane (m), both in the ground's axes. The point
-    of contact wanders over the body. Multipliers: force of the plane on the body at that point, along
+    of contact wanders over the body. Multipliers: force (N) of the plane on the body at that point, along
     two directions of the plane, which are x and y where the normal is z, and along the normal.
+
+    Raises `InputError` for a radius that is not positive, a zero axis or normal, and a symbolic normal
+    that is in no plane of two of the ground's axes.
     """
 
     name: str
@@ -312,8 +324,9 @@ class Rolling(Constraint):
 class Skate(Constraint):
     """A knife edge: a point of a body has no velocity along a direction of the body.
 
-    ``point``: from the body's origin (m), and ``direction``, across the edge, in the body's axes.
-    Multiplier: force on the body at that point, along the direction.
+    ``point``: from the origin of the ``body`` (m), and ``direction``, across the edge, in the body's axes.
+    Multiplier: force (N) on the body at that point, along the direction.
+    Raises `InputError` for a zero direction.
     """
 
     name: str

@@ -57,7 +57,9 @@ class Sample:
 class Examination:
     """What the rank test found: components kept, by number; those dropped, and what they depend on.
 
-    ``freedom``: how many speeds are independent. ``samples``: the configurations tested.
+    ``names``: of all components; ``kept``: places among these; ``dropped``: places, with those of the
+    components that each depends on. ``freedom``: how many speeds are independent. ``samples``: the
+    configurations tested.
     """
 
     names: tuple[str, ...]
@@ -85,7 +87,15 @@ def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination
 
     ``start``: numbers by name for parameters, inputs and coordinates; what is left out is drawn at
     random, always the same. Raises `InputError` where constraints cannot be met together, where they
-    contradict each other in their rates, and where they leave no motion.
+    contradict each other in their rates, and where they leave no motion. SI units; a row counts as
+    dependent by a remainder of `RANK` relative to its size.
+
+    >>> from eom.multibody import Body, Distance, Joint
+    >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))
+    >>> rods = (Distance("rod", "ground", "bead", 2), Distance("same", "ground", "bead", 2))
+    >>> free = Joint("free", "free", "ground", "bead")
+    >>> print(examine(Tree("rod", (bead,), (free,), constraints=rods)))
+    5 degrees of freedom in speeds; constraint 'same' depends on 'rod'
     """
     samples = _regular(_samples(tree, dict(start or {})))
     parts = samples[0].found.at.components

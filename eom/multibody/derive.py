@@ -48,8 +48,17 @@ def derive(
     dependence, random ones where left out. What is left of each constraint is an invariant that
     integration maintains.
 
+    SI units, angles in radians; frames and signs are those of `Joint`. Quaternions are scalar first.
     Raises `InputError` for an unknown output, repeated names, joints that accelerate no inertia, and
     constraints that contradict each other or leave no motion.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 7, the articulated-body algorithm.
+
+    >>> from eom.multibody import Body, Joint
+    >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> system = derive(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10)))
+    >>> system.state_names, [system.expand(rate) for rate in system.rates]
+    (('q_hinge', 'u_hinge'), [u_hinge, -10*sin(q_hinge)])
     """
     wanted = tuple(outputs)
     for one in wanted:

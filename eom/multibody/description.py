@@ -20,7 +20,7 @@ class BodyPart(Part):
 
     The inertia by principal ``moments``, by a ``matrix``, or of a uniform ``solid`` with its ``size`` about
     its centre; of the solid with its axis along the third axis. ``rotation``: from the body's axes to
-    those in which the inertia is given.
+    those in which the inertia is given. ``mass`` (kg), ``centre`` of mass (m), ``about`` as there.
     """
 
     mass: Formula = 0
@@ -34,7 +34,10 @@ class BodyPart(Part):
 
 
 class MotionPart(Part):
-    """A prescribed motion over parameters and t; ``rate`` and ``acceleration`` follow if left out."""
+    """A prescribed motion over parameters and t; ``rate`` and ``acceleration`` follow if left out.
+
+    ``position``: the coordinates, one formula or a list (rad, m). See `eom.multibody.model.Motion`.
+    """
 
     position: Each
     rate: Each | None = None
@@ -42,7 +45,10 @@ class MotionPart(Part):
 
 
 class JointPart(Part):
-    """A joint: see `eom.multibody.model.Joint`. ``force`` is over parameters, inputs, states and t."""
+    """A joint: see `eom.multibody.model.Joint`.
+
+    ``force`` is over parameters, inputs, states and t.
+    """
 
     kind: str
     parent: str
@@ -75,14 +81,13 @@ class LoadPart(Part):
 class TreeDescription(Request):
     """Bodies joined to the ground, loads, numbers, and what is asked for.
 
-    ``bodies``, ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name.
-    ``initial``: coordinates and speeds at
-    t = 0, formulas over parameters; what is not given is zero, the attitude of a joint no turn.
-    ``initial_attitude``: by joint.
-    Under constraints the start is the nearest that meets them; ``keep``: names of speeds, and of
-    coordinates whose rate is a speed, that it does not change.
-    ``outputs``: names of states, of outputs, or of groups of outputs (`eom.multibody.outputs.Choice`);
-    all states and points where none are named.
+    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
+    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
+    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters; what is not given is
+    zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
+    the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
+    that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
+    (`eom.multibody.outputs.Choice`); all states and points where none are named.
     """
 
     model: Literal["tree"] = "tree"

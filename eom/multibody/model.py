@@ -22,7 +22,7 @@ from eom.multibody.values import Value
 from eom.system import TIME, Quantity
 
 GROUND = "ground"
-"""What does not move: the parent of the first joints."""
+"""What does not move: the parent of the first joints, with the axes that are inertial."""
 
 CENTRE, ORIGIN = "centre", "origin"
 
@@ -36,7 +36,11 @@ class Body:
     of mass, the ``origin``, or a point (m). ``axes``: C takes components in the body's axes to those
     in the axes in which the inertia is given. A body of mass 0 has no inertia.
 
+    Shapes: ``centre`` (3,), ``inertia`` (3,) or (3, 3), ``axes`` (3, 3).
     Raises `InputError` for a mass below zero, and an inertia in numbers that no body has.
+
+    >>> Body("rod", mass=3, centre=(0, 0, -1), inertia=(4, 4, 0), about="origin").central_inertia[0]
+    (1, 0, 0)
     """
 
     name: str
@@ -66,7 +70,10 @@ class Body:
 
     @cached_property
     def central_inertia(self) -> Matrix:
-        """The inertia about the centre of mass, in the body's axes: by Huygens and Steiner."""
+        """The inertia (kg m^2) about the centre of mass, in the body's axes: by Huygens and Steiner.
+
+        Shape (3, 3), as rows.
+        """
         return checks.central(self.inertia, self.axes, self.mass, self.centre, self._point)
 
 
@@ -74,8 +81,8 @@ class Body:
 class Placement:
     """Where a joint's frame is on a body.
 
-    ``position``: of its origin (m), in the body's axes. ``rotation``: C takes components in the body's
-    axes to components in the joint's.
+    ``position``: of its origin (m), in the body's axes, (3,). ``rotation``: C, (3, 3), takes components in
+    the body's axes to components in the joint's. Raises `InputError` for a matrix that is no rotation.
     """
 
     position: Any = ZERO
@@ -93,8 +100,9 @@ HERE = Placement()
 class Motion:
     """A prescribed motion: coordinates as expressions of time, and their two derivatives.
 
-    What is left out follows by differentiation; give all three where they are inputs. A constant
-    locks the joint.
+    ``position``: one expression a coordinate of the joint (rad, m); ``rate`` and ``acceleration``: what is
+    left out follows by differentiation; give all three where they are inputs. A constant locks the joint.
+    Raises `InputError` for what is no number or expression.
     """
 
     position: tuple[Value, ...]
@@ -128,11 +136,22 @@ class Joint:
     a helical joint (m/rad). ``attitude``: of a spherical or free joint, ``quaternion`` or a sequence.
     ``on_parent``, ``on_child``: where the joint's two frames are; they coincide at zero coordinates.
 
-    At each speed: ``stiffness`` about ``rest``, where the speed is the rate of a coordinate;
-    ``damping``; ``armature``, the inertia of a motor's rotor seen through its gear (kg m^2 or kg);
-    ``force``, an applied force or torque; ``motor``: whether there is an input ``tau_<joint>`` (of several
-    speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in
+    Coordinates (rad, m) are those of the child's frame in the parent's: positive turns are right-handed
+    about the axis. Speeds of a spherical or free joint are components in the child's frame (rad/s, m/s).
+
+    At each speed: ``stiffness`` (N m/rad or N/m) about ``rest``, where the speed is the rate of a
+    coordinate; ``damping`` (N m s/rad or N s/m); ``armature``, the inertia of a motor's rotor seen through
+    its gear (kg m^2 or kg); ``force``, an applied force or torque (N or N m) on the child in the direction
+    of the speed, its opposite on the parent; ``motor``: whether there is an input ``tau_<joint>`` (of
+    several speeds ``tau_<joint>_<letter>``). One value serves all speeds. ``motion``: prescribed motion, in
     place of coordinates.
+
+    Raises `InputError` for unknown kinds and attitudes, a zero axis, two axes along one line, springs where
+    no coordinate is, and a motion that does not fit.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 4.1, in the child's axes.
+
+    >>> [q.name for q in Joint("hip", "spherical", GROUND, "thigh").coordinates]
+    ['e_hip_0', 'e_hip_1', 'e_hip_2', 'e_hip_3']
     """
 
     name: str
@@ -191,12 +210,12 @@ class Joint:
 
     @cached_property
     def coordinates(self) -> tuple[Quantity, ...]:
-        """The coordinates: symbols named by the joint."""
+        """The coordinates: symbols named by the joint, ``q_<joint>`` where there is one."""
         return self._named(self.row.coordinates(self.attitude))
 
     @cached_property
     def speeds(self) -> tuple[Quantity, ...]:
-        """The speeds: symbols named by the joint."""
+        """The speeds: symbols named by the joint, ``u_<joint>`` where there is one."""
         return self._named(self.row.speeds(self.attitude))
 
     @cached_property
@@ -238,8 +257,9 @@ def _each(given: Any, size: int, where: str) -> tuple[Value, ...]:
 class Load:
     """A force (N) that acts at a ``point`` of a body, and a torque (N m) on it.
 
-    ``point``: in the body's axes, from its origin (m). ``axes``: those of force and torque, ``body`` or
-    ``ground``. Components may be numbers or expressions over parameters, inputs, time and states.
+    ``body``: its name. ``point``: in the body's axes, from its origin (m). ``axes``: those of ``force`` and
+    ``torque``, ``body`` or ``ground``. All three are (3,); components may be numbers or expressions over
+    parameters, inputs, time and states. Raises `InputError` for other axes and for text.
     """
 
     body: str
@@ -257,7 +277,11 @@ class Load:
 
 
 class Constraint:
-    """What all rows of `eom.multibody.constraints` have."""
+    """What all rows of `eom.multibody.constraints` have: a name, bodies, and multipliers.
+
+    Units are SI. Multiplier number k of a constraint is ``lambda_<constraint>_<letter>``: a force (N) or
+    torque (N m) on the second body, its opposite on the first; each row says along what.
+    """
 
     name: str
 
@@ -285,12 +309,19 @@ class Constraint:
 class Tree:
     """Bodies joined to the ground without loops, and constraints on them, which may close loops.
 
-    ``gravity``: its acceleration in the ground's axes (m/s^2). ``inputs``: symbols, or quantities, that
-    are inputs; ``parameters``: quantities that describe parameters (every other symbol is one too).
-    ``constraints``: rows of `eom.multibody.constraints`.
+    ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
+    (m/s^2), (3,). ``loads``, ``rotors``, ``springs``: what else acts and spins. ``inputs``: symbols, or
+    quantities, that are inputs; ``parameters``: quantities that describe parameters (every other symbol is
+    one too). ``constraints``: rows of `eom.multibody.constraints`. Every number may be a SymPy expression;
+    SI units, angles in radians.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
     hangs on nothing or on two joints, a loop, a joint that moves no mass.
+
+    >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
+    >>> hinge = Joint("hinge", "revolute", GROUND, "bob", axis="x")
+    >>> Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -9.81)).joint_of["bob"].name
+    'hinge'
     """
 
     name: str
@@ -315,7 +346,7 @@ class Tree:
 
     @cached_property
     def ordered(self) -> tuple[Joint, ...]:
-        """The joints, each after the joint of its parent."""
+        """The joints, each after the joint of its parent. Raises `InputError` for a loop."""
         return checks.ordered(self)
 
     @cached_property

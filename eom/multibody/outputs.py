@@ -96,7 +96,8 @@ class Choice:
 class Saved:
     """What was left out of a tree's equations: operations by structure, states that nothing needs.
 
-    ``notes``: what a file said that is not used.
+    ``savings``: the operations. ``states``: names of those left out. ``notes``: what a file said that is
+    not used.
     """
 
     savings: Savings

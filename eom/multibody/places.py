@@ -43,8 +43,9 @@ Each = Annotated[Any, pydantic.PlainValidator(_one_or_each)]
 class Turned(Part):
     """A rotation from the body's axes to others: C takes components in the first to the second.
 
-    ``matrix``: C. Or angles of a ``sequence``: the body's axes are turned about the first named axis,
-    what results about the second named axis as it then is, and so on, as in `eom.kinematics`.
+    ``matrix``: C, 3 x 3. Or angles in ``radians`` or ``degrees`` of a ``sequence``: the body's axes are
+    turned about the first named axis, what results about the second named axis as it then is, and so on,
+    as in `eom.kinematics`.
     """
 
     matrix: tuple[Formulas, Formulas, Formulas] | None = None
@@ -54,7 +55,10 @@ class Turned(Part):
 
 
 class Place(Part):
-    """Where a joint's frame is on a body; ``rotation``: from the body's axes to the joint's."""
+    """Where a joint's frame is on a body: see `eom.multibody.model.Placement`.
+
+    ``position``: of its origin, in the body's axes (m). ``rotation``: from the body's axes to the joint's.
+    """
 
     position: Formulas = (0, 0, 0)
     rotation: Turned | None = None

@@ -27,8 +27,12 @@ QUANTITIES = {
 class Point:
     """A point of a body that is told: outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.
 
-    ``position``: in the body's axes, from its origin (m). ``quantities``: keys of `QUANTITIES`. Raises
-    `InputError` for others.
+    Position (m), velocity (m/s) and acceleration (m/s^2) from the ground's origin, in the ground's axes.
+    ``body``: its name, or the ground. ``position``: in the body's axes, from its origin (m).
+    ``quantities``: keys of `QUANTITIES`. Raises `InputError` for others.
+
+    >>> Point("tip", "rod", (0, 0, -1), ("velocity",)).names
+    ('v_tip_1', 'v_tip_2', 'v_tip_3')
     """
 
     name: str
@@ -49,7 +53,7 @@ class Point:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the outputs."""
+        """The names of the outputs."""
         letters = (QUANTITIES[q][0] for q in self.quantities)
         return tuple(f"{letter}_{self.name}_{k}" for letter in letters for k in (1, 2, 3))
 

@@ -48,6 +48,10 @@ class Reaction:
     a ``body`` (the child if left out): its ``centre`` of mass, its ``origin``, or three components in its
     axes (m). ``axes``: ``ground``, ``parent``, ``child`` (of the bodies), or ``joint`` (its frame on the
     child). ``name``: of the outputs, ``F_<name>_1`` to ``T_<name>_3``; the joint's if left out.
+
+    Everything that goes through the joint is in them, motors and springs at it too. Raises `InputError` for
+    unknown axes and points, and a body without a point of it.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), sec. 5.3.
     """
 
     joint: str
@@ -83,7 +87,7 @@ class Reaction:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the outputs: forces, then torques."""
+        """The names of the outputs: forces, then torques."""
         return tuple(f"{letter}_{self.label}_{k}" for letter in "FT" for k in (1, 2, 3))
 
 
@@ -93,7 +97,14 @@ _POINTS = (JOINT, CENTRE, ORIGIN)
 def reaction(
     joint: Joint | str, point: Any = JOINT, *, body: str = "", axes: str = GROUND, name: str = ""
 ) -> Reaction:
-    """Return a reaction to ask `eom.multibody.derive` for, of a joint or its name; see `Reaction`."""
+    """Return a reaction to ask `eom.multibody.derive` for, of a joint or its name; see `Reaction`.
+
+    ``joint``, ``point``, ``body``, ``axes``, ``name``: as there; forces in N, torques in N m. Raises
+    `InputError` as there.
+
+    >>> reaction("hinge", axes="child").names[:3]
+    ('F_hinge_1', 'F_hinge_2', 'F_hinge_3')
+    """
     return Reaction(joint.name if isinstance(joint, Joint) else joint, point, body, axes, name)
 
 

@@ -32,8 +32,15 @@ class TreeScene(TreeDescription):
     """A checked description, with the tree, systems and numbers that follow from it.
 
     Fields: see `eom.multibody.description.TreeDescription`; ``repeat`` writes out repeated parts first
-    (`eom.multibody.repeats`). ``notes``: what a file said that is not used, for `explain`. Raises
-    `InputError` for anything that is misspelt, missing or impossible.
+    (`eom.multibody.repeats`). ``notes``: what a file said that is not used, for `explain`. SI units, angles
+    in radians; frames are those of the ground, the bodies and the joints (`Joint`). Raises `InputError`
+    for anything that is misspelt, missing or impossible.
+
+    >>> rod = {"mass": "m", "centre": (0, 0, "-l/2"), "moments": ("m*l**2/12", "m*l**2/12", 0)}
+    >>> hinge = {"kind": "revolute", "parent": "ground", "child": "rod", "axis": "x"}
+    >>> TreeScene(bodies={"rod": rod}, joints={"hinge": hinge}, gravity=(0, 0, "-g"),
+    ...     parameters={"m": 1, "l": 2, "g": 9.81}).derive()
+    System('scene': states q_hinge, u_hinge; parameters g, l, m; invariants energy)
     """
 
     notes: tuple[str, ...] = ()
@@ -69,7 +76,10 @@ class TreeScene(TreeDescription):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> TreeScene:
-        """Read a scene file. Raises `InputError` with the file's name for whatever is wrong in it."""
+        """Return the scene of a TOML file at ``path``.
+
+        Raises `InputError` with the file's name for whatever is wrong in it.
+        """
         file = Path(path)
         data = data_of(file)
         with in_file(file):
@@ -83,7 +93,9 @@ class TreeScene(TreeDescription):
 
     @classmethod
     def ready(cls, name: str) -> TreeScene:
-        """Return one of the scenes that ship with the package. Raises `InputError` for other names.
+        """Return one of the scenes that ship with the package; ``eom list`` names them.
+
+        Raises `InputError` for other names.
 
         >>> TreeScene.ready("double-pendulum").derive().state_names
         ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
@@ -113,7 +125,10 @@ class TreeScene(TreeDescription):
 
     @cached_property
     def full_system(self) -> System:
-        """The system with every state and output that can be asked for."""
+        """The system with every state and output that can be asked for.
+
+        Raises `InputError` as `eom.multibody.derive` does.
+        """
         return self._named(derive(self.tree, self._choice.everything, start=self._near))
 
     @property
@@ -154,7 +169,7 @@ class TreeScene(TreeDescription):
         return Saved(savings(self.tree), lost, self.notes)
 
     def initial_values(self) -> dict[str, float]:
-        """Return the value of each state of `derive` at t = 0."""
+        """Return the value of each state of `derive` at t = 0, by name, in SI units."""
         return {n: self._start[n] for n in self.derive().state_names}
 
     @property
@@ -163,7 +178,7 @@ class TreeScene(TreeDescription):
         return {n: v.value for n, v in self.parameters.items()}
 
     def parameter_values(self) -> dict[str, float]:
-        """Return the value of each parameter of `derive`."""
+        """Return the value of each parameter of `derive`, by name. Raises `InputError` for missing ones."""
         return pick(self.numbers, self.derive().parameter_names, "parameter", "[parameters]")
 
     def input_values(self) -> dict[str, float]:

@@ -21,7 +21,10 @@ from eom.multibody.spatial import General, Matrix, Pair, Vector, matrix_of
 
 @dataclass(frozen=True)
 class Savings:
-    """Operations of forward dynamics: with the structure used, as if there were none, by reason."""
+    """Operations of forward dynamics with and without the use of structure.
+
+    ``done``: with it; ``without``: as if there were none; ``reasons``: what of it is used, in words.
+    """
 
     done: int
     without: int

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import codegen
-from eom import catalogue
+from eom import catalogue, start
 from eom.errors import AssumptionError, InputError
 from eom.identity import equal
 from eom.reduce import cost
@@ -279,6 +279,25 @@ def test_solid_as_a_spinner_turns_its_axis_to_the_axle():
     assert values["I1"] == pytest.approx(3 * (3 * 0.2**2 + 0.1**2) / 12)
 
 
+@pytest.mark.parametrize("centre", [(0.0, 0.0, 1.0), (0.3, 0.0, 0.4), (0.1, -0.2, 0.5)])
+def test_inertia_of_a_solid_under_its_weight_is_about_the_fixed_point(centre):
+    """Its energy in turning is that of its centre of mass and that of turning about this."""
+    cylinder = {"solid": "cylinder", "mass": 2.0, "size": {"radius": 0.1, "length": 0.6}}
+    weight = {"weight": {"mass": 2.0, "centre_of_mass": centre}}
+    scene = Scene(body=cylinder, torque=weight, attitude="quaternion")
+    known = start.constants(scene)
+    across = 2 * (0.1**2 / 4 + 0.6**2 / 12)
+    central = np.diag([across, across, 2 * 0.1**2 / 2])
+    J = np.diag([known.get(f"I{k}", known.get(f"J{k}{k}")) for k in (1, 2, 3)])
+    for i, j in ((1, 2), (1, 3), (2, 3)):
+        J[i - 1, j - 1] = J[j - 1, i - 1] = known.get(f"J{i}{j}", 0.0)
+    for omega in np.eye(3)[:, None] + np.eye(3)[None]:
+        for w in omega:
+            moving = 2 * np.sum(np.cross(w, centre) ** 2) / 2 + w @ central @ w / 2
+            assert w @ J @ w / 2 == pytest.approx(moving, rel=1e-14)
+    assert set(known) >= set(scene.full_system.parameter_names)
+
+
 def test_user_parameter_may_be_called_like_an_unused_torque_component():
     scene = Scene(
         body=MOMENTS,
@@ -499,6 +518,16 @@ BAD = {
         {**QUATERNION, "torque": {"components": [1, 0, 0], "weight": TOP}},
         "more than one torque",
         "[torque]",
+        "",
+    ),
+    "masses of a solid and its weight": (
+        {
+            **QUATERNION,
+            "body": {"solid": "sphere", "mass": 2.0, "size": {"radius": 0.1}},
+            "torque": {"weight": TOP},
+        },
+        "different masses",
+        "[torque] weight",
         "",
     ),
     "weight without attitude": (

@@ -20,7 +20,13 @@ def absolute_angles(tree: Tree) -> dict[Expr, Expr]:
     """Return coordinates that measure revolute joints with parallel axes against the ground.
 
     For `closed_form(tree, coordinates=...)`: each angle ``q_<joint>`` that hangs on another about the
-    same direction, and that other, over new symbols ``theta_<joint>``. Empty if there is none.
+    same direction, and that other, over new symbols ``theta_<joint>`` (rad). Empty if there is none.
+
+    >>> from eom.multibody import Body, Joint
+    >>> upper = Joint("upper", "revolute", "ground", "a", axis="x")
+    >>> lower = Joint("lower", "revolute", "a", "b", axis="x")
+    >>> absolute_angles(Tree("double", (Body("a", 1), Body("b", 1)), (upper, lower)))
+    {q_upper: theta_upper, q_lower: theta_lower - theta_upper}
     """
     given = mechanism(tree)
     found: dict[Expr, Expr] = {}

@@ -54,7 +54,7 @@ class Term:
 
     @property
     def expression(self) -> Expr:
-        """The term."""
+        """The term: its coefficient times its factor."""
         return self.coefficient * self.factor
 
 
@@ -66,10 +66,12 @@ LONGEST = 1_000
 class ClosedForm:
     """The equations of motion of a tree: the terms on the left add to those on the right (applied).
 
+    ``method``: the row of `METHODS`. ``terms``: of all equations, generalised forces (N m or N);
+    ``write``: how coefficients are written. SI units; frames and signs are those of `Joint`.
     ``coordinates``, ``speeds``: those with equations; ``accelerations``: the speeds' rates, as symbols.
     ``kinematics``: rates of the coordinates. ``prescribed``: what the symbols of prescribed coordinates,
-    speeds and accelerations stand for. Where a speed is the rate of a coordinate, its equation is
-    the one that Lagrange's method gives for it.
+    speeds and accelerations stand for. Where a speed is the rate of a coordinate, its equation is the
+    one that Lagrange's method gives for it.
     """
 
     tree: Tree
@@ -85,12 +87,12 @@ class ClosedForm:
     write: Writer = field(repr=False, compare=False)
 
     def of(self, equation: Expr, kind: str = "") -> tuple[Term, ...]:
-        """Return the terms of the equation of a speed, all or those of one kind."""
+        """Return the terms of one ``equation``, by the symbol of its speed: all, or of one ``kind``."""
         return tuple(t for t in self.terms if t.equation == equation and kind in {"", t.kind})
 
     @cached_property
     def mass_matrix(self) -> Expr:
-        """The coefficients of the accelerations, symmetric."""
+        """The coefficients of the accelerations, symmetric, of shape (n, n) for n speeds."""
         known = {(t.equation, t.factor): t.coefficient for t in self.terms if t.kind == "inertial"}
         rows = [
             [known.get((u.symbol, a), sp.S.Zero) for a in self.accelerations] for u in self.speeds
@@ -98,7 +100,7 @@ class ClosedForm:
         return sp.ImmutableMatrix(rows)
 
     def column(self, *kinds: str) -> Expr:
-        """Return the sums of the terms of some kinds, one a speed."""
+        """Return the sums of the terms of some ``kinds``, one a speed: a column (n, 1)."""
         return sp.ImmutableMatrix(
             [
                 sp.Add(*(t.expression for k in kinds for t in self.of(u.symbol, k)))
@@ -108,7 +110,7 @@ class ClosedForm:
 
     @property
     def forcing(self) -> Expr:
-        """What the mass matrix times the accelerations equals."""
+        """What the mass matrix times the accelerations equals: a column (n, 1)."""
         left = [k for k, kind in KINDS.items() if kind.left and k != "inertial"]
         right = [k for k, kind in KINDS.items() if not kind.left]
         return sp.ImmutableMatrix(self.column(*right) - self.column(*left))
@@ -138,7 +140,10 @@ class ClosedForm:
         )
 
     def show(self, style: str = "text") -> str:
-        """Return the derivation as a page: text, latex, markdown or html."""
+        """Return the derivation as a page, its ``style`` text, latex, markdown or html.
+
+        Raises `InputError` for other styles.
+        """
         from eom.multibody.closed.pages import show
 
         return show(self, style)
@@ -155,7 +160,11 @@ class ClosedForm:
 
 @dataclass(frozen=True)
 class Row:
-    """One term of the equations by every method; ``coefficients`` in the order of the methods."""
+    """One term of the equations by every method.
+
+    ``equation``, ``kind``, ``factor``: as of a `Term`. ``terms``: in the order of the methods, None where a
+    method has no such term.
+    """
 
     equation: Expr
     kind: str
@@ -171,7 +180,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Closed forms of one tree by several methods, term by term."""
+    """Closed forms of one tree by several methods, term by term: ``forms`` in the order of the methods."""
 
     forms: tuple[ClosedForm, ...]
 
@@ -209,7 +218,10 @@ class Comparison:
         return self
 
     def show(self, style: str = "text") -> str:
-        """Return the comparison as a page: text, latex, markdown or html."""
+        """Return the comparison as a page, its ``style`` text, latex, markdown or html.
+
+        Raises `InputError` for other styles.
+        """
         from eom.multibody.closed.pages import show
 
         return show(self, style)
@@ -225,7 +237,17 @@ def closed_form(
 
     ``method``: a row of `METHODS`. ``coordinates``: other coordinates in place of the joints', as
     expressions over new symbols (`absolute_angles`). Raises `InputError` for an unknown method, and for
-    a tree whose closed form nobody would read.
+    a tree whose closed form nobody would read. SI units; frames and signs are those of `Joint`.
+    Source: Goldstein, Classical Mechanics (2002), ch. 1; Kane and Levinson, Dynamics: Theory and
+    Applications (1985); Wittenburg, Dynamics of Multibody Systems (2008).
+
+    >>> from eom.multibody import Body, Joint
+    >>> m, l, g = sp.symbols("m l g", positive=True)
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> bob = Body("bob", mass=m, centre=(0, 0, -l))
+    >>> form = closed_form(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -g)))
+    >>> form.mass_matrix[0], form.forcing[0]
+    (l**2*m, -g*l*m*sin(q_hinge))
     """
     return _forms(tree, (method,), coordinates)[0]
 
@@ -238,7 +260,15 @@ def compare(
 ) -> Comparison:
     """Return the closed forms of a tree by several methods, their agreement verified term by term.
 
-    Raises `DerivationError` if two methods differ, else as `closed_form`.
+    ``methods``: rows of `METHODS`. Raises `DerivationError` if two methods differ, and `InputError` as
+    `closed_form`. Units, frames, signs and sources are those of `closed_form`.
+
+    >>> from eom.multibody import Body, Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> bob = Body("bob", mass=2, centre=(0, 0, -1))
+    >>> found = compare(Tree("pendulum", (bob,), (hinge,), gravity=(0, 0, -10)))
+    >>> [(row.kind, str(row.terms[0].expression)) for row in found.rows]
+    [('inertial', '2*u_hinge_dot'), ('gravity', '20*sin(q_hinge)')]
     """
     return Comparison(_forms(tree, tuple(methods), coordinates)).checked()
 

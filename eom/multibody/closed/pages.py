@@ -52,8 +52,15 @@ def tree_page(
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``style``: a format of `eom.showing.FORMATS`. ``coordinates``: as of `closed_form`. Raises
+    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.showing.FORMATS`: text, latex,
+    markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and sources. Raises
     `InputError` for unknown methods and formats, else as `compare`.
+
+    >>> from eom.multibody import Body, Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> pendulum = Tree("pendulum", (Body("bob", 2, (0, 0, -1)),), (hinge,), gravity=(0, 0, -10))
+    >>> tree_page(pendulum, "kane", "markdown").splitlines()[0]
+    '# pendulum by Kane'
     """
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)

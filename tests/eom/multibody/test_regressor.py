@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import codegen
 from eom.errors import InputError
-from eom.multibody import Body, Joint, Placement, Tree, base_parameters, regressor
+from eom.multibody import Body, Joint, Load, Placement, Tree, base_parameters, regressor
 from eom.multibody.geometry import orthonormal, rotation, unit
 from eom.multibody.joints import KINDS
 from eom.multibody.prime import PRIME, Residue, fraction, reduced, residue
@@ -235,6 +235,21 @@ def test_rounded_rotations_do_not_raise_the_rank():
     turn = [[math.cos(0.3), math.sin(0.3), 0], [-math.sin(0.3), math.cos(0.3), 0], [0, 0, 1]]
     given = serial([turn, turn, turn], [(0, 0, 0), (1, 0, 0), (0.5, 0.25, 0)], gravity=(0, 0, 0))
     assert base_parameters(given).count == 7 == rank(given)
+
+
+def test_symbols_of_masses_and_forces_do_not_matter():
+    m, k, f = sp.symbols("m k f", real=True)
+    given = planar((0, -g, 0))
+    told = replace(
+        given,
+        bodies=tuple(Body(b.name, m, (l, 0, 0), (m * l**2, m, m)) for b in given.bodies),
+        joints=tuple(
+            replace(j, stiffness=k, damping=k, armature=m, force=f * sp.sin(f))
+            for j in given.joints
+        ),
+        loads=(Load(given.bodies[-1].name, force=(f, 0, 0)),),
+    )
+    assert base_parameters(told) == base_parameters(given)
 
 
 def test_nothing_moves_nothing():
