@@ -16,6 +16,7 @@ version = release = eom.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
+    "accessible",
     "command_line",
     "docstrings",
     "formulas",

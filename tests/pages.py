@@ -64,7 +64,9 @@ def agrees(shown: str, printed: str) -> bool:
         pattern.append(".*?" if k else "")
         found = list(NUMBER.finditer(part))
         wanted += [(m[0], bool(VARYING.match(part, m.end()))) for m in found]
-        spaced = [r"\s+".join(map(re.escape, re.split(r"\s+", words))) for words in NUMBER.split(part)]
+        spaced = [
+            r"\s+".join(map(re.escape, re.split(r"\s+", words))) for words in NUMBER.split(part)
+        ]
         pattern.append(f"({NUMBER.pattern})".join(spaced))
     match = re.fullmatch("".join(pattern), printed.strip(), re.DOTALL)
     if match is None:
@@ -106,9 +108,7 @@ def _bash(text: str) -> None:
                 print(out.getvalue(), end="")
         else:
             assert command.startswith(SHELL), f"what is {command!r}?"
-            done = subprocess.run(
-                command, shell=True, capture_output=True, text=True, check=False
-            )
+            done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
             assert done.returncode == 0, done.stderr
             print(done.stdout, end="")
 
@@ -146,7 +146,9 @@ def run(path: Path) -> int:
                 raise AssertionError("\n".join([place, *lines]))
             printed = ""
         else:
-            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, f"{place}: {block.language}"
+            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, (
+                f"{place}: {block.language}"
+            )
     return count
 
 

@@ -21,7 +21,9 @@ def _escaped(line: str) -> str:
     return "".join(pieces)
 
 
-def as_written(_app: Sphinx, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
+def as_written(
+    _app: Sphinx, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]
+) -> None:
     """Escape lines outside of examples, in place."""
     example = False
     for k, line in enumerate(lines):

@@ -32,5 +32,7 @@ def _block(self: Any, node: nodes.Node) -> None:
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Name the renderer ``mathml``."""
-    app.add_html_math_renderer("mathml", inline_renderers=(_inline, None), block_renderers=(_block, None))
+    app.add_html_math_renderer(
+        "mathml", inline_renderers=(_inline, None), block_renderers=(_block, None)
+    )
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -68,7 +68,9 @@ def sections(model: type[pydantic.BaseModel], name: str = "") -> Iterator[tuple[
             continue
         default = field.get_default(call_default_factory=True)
         told = "" if default in (None, "", (), {}) else f"`{_toml(default)}`"
-        rows.append((f"`{key}`", _words(field.annotation), "required" if field.is_required() else told))
+        rows.append(
+            (f"`{key}`", _words(field.annotation), "required" if field.is_required() else told)
+        )
     yield name, model, rows
     for part, inner in below:
         yield from sections(part, inner)
@@ -77,7 +79,11 @@ def sections(model: type[pydantic.BaseModel], name: str = "") -> Iterator[tuple[
 def _toml(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    return f'"{value}"' if isinstance(value, str) else str(list(value) if isinstance(value, tuple) else value)
+    return (
+        f'"{value}"'
+        if isinstance(value, str)
+        else str(list(value) if isinstance(value, tuple) else value)
+    )
 
 
 class SceneFile(Directive):
@@ -91,9 +97,13 @@ class SceneFile(Directive):
         made: list[nodes.Node] = []
         for name, model, rows in sections(MODELS[self.arguments[0]]):
             title = f"[{name}]" if name else "before the first section"
-            made.append(nodes.paragraph("", "", nodes.literal(title, title), classes=["scene-section"]))
+            made.append(
+                nodes.paragraph("", "", nodes.literal(title, title), classes=["scene-section"])
+            )
             text = (model.__doc__ or "").replace("``", "`")
-            made += [nodes.paragraph("", "", *inline(" ".join(t.split()))) for t in text.split("\n\n")]
+            made += [
+                nodes.paragraph("", "", *inline(" ".join(t.split()))) for t in text.split("\n\n")
+            ]
             made.append(table(("key", "value", "default"), rows))
         return made
 

@@ -66,7 +66,9 @@ def _presets() -> Rows:
 
     folder = resources.files("eom.checker") / "presets"
     files = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
-    first = [(p.name.removesuffix(".toml"), p.read_text(encoding="utf-8").split("\n")) for p in files]
+    first = [
+        (p.name.removesuffix(".toml"), p.read_text(encoding="utf-8").split("\n")) for p in files
+    ]
     return [(f"`{name}`", lines[0].removeprefix("# ")) for name, lines in first]
 
 
