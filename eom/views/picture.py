@@ -110,6 +110,8 @@ class Panel:
     """Whether axes, ticks and grid are left out, as in a sketch."""
     height: float = 1.0
     """Height relative to the other panels of its column."""
+    view: tuple[float, float] | None = None
+    """Elevation and azimuth (degrees) that space is seen from; None: as in other pictures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +122,8 @@ class Picture:
     title: str = ""
     caption: str = ""
     """One or two sentences for those who cannot see it, and for the caption of a figure."""
+    size: tuple[float, float] | None = None
+    """Width and height in inches that its words need, where they need more than panels do."""
 
 
 def points(*coordinates: ArrayLike) -> Floats:
