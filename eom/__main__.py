@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from eom.commands.animating import animate
 from eom.commands.benching import bench
 from eom.commands.checking import check
 from eom.commands.converting import convert
@@ -51,7 +52,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress, plot,
+    check, convert, bench, stress, plot, animate,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)

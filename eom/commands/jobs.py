@@ -66,7 +66,7 @@ def job_of(
 
 def _times(scene: AnyScene) -> list[float]:
     plan = scene.integration
-    return [plan.t_end * k / (plan.points - 1) for k in range(plan.points)]
+    return [*(plan.t_end * k / (plan.points - 1) for k in range(plan.points - 1)), plan.t_end]
 
 
 def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tuple[str, ...]) -> Job:

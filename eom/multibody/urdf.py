@@ -48,12 +48,13 @@ def load_urdf(path: str | Path, gravity: Sequence[float] = GRAVITY) -> TreeScene
     file = Path(path)
     with in_file(file):
         data, left_out = robot_xml.checked(file)
-        robot = _robot(data)
+        robot = parsed(data)
         _check(robot)
         return TreeScene(**_scene(file.stem, robot, gravity, left_out))
 
 
-def _robot(data: bytes) -> Any:
+def parsed(data: bytes) -> Any:
+    """Return the elements of a checked URDF file; meshes stay names of files. Raises `InputError`."""
     try:
         parser = importlib.import_module("yourdfpy")
     except ImportError:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -35,17 +35,21 @@ class Mesh:
     """Triangles: ``vertices`` of shape (N, 3) in m, ``faces`` of shape (M, 3), indices of vertices.
 
     Vertices are shared within a smooth piece of the surface and apart at its edges. ``round``: whether
-    turns of it are not seen unless its octants have two tones.
+    turns of it are not seen unless its octants have two tones. ``closed``: whether faces are
+    anticlockwise seen from outside and bound it, so that those that are turned away are not seen.
+    ``flat``: whether vertices are shared at edges, too.
     """
 
     vertices: Floats
     faces: Integers
     round: bool = False
+    closed: bool = False
+    flat: bool = False
 
     def moved(self, position: ArrayLike, rotation: ArrayLike | None = None) -> Mesh:
         """Return the mesh at another place: ``rotation`` takes its components to those there."""
         R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
-        return Mesh(self.vertices @ R.T + np.asarray(position), self.faces, self.round)
+        return replace(self, vertices=self.vertices @ R.T + np.asarray(position))
 
     @property
     def extent(self) -> float:
@@ -133,8 +137,8 @@ def _surface(region: regions.Region, known: Mapping[Any, float]) -> Mesh:
     pieces = [_patch(region, known, counts, fixed) for fixed in _sides(region.dimension)]
     size = max(float(np.abs(vertices).max()) for vertices, _ in pieces)
     kept = [m for pair in _paired(pieces, size) if (m := _mesh(pair, size, round_)) is not None]
-    whole = joined(*kept)
-    return whole if whole.volume >= 0 else Mesh(whole.vertices, whole.faces[:, ::-1], round_)
+    whole = replace(joined(*kept), closed=region.dimension == 3)
+    return whole if whole.volume >= 0 else replace(whole, faces=whole.faces[:, ::-1])
 
 
 def _turns(expression: Any, parameter: Any) -> bool:

@@ -77,7 +77,8 @@ def with_attitude(scene: AnyScene, points: int, t_end: float | None = None) -> A
         data["initial_attitude"] = {"quaternion": (1.0, 0.0, 0.0, 0.0)}
     full = Scene(**data).full_system
     told = [f"{letter}_{k}" for letter in ("h", "torque") for k in (1, 2, 3)]
-    return Scene(**{**data, "outputs": (*full.state_names, *told)})
+    wanted = dict.fromkeys([*full.state_names, *told, *scene.outputs])
+    return Scene(**{**data, "outputs": tuple(wanted)})
 
 
 def _with_angles(data: dict[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,9 @@
      up: [0, 0, 1],               what points up on the screen
      view: [azimuth, elevation],  in degrees, where the camera starts
      ground: height | null,       a grid at this height along up, with shadows
-     bodies: [{name, colour, frame, shapes: [shape]}],   frame: length of b1, b2, b3, or 0
+     bodies: [{name, colour, frame, axes, shapes: [shape]}],   frame: length of b1, b2, b3, or 0; axes: their names
+     stand: [shape],              what does not move
+     theme: "light" | "dark",
      names: {space: ["a1", "a2", "a3"], body: ["b1", "b2", "b3"]}
    }
    shape: {kind, ...sizes, position, quaternion, colour, opacity, plain} in the body frame; an axis of
@@ -201,14 +203,20 @@ const createViewer = (() => {
     return sprite;
   }
 
-  /* An arrow along its own axis 2, one unit long: the shaft and head are set by stretch(). */
+  /* An arrow along its own axis 2: the shaft and head are set by stretch(). What is inside of a body
+     shines through it. */
   function arrowObject(colour, thickness) {
     const group = new THREE.Group();
     const material = new THREE.MeshStandardMaterial({color: colour, roughness: 0.7, emissive: colour, emissiveIntensity: 0.25});
-    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 16).translate(0, 0.5, 0), material);
-    const head = new THREE.Mesh(new THREE.ConeGeometry(1, 1, 24).translate(0, -0.5, 0), material);
+    const within = new THREE.MeshBasicMaterial({color: colour, transparent: true, opacity: 0.4, depthFunc: THREE.GreaterDepth, depthWrite: false});
+    const shaft = new THREE.Group();
+    const head = new THREE.Group();
+    [material, within].forEach((m) => {
+      shaft.add(new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 16).translate(0, 0.5, 0), m));
+      head.add(new THREE.Mesh(new THREE.ConeGeometry(1, 1, 24).translate(0, -0.5, 0), m));
+    });
     group.add(shaft, head);
-    group.userData = {shaft, head, thickness, material};
+    group.userData = {shaft, head, thickness};
     return group;
   }
 
@@ -358,6 +366,8 @@ const createViewer = (() => {
       dress(bodies.length - 1, body.shapes || []);
     });
 
+    (description.stand || []).forEach((shape) => layer("stand").add(shapeGroup(shape, "grey")));
+
     function dress(k, shapes) {
       const {skin, colour} = bodies[k];
       [...skin.children].forEach(freed);
@@ -406,7 +416,7 @@ const createViewer = (() => {
     function home() {
       const [azimuth, elevation] = (description.view || [35, 22]).map((a) => (a * Math.PI) / 180);
       const narrow = Math.min(1, camera.aspect);
-      const distance = (1.08 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
+      const distance = (1.14 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
       const [c, s] = [Math.cos(elevation), Math.sin(elevation)];
       controls.target.copy(centre);
       camera.position.copy(centre).addScaledVector(from(c * Math.cos(azimuth), c * Math.sin(azimuth), s), distance);
@@ -492,7 +502,8 @@ const createViewer = (() => {
         const group = new THREE.Group();
         group.add(object);
         layer("vectors").add(group);
-        found = {group, object, words: tag(text, "#" + colourOf(colour).getHexString(), group)};
+        const gap = (options && options.gap) || 0.07;
+        found = {group, object, gap, words: tag(text, "#" + colourOf(colour).getHexString(), group)};
         named.arrows.set(name, found);
       }
       const v = vector && vectorOf(vector);
@@ -501,7 +512,7 @@ const createViewer = (() => {
       if (seen) {
         const start = vectorOf(origin);
         stretch(found.object, start, v);
-        found.words.position.copy(start).add(v).addScaledVector(v.normalize(), 0.07 * radius);
+        found.words.position.copy(start).add(v).addScaledVector(v.normalize(), found.gap * radius);
       }
     }
 
@@ -594,7 +605,8 @@ const createViewer = (() => {
       pose(k, position, quaternion) { placed(bodies[k].group, position, quaternion); },
       /* Give body k other shapes. */
       dress,
-      /* Show an arrow from a point; a vector of null or (almost) zero hides it. options: colour, text. */
+      /* Show an arrow from a point; a vector of null or (almost) zero hides it. options:
+         colour, text, gap (of the text from the tip, as a share of the radius). */
       arrow,
       /* A line through points (flat or in triples). options: colour, width, opacity, layer. */
       trail,

@@ -1,0 +1,152 @@
+"""Animations: `eom animate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from eom.commands.jobs import job_of
+from eom.commands.shared import (
+    handover_option,
+    progress_of,
+    report_files,
+    scene_argument,
+    scene_of,
+    target_option,
+)
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from codegen import Result
+    from eom.opening import AnyScene
+    from eom.views.animation import Animation
+
+PAGE = ".html"
+FILMS = (".gif", ".png", ".apng", ".webp")
+
+
+@click.command()
+@scene_argument
+@click.option(
+    "--out",
+    "file",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Write FILE.html, or for slides FILE.gif, .apng, .png (animated) or .webp.",
+)
+@click.option(
+    "--seconds", type=float, default=None, help="Seconds of the motion.  [default: the scene's]"
+)
+@click.option(
+    "--speed",
+    type=float,
+    default=None,
+    help="Seconds of the motion in a second of the animation.  [default: 1, or as fits]",
+)
+@click.option("--fps", type=int, default=None, help="Pictures a second, for slides.  [default: 15]")
+@click.option(
+    "--length", type=float, default=None, help="Longest film, for slides, in s.  [default: 8]"
+)
+@click.option("--size", default=None, metavar="WxH", help="Pixels, for slides.  [default: 640x480]")
+@click.option("--dark", is_flag=True, help="A dark background, for slides.")
+@handover_option
+@target_option
+def animate(
+    scene: str,
+    file: Path,
+    seconds: float | None,
+    speed: float | None,
+    fps: int | None,
+    length: float | None,
+    size: str | None,
+    dark: bool,
+    handover: bool | None,
+    target: str,
+) -> None:
+    """Simulate SCENE and write its motion in space as one HTML page, or as an animated picture.
+
+    The page is below 3 MB, asks nothing from the network, and has play, pause, speed, a time slider,
+    trails, frames and vectors of omega, H and torque. An animated picture is at most 20 MB. Bodies
+    without a shape are drawn as uniform bodies of equal inertia; the page says which.
+    """
+    film = _film(file, fps, length, size, dark)
+    chosen = scene_of(scene, handover=handover)
+    found = _animation(chosen, scene, seconds, speed, target)
+    _write(file, _page(found) if film is None else _filmed(found, file, film))
+    report_files([file])
+    for note in found.notes[:1]:
+        if note.startswith("stopped"):
+            click.echo(f"note: {note}", err=True)
+
+
+def _film(
+    file: Path, fps: int | None, length: float | None, size: str | None, dark: bool
+) -> tuple[int, float | None, tuple[int, int], bool] | None:
+    """Return how slides are filmed, None for a page. Raises `InputError` before anything is computed."""
+    if file.suffix not in {PAGE, *FILMS}:
+        expected = ", ".join((PAGE, *FILMS))
+        raise InputError("unknown kind of file", where="--out", got=file.name, expected=expected)
+    if not file.absolute().parent.is_dir():
+        raise InputError("no such folder", where="--out", got=str(file.parent))
+    given = {"--fps": fps, "--length": length, "--size": size, "--dark": dark or None}
+    if file.suffix == PAGE:
+        for name, value in given.items():
+            if value is not None:
+                raise InputError("this option is for slides", where=name, hint=f"--out FILE{FILMS[0]}")
+        return None
+    from eom.views.slides import Film, checked
+
+    wide, high = _size(size) if size else (Film.width, Film.height)
+    checked(Film(wide, high, fps or Film.fps, dark, length))
+    return fps or Film.fps, length, (wide, high), dark
+
+
+def _size(text: str) -> tuple[int, int]:
+    wide, cross, high = text.lower().partition("x")
+    if not (cross and wide.isdecimal() and high.isdecimal()):
+        raise InputError("not a size", where="--size", got=text, expected="for example 640x480")
+    return int(wide), int(high)
+
+
+def _animation(
+    scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
+) -> Animation:
+    from eom.views.animation import animation_of
+    from eom.views.robot_shapes import shapes_of_file
+
+    with progress_of("integrating") as progress:
+
+        def integrate(prepared: AnyScene) -> Result:
+            return job_of(prepared, target, ()).integrate(progress)
+
+        return animation_of(
+            scene, integrate, seconds=seconds, speed=speed, robot=shapes_of_file(name)
+        )
+
+
+def _page(animation: Animation) -> bytes:
+    from eom.views.animation_page import page
+
+    return page(animation).encode("utf-8")
+
+
+def _filmed(
+    animation: Animation, file: Path, film: tuple[int, float | None, tuple[int, int], bool]
+) -> bytes:
+    from eom.views.slides import Film, film_bytes
+
+    fps, length, (wide, high), dark = film
+    with progress_of("drawing") as progress:
+        return film_bytes(animation, file.suffix, Film(wide, high, fps, dark, length), progress)
+
+
+def _write(file: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    part = file.with_name(f".{file.name}.part")
+    try:
+        part.write_bytes(data)
+        part.replace(file)
+    finally:
+        part.unlink(missing_ok=True)

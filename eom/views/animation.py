@@ -1,0 +1,311 @@
+"""A simulated scene as an animation: frozen data that pages and slides are made from.
+
+Times are equally far apart and so close that attitudes between two of them follow by interpolation on the
+great circle (`STEP`). All components are in the frame A that attitude is measured in, or the ground's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eom.errors import InputError
+from eom.multibody.constraints import Rolling
+from eom.opening import AnyScene
+from eom.scene import Scene
+from eom.views.equivalents import Shape
+from eom.views.figures import Figures, figures_of
+from eom.views.tracks import Floats, Track, Tracks, matrices, tracks_of, with_attitude
+
+if TYPE_CHECKING:
+    from codegen import Result
+
+COARSE = 301
+"""Stored times at least."""
+STEP, LARGEST_STEP = 0.2, 2.0
+"""Radians that a body turns from one time to the next: aimed at, and the most that can be shown."""
+BUDGET = 1_400_000
+"""Bytes of all samples: the page that holds them stays below 3 MB."""
+BYTES_OF_BODY, BYTES_OF_VECTOR = 40, 12
+SHORT, LONG, AIM = 2.0, 40.0, 20.0
+"""A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
+MOST_TOLD = 8
+GROUND_GAP = 0.03
+AROUND_ONE = 1.2
+"""What is seen around a single body, by its extent: its vectors need room."""
+SAMPLES = 100
+"""Times at which the space that the motion takes is measured."""
+
+Integrate = Callable[[AnyScene], "Result"]
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """A vector over time: ``values`` and the ``places`` it starts from (m), shape (N, 3); one ``kind``, one scale."""
+
+    kind: str
+    text: str
+    unit: str
+    colour: str
+    values: Floats
+    places: Floats
+    body: int = -1
+    """The body that it belongs to, -1 where it is of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """A number over time, shape (N,), that stands beside the picture."""
+
+    name: str
+    unit: str
+    values: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A ball that holds the motion, what is up, where the camera stands (degrees), the ground's height."""
+
+    centre: Floats
+    radius: float
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    camera: tuple[float, float] = (35.0, 20.0)
+    ground: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """What moves, and how it is shown. ``speed``: seconds of the motion that a second shows."""
+
+    title: str
+    words: str
+    tracks: Tracks
+    figures: Figures
+    arrows: tuple[Arrows, ...]
+    told: tuple[Told, ...]
+    view: View
+    speed: float
+    axes: tuple[str, str, str] = ("a₁", "a₂", "a₃")
+    notes: tuple[str, ...] = ()
+
+    @property
+    def times(self) -> Floats:
+        """The stored times (s), equally far apart."""
+        return self.tracks.times
+
+
+def animation_of(
+    scene: AnyScene,
+    integrate: Integrate,
+    *,
+    seconds: float | None = None,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+) -> Animation:
+    """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
+
+    ``seconds``: of the motion, by default to the scene's end; ``speed``: seconds of it that are shown in one.
+    ``robot``: shapes of bodies by name (`eom.views.robot_shapes`). Raises `InputError` for a motion that
+    turns so fast that its samples would not fit into a page of 3 MB.
+    """
+    for name, given in (("seconds", seconds), ("speed", speed)):
+        if given is not None and not (math.isfinite(given) and given > 0):
+            raise InputError("not a positive number", where=name, got=given)
+    first = with_attitude(scene, COARSE, seconds)
+    tracks, result = _tracks(first, integrate)
+    count = _needed(tracks, first)
+    if count > COARSE:
+        planned = abs(float(first.integration.t_end))
+        share = planned / float(tracks.times[-1] - tracks.times[0])
+        first = _with_points(first, math.ceil(count * share))
+        tracks, result = _tracks(first, integrate)
+    return shown(first, tracks, result, speed=speed, robot=robot, asked=scene.requested)
+
+
+def _with_points(scene: AnyScene, points: int) -> AnyScene:
+    """Return a scene with other stored times; what was derived of it is kept."""
+    plan = scene.integration.model_copy(update={"points": points})
+    return scene.model_copy(update={"integration": plan})
+
+
+def _tracks(scene: AnyScene, integrate: Integrate) -> tuple[Tracks, Result]:
+    """Return the motion up to the last of the equally spaced times that was reached."""
+    result = integrate(scene)
+    plan = scene.integration
+    step = plan.t_end / (plan.points - 1)
+    due = np.arange(len(result.t)) * step
+    kept = int(np.count_nonzero(np.abs(result.t - due) <= 1e-6 * abs(step)))
+    if kept < 2:
+        raise InputError("the motion ends before it can be shown", got=result.message)
+    cut = {n: v[:kept] for n, v in result.outputs.items()}
+    result = replace(result, t=result.t[:kept], y=result.y[:, :kept], outputs=cut)
+    return tracks_of(scene, result), result
+
+
+def _needed(tracks: Tracks, scene: AnyScene) -> int:
+    """Return how many times are stored. Raises `InputError` where they would be too many."""
+    rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
+    spans = np.abs(tracks.times - tracks.times[0])
+    turned = np.maximum.accumulate(rates) * spans
+    vectors = len(tracks.bodies) + 2 + MOST_TOLD / 3
+    most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
+    if turned[-1] > LARGEST_STEP * most:
+        possible = float(spans[turned <= 0.95 * LARGEST_STEP * most][-1])
+        raise InputError(
+            "too many turns for one animation",
+            where=scene.name,
+            got=f"{turned[-1] / (2 * math.pi):.0f} turns in {spans[-1]:g} s",
+            expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
+            hint=f"--seconds {possible:.3g}",
+        )
+    return max(COARSE, min(most, math.ceil(turned[-1] / STEP) + 1))
+
+
+def shown(
+    scene: AnyScene,
+    tracks: Tracks,
+    result: Result,
+    *,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+    asked: tuple[str, ...] = (),
+) -> Animation:
+    """Return the animation of a motion that was simulated (`eom.views.tracks.tracks_of`)."""
+    figures = figures_of(scene, robot)
+    span = abs(float(tracks.times[-1] - tracks.times[0]))
+    orbit = isinstance(scene, Scene) and scene.torque.gravity_gradient is not None
+    return Animation(
+        title=scene.title or scene.name,
+        words=scene.description,
+        tracks=tracks,
+        figures=figures,
+        arrows=tuple(_arrows(tracks)),
+        told=tuple(_told(scene, result, asked))[:MOST_TOLD],
+        view=_view(scene, tracks, figures),
+        speed=speed or _speed(span),
+        axes=("a₁ radial", "a₂ along", "a₃ normal") if orbit else ("a₁", "a₂", "a₃"),
+        notes=tuple(_notes(scene, result, figures)),
+    )
+
+
+def _speed(span: float) -> float:
+    """Return 1 for a motion of fair length, else the power of ten, twice or five times it, that is nearest."""
+    if SHORT <= span <= LONG:
+        return 1.0
+    wanted = span / AIM
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return float(min((n * power for n in (1, 2, 5, 10)), key=lambda s: abs(math.log(s / wanted))))
+
+
+def _arrows(tracks: Tracks) -> Iterator[Arrows]:
+    for k, body in enumerate(tracks.bodies):
+        yield Arrows("omega", "ω", "rad/s", "red", body.omega, body.positions, k)
+    yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
+    if tracks.torque is not None and np.any(tracks.torque):
+        yield Arrows("torque", "τ", "N m", "green", tracks.torque, tracks.centre)
+
+
+def _told(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Told]:
+    system = scene.derive()
+    quantities = (*system.states, *(d.quantity for d in system.outputs))
+    units = {q.name: "" if q.unit == "1" else q.unit for q in quantities}
+    for name in asked:
+        if name in result.names or name in result.outputs:
+            yield Told(name, units.get(name, ""), np.asarray(result[name]))
+
+
+def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
+    if result.status not in {0, 2}:
+        yield result.message
+    if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
+        yield "Space frame: a₁ points away from the Earth, a₂ along the orbit, a₃ normal to it."
+    for figure in figures.bodies:
+        if figure.words:
+            label = "Drawn" if len(figures.bodies) == 1 else figure.name
+            yield f"{label}: {figure.words}"
+
+
+# -- the view --------------------------------------------------------------------------------------
+
+
+def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+    points = np.concatenate([*_places(tracks, figures)])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
+        centre = np.zeros(3)
+    radius = float(np.linalg.norm(points - centre, axis=1).max())
+    radius *= AROUND_ONE if len(tracks.bodies) == 1 else 1
+    gravity = _gravity(scene)
+    if gravity is None:
+        return View(centre, radius)
+    up = -gravity / np.linalg.norm(gravity)
+    floor = _floor(scene)
+    if floor is None:
+        floor = float((points @ up).min()) - GROUND_GAP * radius
+    a, b, c = (float(x) for x in up)
+    return View(centre, radius, (a, b, c), _camera(tracks, up), floor)
+
+
+def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:
+    """Yield where the vertices of the bodies are at some of the times."""
+    some = slice(None, None, max(1, len(tracks.times) // SAMPLES))
+    for track, figure in zip(tracks.bodies, figures.bodies, strict=True):
+        yield track.positions[some]
+        if figure.shapes:
+            vertices = np.concatenate([s.mesh.vertices for s in figure.shapes])[::7]
+            turned = np.einsum("nij,vi->nvj", matrices(track.quaternions[some]), vertices)
+            yield (track.positions[some, None] + turned).reshape(-1, 3)
+
+
+def at(track: Track, point: Any) -> Floats:
+    """Return where a point of a body is (m), shape (N, 3); ``point`` from its origin, in its axes."""
+    moved = np.einsum("nij,i->nj", matrices(track.quaternions), np.asarray(point, dtype=np.float64))
+    return np.asarray(track.positions + moved)
+
+
+def _gravity(scene: AnyScene) -> NDArray[np.float64] | None:
+    if isinstance(scene, Scene):
+        return None if scene.torque.weight is None else np.array([0.0, 0.0, -1.0])
+    from eom.views.tree_figures import Drawing
+
+    found = Drawing(scene, {}).array(scene.tree.gravity)
+    return found if np.any(found) else None
+
+
+def _floor(scene: AnyScene) -> float | None:
+    """Return the height of a plane on which a body of a tree rolls."""
+    if isinstance(scene, Scene):
+        return None
+    from eom.views.tree_figures import Drawing
+
+    drawing = Drawing(scene, {})
+    for constraint in scene.tree.constraints:
+        if isinstance(constraint, Rolling):
+            return float(drawing.array(constraint.origin) @ drawing.array(constraint.normal))
+    return None
+
+
+def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
+    """Return azimuth and elevation (degrees): in front of a plane motion, above any other.
+
+    Azimuth is measured from the horizontal direction nearest to a1 (or a2 if that is up).
+    """
+    rates = np.concatenate([b.omega for b in tracks.bodies])
+    _, sizes, directions = np.linalg.svd(rates, full_matrices=False)
+    normal = directions[0]
+    if sizes[1] > 1e-6 * max(sizes[0], 1e-300) or abs(normal @ up) > 0.1:
+        return 35.0, 20.0
+    across = np.eye(3)[0] - up[0] * up
+    if across @ across < 0.1:
+        across = np.eye(3)[1] - up[1] * up
+    across /= np.linalg.norm(across)
+    along = np.cross(up, across)
+    azimuth = math.degrees(math.atan2(float(normal @ along), float(normal @ across)))
+    azimuth = azimuth - 180 if azimuth > 45 else azimuth
+    azimuth = azimuth + 180 if azimuth < -135 else azimuth
+    return azimuth + 18, 10.0

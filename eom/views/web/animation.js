@@ -1,0 +1,380 @@
+/* Plays the animation whose data stand in the page. */
+"use strict";
+
+(() => {
+  const byId = (id) => document.getElementById(id);
+  const data = JSON.parse(byId("data").textContent);
+  const still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const darkness = window.matchMedia("(prefers-color-scheme: dark)");
+  const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+  const LONGEST_FRAME = 0.1;
+
+  // -- data ---------------------------------------------------------------------------------------
+
+  function bytes(text) {
+    const plain = atob(text);
+    const found = new Uint8Array(plain.length);
+    for (let k = 0; k < plain.length; k += 1) {
+      found[k] = plain.charCodeAt(k);
+    }
+    return found.buffer;
+  }
+  const floats = (text) => (text ? new Float32Array(bytes(text)) : null);
+  const meshes = data.meshes.map((m) => ({
+    vertices: floats(m.vertices),
+    faces: m.wide ? new Uint32Array(bytes(m.faces)) : new Uint16Array(bytes(m.faces)),
+    round: m.round,
+    flat: m.flat,
+  }));
+  const shape = (s) => ({
+    kind: "mesh", vertices: meshes[s.mesh].vertices, faces: meshes[s.mesh].faces, marked: meshes[s.mesh].round,
+    flat: meshes[s.mesh].flat,
+    colour: s.colour, opacity: s.opacity,
+  });
+  const bodies = data.bodies.map((b) => ({
+    name: b.name, colour: b.colour, tip: b.tip, positions: floats(b.positions), quaternions: floats(b.quaternions),
+  }));
+  const arrows = data.arrows.map((a) => Object.assign({}, a, {values: floats(a.values), places: floats(a.places)}));
+  const told = data.told.map((t) => Object.assign({}, t, {values: floats(t.values)}));
+  const span = data.end - data.start;
+  const count = data.count;
+  const several = bodies.length > 1;
+
+  // -- values between the samples -------------------------------------------------------------------
+
+  function between(values, width, k, part) {
+    const found = new Array(width);
+    for (let n = 0; n < width; n += 1) {
+      const [a, b] = [values[width * k + n], values[width * Math.min(k + 1, count - 1) + n]];
+      found[n] = a + part * (b - a);
+    }
+    return found;
+  }
+
+  /* On the great circle; neighbours are of the sign that makes the way short. */
+  function slerp(values, k, part) {
+    const a = values.subarray(4 * k, 4 * k + 4);
+    const next = Math.min(k + 1, count - 1);
+    const b = values.subarray(4 * next, 4 * next + 4);
+    const cosine = Math.min(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]);
+    const angle = Math.acos(cosine);
+    const sine = Math.sin(angle);
+    const [p, q] = sine > 1e-5 ? [Math.sin((1 - part) * angle) / sine, Math.sin(part * angle) / sine] : [1 - part, part];
+    return [0, 1, 2, 3].map((n) => p * a[n] + q * b[n]);
+  }
+
+  const ORIGIN = [0, 0, 0];
+  const position = (body, k, part) => (body.positions ? between(body.positions, 3, k, part) : ORIGIN);
+
+  /* Components in space of a vector with components in a body. */
+  function turned(q, v) {
+    const [s, x, y, z] = q;
+    const t = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])];
+    return [v[0] + s * t[0] + y * t[2] - z * t[1], v[1] + s * t[1] + z * t[0] - x * t[2], v[2] + s * t[2] + x * t[1] - y * t[0]];
+  }
+
+  const length = (v) => Math.hypot(v[0], v[1], v[2]);
+
+  // -- the picture ----------------------------------------------------------------------------------
+
+  const canvas = byId("view");
+  let viewer;
+  try {
+    viewer = createViewer(canvas, {
+      radius: data.radius, centre: data.centre, up: data.up, view: data.view, ground: data.ground,
+      theme: darkness.matches ? "dark" : "light",
+      names: {space: data.axes},
+      bodies: data.bodies.map((b) => ({name: b.name, colour: b.colour, frame: b.frame, axes: b.axes, shapes: b.shapes.map(shape)})),
+      stand: data.stand.map(shape),
+    });
+  } catch (error) {
+    byId("sorry").hidden = false;
+    byId("sorry").textContent = "This page needs WebGL, which this browser does not offer or has switched off.";
+    return;
+  }
+
+  const scales = {};
+  arrows.forEach((a) => {
+    for (let k = 0; k < count; k += 1) {
+      scales[a.kind] = Math.max(scales[a.kind] || 0, length(a.values.subarray(3 * k, 3 * k + 3)));
+    }
+  });
+  const reach = (several ? 0.5 : 0.95) * data.radius;
+  const SHARE = {omega: 1, momentum: 0.84, torque: 0.68};
+
+  function drawTrails() {
+    bodies.forEach((body, n) => {
+      if (!body.tip) {
+        return;
+      }
+      const points = new Float32Array(3 * count);
+      for (let k = 0; k < count; k += 1) {
+        const tip = turned(body.quaternions.subarray(4 * k, 4 * k + 4), body.tip);
+        const at = position(body, k, 0);
+        points.set([at[0] + tip[0], at[1] + tip[1], at[2] + tip[2]], 3 * k);
+      }
+      viewer.trail("tip " + n, points, {colour: several ? data.bodies[n].colour : "orange", width: 2, opacity: 0.75});
+    });
+    if (!several) {
+      const points = arrows[0].values.map((x) => (x * reach) / (scales.omega || 1));
+      viewer.trail("omega", points, {colour: "red", width: 1.5, opacity: 0.55, layer: "path of omega"});
+    }
+  }
+  drawTrails();
+
+  // -- what is shown ----------------------------------------------------------------------------------
+
+  const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0};
+  const shown = {};
+  const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
+  const COLOURS = {red: "#d55e00", purple: "#cc79a7", green: "#009e73", blue: "#0072b2", orange: "#e69f00",
+                   sky: "#56b4e9", yellow: "#d9c400", grey: "#8a8a8a"};
+
+  function swatch(colour) {
+    const found = document.createElement("span");
+    found.className = "swatch";
+    found.style.background = COLOURS[colour];
+    return found;
+  }
+
+  function box(id, words, on, act, colour) {
+    const label = document.createElement("label");
+    const input = document.createElement("input");
+    Object.assign(input, {type: "checkbox", checked: on, id: "show-" + id});
+    input.addEventListener("change", () => {
+      act(input.checked);
+      draw();
+    });
+    label.append(input);
+    if (colour) {
+      label.append(swatch(colour));
+    }
+    label.append(document.createTextNode(words));
+    byId("show").append(label);
+    act(on);
+    return input;
+  }
+
+  const kinds = [...new Set(arrows.map((a) => a.kind))];
+  kinds.forEach((kind) => {
+    const colour = arrows.find((a) => a.kind === kind).colour;
+    box(kind, WORDS[kind], !several || data.ground === null, (on) => { shown[kind] = on; }, colour);
+  });
+  if (several) {
+    const label = document.createElement("label");
+    const select = document.createElement("select");
+    select.id = "chosen";
+    bodies.forEach((body, n) => select.append(new Option(body.name, n)));
+    select.addEventListener("change", () => {
+      state.chosen = Number(select.value);
+      chosenRow();
+      draw();
+      say();
+    });
+    label.append(document.createTextNode("\u03c9 of"), select);
+    byId("show").append(label);
+  }
+  const trails = box("trails", several ? "paths of the tips" : "path of the tip", true, (on) => viewer.show("trails", on));
+  if (!several) {
+    box("path", "path of \u03c9", false, (on) => viewer.show("path of omega", on));
+  }
+  const space = box("space", "space frame", !several, (on) => viewer.show("space frame", on));
+  const frames = box("frames", several ? "body frames" : "body frame", !several, (on) => viewer.show("body frames", on));
+  if (data.ground !== null) {
+    box("ground", "ground, squares of " + Number(viewer.cell.toPrecision(2)) + " m", true, (on) => viewer.show("ground", on));
+  }
+
+  const rows = [];
+  function row(name, unit, value) {
+    const line = byId("told").tBodies[0].insertRow();
+    const head = document.createElement("th");
+    head.scope = "row";
+    head.textContent = name;
+    line.append(head);
+    const cell = line.insertCell();
+    line.insertCell().textContent = unit;
+    rows.push({cell, value, name, unit});
+  }
+  const places = Math.max(0, Math.min(6, 3 - Math.floor(Math.log10(span))));
+  const timeText = () => (data.start + state.time).toFixed(places);
+  function number(x) {
+    const away = Math.abs(x);
+    const text = away < 1e-12 ? "0" : (away < 1e-3 || away >= 1e6 ? x.toExponential(2) : x.toPrecision(4));
+    return text.replace(/-/g, "\u2212");
+  }
+  const size = (arrow) => (k, part) => length(between(arrow.values, 3, k, part));
+  row("t", "s", () => data.start + state.time);
+  rows[0].fixed = true;
+  row("|\u03c9|", "rad/s",
+      (k, part) => size(arrows[state.chosen])(k, part));
+  function chosenRow() {
+    rows[1].cell.previousSibling.textContent = several ? "|\u03c9| of " + bodies[state.chosen].name : "|\u03c9|";
+  }
+  chosenRow();
+  arrows.filter((a) => a.kind !== "omega").forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
+  told.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
+
+  if (several) {
+    bodies.forEach((body) => {
+      const item = document.createElement("li");
+      item.append(swatch(body.colour), document.createTextNode(body.name));
+      byId("legend").append(item);
+    });
+  } else {
+    byId("bodies").remove();
+  }
+  byId("sizes").textContent = "Longest arrows: " + kinds.map((kind) => {
+    const arrow = arrows.find((a) => a.kind === kind);
+    return arrow.text + " " + scales[kind].toPrecision(3) + " " + arrow.unit;
+  }).join(", ") + ". Momentum and torque are about the " + (several ? "common centre of mass." : "body's origin.");
+
+  // -- one moment -----------------------------------------------------------------------------------
+
+  function moment() {
+    const place = span ? (state.time / span) * (count - 1) : 0;
+    const k = Math.min(Math.floor(place), count - 1);
+    return [k, place - k];
+  }
+
+  function draw() {
+    const [k, part] = moment();
+    const at = bodies.map((body, n) => {
+      const where = position(body, k, part);
+      viewer.pose(n, where, slerp(body.quaternions, k, part));
+      if (body.tip) {
+        viewer.trailTo("tip " + n, k + 2);
+      }
+      return where;
+    });
+    if (!several) {
+      viewer.trailTo("omega", k + 2);
+    }
+    arrows.forEach((arrow, n) => {
+      const seen = shown[arrow.kind] && (arrow.kind !== "omega" || n === state.chosen);
+      const origin = arrow.body >= 0 ? at[arrow.body] : (arrow.places ? between(arrow.places, 3, k, part) : ORIGIN);
+      const factor = (SHARE[arrow.kind] * reach) / (scales[arrow.kind] || 1);
+      const vector = seen ? between(arrow.values, 3, k, part).map((x) => x * factor) : null;
+      viewer.arrow(arrow.kind + n, origin, vector, {colour: arrow.colour, text: arrow.text});
+    });
+    viewer.render();
+    const slider = byId("time");
+    slider.value = String(Math.round(1000 * (span ? state.time / span : 0)));
+    slider.setAttribute("aria-valuetext", timeText() + " seconds");
+    byId("clock").textContent = "t = " + timeText() + " s";
+  }
+
+  function say() {
+    const [k, part] = moment();
+    rows.forEach((r) => { r.cell.textContent = r.fixed ? timeText() : number(r.value(k, part)); });
+    state.said = performance.now();
+    if (!state.playing) {
+      byId("status").textContent = rows.slice(0, 4).map((r) => r.name + " " + r.cell.textContent + " " + r.unit).join(", ");
+    }
+  }
+
+  function go(time) {
+    state.time = Math.max(0, Math.min(span, time));
+    draw();
+    say();
+  }
+
+  // -- time -------------------------------------------------------------------------------------------
+
+  function frame(now) {
+    if (!state.playing) {
+      return;
+    }
+    const passed = Math.max(0, Math.min((now - state.last) / 1000, LONGEST_FRAME));
+    state.last = now;
+    let time = state.time + passed * state.speed * data.speed;
+    if (time >= span) {
+      time = byId("loop").checked ? time % span : span;
+      if (!byId("loop").checked) {
+        play(false);
+      }
+    }
+    state.time = time;
+    draw();
+    if (now - state.said > 100) {
+      say();
+    }
+    requestAnimationFrame(frame);
+  }
+
+  function play(on) {
+    const fresh = on && !state.playing;
+    state.playing = on;
+    byId("play").textContent = on ? "Pause" : "Play";
+    if (fresh) {
+      if (state.time >= span) {
+        state.time = 0;
+      }
+      byId("status").textContent = "";
+      state.last = performance.now();
+      requestAnimationFrame(frame);
+    } else if (!on) {
+      say();
+    }
+  }
+
+  const select = byId("speed");
+  SPEEDS.forEach((s) => {
+    const whole = Number((s * data.speed).toPrecision(4));
+    select.append(new Option(whole.toLocaleString("en") + "\u00d7", s, s === 1, s === 1));
+  });
+  function speed(index) {
+    select.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, index));
+    state.speed = SPEEDS[select.selectedIndex];
+  }
+  const step = (sign) => () => {
+    play(false);
+    go(state.time + (sign * span) / Math.min(count - 1, 300));
+  };
+  const toggled = (input) => () => { input.click(); };
+
+  function vectors() {
+    const inputs = kinds.map((kind) => byId("show-" + kind));
+    const on = !inputs.some((i) => i.checked);
+    inputs.filter((i) => i.checked !== on).forEach((i) => i.click());
+  }
+
+  const theme = byId("theme");
+  function dress(dark) {
+    document.documentElement.dataset.theme = dark ? "dark" : "light";
+    theme.textContent = dark ? "Light background" : "Dark background";
+    viewer.theme(dark ? "dark" : "light");
+  }
+  const isDark = () => document.documentElement.dataset.theme === "dark";
+
+  const KEYS = {
+    " ": () => play(!state.playing), ",": step(-1), ".": step(1),
+    "[": () => speed(select.selectedIndex - 1), "]": () => speed(select.selectedIndex + 1),
+    r: () => go(0), l: toggled(byId("loop")), t: toggled(trails), v: vectors, s: toggled(space), b: toggled(frames),
+    d: () => dress(!isDark()),
+  };
+  document.addEventListener("keydown", (event) => {
+    const own = event.target.closest("button, select, summary, a, input[type=checkbox]");
+    if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) {
+      return;
+    }
+    if (own && (event.key === " " || own.tagName === "SELECT")) {
+      return;
+    }
+    KEYS[event.key]();
+    event.preventDefault();
+  });
+  byId("play").addEventListener("click", () => play(!state.playing));
+  byId("back").addEventListener("click", step(-1));
+  byId("forth").addEventListener("click", step(1));
+  select.addEventListener("change", () => speed(select.selectedIndex));
+  byId("time").addEventListener("input", (event) => {
+    play(false);
+    go((span * Number(event.target.value)) / 1000);
+  });
+  theme.addEventListener("click", () => dress(!isDark()));
+  darkness.addEventListener("change", () => dress(darkness.matches));
+
+  dress(darkness.matches);
+  go(0);
+  play(!still);
+})();

@@ -1,0 +1,324 @@
+"""Animations: data equal to the simulation, shapes of the right size and inertia, pages of the same bytes."""
+
+import base64
+import io
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eom import catalogue, regions, solids
+from eom.commands.jobs import job_of
+from eom.errors import InputError
+from eom.kinematics import attitude, elementary
+from eom.multibody.scene import TreeScene
+from eom.opening import load_scene
+from eom.scene import Scene
+from eom.views.animation import animation_of, at
+from eom.views.animation_page import data, page
+from eom.views.equivalents import equivalent
+from eom.views.figures import figures_of
+from eom.views.robot_shapes import shapes_of_file
+from eom.views.slides import Film, Filming, film_bytes
+from eom.views.solid_meshes import of_solid
+from eom.views.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
+
+HOSTILE = "</script><img src=x onerror=alert(1)>\u2028{{data}} $x$ & \"'"
+
+
+def integrate(scene):
+    return job_of(scene, "auto", ()).integrate(lambda _: None)
+
+
+def simulated(scene, points=21, t_end=None):
+    prepared = with_attitude(scene, points, t_end)
+    result = integrate(prepared)
+    return prepared, result, tracks_of(prepared, result)
+
+
+def tumbling(attitude, **changes):
+    settings = {
+        "name": "tumbling",
+        "body": {"moments": (1.0, 2.0, 2.5)},
+        "attitude": attitude,
+        "initial": {"omega_1": 0.4, "omega_2": 1.0, "omega_3": 0.5},
+        "integration": {"t_end": 2.0},
+    }
+    return Scene(**{**settings, **changes})
+
+
+ANGLES = {"initial_attitude": {"sequence": "3-2-1", "radians": (0.3, -0.2, 0.5)}}
+BODIES = {
+    "quaternion": tumbling("quaternion", **ANGLES),
+    "dcm": tumbling("dcm", **ANGLES),
+    "3-2-1": tumbling("3-2-1", **ANGLES),
+}
+
+
+# -- poses -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_poses_are_the_rotations_of_the_coordinates(name):
+    """C_BA of the quaternions is that of `eom.kinematics` at the simulated coordinates."""
+    _, result, tracks = simulated(BODIES[name])
+    chosen = attitude(name)
+    found = matrices(tracks.bodies[0].quaternions)
+    for k in (0, 7, 20):
+        at_k = {q.symbol: float(result[q.name][k]) for q in chosen.coordinates}
+        expected = np.array(chosen.matrix.xreplace(at_k).tolist(), dtype=float)
+        assert np.abs(found[k] - expected).max() < 2e-9  # a dcm is orthonormal to its tolerance
+    assert np.ptp(tracks.momentum, axis=0).max() < 1e-8  # nothing acts
+
+
+def test_a_body_without_attitude_gets_it_integrated_along():
+    """Its momentum stays in space, and its rates are those of the scene."""
+    scene = tumbling("none")
+    _, result, tracks = simulated(scene)
+    assert np.ptp(tracks.momentum, axis=0).max() < 1e-8
+    own = np.stack([result[f"omega_{k}"] for k in (1, 2, 3)], axis=-1)
+    back = np.einsum("nij,nj->ni", matrices(tracks.bodies[0].quaternions), tracks.bodies[0].omega)
+    assert np.abs(back - own).max() < 1e-12
+    assert np.allclose(tracks.bodies[0].quaternions[0], (1, 0, 0, 0))
+
+
+def test_a_spinner_turns_by_its_spin_too():
+    scene = load_scene("bicycle-wheel")
+    _, result, tracks = simulated(scene, 2001, 2.0)
+    track = tracks.bodies[0]
+    turns = [(3, "psi"), (1, "theta"), (2, "phi")]
+    C = sp.eye(3)
+    for axis, name in turns:
+        C = elementary(axis, float(result[name][-1])) * C
+    assert np.abs(matrices(track.quaternions[-1]) - np.array(C.tolist(), dtype=float)).max() < 1e-12
+    assert np.abs(rate(track, tracks.times) - track.omega[1:-1]).max() < 1e-4
+
+
+def rate(track, times):
+    """Angular velocity, components in A, by central differences of 2 dq q*."""
+    q, dt = track.quaternions, times[1] - times[0]
+    change = (q[2:] - q[:-2]) / (2 * dt)
+    s, v, ds, dv = q[1:-1, :1], q[1:-1, 1:], change[:, :1], change[:, 1:]
+    return 2 * (s * dv - ds * v - np.cross(dv, v))
+
+
+def test_a_double_pendulum_is_where_its_angles_say():
+    _, result, tracks = simulated(load_scene("double-pendulum"), 41, 2.0)
+    upper, lower = tracks.bodies
+    q1, q2 = result["q_shoulder"], result["q_elbow"]
+    elbow = np.stack([-np.sin(q1), 0 * q1, -np.cos(q1)], axis=-1)  # rods hang along -z, turn about y
+    assert np.abs(lower.positions - elbow).max() < 1e-12
+    tip = elbow + 0.8 * np.stack([-np.sin(q1 + q2), 0 * q1, -np.cos(q1 + q2)], axis=-1)
+    assert np.abs(at(lower, (0, 0, -0.8)) - tip).max() < 1e-12
+    assert not upper.positions.any()
+
+
+def test_a_free_tree_keeps_its_momentum_and_turns_at_its_rates():
+    _, _, tracks = simulated(load_scene("floating-tree"), 2001, 2.0)
+    assert np.ptp(tracks.momentum, axis=0).max() < 1e-8
+    for track in tracks.bodies:
+        assert np.abs(rate(track, tracks.times) - track.omega[1:-1]).max() < 2e-4
+
+
+def test_speeds_that_constraints_eliminate_are_known():
+    """A disc that rolls: the point that touches the ground is at rest."""
+    _, _, tracks = simulated(load_scene("rolling-disc"), 2001, 2.0)
+    (track,) = tracks.bodies
+    axle = np.einsum("nij,i->nj", matrices(track.quaternions), np.array([0.0, 1.0, 0.0]))
+    down = np.array([0.0, 0.0, -1.0]) + axle * axle[:, 2:]
+    contact = 0.4 * down / np.linalg.norm(down, axis=1, keepdims=True)
+    velocity = (track.positions[2:] - track.positions[:-2]) / (tracks.times[2] - tracks.times[0])
+    assert np.abs(velocity + np.cross(track.omega, contact)[1:-1]).max() < 1e-4
+
+
+def test_driven_joints_and_rotors_move():
+    """A turntable at a given speed carries a body with a rotor at a given speed."""
+    scene = TreeScene(
+        name="turntable",
+        bodies={"table": {"mass": 1.0, "moments": (1, 1, 1)}, "arm": {"mass": 1.0, "moments": (1, 1, 1)}},
+        joints={
+            "table": {"kind": "revolute", "parent": "ground", "child": "table", "motion": {"position": "w*t"}},
+            "arm": {"kind": "revolute", "parent": "table", "child": "arm", "axis": "x"},
+        },
+        rotors={"wheel": {"body": "arm", "inertia": 0.1, "axis": "x", "speed": 3.0}},
+        parameters={"w": 0.5},
+        initial={"u_arm": 0.2},
+        integration={"t_end": 1.0},
+    )  # fmt: skip
+    _, _, tracks = simulated(scene, 201)
+    table, arm, wheel = tracks.bodies
+    assert np.allclose(table.omega, (0, 0, 0.5))
+    assert table.quaternions[-1] == pytest.approx((math.cos(0.25), 0, 0, math.sin(0.25)))
+    for track in (arm, wheel):
+        assert np.abs(rate(track, tracks.times) - track.omega[1:-1]).max() < 1e-4
+    assert np.linalg.norm(wheel.omega - arm.omega, axis=1) == pytest.approx(3.0)
+
+
+quaternions = st.lists(st.floats(-1, 1).filter(lambda x: abs(x) > 1e-3), min_size=4, max_size=4)
+
+
+@given(st.lists(quaternions, min_size=2, max_size=6))
+def test_quaternions_are_continuous_and_those_of_their_matrices(rows):
+    q = continuous(rows)
+    assert np.linalg.norm(q, axis=1) == pytest.approx(1)
+    assert np.all(np.einsum("ij,ij->i", q[1:], q[:-1]) >= 0)
+    again = of_matrices(matrices(q))
+    assert np.abs(matrices(again) - matrices(q)).max() < 1e-12
+    assert np.abs(np.abs(np.einsum("ij,ij->i", again, q)) - 1).max() < 1e-12
+
+
+# -- shapes ----------------------------------------------------------------------------------------
+
+
+SIZES = {"a": 0.6, "b": 0.4, "c": 0.3, "length": 1.0, "height": 0.7, "radius": 0.3, "inner_radius": 0.2,
+         "outer_radius": 0.4, "base_radius": 0.4, "top_radius": 0.2, "ring_radius": 0.5,
+         "tube_radius": 0.1}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [n for n, s in solids.SOLIDS.items() if s.region.dimension == 3])
+def test_meshes_bound_the_volume_of_their_solids(name):
+    region = solids.SOLIDS[name].region
+    sizes = {n: SIZES[n] for n in solids.SOLIDS[name].sizes}
+    values = {sp.Symbol(n, positive=True): v for n, v in sizes.items()}
+    exact = float(regions.properties(region).mass.xreplace(values))
+    mesh = of_solid(name, sizes)
+    assert mesh.closed
+    assert 0.97 * exact < mesh.volume < exact * (1 + 1e-12)
+    assert all(np.unique(f).size == 3 for f in mesh.faces)
+
+
+@pytest.mark.parametrize("name", [n for n, s in solids.SOLIDS.items() if s.region.dimension < 3])
+def test_thin_solids_have_meshes_too(name):
+    mesh = of_solid(name, {n: SIZES[n] for n in solids.SOLIDS[name].sizes})
+    assert 0.1 < mesh.extent < 1
+    assert np.isfinite(mesh.vertices).all()
+
+
+spreads = st.tuples(*(st.sampled_from((0.01, 0.3, 1.0, 4.0)) for _ in range(3)))
+
+
+@given(spreads, st.floats(0.1, 50), quaternions)
+def test_equivalent_bodies_have_the_inertia(spread, mass, q):
+    p = np.array(spread)
+    R = matrices(continuous([q]))[0]
+    J = R.T @ np.diag(p.sum() - p) @ R
+    found = equivalent(J, mass)
+    known = {sp.Symbol(n, positive=True): v for n, v in (*found.sizes.items(), ("mass", mass))}
+    own = np.array(solids.central_inertia(found.solid).xreplace(known).tolist(), dtype=float)
+    assert np.abs(found.axes @ own @ found.axes.T - J).max() < 1e-6 * np.abs(J).max()
+
+
+def test_a_named_solid_is_drawn_as_it_is():
+    scene = tumbling("none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}})
+    (figure,) = figures_of(scene).bodies
+    assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.2, 0.15, 0.1))
+    assert "box" in figure.words
+
+
+URDF = """<robot name="r">
+<link name="base"/>
+<link name="arm-1"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><origin xyz="0 0 0.5" rpy="0 1.5707963267948966 0"/><geometry><box size="1 0.2 0.1"/></geometry></visual>
+<visual><geometry><mesh filename="package://../../secret.stl"/></geometry></visual></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="arm-1"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+def test_shapes_of_a_robot_come_from_its_file(tmp_path):
+    pytest.importorskip("yourdfpy")
+    file = tmp_path / "r.urdf"
+    file.write_text(URDF, encoding="utf-8")
+    shapes = shapes_of_file(file)
+    (name,) = (n for n, s in shapes.items() if s)
+    figure = {f.name: f for f in figures_of(load_scene(file), shapes).bodies}[name]
+    assert figure.words == "shapes of the file"
+    assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.05, 0.1, 1.0))
+    assert shapes_of_file("heavy-top") == {}
+
+
+# -- the page --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", catalogue.names())
+def test_every_ready_scene_fits_into_a_page(name):
+    animation = animation_of(load_scene(name), integrate)
+    text = page(animation)
+    assert len(text.encode()) < 3_000_000
+    assert text == page(animation)
+    told = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+    assert told["count"] == len(animation.times) >= 2
+    steps = np.diff(animation.times)
+    assert np.allclose(steps, steps[0])
+    for body, track in zip(told["bodies"], animation.tracks.bodies, strict=True):
+        q = np.frombuffer(base64.b64decode(body["quaternions"]), "<f4").reshape(-1, 4)
+        assert np.abs(q - track.quaternions).max() < 1e-7
+        assert np.all(np.einsum("ij,ij->i", q[1:], q[:-1]) > 0)
+        turn = np.linalg.norm(track.omega, axis=1).max() * steps[0]
+        assert turn < 3  # less than half a turn: the shorter way is the right one
+
+
+def test_what_a_scene_brings_along_is_escaped():
+    text = page(animation_of(tumbling("none", title=HOSTILE, description=HOSTILE), integrate))
+    assert "<img" not in text
+    assert text.count("<script") == text.count("</script>") == 4
+    told = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+    assert told["title"] == told["bodies"][0]["name"] == HOSTILE
+    assert re.findall(r'(?:src|href)="(?!#)', text) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "what"),
+    [({"seconds": -1.0}, "not a positive number"), ({"speed": math.nan}, "not a positive number"),
+     ({"seconds": 1e6}, "too many turns")],
+)  # fmt: skip
+def test_what_cannot_be_shown_is_refused(settings, what):
+    with pytest.raises(InputError, match=what):
+        animation_of(tumbling("none"), integrate, **settings)
+
+
+def test_a_run_that_stops_is_shown_up_to_there():
+    """Angles that become singular without hand-over."""
+    scene = tumbling("3-2-1", initial={"omega_1": 0.0, "omega_2": 1.0, "omega_3": 0.0},
+                     initial_attitude={"sequence": "3-2-1", "radians": (0, 0, 0)},
+                     integration={"t_end": 4.0})  # fmt: skip
+    animation = animation_of(scene, integrate)
+    assert 1.5 < animation.times[-1] < math.pi / 2
+    assert animation.notes[0].startswith("stopped at t = 1.57")
+    assert data(animation)["end"] == animation.times[-1]
+
+
+# -- slides ----------------------------------------------------------------------------------------
+
+
+def test_slides_show_the_motion_and_are_the_same_bytes():
+    image = pytest.importorskip("PIL.Image")
+    pytest.importorskip("matplotlib")
+    animation = animation_of(tumbling("none", title=HOSTILE), integrate)
+    film = Film(width=160, height=120, fps=4, length=0.5)
+    first = film_bytes(animation, ".gif", film)
+    assert first == film_bytes(animation, ".gif", film)
+    picture = image.open(io.BytesIO(first))
+    assert (picture.size, picture.n_frames) == ((160, 120), 3)
+    shown = []
+    for k in range(picture.n_frames):
+        picture.seek(k)
+        shown.append(np.asarray(picture.convert("RGB"), dtype=int))
+    assert np.abs(shown[0] - shown[2]).max() > 50
+
+
+def test_pictures_of_a_film_are_at_the_right_times():
+    animation = animation_of(tumbling("none"), integrate, speed=0.5)
+    filming = Filming(animation, Film(fps=10, length=3.0))
+    assert filming.count == 31
+    step = animation.times[1] - animation.times[0]
+    assert filming.moment(30) * step == pytest.approx(1.5)
+    assert Filming(animation, Film(fps=10, length=99.0)).count == 41
+    long = animation_of(tumbling("none"), integrate, speed=0.01)
+    with pytest.raises(InputError, match="too many pictures"):
+        film_bytes(long, ".gif", Film(fps=50, length=99.0))
