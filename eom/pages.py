@@ -362,5 +362,10 @@ def html_page(blocks: Iterable[Block], title: str) -> str:
     return HTML_DOCUMENT.format(title=html.escape(title), body=_page(_HTML, blocks))
 
 
+def html_body(blocks: Iterable[Block]) -> str:
+    """Return blocks as HTML, to stand in a page of another's."""
+    return _page(_HTML, blocks)
+
+
 def _page(table: Mapping[type, Callable[[Any], list[str]]], blocks: Iterable[Block]) -> str:
     return "\n".join(line for b in blocks for line in table[type(b)](b))

@@ -243,11 +243,32 @@ def files(program: Program, layout: Layout) -> Mapping[str, str]:
 
 def module(program: Program, layout: Layout) -> str:
     """Return the module: sizes, names and one function a group of results."""
+    return _text(program, layout, "export ")
+
+
+def function(program: Program, layout: Layout) -> str:
+    """Return the module as one expression: a function that returns what the module exports.
+
+    For scripts of pages, which hold several systems and load no modules.
+    """
+    names = ", ".join([*_constants(layout), *layout.sizes])
+    return f"function () {{\n{_text(program, layout, '')}\nreturn {{ {names} }};\n}}"
+
+
+def _constants(layout: Layout) -> dict[str, object]:
+    return {
+        "TITLE": layout.title,
+        **name_tables(layout),
+        "SIZES": layout.sizes,
+        "COORDINATES": layout.coordinates,
+    }
+
+
+def _text(program: Program, layout: Layout, export: str) -> str:
     written = bodies(JAVASCRIPT, program, layout)
-    exported = {"TITLE": layout.title, **name_tables(layout), "SIZES": layout.sizes}
-    constants = [f"export const {key} = {_json(value)};" for key, value in exported.items()]
+    constants = [f"{export}const {k} = {_json(v)};" for k, v in _constants(layout).items()]
     head = "\n".join([_HEAD.format(title=comment(layout.title)), *constants, ""])
-    functions = [_function(group, body) for group, body in written.items()]
+    functions = [export + _function(group, body) for group, body in written.items()]
     helpers = [*used_helpers(JAVASCRIPT, written), *used_tables(JAVASCRIPT, program, written)]
     return "\n".join([head, *helpers, *functions])
 
@@ -284,7 +305,7 @@ def _json(value: object) -> str:
 
 def _function(group: str, body: Body) -> str:
     y = f"y = new Float64Array({len(body.results)})"
-    lines = [f"export function {group}(t, x, p = [], u = [], {y}) {{"]
+    lines = [f"function {group}(t, x, p = [], u = [], {y}) {{"]
     for line in body.lines:
         text = line.expression if line.room else f"const {line.variable} = {line.expression};"
         lines.append(f"  {text}" + (f" // {line.comment}" if line.comment else ""))

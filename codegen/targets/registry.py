@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
-from codegen.integrate import written
+from codegen.integrate import javascript, written
 from codegen.layout import Layout
 from codegen.program import Program
 from codegen.targets import c, checks, packaging
@@ -30,9 +30,18 @@ def _c_files(integrator: written.Choice, program: Program, layout: Layout) -> Ma
     return {**files, **packaging.build(layout, files)}
 
 
+def _javascript_files(
+    integrator: written.Choice, program: Program, layout: Layout
+) -> Mapping[str, str]:
+    return {**JAVASCRIPT.files(program, layout), **javascript.files(integrator.name)}
+
+
 C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, partial(_c_files, written.Choice()))
 
 ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}
+
+_BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
+"""What writes functions and integrator, by target."""
 
 
 def target_of(name: str, integrator: written.Choice | None = None) -> Target:
@@ -45,10 +54,10 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
     if integrator is None:
         return ROWS[name]
     written.check(integrator)
-    if ROWS[name] is not C:
+    if name not in _BESIDE:
         raise InputError(
-            "integrators are written for the target c alone",
+            f"integrators are written for the targets {' and '.join(_BESIDE)} alone",
             got=f"target {name}, integrator {integrator.name}",
-            hint="leave out the integrator, or choose the target c",
+            hint="leave out the integrator, or choose one of these targets",
         )
-    return replace(C, files=partial(_c_files, integrator))
+    return replace(ROWS[name], files=partial(_BESIDE[name], integrator))

@@ -46,7 +46,7 @@ def _integrators() -> Rows:
 @click.option(
     "--integrator",
     metavar="NAME",
-    help="Written beside the target c; see below.  [default: dop853]",
+    help="Written beside the targets c and javascript; see below.  [default for c: dop853]",
 )
 @click.option(
     "--rtol",

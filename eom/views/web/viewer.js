@@ -517,13 +517,13 @@ const createViewer = (() => {
     }
 
     function newTrail(options, segments) {
-      const {colour = "orange", width = 2.5, opacity = 0.9, layer: where = "trails"} = options;
+      const {colour = "orange", width = 2.5, opacity = 0.9, layer: where = "trails", body} = options;
       const geometry = new THREE.LineSegmentsGeometry();
       geometry.setPositions(segments);
       const material = new THREE.LineMaterial({color: colourOf(colour), linewidth: width, transparent: true, opacity});
       const object = new THREE.LineSegments2(geometry, material);
       object.frustumCulled = false;
-      layer(where).add(object);
+      (body === undefined ? layer(where) : bodies[body].group).add(object);
       return {object, geometry, buffer: geometry.getAttribute("instanceStart").data, next: 0, filled: 0, last: null};
     }
 
@@ -608,7 +608,8 @@ const createViewer = (() => {
       /* Show an arrow from a point; a vector of null or (almost) zero hides it. options:
          colour, text, gap (of the text from the tip, as a share of the radius). */
       arrow,
-      /* A line through points (flat or in triples). options: colour, width, opacity, layer. */
+      /* A line through points (flat or in triples). options: colour, width, opacity, layer, or the number
+         of a body that it is fixed to, with points in its frame. */
       trail,
       /* Draw the first points of a trail alone. */
       trailTo,
