@@ -12,6 +12,7 @@ from eom.commands.checking import check
 from eom.commands.converting import convert
 from eom.commands.deriving import derive
 from eom.commands.ensembling import ensemble
+from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
@@ -52,7 +53,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress, plot, animate,
+    check, convert, bench, stress, plot, animate, exercise,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)

@@ -198,13 +198,17 @@ def _markdown_name(value: Box | str) -> str:
 
 def _markdown_formula(lines: Iterable[tuple[Line, str]]) -> str:
     """Return one display; several lines are aligned."""
+    return f"$${display_latex(lines)}$$"
+
+
+def display_latex(lines: Iterable[tuple[Line, str]]) -> str:
+    """Return the LaTeX of lines, each with a number or "", for inside a display; several are aligned."""
     rows = [numbered for line, number in lines for numbered in _numbered(line, number)]
     if len(rows) == 1:
-        only = rows[0][0]
-        return f"$${' '.join(_markdown_sides(only))}$$"
+        return " ".join(_markdown_sides(rows[0][0]))
     written = [" &".join(_markdown_sides(part)) + number for part, number in rows]
     inside = " \\\\\n".join(written)
-    return f"$$\\begin{{aligned}}\n{inside}\n\\end{{aligned}}$$"
+    return f"\\begin{{aligned}}\n{inside}\n\\end{{aligned}}"
 
 
 def _markdown_sides(line: Line) -> tuple[str, str]:

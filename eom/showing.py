@@ -172,7 +172,7 @@ def _derived(derivation: Derivation, notation: Notation) -> Iterator[Block]:
     """Yield one block a chain."""
     before: tuple[str, ...] = ()
     number = 0
-    told = (s for s in derivation.steps if not _only_names(s, notation))
+    told = (s for s in derivation.steps if not only_names(s, notation))
     for chain in chains(told):
         lines, notes = [], []
         for step in chain:
@@ -183,7 +183,19 @@ def _derived(derivation: Derivation, notation: Notation) -> Iterator[Block]:
         yield Steps(tuple(notes), tuple(lines))
 
 
-def _only_names(step: Step, notation: Notation) -> bool:
+def separate(derivation: Derivation, notation: Notation) -> Iterator[Steps]:
+    """Yield one block a step, each an equation of its own with its whole left side on one line."""
+    before: tuple[str, ...] = ()
+    for number, step in enumerate(derivation.steps, 1):
+        left, relation, right = equation_parts(step.statement, notation)
+        lines = _lines(step.statement, notation)
+        if len(lines) == 1 and not is_wide(row(*left)):
+            lines = (Line(row(*left), relation, right),)
+        yield Steps((_note(step, number, before),), (lines,))
+        before = step.assumptions
+
+
+def only_names(step: Step, notation: Notation) -> bool:
     """Tell whether a definition has the same letter on both sides; the symbols list it."""
     sides = [write(t, notation) for t in (step.statement.left, step.statement.right)]
     return step.statement.relation == ":=" and sides[0] == sides[1]
@@ -284,7 +296,7 @@ def _assumed(now: tuple[str, ...], before: tuple[str, ...]) -> str:
 
 def _statements(derivation: Derivation, notation: Notation) -> Block:
     """Return the last statement of every chain, with its equations of the lectures."""
-    told = (s for s in derivation.steps if not _only_names(s, notation))
+    told = (s for s in derivation.steps if not only_names(s, notation))
     finals = [chain[-1] for chain in chains(told)]
     return Display(tuple(line for s in finals for line in _lines(s.statement, notation)))
 

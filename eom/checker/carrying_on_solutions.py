@@ -8,6 +8,7 @@ one follow from the slip, however they are derived from it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import sympy as sp
@@ -129,4 +130,6 @@ def _renamed(system: System, left: Expr, right: Expr) -> Iterator[System]:
                 tuple(replace(d, expression=value) if d.symbol == name else d for d in rows)
                 for rows in named
             ]
-            yield replace(system, definitions=own[0], outputs=own[1], invariants=own[2])
+            with suppress(InputError):  # a value in quantities that are defined behind it
+                made = replace(system, definitions=own[0], outputs=own[1], invariants=own[2])
+                yield made

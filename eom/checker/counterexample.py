@@ -57,6 +57,8 @@ SIMPLE = 2
 """Digits of numbers that need not be made shorter."""
 LARGEST = 10_000
 """Numerators and denominators that are shown at most."""
+ROTOR = "k"
+"""The index that numbers rotors; all others number masses."""
 SHOWN = 24
 """Symbols whose values are shown at most."""
 HEAD = 60
@@ -370,7 +372,8 @@ def _numbers(evaluator: Evaluator, term: Term) -> str:
     found: list[str] = []
     for env in evaluator.numberings(evaluator.labels(term)):
         masses = evaluator.world.masses
-        if all(masses[n].coefficients[0] != 0 for n in env.values() if n < len(masses)):
+        particles = (n for index, n in env.items() if index != ROTOR)
+        if all(masses[n].coefficients[0] != 0 for n in particles if n < len(masses)):
             found.append(_written(evaluator.value(term, env)))
     return ", ".join(found[:1] if len(set(found)) == 1 else found)
 

@@ -1,0 +1,335 @@
+r"""An exercise as questions in Moodle's XML: which line, what is right, and the same to be typed (STACK).
+
+Formulas stand between \( and \), or \[ and \], which Moodle's MathJax filter and STACK both take. The
+tree is written by the standard library, which escapes every text; letters that XML has no place for are
+left out. The third question is there where the side with the slip is a scalar expression that Maxima can
+read; STACK compares what is typed with it as an expression.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from eom.exercises import maxima
+from eom.exercises.page import (
+    DISPLAY,
+    INLINE,
+    WORDS,
+    Said,
+    command,
+    display,
+    inline,
+    key,
+    line_latex,
+    said,
+    steps,
+    task,
+)
+from eom.markup import render, symbol_latex
+from eom.notation import notation_named
+
+if TYPE_CHECKING:
+    from eom.exercises.making import Exercise
+
+CATEGORY = "$course$/top/Mechanics: find the false line"
+STACK_VERSION = "2023010400"
+"""The version of STACK whose fields are written; later ones import them."""
+
+Rows = tuple[tuple[str, Any], ...]
+"""Elements with their texts, None for an empty one."""
+
+_SCORED = (
+    ("correct", "Right."),
+    ("partiallycorrect", "Partly right."),
+    ("incorrect", "Not right."),
+)
+
+_LOOK: Rows = (
+    ("multiplicationsign", "dot"),
+    ("sqrtsign", 1),
+    ("complexno", "i"),
+    ("inversetrig", "cos-1"),
+    ("logicsymbol", "lang"),
+    ("matrixparens", "["),
+    ("variantsselectionseed", None),
+)
+
+_INPUT: Rows = (
+    ("name", "ans1"),
+    ("type", "algebraic"),
+    ("tans", "ta1"),
+    ("boxsize", 40),
+    ("strictsyntax", 1),
+    ("insertstars", 0),
+    ("syntaxhint", None),
+    ("syntaxattribute", 0),
+    ("forbidwords", None),
+    ("allowwords", None),
+    ("forbidfloat", 1),
+    ("requirelowestterms", 0),
+    ("checkanswertype", 1),
+    ("mustverify", 1),
+    ("showvalidation", 1),
+    ("options", None),
+)
+"""What is typed: one expression, letters of several characters, no decimal numbers."""
+
+_COMPARED: Rows = (
+    ("name", 0),
+    ("answertest", "AlgEquiv"),
+    ("sans", "ans1"),
+    ("tans", "ta1"),
+    ("testoptions", None),
+    ("quiet", 0),
+)
+
+# -- texts --------------------------------------------------------------------------------------------
+
+_UNFIT = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_FORMULA = {INLINE: (r"\(", r"\)"), DISPLAY: (r"\[", r"\]")}
+
+
+def clean(text: str) -> str:
+    """Return a text without the letters that XML has no place for."""
+    return _UNFIT.sub("", text)
+
+
+def _html(paragraphs: Iterable[Said]) -> str:
+    return "\n".join(f"<p>{_inner(p)}</p>" for p in paragraphs)
+
+
+def _inner(paragraph: Said) -> str:
+    return "".join(
+        html.escape(part.text, quote=False)
+        if part.kind == WORDS
+        else html.escape(part.text, quote=False).join(_FORMULA[part.kind])
+        for part in paragraph
+    )
+
+
+def _apart(text: str) -> str:
+    """Return HTML in which nothing is a command of STACK's: [[...]], {@...@}, {#...#}."""
+    for pair in ("[[", "{@", "{#"):
+        text = text.replace(pair, f"{pair[0]} {pair[1]}")
+    return text
+
+
+# -- XML ----------------------------------------------------------------------------------------------
+
+
+def _element(parent: ET.Element, tag: str, text: Any = None, **attributes: str) -> ET.Element:
+    made = ET.SubElement(parent, tag, attributes)
+    made.text = None if text is None else clean(str(text))
+    return made
+
+
+def _text(parent: ET.Element, tag: str, text: str, style: str = "") -> ET.Element:
+    """Add an element that holds its text in an element of its own, as Moodle has it."""
+    made = _element(parent, tag, **({"format": style} if style else {}))
+    _element(made, "text", text)
+    return made
+
+
+def moodle(exercises: Sequence[Exercise]) -> str:
+    """Return exercises as one file in Moodle's XML."""
+    quiz = ET.Element("quiz")
+    category = _element(quiz, "question", type="category")
+    _text(category, "category", CATEGORY)
+    for exercise in exercises:
+        _which(quiz, exercise)
+        _correction(quiz, exercise)
+        _typed(quiz, exercise)
+    ET.indent(quiz)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(quiz, encoding="unicode")}\n'
+
+
+def _question(quiz: ET.Element, exercise: Exercise, kind: str, name: str, text: str) -> ET.Element:
+    """Add what every question begins with."""
+    made = _element(quiz, "question", type=kind)
+    title = " ".join(exercise.right.title.split())
+    _text(made, "name", f"{title}: {name} ({exercise.asked.seed})")
+    _text(made, "questiontext", text, "html")
+    solution = _html(key(exercise))
+    _text(made, "generalfeedback", _apart(solution) if kind == "stack" else solution, "html")
+    _element(made, "defaultgrade", 1)
+    _element(made, "penalty", "0.3333333" if kind != "stack" else "0.1")
+    _element(made, "hidden", 0)
+    _element(made, "idnumber")
+    return made
+
+
+def _choice(
+    quiz: ET.Element, exercise: Exercise, name: str, text: str, shuffle: bool
+) -> ET.Element:
+    made = _question(quiz, exercise, "multichoice", name, text)
+    shuffled = "true" if shuffle else "false"
+    _rows(made, (("single", "true"), ("shuffleanswers", shuffled)))
+    _rows(made, (("answernumbering", "none"), ("showstandardinstruction", 0)))
+    for tag, words in _SCORED:
+        _text(made, f"{tag}feedback", words, "html")
+    return made
+
+
+def _answer(question: ET.Element, text: str, right: bool) -> None:
+    made = _element(question, "answer", fraction="100" if right else "0", format="html")
+    _element(made, "text", text)
+    _text(made, "feedback", "", "html")
+
+
+# -- questions ----------------------------------------------------------------------------------------
+
+
+def _which(quiz: ET.Element, exercise: Exercise) -> None:
+    """Add the question which line is false."""
+    text = _html([*_symbols(exercise), *_lines(exercise), task(exercise)])
+    made = _choice(quiz, exercise, "which line is false?", text, shuffle=False)
+    for number in range(1, len(exercise.right.steps) + 1):
+        _answer(made, f"Line ({number})", number == exercise.number)
+
+
+def _correction(quiz: ET.Element, exercise: Exercise) -> None:
+    """Add the question what stands rightly in the place of the false line."""
+    notation = notation_named(exercise.asked.notation)
+    asked = said(f"Line ({exercise.number}) is false. What should stand in its place?")
+    text = _html([*_symbols(exercise), *_lines(exercise), asked])
+    made = _choice(quiz, exercise, "what is right?", text, shuffle=True)
+    _answer(made, _inner(said(inline(_line(exercise, exercise.right)))), right=True)
+    for equation in exercise.others:
+        step = replace(exercise.step, statement=equation)
+        latex = line_latex(exercise.right, step, notation)
+        _answer(made, _inner(said(inline(latex))), right=False)
+
+
+def _line(exercise: Exercise, lines: Any) -> str:
+    step = lines.steps[exercise.number - 1]
+    return line_latex(lines, step, notation_named(exercise.asked.notation))
+
+
+def _symbols(exercise: Exercise) -> Iterator[Said]:
+    """Yield the symbols with their meanings, one paragraph."""
+    parts: list[Any] = ["Symbols: "]
+    for box, words in exercise.legend:
+        shown = box if isinstance(box, str) else inline(render(box, "latex")) if box else ""
+        parts += [shown, f" {words}; " if words else "; "]
+    if len(parts) > 1:
+        yield said(*parts[:-1], parts[-1].rstrip("; ") + ".")
+
+
+def _lines(exercise: Exercise) -> Iterator[Said]:
+    """Yield the lines: what is assumed anew, the reason, the formula."""
+    wrong = exercise.wrong
+    for step, block in zip(
+        wrong.steps, steps(wrong, notation_named(exercise.asked.notation)), strict=True
+    ):
+        (note,) = block.notes
+        if note.assumed:
+            yield said(note.assumed)
+        latex = line_latex(wrong, step, notation_named(exercise.asked.notation))
+        yield said(f"({note.number}) {note.reason}:", display(latex))
+
+
+# -- STACK --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Typed:
+    """An answer that is typed: which side of the line, as it is right, as it is false, for Maxima.
+
+    ``names``: how symbols are typed.
+    """
+
+    side: str
+    right: str
+    wrong: str
+    names: dict[Any, str]
+
+
+def typed_answer(exercise: Exercise) -> Typed | None:
+    """Return the side with the slip for Maxima.
+
+    None where it is no scalar expression, or one that Maxima has no spelling for.
+    """
+    right, wrong = exercise.step.statement, exercise.planted.equation
+    side = "left" if right.left != wrong.left else "right"
+    terms = [getattr(e, side) for e in (right, wrong)]
+    if any(t.head != "expr" for t in terms):
+        return None
+    symbols = terms[0].data[0].free_symbols | terms[1].data[0].free_symbols
+    names = maxima.names_for(symbols)
+    texts = [maxima.maxima(t.data[0], names) for t in terms]
+    if texts[0] is None or texts[1] is None or not symbols:
+        return None
+    return Typed(side, texts[0], texts[1], names)
+
+
+def _typed(quiz: ET.Element, exercise: Exercise) -> None:
+    """Add the STACK question, where there is one."""
+    answer = typed_answer(exercise)
+    if answer is None:
+        return
+    letters: list[Any] = []
+    for symbol, name in answer.names.items():
+        letters += [inline(symbol_latex(symbol.name)), f" as {name}, "]
+    asked = said(
+        f"Line ({exercise.number}) is false. Write its {answer.side} side as it should be, in these "
+        "letters: ",
+        *letters[:-1],
+        letters[-1].rstrip(", ") + ".",
+    )
+    text = _apart(_html([*_symbols(exercise), *_lines(exercise), asked]))
+    text += "\n<p>[[input:ans1]] [[validation:ans1]]</p>"
+    made = _question(quiz, exercise, "stack", "write it right", text)
+    _text(made, "stackversion", STACK_VERSION)
+    _text(made, "questionvariables", f"ta1: {answer.right};")
+    _text(made, "specificfeedback", "[[feedback:prt1]]", "html")
+    _text(made, "questionnote", command(exercise))
+    _settings(made)
+    _tree(made)
+    _test(made, 1, answer.right, right=True)
+    _test(made, 2, answer.wrong, right=False)
+
+
+def _rows(parent: ET.Element, rows: Rows) -> None:
+    for tag, value in rows:
+        _element(parent, tag, value)
+
+
+def _settings(question: ET.Element) -> None:
+    _rows(question, (("questionsimplify", 1), ("assumepositive", 0), ("assumereal", 0)))
+    for tag, words in _SCORED:
+        _text(question, f"prt{tag}", words, "html")
+    _rows(question, _LOOK)
+    _rows(_element(question, "input"), _INPUT)
+
+
+def _tree(question: ET.Element) -> None:
+    """Add the tree of responses: one comparison, right or not."""
+    made = _element(question, "prt")
+    _rows(made, (("name", "prt1"), ("value", 1), ("autosimplify", 1), ("feedbackstyle", 1)))
+    _text(made, "feedbackvariables", "")
+    node = _element(made, "node")
+    _rows(node, _COMPARED)
+    for branch, score in (("true", 1), ("false", 0)):
+        rows = {"scoremode": "=", "score": score, "penalty": None, "nextnode": -1}
+        _rows(node, tuple((f"{branch}{tag}", value) for tag, value in rows.items()))
+        _element(node, f"{branch}answernote", f"prt1-1-{branch[0].upper()}")
+        _text(node, f"{branch}feedback", "", "html")
+
+
+def _test(question: ET.Element, number: int, value: str, *, right: bool) -> None:
+    """Add a test that STACK runs: the answer, and the score that it must get."""
+    made = _element(question, "qtest")
+    _element(made, "testcase", number)
+    given = _element(made, "testinput")
+    _element(given, "name", "ans1")
+    _element(given, "value", value)
+    expected = _element(made, "expected")
+    _element(expected, "name", "prt1")
+    _element(expected, "expectedscore", int(right))
+    _element(expected, "expectedpenalty", "" if right else "0.1")
+    _element(expected, "expectedanswernote", f"prt1-1-{'T' if right else 'F'}")

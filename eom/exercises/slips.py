@@ -1,0 +1,319 @@
+"""Slips that people make, as edits of typed terms: what stands there, and what is written instead.
+
+A row of `SLIPS` looks at one node and yields what a slip makes of it. Rules know kinds of terms and
+nothing of truth: whether a line becomes false is decided by those who apply them. The kinds are those
+that the literature on students' derivations, and every marker, meets first: signs, lost terms, exchanged
+indices, lost dots, wrong frames and points, the order of products, numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from dataclasses import replace as changed
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+from eom.terms import SCALAR, Equation, Term, cross, der, expr, mul, nodes, rebuild
+
+Expr = Any
+Path = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a slip may take instead: symbols, frames and quantities that the derivation uses."""
+
+    symbols: tuple[Expr, ...] = ()
+    frames: tuple[str, ...] = ()
+    atoms: tuple[Term, ...] = ()
+
+
+Rule = Callable[[Term, Around], Iterator[tuple[Term, Term, Term]]]
+"""From a node: what stands there anew, then what is told of it: the part as it was, as it is now."""
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A row: name, what was done wrong in words, rule."""
+
+    name: str
+    words: str
+    rule: Rule
+
+
+@dataclass(frozen=True)
+class Planted:
+    """A slip in an equation: its kind, the part as it was and as it is now, the false equation."""
+
+    slip: Slip
+    right: Term
+    wrong: Term
+    equation: Equation
+
+
+def whole(rule: Callable[[Term, Around], Iterator[Term]]) -> Rule:
+    """Return the rule that tells of the whole node."""
+
+    def told(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
+        for new in rule(node, around):
+            yield new, node, new
+
+    return told
+
+
+# -- sums -------------------------------------------------------------------------------------------
+
+
+def _parts(node: Term) -> tuple[Term, ...]:
+    """Return the terms of a sum, those of an expression apart; nothing for what is no sum."""
+    if node.head == "expr" and node.data[0].is_Add:
+        return tuple(map(expr, node.data[0].as_ordered_terms()))
+    return node.args if node.head == "add" else ()
+
+
+def _summed(node: Term, parts: tuple[Term, ...]) -> Term:
+    if node.head == "expr":
+        return expr(sp.Add(*(p.data[0] for p in parts)))
+    return rebuild(node, parts)
+
+
+def _signs(node: Term, _: Around) -> Iterator[tuple[Term, Term, Term]]:
+    parts = _parts(node)
+    for k, part in enumerate(parts):
+        new = mul(expr(sp.Integer(-1)), part)
+        yield _summed(node, (*parts[:k], new, *parts[k + 1 :])), part, new
+
+
+def _dropped(node: Term, _: Around) -> Iterator[tuple[Term, Term, Term]]:
+    parts = _parts(node)
+    for k, part in enumerate(parts):
+        yield _summed(node, (*parts[:k], *parts[k + 1 :])), part, mul(expr(sp.Integer(0)), part)
+
+
+# -- vectors, frames, points ------------------------------------------------------------------------
+
+
+def _order(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "cross":
+        yield cross(node.args[1], node.args[0])
+    if node.head == "matmul" and node.args[0].kind == node.args[1].kind:
+        yield rebuild(node, (node.args[1], node.args[0]))
+
+
+def _brackets(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "cross" and node.args[1].head == "cross":
+        first, (second, third) = node.args[0], node.args[1].args
+        yield cross(cross(first, second), third)
+
+
+def _frame_of_derivative(node: Term, around: Around) -> Iterator[Term]:
+    if node.head == "der" and node.data != ("",):
+        yield from (der(node.args[0], f) for f in around.frames if (f,) != node.data)
+
+
+def _dot(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "der":
+        yield node.args[0]
+
+
+_TURNED = frozenset({"rotation", "angular_velocity"})
+_ABOUT = frozenset(
+    {
+        "position",
+        "inertia",
+        "torque",
+        "angular_momentum",
+        "absolute_angular_momentum",
+        "first_moment",
+    }
+)
+
+
+def _frames_exchanged(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "atom" and node.data[0] in _TURNED:
+        name, a, b, *more = node.data
+        yield changed(node, data=(name, b, a, *more))
+
+
+def _point(node: Term, around: Around) -> Iterator[Term]:
+    if node.head == "atom" and node.data[0] in _ABOUT:
+        yield from (a for a in around.atoms if a.data[:-1] == node.data[:-1] and a != node)
+
+
+def _transpose(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "transpose":
+        yield node.args[0]
+
+
+# -- numbers and symbols -----------------------------------------------------------------------------
+
+CONFUSED: dict[Expr, tuple[Expr, ...]] = {
+    sp.Rational(a): tuple(sp.Rational(b) for b in row)
+    for a, row in {
+        "1/2": ("1", "1/4"), "1/4": ("1/2",), "1/3": ("1/2", "1/12"), "1/12": ("1/3",),
+        "2/5": ("2/3", "1/2"), "2/3": ("2/5",), "2": ("1",), "3/2": ("1/2",),
+    }.items()
+}  # fmt: skip
+"""Numbers that are taken for each other; any other fraction loses its denominator."""
+
+
+def _factors(value: Expr) -> Iterator[Expr]:
+    """Yield a number, or a product, in which another number stands."""
+    number, rest = value.as_coeff_Mul()
+    if number.is_Rational and abs(number) not in {0, 1}:
+        for other in CONFUSED.get(abs(number), (sp.Integer(number.p),)):
+            yield sp.sign(number) * other * rest
+
+
+def _numbers(node: Term, _: Around) -> Iterator[Term]:
+    if node.head == "mul" and node.args[0].head == "expr":
+        for new in _factors(node.args[0].data[0]):
+            yield rebuild(node, (expr(new), *node.args[1:]))
+
+
+def _inside(rule: Callable[[Expr, Around], Iterator[Expr]]) -> Rule:
+    """Return the rule that edits one place of a SymPy expression, told of the summand around it."""
+
+    def told(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
+        if node.head != "expr":
+            return
+        terms = node.data[0].as_ordered_terms()
+        for k, term in enumerate(terms):
+            for new in _everywhere(term, rule, around):
+                value = sp.Add(*terms[:k], new, *terms[k + 1 :])
+                yield expr(value), expr(term), expr(new)
+
+    return told
+
+
+def _everywhere(value: Expr, rule: Callable[[Expr, Around], Iterator[Expr]], around: Around) -> Any:
+    """Yield an expression with one of its nodes changed."""
+    yield from rule(value, around)
+    for k, arg in enumerate(value.args):
+        if not isinstance(arg, sp.Tuple):
+            for new in _everywhere(arg, rule, around):
+                yield value.func(*value.args[:k], new, *value.args[k + 1 :])
+
+
+def _products(value: Expr, _: Around) -> Iterator[Expr]:
+    if value.is_Mul:
+        yield from _factors(value)
+
+
+_INDEXED = re.compile(r"(.*?)(\d+)(\D*)\Z")
+
+
+def _index(value: Expr, around: Around) -> Iterator[Expr]:
+    if value.is_Symbol:
+        yield from (s for s in around.symbols if s != value and _siblings(s.name, value.name))
+
+
+def _siblings(a: str, b: str) -> bool:
+    """Tell whether two names differ in their number alone."""
+    found = _INDEXED.match(a), _INDEXED.match(b)
+    return all(found) and found[0].group(1, 3) == found[1].group(1, 3)  # type: ignore[union-attr]
+
+
+def _lost_dot(value: Expr, around: Around) -> Iterator[Expr]:
+    if value.is_Symbol and value.name.endswith("_dot"):
+        plain = value.name.removesuffix("_dot")
+        yield from (s for s in around.symbols if s.name == plain)
+
+
+def _functions(value: Expr, _: Around) -> Iterator[Expr]:
+    other = {sp.sin: sp.cos, sp.cos: sp.sin}.get(value.func)
+    if other is not None:
+        yield other(*value.args)
+
+
+def _square(value: Expr, _: Around) -> Iterator[Expr]:
+    if value.is_Pow and value.exp == 2:
+        yield value.base
+
+
+SLIPS: tuple[Slip, ...] = (
+    Slip("sign", "a sign is wrong", _signs),
+    Slip("term", "a term was dropped", _dropped),
+    Slip("order", "the factors of a product stand in the wrong order", whole(_order)),
+    Slip("brackets", "the brackets of a double cross product stand wrong", whole(_brackets)),
+    Slip("frame", "a derivative is taken in the wrong frame", whole(_frame_of_derivative)),
+    Slip("frames", "the two frames of a quantity are exchanged", whole(_frames_exchanged)),
+    Slip("point", "a quantity is taken about the wrong point", whole(_point)),
+    Slip("dot", "a dot or prime was lost", whole(_dot)),
+    Slip("dot", "a dot or prime was lost", _inside(_lost_dot)),
+    Slip("transpose", "a transpose was lost", whole(_transpose)),
+    Slip("number", "a number as a factor is wrong", whole(_numbers)),
+    Slip("number", "a number as a factor is wrong", _inside(_products)),
+    Slip("index", "an index is wrong", _inside(_index)),
+    Slip("function", "sine and cosine are exchanged", _inside(_functions)),
+    Slip("square", "a square was lost", _inside(_square)),
+)  # fmt: skip
+"""Every kind of slip; rows with one name are one kind."""
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of all kinds of slips, in the order of the table.
+
+    >>> names()[:3]
+    ('sign', 'term', 'order')
+    """
+    return tuple(dict.fromkeys(s.name for s in SLIPS))
+
+
+def around(terms: Iterator[Term]) -> Around:
+    """Return what slips in some terms may take from them, in the order of its first use."""
+    found = list(dict.fromkeys(n for t in terms for n in nodes(t)))
+    symbols = {s for n in found if n.head == "expr" for s in n.data[0].free_symbols}
+    frames = [n.data[0] for n in found if n.head == "der" and n.data[0]]
+    frames += [f for n in found if n.head == "atom" and n.data[0] in _TURNED for f in n.data[1:3]]
+    atoms = (n for n in found if n.head == "atom")
+    return Around(
+        tuple(sorted(symbols, key=str)), tuple(dict.fromkeys(frames)), tuple(dict.fromkeys(atoms))
+    )
+
+
+def planted(equation: Equation, given: Around) -> Iterator[Planted]:
+    """Yield an equation with one slip, in every way that gives another equation of its kind."""
+    sides = (equation.left, equation.right)
+    for k, side in enumerate(sides):
+        if k == 0 and not _parts(side):
+            continue  # what a line is about stays what it is
+        for path, node in _places(side):
+            for slip in SLIPS:
+                yield from _at(equation, k, path, node, slip, given)
+
+
+def _at(
+    equation: Equation, side: int, path: Path, node: Term, slip: Slip, given: Around
+) -> Iterator[Planted]:
+    for new, right, wrong in slip.rule(node, given):
+        sides = [equation.left, equation.right]
+        try:
+            made = _put(sides[side], path, new)
+        except InputError:
+            continue
+        if made not in sides:
+            sides[side] = made
+            left, other = sides
+            yield Planted(slip, right, wrong, Equation(left, other, equation.relation))
+
+
+def _places(term: Term, path: Path = ()) -> Iterator[tuple[Path, Term]]:
+    yield path, term
+    for k, a in enumerate(term.args):
+        yield from _places(a, (*path, k))
+
+
+def _put(term: Term, path: Path, new: Term) -> Term:
+    """Return a term with another node at a place. Raises `InputError` where it does not fit."""
+    if not path:
+        if new.kind != term.kind and not (new.is_zero and term.kind != SCALAR):
+            raise InputError("another kind of term", got=new.kind, expected=term.kind)
+        return new
+    k, *rest = path
+    args = (*term.args[:k], _put(term.args[k], tuple(rest), new), *term.args[k + 1 :])
+    return rebuild(term, args)
