@@ -16,6 +16,7 @@ from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
+from eom.commands.living import live
 from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
@@ -53,7 +54,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress, plot, animate, exercise,
+    check, convert, bench, stress, plot, animate, live, exercise,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)
