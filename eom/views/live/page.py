@@ -17,6 +17,7 @@ from eom.errors import InputError
 from eom.markup import render
 from eom.multibody.scene import TreeScene
 from eom.opening import AnyScene
+from eom.system import Definition
 from eom.views.live import code, equations, single, trees
 from eom.views.live.subject import Choice, Knob, Subject, Switch
 
@@ -56,6 +57,7 @@ def written(subject: Subject, speed: float = 1.0) -> str:
     data |= {
         "told": {code.key(c): told(subject, c, texts) for c in subject.variants},
         "none": code.key(tuple(False for _ in subject.switches)),
+        "meanings": {d.name: d.quantity.description for d in _invariants(subject)},
         "speed": speed,
     }
     scripts = [code.web("three.js"), code.web("viewer.js"), core, code.web("live.js")]
@@ -221,8 +223,12 @@ def _math(name: str) -> str:
 
 def _symbols(subject: Subject) -> Iterator[str]:
     """Yield the names of the constants of the motion as formulas."""
-    names = dict.fromkeys(n for v in subject.variants.values() for n in v.drawn.invariant_names)
+    names = dict.fromkeys(d.name for d in _invariants(subject))
     yield from (f'<template id="symbol-{html.escape(n)}">{_math(n)}</template>' for n in names)
+
+
+def _invariants(subject: Subject) -> Iterator[Definition]:
+    return (d for v in subject.variants.values() for d in v.drawn.invariants)
 
 
 def _notation() -> str:

@@ -1,7 +1,8 @@
 """A scene of many bodies as a live page needs it: gravity, springs and dampers can be left out.
 
 Each choice is a tree of its own that is derived anew, so that what a zero makes superfluous is gone
-from the equations. The bodies are drawn from four points of each; their shapes follow from mass and inertia.
+from the equations. The bodies are drawn from four points of each; their shapes follow from mass and
+inertia.
 """
 
 from __future__ import annotations

@@ -255,6 +255,10 @@
       const row = body.insertRow();
       const head = document.createElement("th");
       head.scope = "row";
+      head.title = data.meanings[name] || name;
+      const words = document.createElement("span");
+      words.className = "unseen";
+      words.textContent = name + ": " + head.title;
       const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
       swatch.setAttribute("class", "swatch");
       swatch.setAttribute("viewBox", "0 0 24 6");
@@ -264,7 +268,7 @@
         .forEach(([n, v]) => line.setAttribute(n, v));
       line.style.stroke = "var(" + INKS[k % INKS.length] + ")";
       swatch.append(line);
-      head.append(swatch, " ", symbolOf(name));
+      head.append(swatch, " ", symbolOf(name), words);
       row.append(head);
       return [row.insertCell(), row.insertCell()];
     });
@@ -273,8 +277,10 @@
   }
 
   function symbolOf(name) {
-    const found = byId("symbol-" + name);
-    return found ? found.content.cloneNode(true) : document.createTextNode(name);
+    const span = document.createElement("span");
+    span.setAttribute("aria-hidden", "true");
+    span.append(byId("symbol-" + name).content.cloneNode(true));
+    return span;
   }
 
   function remember() {

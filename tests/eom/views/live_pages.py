@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import tempfile
+from dataclasses import replace
 from functools import lru_cache
 from html.parser import HTMLParser
 from pathlib import Path
@@ -17,11 +18,16 @@ SUPPORTED = (
     "double-pendulum", "floating-tree", "pendulum-on-cart", "satellite-with-panels", "seven-joint-arm",
 )  # fmt: skip
 SINGLE = SUPPORTED[:5]
+WHOLE = (*SINGLE, "double-pendulum", "satellite-with-panels")
+"""Pages that are made whole; of other trees the scene's own choice alone, which is made sooner."""
 
 
 @lru_cache(maxsize=16)
 def text_of(name):
-    return written(subject(name))
+    about = subject(name)
+    if name not in WHOLE:
+        about = replace(about, switches=(), variants={(): about.variants[about.choice]})
+    return written(about)
 
 
 @lru_cache(maxsize=16)
