@@ -20,6 +20,7 @@ extensions = [
     "command_line",
     "docstrings",
     "formulas",
+    "made",
     "notebooks",
     "scene_files",
     "shown_tables",

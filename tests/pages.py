@@ -10,6 +10,7 @@ run: `NOT_RUN` says what may stand there.
 import contextlib
 import difflib
 import io
+import logging
 import os
 import re
 import shlex
@@ -153,5 +154,6 @@ def run(path: Path) -> int:
 
 
 if __name__ == "__main__":
-    os.environ |= {"COLUMNS": "100", "NO_COLOR": "1"}
+    os.environ |= {"COLUMNS": "100", "NO_COLOR": "1", "MPLBACKEND": "agg"}
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of the machine's fonts
     print(run(Path(sys.argv[1])))

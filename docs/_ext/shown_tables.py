@@ -85,6 +85,12 @@ def _tree_outputs() -> Rows:
     ]
 
 
+def _pictures() -> Rows:
+    from eom.views.gallery import PICTURES
+
+    return [(f"`{name}`", entry.words, entry.needs) for name, entry in PICTURES.items()]
+
+
 TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "books": (
         ("name", "book or program", "matrix", "angles turn about", "scalar", "products", "angles", "axes"),
@@ -96,6 +102,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "scenes": (("scene", "title"), _scenes),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),
+    "pictures": (("picture", "what it shows", "of"), _pictures),
     "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip
 
