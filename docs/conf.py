@@ -41,8 +41,8 @@ autodoc_class_signature = "mixed"
 autodoc_type_aliases = {
     name: name
     for name in (
-        "AnyScene", "Array", "ArrayLike", "Domain", "Expr", "Given", "Many", "Matrix", "Names", "Quaternion",
-        "Range", "Row", "Signal", "TorqueLaw", "Values",
+        "AnyScene", "Array", "ArrayLike", "Domain", "Expr", "Given", "Many", "Matrix", "Names",
+        "Quaternion", "Range", "Row", "Signal", "TorqueLaw", "Values",
     )
 }  # fmt: skip
 python_use_unqualified_type_names = True

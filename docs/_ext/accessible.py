@@ -1,4 +1,4 @@
-"""What a keyboard and a screen reader need and the theme's pages lack: names of landmarks, ways to scroll."""
+"""What keyboards and screen readers need and the theme lacks: names of landmarks, ways to scroll."""
 
 from pathlib import Path
 

@@ -30,8 +30,6 @@ def make(app: Sphinx) -> None:
         raise ExtensionError(f"{PAGE}: {done.stderr}")
 
 
-
-
 def publish(app: Sphinx, error: Exception | None) -> None:
     """Put the pages beside those of the site."""
     if error is None and app.builder.format == "html":
