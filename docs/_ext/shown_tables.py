@@ -3,6 +3,7 @@
 In a page: a block ``{shown-table} NAME`` with a name of `TABLES`.
 """
 
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar
 
@@ -66,10 +67,14 @@ def _presets() -> Rows:
 
     folder = resources.files("eom.checker") / "presets"
     files = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
-    first = [
-        (p.name.removesuffix(".toml"), p.read_text(encoding="utf-8").split("\n")) for p in files
-    ]
-    return [(f"`{name}`", lines[0].removeprefix("# ")) for name, lines in first]
+    texts = [(p.name.removesuffix(".toml"), p.read_text(encoding="utf-8")) for p in files]
+    return [(f"`{name}`", _first_sentence(text)) for name, text in texts]
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first sentence of the comment that a file begins with."""
+    lines = itertools.takewhile(lambda line: line.startswith("#"), text.splitlines())
+    return " ".join(line.lstrip("# ") for line in lines).split(". ")[0].rstrip(".")
 
 
 def _tree_outputs() -> Rows:
