@@ -4,18 +4,23 @@
 ``eom``, called through the command line in this process, or of a shell; a block ``text`` or ``json``
 that follows is what they must have printed, where ``...`` stands for anything, and numbers agree if they
 are as near as their digits say; a block with a caption is a file of that name. A block ``console`` is not
-run: `NOT_RUN` says what may stand there.
+run: `NOT_RUN` says what may stand there. With several pages each runs in a process and a folder of its own,
+and what was wrong with each is told as JSON.
 """
 
 import contextlib
 import difflib
+import importlib
 import io
+import json
 import logging
 import os
 import re
 import shlex
 import subprocess
 import sys
+import tempfile
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -133,6 +138,7 @@ def run(path: Path) -> int:
         if block.file:
             Path(block.file).write_text(block.text, encoding="utf-8")
         elif block.language in runs:
+            _check_status(printed, place)
             out = io.StringIO()
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
                 runs[block.language](block)
@@ -147,13 +153,47 @@ def run(path: Path) -> int:
                 raise AssertionError("\n".join([place, *lines]))
             printed = ""
         else:
-            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, (
-                f"{place}: {block.language}"
-            )
+            assert block.language in {"toml", "markdown", "c", "xml", "latex"}, place
+    _check_status(printed, path.name)
     return count
+
+
+def _check_status(printed: str, place: str) -> None:
+    """A command that failed must be shown to fail."""
+    assert "(exit status" not in printed, f"before {place}: {printed}"
+
+
+def apart(path: Path) -> str:
+    """Run a page in a process and a folder of its own; return what is wrong, or nothing."""
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+") as told:
+        child = os.fork()
+        if child == 0:
+            wrong = 1
+            try:
+                os.chdir(folder)
+                assert run(path) > 0, "nothing was run"
+                wrong = 0
+            except BaseException:
+                traceback.print_exc(file=told)
+            finally:
+                told.flush()
+                os._exit(wrong)
+        _, status = os.waitpid(child, 0)
+        told.seek(0)
+        return (told.read() or f"status {status}") if status else ""
+
+
+def main(pages: list[Path]) -> None:
+    """Run one page here, or several apart: what they all import is imported once."""
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of the machine's fonts
+    if len(pages) == 1:
+        print(run(pages[0]))
+        return
+    for name in ("codegen", "eom.__main__", "eom.scene", "eom.multibody", "eom.checker.checking"):
+        importlib.import_module(name)
+    print(json.dumps({str(page): apart(page) for page in pages}))
 
 
 if __name__ == "__main__":
     os.environ |= {"COLUMNS": "100", "NO_COLOR": "1", "MPLBACKEND": "agg"}
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it talks of the machine's fonts
-    print(run(Path(sys.argv[1])))
+    main([Path(word) for word in sys.argv[1:]])
