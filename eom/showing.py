@@ -184,7 +184,8 @@ def _derived(
     number = 0
     told = (s for s in derivation.steps if not _only_names(s, notation))
     for chain in chains(told):
-        lines, notes = [], []
+        lines: list[tuple[Line, ...]] = []
+        notes: list[Note] = []
         for step in chain:
             number += 1
             if chosen is not None and step.label not in chosen:
