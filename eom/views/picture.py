@@ -120,6 +120,8 @@ class Picture:
     title: str = ""
     caption: str = ""
     """One or two sentences for those who cannot see it, and for the caption of a figure."""
+    size: tuple[float, float] | None = None
+    """Width and height in inches that its words need, where they need more than panels do."""
 
 
 def points(*coordinates: ArrayLike) -> Floats:

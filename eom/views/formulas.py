@@ -1,0 +1,155 @@
+r"""Words of pictures: plain text with formulas between dollar signs, for every renderer.
+
+Formulas are in that part of TeX which pictures need: Greek letters, indices, exponents, ``\mathbf``,
+``\mathrm``, dots and hats. Text that comes from a user goes through `plain` first.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import unicodedata
+from dataclasses import dataclass
+
+_DOLLAR = re.compile(r"(?<!\\)\$")
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\s+|.", re.DOTALL)
+
+GREEK = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho"
+    " final-sigma sigma tau upsilon phi chi psi omega"
+).split()
+SYMBOLS = {
+    **{name: chr(0x3B1 + k) for k, name in enumerate(GREEK)},
+    **{name.capitalize(): chr(0x391 + k) for k, name in enumerate(GREEK)},
+    "varepsilon": "\u03b5",
+    "varphi": "\u03c6",
+    "phi": "\u03d5",
+    "cdot": "\u00b7",
+    "times": "\u00d7",
+    "pm": "\u00b1",
+    "leq": "\u2264",
+    "geq": "\u2265",
+    "approx": "\u2248",
+    "infty": "\u221e",
+    "circ": "\u00b0",
+    "degree": "\u00b0",
+    "partial": "\u2202",
+    "sqrt": "\u221a",
+    "to": "\u2192",
+    "perp": "\u22a5",
+    "parallel": "\u2225",
+    "prime": "\u2032",
+    "quad": "\u2003",
+    ",": "\u2009",
+    ";": "\u2005",
+    " ": " ",
+    "!": "",
+    "left": "",
+    "right": "",
+}
+"""Commands that stand for a character; of ``\\left`` and ``\\right`` the bracket alone is left."""
+ACCENTS = {"dot": "\u0307", "ddot": "\u0308", "hat": "\u0302", "vec": "\u20d7", "bar": "\u0304"}
+STYLES = {"mathbf": "b", "boldsymbol": "b", "mathit": "i", "mathrm": "", "text": "", "mathsf": ""}
+LEVELS = {"_": "sub", "^": "sup"}
+
+
+@dataclass(frozen=True)
+class Span:
+    """A piece of text; a formula without its dollar signs, or plain characters as they are read."""
+
+    text: str
+    formula: bool
+
+
+def plain(text: str) -> str:
+    r"""Return the words of a picture that show any text as it is: dollar signs do not open formulas.
+
+    >>> plain("5 $ or 6 $")
+    '5 \\$ or 6 \\$'
+    """
+    return clean(text).replace("$", r"\$")
+
+
+def clean(text: str) -> str:
+    """Return text with what cannot be shown (control characters, lone surrogates) as U+FFFD."""
+    return "".join(
+        "\ufffd" if unicodedata.category(c) in {"Cc", "Cs", "Cn"} and c != "\n" else c for c in text
+    )
+
+
+def spans(text: str) -> list[Span]:
+    r"""Return plain text and formulas in turn; a dollar sign without a partner is a character.
+
+    >>> [(s.text, s.formula) for s in spans(r"rate $\omega_1$ [rad/s]")]
+    [('rate ', False), ('\\omega_1', True), (' [rad/s]', False)]
+    """
+    pieces = _DOLLAR.split(clean(text))
+    if len(pieces) % 2 == 0:
+        return [Span(text.replace(r"\$", "$"), formula=False)]
+    found = [
+        Span(piece if k % 2 else piece.replace(r"\$", "$"), formula=k % 2 == 1)
+        for k, piece in enumerate(pieces)
+    ]
+    return [span for span in found if span.text]
+
+
+def as_html(text: str) -> str:
+    r"""Return words as HTML with ``sub``, ``sup``, ``b`` and ``i`` alone, all else escaped.
+
+    >>> as_html(r"$\dot{\omega}_1$ < 2")
+    '<i>\u03c9\u0307</i><sub>1</sub> &lt; 2'
+    """
+    return "".join(
+        _formula(s.text) if s.formula else html.escape(s.text).replace("\n", "<br>")
+        for s in spans(text)
+    )
+
+
+def as_text(text: str) -> str:
+    r"""Return words without markup, for titles of windows and descriptions.
+
+    >>> as_text(r"$\omega_1$ of body")
+    '\u03c9_1 of body'
+    """
+    marked = as_html(text).replace("<sub>", "_").replace("<sup>", "^").replace("<br>", "\n")
+    return html.unescape(re.sub(r"</?(?:sub|sup|b|i)>", "", marked))
+
+
+def _formula(source: str) -> str:
+    parts, rest = _sequence([t for t in _TOKEN.findall(source) if not t.isspace()], "")
+    return parts + html.escape("".join(rest))
+
+
+def _sequence(tokens: list[str], end: str) -> tuple[str, list[str]]:
+    """Return the HTML of tokens up to ``end``, and what follows it."""
+    made = ""
+    while tokens and tokens[0] != end:
+        piece, tokens = _one(tokens)
+        made += piece
+    return made, tokens[1:]
+
+
+def _one(tokens: list[str]) -> tuple[str, list[str]]:
+    """Return the HTML of one token or group, and what follows it."""
+    first, rest = tokens[0], tokens[1:]
+    name = first[1:] if first.startswith("\\") else ""
+    if first == "{":
+        return _sequence(rest, "}")
+    if first in LEVELS and rest:
+        inner, rest = _one(rest)
+        return f"<{LEVELS[first]}>{inner}</{LEVELS[first]}>", rest
+    if name in ACCENTS and rest:
+        inner, rest = _one(rest)
+        at = inner.rfind("</") if inner.endswith(">") else len(inner)
+        return inner[:at] + ACCENTS[name] + inner[at:], rest
+    if name in STYLES and rest:
+        return _styled(rest, STYLES[name])
+    character = SYMBOLS.get(name, name) if name else first
+    shown = html.escape(character.replace("-", "\u2212"))
+    return (f"<i>{shown}</i>" if character.isalpha() and len(character) == 1 else shown), rest
+
+
+def _styled(tokens: list[str], tag: str) -> tuple[str, list[str]]:
+    inner, rest = _one(tokens)
+    inner = re.sub(r"</?i>", "", inner)
+    return (f"<{tag}>{inner}</{tag}>" if tag else inner), rest

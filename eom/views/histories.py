@@ -1,0 +1,183 @@
+"""Time histories: states and outputs over time, a panel a unit, and the drift of the invariants below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from eom.errors import InputError
+from eom.views.lettering import bracketed, name, plain
+from eom.views.picture import Axis, Curve, Dash, Floats, Item, Panel, Picture, check, points
+from eom.views.thinning import thinned
+
+if TYPE_CHECKING:
+    from codegen import Result
+    from codegen.simulation import Drift
+    from eom.system import Quantity, System
+
+MOST = 8
+"""Curves of one panel."""
+COLOURS = ("blue", "red", "green", "orange", "purple", "sky", "black", "grey")
+DASHES: tuple[Dash, ...] = ("solid", "dashed")
+FLOOR, ROUNDING = 1e-17, 1e-13
+"""Ends of the scale of drift, at least."""
+TIME = Axis("$t$ [s]")
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Curves of one unit, by name."""
+
+    unit: str
+    names: tuple[str, ...]
+
+
+def quantities(system: System) -> tuple[Quantity, ...]:
+    """Return what a result of a system holds: its states and outputs."""
+    return (*system.states, *(d.quantity for d in system.outputs))
+
+
+def histories(
+    result: Result, known: Iterable[Quantity], names: Iterable[str] = (), title: str = ""
+) -> Picture:
+    """Return states and outputs of a run over time (s), quantities of one unit together.
+
+    ``known``: the quantities of `quantities`, for their units. ``names``: which to draw, in panels of
+    eight curves at most; without them all, but eight a unit, and the caption says how many are left out.
+    The lowest panel has the drift of the invariants, value less first value, on a logarithmic scale; it
+    says whether drift is relative (over the first value) or absolute (in the invariant's unit, where the
+    first value is zero but for rounding). Values that are no numbers leave gaps.
+
+    Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
+    """
+    if len(result.t) < 2 or not np.all(np.isfinite(result.t)):
+        raise InputError(
+            "a history needs two times",
+            where="histories",
+            got=f"{len(result.t)} times",
+            hint="the run stopped before its second stored time; see its message",
+        )
+    asked = tuple(dict.fromkeys(names))
+    known = tuple(known)
+    units = {q.name: q.unit for q in known}
+    groups = _groups(asked or tuple(q.name for q in known if _held(result, q.name)), units)
+    shown = groups if asked else [_Group(g.unit, g.names[:MOST]) for g in groups]
+    panels = [_panel(result, part) for group in shown for part in _parts(group)]
+    if not panels:
+        raise InputError("no quantity to draw", where="histories", hint="name states or outputs")
+    notes = [*_left_out(groups, shown), *_gaps(result, shown)]
+    if result.drift:
+        panels.append(_drifts(result, notes))
+    return check(
+        Picture(tuple((p,) for p in _timed(panels, result)), plain(title), " ".join(notes))
+    )
+
+
+def _held(result: Result, quantity: str) -> bool:
+    return quantity in result.names or quantity in result.outputs
+
+
+def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
+    """Return names by unit, units in the order in which they first come."""
+    found: dict[str, list[str]] = {}
+    for n in names:
+        unit = units.get(n, "")
+        found.setdefault("1" if unit == "" else unit, []).append(n)
+    return [_Group(unit, tuple(group)) for unit, group in found.items()]
+
+
+def _parts(group: _Group) -> Iterator[_Group]:
+    for first in range(0, len(group.names), MOST):
+        yield _Group(group.unit, group.names[first : first + MOST])
+
+
+def _panel(result: Result, group: _Group) -> Panel:
+    items: list[Item] = []
+    for n, (colour, dash) in zip(group.names, _looks(), strict=False):
+        values = np.asarray(result[n], dtype=np.float64)
+        if not np.any(np.isfinite(values)):
+            raise InputError("no value is a number", where=f"history of {n}", got=result.message)
+        line = points(*thinned(result.t, _unwound(values, group.unit)))
+        items.append(Curve(line, colour, dash=dash, label=name(n)))
+    alone = name(group.names[0]) if len(group.names) == 1 else ""
+    words = bracketed(alone, group.unit) or f"{alone} [1]".strip()
+    return Panel(tuple(items), (Axis(), Axis(words)))
+
+
+def _looks() -> Iterator[tuple[str, Dash]]:
+    return ((colour, dash) for dash in DASHES for colour in COLOURS)
+
+
+def _unwound(values: Floats, unit: str) -> Floats:
+    """Break the line of an angle where it is brought back by a turn: all within -pi and pi, and a jump."""
+    if unit != "rad" or np.nanmax(np.abs(values)) > math.pi * (1 + 1e-12):
+        return values
+    broken = values.copy()
+    broken[1:][np.abs(np.diff(values)) > 1.5 * math.pi] = np.nan
+    return broken
+
+
+def _drifts(result: Result, notes: list[str]) -> Panel:
+    """Return the panel of the invariants whose drift is the largest."""
+    order = sorted(result.drift, key=lambda n: -_largest(result.drift[n]))
+    shown = [n for n in result.drift if n in order[:MOST]]
+    if len(order) > MOST:
+        notes.append(f"{len(order) - MOST} more constants of the motion drift less.")
+    kinds = {n: _kind(result.drift[n]) for n in shown}
+    same = len(set(kinds.values())) == 1
+    items: list[Item] = []
+    for n, (colour, dash) in zip(shown, _looks(), strict=False):
+        label = name(n) if same else f"{name(n)}, {kinds[n]}"
+        items.append(Curve(_sizes(result.t, result.drift[n]), colour, 1.2, dash, label))
+    top = max([ROUNDING, *filter(math.isfinite, (_largest(result.drift[n]) for n in shown))])
+    limits = (FLOOR, 10.0 ** math.ceil(math.log10(top)))
+    words = f"{kinds[shown[0]]} drift" if same else "drift"
+    notes.append(
+        "Below: the size of the drift of each constant of the motion, value less first value."
+    )
+    return Panel(tuple(items), (Axis(), Axis(words, "log", limits)), height=0.9)
+
+
+def _sizes(t: Floats, drift: Drift) -> Floats:
+    """Return the size of the drift over time, but for zeros, which a logarithmic scale has not.
+
+    What is always zero is drawn at the floor.
+    """
+    size = np.abs(drift.over_time) / drift.scale
+    if not np.any(size):
+        return points(t, np.full(len(t), FLOOR))
+    return points(*thinned(t[size != 0], size[size != 0]))
+
+
+def _largest(drift: Drift) -> float:
+    return drift.relative if math.isfinite(drift.relative) else math.inf
+
+
+def _kind(drift: Drift) -> str:
+    return "relative" if drift.scale == abs(drift.start) else "absolute"
+
+
+def _timed(panels: Sequence[Panel], result: Result) -> Iterator[Panel]:
+    """Give all panels the same span of time, and the lowest its words."""
+    limits = (float(min(result.t)), float(max(result.t)))
+    for k, panel in enumerate(panels, 1):
+        time = Axis(TIME.words if k == len(panels) else "", limits=limits)
+        yield Panel(panel.items, (time, panel.axes[1]), height=panel.height)
+
+
+def _left_out(groups: Sequence[_Group], shown: Sequence[_Group]) -> Iterator[str]:
+    for whole, part in zip(groups, shown, strict=True):
+        lost = len(whole.names) - len(part.names)
+        if lost:
+            yield f"{lost} more in {whole.unit} are drawn where they are named."
+
+
+def _gaps(result: Result, shown: Sequence[_Group]) -> Iterator[str]:
+    for n in (n for group in shown for n in group.names):
+        lost = int(np.count_nonzero(~np.isfinite(result[n])))
+        if lost:
+            yield f"{lost} of {len(result.t)} values of {n} are no numbers."

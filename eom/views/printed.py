@@ -1,0 +1,364 @@
+"""A picture for print, by Matplotlib: PNG, SVG, PDF, with the same bytes each time.
+
+The settings of whoever uses Matplotlib are left alone and have no effect. Space is drawn without
+perspective; see `eom.views.depth` for what hides what.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eom.views import formulas
+from eom.views.depth import Drawn, View, diagonal, in_space
+from eom.views.picture import (
+    COLOURS,
+    Arrow,
+    Axis,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Words,
+    check,
+    placed,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+STYLE: Any = {
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.labelsize": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": "#777777",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.solid_capstyle": "round",
+    "figure.constrained_layout.h_pad": 0.06,
+    "figure.constrained_layout.w_pad": 0.06,
+    "svg.hashsalt": "eom",
+    "svg.fonttype": "path",
+    "pdf.fonttype": 42,
+    "path.simplify": True,
+}
+DASHES: dict[str, Any] = {"solid": "-", "dashed": (0, (5, 2.5)), "dotted": (0, (1, 2))}
+FLAT = (3.0, 2.2)
+"""Least width of a column, and height of a row, of panels that show quantities over others; inches."""
+WIDE = 6.5
+"""Least width of a picture without equal scales; inches."""
+SQUARE = (4.2, 3.9)
+"""Width of a column and height of a row of panels in space or with equal scales; inches."""
+LEGEND = 1.5
+"""Width of a legend beside a panel; inches."""
+SEAM = 0.3
+"""Width of the edges that close the seams between the triangles of an opaque surface; points."""
+ELEVATION, AZIMUTH = 22.0, 35.0
+"""Where space is seen from, in degrees."""
+
+
+@contextlib.contextmanager
+def _settings() -> Iterator[None]:
+    import matplotlib as mpl
+
+    with mpl.rc_context(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=r"Glyph .* missing", category=UserWarning)
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)
+        yield
+
+
+def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
+    """Return a picture as a Matplotlib figure that no window and no global state knows.
+
+    ``size``: width and height in inches; by default so that all panels are read easily.
+    Raises `InputError` for a picture that cannot be drawn (`picture.check`).
+    """
+    check(picture)
+    with _settings():
+        return _figure(picture, size)
+
+
+def write(
+    picture: Picture, file: Path, kind: str, size: tuple[float, float] | None, dpi: float
+) -> None:
+    """Write a picture to a file of a ``kind`` (png, svg, pdf); ``dpi``: pixels an inch, of PNG.
+
+    Raises as `figure`, and `OSError` where the file cannot be written. No date is written, so that the
+    bytes depend on the picture and the version of Matplotlib alone.
+    """
+    check(picture)
+    title, words = formulas.as_text(picture.title), formulas.as_text(picture.caption)
+    metadata = {
+        "png": {"Software": None, "Title": title, "Description": words},
+        "svg": {"Date": None, "Creator": "eom", "Title": title, "Description": words},
+        "pdf": {"CreationDate": None, "Creator": "eom", "Title": title, "Subject": words},
+    }
+    with _settings():
+        _figure(picture, size).savefig(file, format=kind, dpi=dpi, metadata=metadata[kind])
+
+
+def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
+    from matplotlib.figure import Figure
+
+    rows = [row for row in picture.rows if row]
+    heights = [max(height_of(panel) for panel in row) for row in rows]
+    made = Figure(figsize=size or _size(rows, sum(heights)), layout="constrained")
+    if picture.title:
+        made.suptitle(_words(picture.title), fontsize=11)
+    grid = made.add_gridspec(len(rows), 1, height_ratios=heights)
+    for k, row in enumerate(rows):
+        columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(panel) for panel in row])
+        for column, panel in enumerate(row):
+            _panel(made, columns[0, column], panel)
+    return made
+
+
+def _square(panel: Panel) -> bool:
+    return panel.equal or len(panel.axes) == 3
+
+
+def height_of(panel: Panel) -> float:
+    """Return the height in inches that a panel has if no size is asked for."""
+    return panel.height * (SQUARE if _square(panel) else FLAT)[1]
+
+
+def _width(panel: Panel) -> float:
+    legend = any(item.label for item in panel.items if not isinstance(item, Words))
+    own = panel.height * SQUARE[0] if _square(panel) else FLAT[0]
+    return own + (LEGEND if legend else 0.0)
+
+
+def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
+    square = all(_square(panel) for row in rows for panel in row)
+    widths = [sum(_width(panel) for panel in row) for row in rows]
+    return max(*widths, 0.0 if square else WIDE), height + 0.5
+
+
+def _panel(made: Figure, place: Any, panel: Panel) -> None:
+    if len(panel.axes) == 3:
+        axes = made.add_subplot(place, projection="3d", proj_type="ortho", computed_zorder=False)
+        _space(axes, panel)
+    else:
+        axes = made.add_subplot(place)
+        _plane(axes, panel)
+    if panel.title:
+        axes.set_title(_words(panel.title))
+    _legend(axes, panel)
+
+
+def _words(text: str) -> str:
+    """Return words for Matplotlib; a formula that it cannot read is shown as it is written."""
+    from matplotlib.mathtext import MathTextParser
+
+    found = formulas.spans(text)
+    marked = "".join(f"${s.text}$" if s.formula else s.text.replace("$", r"\$") for s in found)
+    if not any(s.formula for s in found):
+        return marked
+    try:
+        MathTextParser("path").parse(marked)
+    except ValueError:
+        return formulas.plain(text)
+    return marked
+
+
+def _legend(axes: Any, panel: Panel) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    def handle(item: Item) -> Any:
+        colour = COLOURS[item.colour]
+        if isinstance(item, Marks):
+            return Line2D([], [], color=colour, linestyle="", marker="o", markersize=item.size)
+        if isinstance(item, Curve | Arrow):
+            dash: Any = DASHES[item.dash] if isinstance(item, Curve) else "-"
+            return Line2D([], [], color=colour, linewidth=item.width, linestyle=dash)
+        return Patch(color=colour, alpha=0.5)
+
+    named = {item.label: item for item in panel.items if not isinstance(item, Words) and item.label}
+    if not named:
+        return
+    handles, labels = [handle(item) for item in named.values()], [_words(n) for n in named]
+    if len(panel.axes) == 3:
+        axes.legend(handles, labels, loc="center left", bbox_to_anchor=(1.02, 0.5))
+    else:
+        axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _plane(axes: Any, panel: Panel) -> None:
+    for order, item in enumerate(panel.items, 3):
+        colour = COLOURS[item.colour]
+        if isinstance(item, Curve):
+            x, y = item.points[:, 0], item.points[:, 1]
+            axes.plot(
+                x, y, color=colour, linewidth=item.width, linestyle=DASHES[item.dash], zorder=order
+            )
+        elif isinstance(item, Marks):
+            x, y = item.points[:, 0], item.points[:, 1]
+            axes.plot(
+                x, y, "o", color=colour, markersize=item.size, markeredgewidth=0, zorder=order
+            )
+        elif isinstance(item, Arrow):
+            _arrow(axes, item, order)
+        elif isinstance(item, Words):
+            axes.text(*item.place, _words(item.text), color=colour, zorder=order)
+    _axes(axes, panel, "xy")
+    if panel.equal:
+        axes.set_aspect("equal", adjustable="datalim" if _free(panel) else "box")
+
+
+def _free(panel: Panel) -> bool:
+    return all(axis.limits is None for axis in panel.axes)
+
+
+def _arrow(axes: Any, item: Arrow, order: int) -> None:
+    colour = COLOURS[item.colour]
+    axes.annotate(
+        "",
+        item.end,
+        item.start,
+        zorder=order,
+        arrowprops={
+            "arrowstyle": "-|>,head_length=0.5,head_width=0.2",
+            "color": colour,
+            "linewidth": item.width,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 8 + 2 * item.width,
+        },
+    )
+    axes.plot(*np.transpose([item.start, item.end]), linestyle="")  # takes part in the limits
+    if item.words:
+        way = np.sign(np.round(np.subtract(item.end, item.start), 12))
+        axes.annotate(
+            _words(item.words),
+            item.end,
+            xytext=(6 * way[0], 6 * way[1]),
+            textcoords="offset points",
+            color=colour,
+            ha=("right", "center", "left")[int(way[0]) + 1],
+            va=("top", "center", "bottom")[int(way[1]) + 1],
+            zorder=order,
+        )
+
+
+def _axes(axes: Any, panel: Panel, letters: str) -> None:
+    """Set words, scales and limits; hide all of them where the panel is bare."""
+    for letter, axis in zip(letters, panel.axes, strict=True):
+        _axis(axes, letter, axis)
+    if panel.bare:
+        axes.set_axis_off()
+
+
+def _axis(axes: Any, letter: str, axis: Axis) -> None:
+    axes.set(**{f"{letter}label": _words(axis.words)})
+    if axis.scale == "log":
+        axes.set(**{f"{letter}scale": "log"})
+    if axis.limits is not None:
+        axes.set(**{f"{letter}lim": axis.limits})
+
+
+def _space(axes: Any, panel: Panel) -> None:
+    """Draw all items of a panel in space as one collection, sorted by depth as one."""
+    low, high = bounds(panel)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(high - low if panel.equal else (1, 1, 1), zoom=1.1 if panel.bare else 1.0)
+    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    _axes(axes, panel, "xyz")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.pane.set_facecolor("none")
+        axis.pane.set_edgecolor("#dddddd")
+        axis.line.set_color("#777777")
+        axis.set_tick_params(pad=-1)
+        axis.labelpad = 2
+        axis.set_major_locator(_few())
+    view = View.of(axes.get_proj(), low, high)
+    if drawn := view.sorted(in_space(panel, view.towards, diagonal(low, high))):
+        axes.add_collection(_collection(view, drawn), autolim=False)
+    _labels(axes, panel, view)
+
+
+def _few() -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(5, steps=[1, 2, 5, 10])
+
+
+def _collection(view: View, drawn: list[Drawn]) -> Any:
+    from matplotlib.collections import PolyCollection
+
+    none = (0.0, 0.0, 0.0, 0.0)
+    made: Any = PolyCollection(
+        [view.flat(d.points) for d in drawn],
+        closed=False,
+        facecolors=[none if d.width else d.colour for d in drawn],
+        edgecolors=[d.colour if d.width or d.colour[3] == 1 else none for d in drawn],
+        linewidths=[d.width or SEAM for d in drawn],
+        capstyle="round",
+        joinstyle="round",
+        clip_on=False,
+        zorder=3,
+    )
+    made.do_3d_projection = lambda: 0.0  # axes in space ask each collection for its depth
+    return made
+
+
+def bounds(panel: Panel) -> tuple[Floats, Floats]:
+    """Return the least and the greatest coordinates of a panel in space, of shape (3,)."""
+    arrays = [np.reshape(a, (-1, 3)) for item in panel.items for a in placed(item)]
+    points = np.concatenate([*arrays, np.zeros((0, 3))])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        points = np.array([[-1.0] * 3, [1.0] * 3])
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.maximum(0.04 * (high - low), 0.02 * max(float((high - low).max()), 1e-300))
+    low, high = low - room, high + room
+    for k, axis in enumerate(panel.axes):
+        if axis.limits is not None:
+            low[k], high[k] = axis.limits
+    return low, high
+
+
+def _labels(axes: Any, panel: Panel, view: View) -> None:
+    for item in panel.items:
+        if isinstance(item, Words):
+            _label(axes, view.flat(item.place), item.text, item.colour, (0.0, 0.0))
+        elif isinstance(item, Arrow) and item.words:
+            end = view.flat(item.end)
+            way = end - view.flat(item.start)
+            size = float(np.hypot(*way))
+            shift = 9 * way / size if size > 0 else way
+            _label(axes, end, item.words, item.colour, (float(shift[0]), float(shift[1])))
+
+
+def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
+    """Write words at a place of the projection, moved by some printer's points."""
+    axes.annotate(
+        _words(text),
+        place,
+        xytext=shift,
+        textcoords="offset points",
+        color=COLOURS[colour],
+        ha="center",
+        va="center",
+        zorder=5,
+        annotation_clip=False,
+    )

@@ -1,0 +1,109 @@
+"""Save a picture to a file: what kind it is, the ending says; it appears whole or not at all."""
+
+from __future__ import annotations
+
+import importlib.util
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from eom.errors import InputError
+from eom.views import printed, turned
+from eom.views.picture import Picture, check
+
+Size = tuple[float, float]
+DPI = 150.0
+MOST_INCHES, MOST_DPI = 100.0, 1200.0
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file: what it is, the package it needs, its extra, and what writes it."""
+
+    meaning: str
+    package: str
+    extra: str
+    write: Callable[[Picture, Path, Size | None, float], None]
+
+
+def _print(kind: str) -> Callable[[Picture, Path, Size | None, float], None]:
+    return lambda picture, file, size, dpi: printed.write(picture, file, kind, size, dpi)
+
+
+def _page(picture: Picture, file: Path, size: Size | None, dpi: float) -> None:  # noqa: ARG001
+    file.write_text(turned.page(picture, size), encoding="utf-8", newline="\n")
+
+
+KINDS = {
+    ".png": Kind("pixels", "matplotlib", "plot", _print("png")),
+    ".svg": Kind("lines, for pages", "matplotlib", "plot", _print("svg")),
+    ".pdf": Kind("lines, for print", "matplotlib", "plot", _print("pdf")),
+    ".html": Kind("a page on which it is turned by hand", "plotly", "turn", _page),
+}
+"""Kinds of file by their ending."""
+
+
+def kind_of(path: str | Path) -> Kind:
+    """Return the kind of file that a name's ending says.
+
+    Raises `InputError` for other endings, and where the package that it needs is not installed.
+    """
+    file = Path(path)
+    kind = KINDS.get(file.suffix.lower())
+    if kind is None:
+        *most, last = KINDS
+        raise InputError(
+            "unknown kind of picture",
+            where=str(file),
+            got=file.suffix or "no ending",
+            expected=f"a name that ends in {', '.join(most)} or {last}",
+        )
+    if importlib.util.find_spec(kind.package) is None:
+        raise InputError(
+            f"{kind.package.capitalize()} is not installed",
+            where=str(file),
+            hint=f"pip install 'eom-toolkit[{kind.extra}]'",
+        )
+    return kind
+
+
+def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:
+    """Write a picture to ``path`` (.png, .svg, .pdf by Matplotlib, .html by Plotly); return the path.
+
+    ``size``: width and height in inches, by default as the panels need; ``dpi``: pixels an inch (PNG).
+    The same picture gives the same bytes. Folders are made. Raises `InputError` for other endings, a
+    missing package, a size that no paper has, a picture that cannot be drawn, and where the file cannot
+    be written; then nothing is.
+    """
+    file = Path(path)
+    kind = kind_of(file)
+    check(picture)
+    _check_size(size, dpi)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".eom-", dir=file.parent) as staging:
+            part = Path(staging) / f"picture{file.suffix.lower()}"
+            kind.write(picture, part, size, dpi)
+            part.replace(file)
+    except OSError as error:
+        raise InputError(
+            "file cannot be written",
+            where=str(file),
+            got=error.strerror or str(error),
+            hint="choose a folder that you can write",
+        ) from None
+    return file
+
+
+def _check_size(size: Size | None, dpi: float) -> None:
+    if size is not None and not all(0.5 <= s <= MOST_INCHES for s in size):
+        raise InputError(
+            "a picture of this size cannot be drawn",
+            got=f"{size[0]:g} x {size[1]:g} inches",
+            expected=f"0.5 to {MOST_INCHES:g} inches each way",
+        )
+    if not 10 <= dpi <= MOST_DPI:
+        raise InputError(
+            "too few or too many pixels an inch", got=f"{dpi:g}", expected=f"10 to {MOST_DPI:g}"
+        )

@@ -1,0 +1,407 @@
+"""A picture to turn by hand, by Plotly: a figure for notebooks, or one HTML file that needs no network.
+
+The file holds plotly.js itself (some 4.5 MB); the data of the picture are small beside it. The page
+follows the reader's choice of a light or dark theme.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eom.errors import InputError
+from eom.views import formulas
+from eom.views.depth import TIP, diagonal
+from eom.views.meshes import Faces, tip
+from eom.views.picture import (
+    COLOURS,
+    Arrow,
+    Axis,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Surface,
+    Words,
+    check,
+    placed,
+)
+from eom.views.printed import bounds, height_of
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+Data = dict[str, Any]
+DASHES = {"solid": "solid", "dashed": "dash", "dotted": "dot"}
+GAP = 0.07
+"""Room between panels, as a part of the picture."""
+POINT = 4 / 3
+"""Pixels of a printer's point."""
+INCH = 96.0
+EYE = {"x": 1.5, "y": 1.05, "z": 0.8}
+DOT, ROD = 0.45, 1.8
+"""What makes marks and lines in space look as large as those in a plane."""
+GRID, LINE = "#dddddd", "#777777"
+LIGHTING = {"ambient": 0.75, "diffuse": 0.35, "specular": 0.05, "roughness": 0.9}
+
+
+def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
+    """Return a picture as a Plotly figure; ``size``: width and height in inches, of 96 pixels.
+
+    Without a size the figure is as wide as where it is shown. Raises `InputError` for a picture that
+    cannot be drawn (`picture.check`).
+    """
+    import plotly.graph_objects as go
+
+    return go.Figure(described(picture, size), skip_invalid=False)
+
+
+def described(picture: Picture, size: tuple[float, float] | None = None) -> Data:
+    """Return the same figure as Plotly's JSON: ``data`` and ``layout``, lists and numbers alone."""
+    check(picture)
+    rows = [row for row in picture.rows if row]
+    layout: Data = {
+        "title": {"text": formulas.as_html(picture.title), "x": 0.5, "font": {"size": 17}},
+        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#222222"},
+        "paper_bgcolor": "#ffffff",
+        "plot_bgcolor": "#ffffff",
+        "margin": {"l": 60, "r": 20, "t": 60 if picture.title else 30, "b": 50},
+        "hovermode": "closest",
+        "annotations": [],
+        "showlegend": True,
+    }
+    if size is not None:
+        layout |= {"width": size[0] * INCH, "height": size[1] * INCH}
+    data: list[Data] = []
+    counts = {"scene": 0, "x": 0}
+    for number, (panel, domain) in enumerate(_placed(rows), 1):
+        space = len(panel.axes) == 3
+        counts["scene" if space else "x"] += 1
+        draw = _space if space else _plane
+        data += draw(
+            panel, domain, _nth("legend", number), counts["scene" if space else "x"], layout
+        )
+        layout[_nth("legend", number)] = _legend(domain)
+        if panel.title:
+            layout["annotations"].append(_title(panel.title, domain))
+    return {"data": data, "layout": layout}
+
+
+def _nth(word: str, number: int) -> str:
+    """Return Plotly's name of a numbered part: legend, legend2, ..."""
+    return word if number == 1 else f"{word}{number}"
+
+
+def _placed(rows: list[tuple[Panel, ...]]) -> Iterator[tuple[Panel, Data]]:
+    """Yield each panel with the ranges of its place, in parts of the picture from the bottom left."""
+    heights = np.array([max(height_of(panel) for panel in row) for row in rows])
+    gaps = GAP * 1.4 if len(rows) > 1 else 0.0
+    heights = heights / heights.sum() * (1 - gaps * (len(rows) - 1))
+    top = 1.0
+    for row, height in zip(rows, heights, strict=True):
+        width = (1 - GAP * (len(row) - 1)) / len(row)
+        for k, panel in enumerate(row):
+            left = k * (width + GAP)
+            y = [max(0.0, float(top - height)), float(top)]
+            yield panel, {"x": [left, min(1.0, left + width)], "y": y}
+        top -= float(height) + gaps
+
+
+def _legend(domain: Data) -> Data:
+    return {
+        "x": domain["x"][1],
+        "y": domain["y"][1],
+        "xanchor": "right",
+        "yanchor": "top",
+        "bgcolor": "rgba(128,128,128,0.08)",
+    }
+
+
+def _title(text: str, domain: Data) -> Data:
+    return {
+        "text": formulas.as_html(text),
+        "x": sum(domain["x"]) / 2,
+        "y": domain["y"][1],
+        "xref": "paper",
+        "yref": "paper",
+        "xanchor": "center",
+        "yanchor": "bottom",
+        "showarrow": False,
+        "font": {"size": 14},
+    }
+
+
+def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -> list[Data]:
+    scene = _nth("scene", number)
+    low, high = bounds(panel)
+    ranges = zip("xyz", panel.axes, low, high, strict=True)
+    axes = {f"{letter}axis": _space_axis(axis, a, b, panel.bare) for letter, axis, a, b in ranges}
+    layout[scene] = {
+        "domain": domain,
+        "aspectmode": "data" if panel.equal else "cube",
+        "camera": {"eye": EYE, "center": {"x": 0, "y": 0, "z": -0.17}},
+        "annotations": [note for item in panel.items for note in _notes(item)],
+        **axes,
+    }
+    size = diagonal(low, high)
+    shown = set[str]()
+    return [
+        {**trace, "scene": scene, **_named(item, legend, shown)}
+        for item in panel.items
+        for trace in _in_space(item, size)
+    ]
+
+
+def _space_axis(axis: Axis, low: float, high: float, bare: bool) -> Data:
+    return {
+        "title": {"text": formulas.as_html(axis.words)},
+        "type": axis.scale,
+        "range": [float(low), float(high)],
+        "visible": not bare,
+        "showbackground": False,
+        "gridcolor": GRID,
+        "zerolinecolor": GRID,
+        "linecolor": LINE,
+        "showspikes": False,
+        "nticks": 6,
+    }
+
+
+def _notes(item: Item) -> list[Data]:
+    if isinstance(item, Words):
+        place, text = item.place, item.text
+    elif isinstance(item, Arrow) and item.words:
+        place, text = item.end + 0.06 * np.subtract(item.end, item.start), item.words
+    else:
+        return []
+    at = dict(zip("xyz", map(float, place), strict=True))
+    font = {"color": COLOURS[item.colour], "size": 15}
+    return [{**at, "text": formulas.as_html(text), "showarrow": False, "font": font}]
+
+
+def _in_space(item: Item, size: float) -> list[Data]:
+    colour = COLOURS[item.colour]
+    if isinstance(item, Surface):
+        return [_mesh(item.vertices, item.faces, colour, item.opacity)]
+    if isinstance(item, Arrow):
+        line = {"color": colour, "width": ROD * POINT * item.width}
+        vertices, faces = tip(item.start, item.end, TIP * size)
+        shaft = {"type": "scatter3d", "mode": "lines", "line": line, "hoverinfo": "skip"}
+        ends = np.stack([item.start, item.end])
+        return [{**shaft, **_columns(ends, "xyz")}, _mesh(vertices, faces, colour, 1.0)]
+    if isinstance(item, Words):
+        return []
+    return [{"type": "scatter3d", **_style(item), **_columns(item.points, "xyz")}]
+
+
+def _mesh(vertices: Floats, faces: Faces, colour: str, opacity: float) -> Data:
+    corners = {letter: faces[:, k].tolist() for k, letter in enumerate("ijk")}
+    return {
+        "type": "mesh3d",
+        **_columns(vertices, "xyz"),
+        **corners,
+        "color": colour,
+        "opacity": opacity,
+        "lighting": LIGHTING,
+        "hoverinfo": "skip",
+    }
+
+
+def _columns(points: Floats, letters: str) -> Data:
+    """Return the coordinates as lists, None where a number is missing."""
+    columns = zip(letters, np.asarray(points, float).T, strict=True)
+    return {
+        letter: [v if np.isfinite(v) else None for v in column.tolist()]
+        for letter, column in columns
+    }
+
+
+def _style(item: Curve | Marks) -> Data:
+    space = item.points.shape[-1] == 3
+    if isinstance(item, Marks):
+        size = POINT * item.size * (DOT if space else 1.0)
+        return {"mode": "markers", "marker": {"color": COLOURS[item.colour], "size": size}}
+    width = POINT * item.width * (ROD if space else 1.0)
+    line = {"color": COLOURS[item.colour], "width": width, "dash": DASHES[item.dash]}
+    return {"mode": "lines", "line": line, "connectgaps": False}
+
+
+def _named(item: Item, legend: str, shown: set[str]) -> Data:
+    """Return name and legend of a trace; a label that several items have is listed once."""
+    label = "" if isinstance(item, Words) else item.label
+    first = bool(label) and label not in shown
+    shown.add(label)
+    own = {"legend": legend, "showlegend": first, "name": formulas.as_html(label)}
+    return {**own, "legendgroup": f"{legend} {label}"} if label else own
+
+
+def _plane(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -> list[Data]:
+    x, y = _nth("x", number), _nth("y", number)
+    across, up = (
+        _plane_axis(axis, panel.bare, _decades(panel, k)) for k, axis in enumerate(panel.axes)
+    )
+    layout[_nth("xaxis", number)] = {**across, "domain": domain["x"], "anchor": y}
+    layout[_nth("yaxis", number)] = {**up, "domain": domain["y"], "anchor": x}
+    if panel.equal:
+        layout[_nth("yaxis", number)] |= {"scaleanchor": x, "scaleratio": 1}
+    layout["annotations"] += [n for item in panel.items for n in _plane_notes(item, x, y)]
+    shown = set[str]()
+    return [
+        {**trace, "xaxis": x, "yaxis": y, **_named(item, legend, shown)}
+        for item in panel.items
+        for trace in _in_plane(item)
+    ]
+
+
+def _decades(panel: Panel, k: int) -> float:
+    """Return how many powers of ten a coordinate of a panel runs through."""
+    values = np.concatenate([np.reshape(a, (-1, 2))[:, k] for i in panel.items for a in placed(i)])
+    values = values[np.isfinite(values) & (values > 0)]
+    return float(np.log10(values.max() / values.min())) if len(values) else 0.0
+
+
+def _plane_axis(axis: Axis, bare: bool, decades: float) -> Data:
+    made: Data = {
+        "title": {"text": formulas.as_html(axis.words)},
+        "type": axis.scale,
+        "visible": not bare,
+        "gridcolor": GRID,
+        "linecolor": LINE,
+        "showline": True,
+        "ticks": "outside",
+        "zeroline": False,
+        "exponentformat": "power" if axis.scale == "log" else "e",
+    }
+    if axis.scale == "log" and decades > 1:
+        made["dtick"] = max(1, round(decades / 8))
+    if axis.limits is not None:
+        ends = np.log10(axis.limits) if axis.scale == "log" else np.asarray(axis.limits, float)
+        made["range"] = ends.tolist()
+    return made
+
+
+def _in_plane(item: Item) -> list[Data]:
+    if isinstance(item, Curve | Marks):
+        return [{"type": "scatter", **_style(item), **_columns(item.points, "xy")}]
+    if isinstance(item, Arrow):  # its shaft, so that it takes part in ranges and legend
+        line = {"color": COLOURS[item.colour], "width": POINT * item.width}
+        ends = _columns(np.stack([item.start, item.end]), "xy")
+        return [{"type": "scatter", "mode": "lines", "line": line, "hoverinfo": "skip", **ends}]
+    return []
+
+
+def _plane_notes(item: Item, x: str, y: str) -> list[Data]:
+    if isinstance(item, Words):
+        return [_note(item.place, item.text, item.colour, x, y)]
+    if not isinstance(item, Arrow):
+        return []
+    (a, b), (c, d) = item.start.tolist(), item.end.tolist()
+    arrow: Data = {"x": c, "y": d, "ax": a, "ay": b, "xref": x, "yref": y, "axref": x, "ayref": y}
+    arrow |= {"text": "", "showarrow": True, "arrowhead": 2, "arrowcolor": COLOURS[item.colour]}
+    arrow |= {"arrowwidth": POINT * item.width, "arrowsize": 1}
+    if not item.words:
+        return [arrow]
+    way = np.sign(np.round([c - a, d - b], 12))
+    words = _note(item.end, item.words, item.colour, x, y)
+    words |= {"xanchor": ("right", "center", "left")[int(way[0]) + 1], "xshift": 5 * way[0]}
+    words |= {"yanchor": ("top", "middle", "bottom")[int(way[1]) + 1], "yshift": 5 * way[1]}
+    return [arrow, words]
+
+
+def _note(place: Floats, text: str, colour: str, x: str, y: str) -> Data:
+    a, b = map(float, place)
+    font = {"color": COLOURS[colour], "size": 14}
+    words = formulas.as_html(text)
+    return {"x": a, "y": b, "xref": x, "yref": y, "text": words, "showarrow": False, "font": font}
+
+
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>
+:root {{ color-scheme: light dark; --paper: #ffffff; --ink: #222222; }}
+@media (prefers-color-scheme: dark) {{ :root {{ --paper: #14171c; --ink: #e8e8e8; }} }}
+html, body {{ height: 100%; margin: 0; background: var(--paper); color: var(--ink); }}
+body {{ font: 16px/1.5 system-ui, sans-serif; display: flex; flex-direction: column; }}
+main {{ flex: 1; display: flex; flex-direction: column; min-height: 0; }}
+h1 {{ position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }}
+#picture {{ flex: 1; min-height: {height:g}in; }}
+p {{ margin: 0; padding: 0.5rem 1.5rem 1rem; max-width: 60rem; align-self: center; }}
+</style>
+<script>{library}</script>
+</head>
+<body>
+<main>
+<h1>{title}</h1>
+<div id="picture" role="img" aria-label="{words}"></div>
+{caption}</main>
+<script type="application/json" id="data">{data}</script>
+<script>
+"use strict";
+(() => {{
+  const media = matchMedia("(prefers-color-scheme: dark)");
+  const swapped = {{
+    "#ffffff": "#14171c", "#222222": "#e8e8e8", "#000000": "#f2f2f2", "#dddddd": "#3a3f48",
+    "#777777": "#9aa0a8", "#0072b2": "#4aa8e0",
+  }};
+  const words = new Set(["text", "name", "legendgroup"]);
+  const text = document.getElementById("data").textContent;
+  const draw = () => {{
+    const given = JSON.parse(text, (key, value) =>
+      media.matches && !words.has(key) && Object.hasOwn(swapped, value) ? swapped[value] : value);
+    Plotly.react("picture", given.data, given.layout, {{ responsive: true, displaylogo: false }});
+  }};
+  draw();
+  media.addEventListener("change", draw);
+}})();
+</script>
+</body>
+</html>
+"""
+
+
+def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
+    """Return a picture as one HTML page with plotly.js in it; ``size`` in inches of 96 pixels.
+
+    Text is escaped; the same picture gives the same page. Raises as `figure`.
+    """
+    import json
+
+    data = json.dumps(described(picture, size), separators=(",", ":"), allow_nan=False)
+    for character in "<>&":
+        data = data.replace(character, f"\\u{ord(character):04x}")
+    title = formulas.as_text(picture.title) or "Picture"
+    words = formulas.as_text(picture.caption)
+    return PAGE.format(
+        title=html.escape(title),
+        words=html.escape(words or title),
+        caption=f"<p>{html.escape(words)}</p>\n" if words else "",
+        height=size[1] if size else sum(max(map(height_of, row)) for row in picture.rows if row),
+        library=library(),
+        data=data,
+    )
+
+
+@lru_cache(maxsize=1)
+def library() -> str:
+    """Return plotly.js as it goes into a page. Raises `InputError` where Plotly is missing."""
+    try:
+        from plotly.offline import get_plotlyjs
+    except ImportError:
+        raise missing() from None
+    return str(get_plotlyjs()).replace("</script", "<\\/script")
+
+
+def missing() -> InputError:
+    """Return the error for a renderer that is not installed."""
+    return InputError("Plotly is not installed", hint="pip install 'eom-toolkit[turn]'")

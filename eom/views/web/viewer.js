@@ -1,0 +1,637 @@
+/* Bodies in space, drawn by three.js: what the animation and the live page share.
+
+   createViewer(canvas, description) returns an object with the methods at the end of this file; nothing
+   is drawn before render(). Lengths are in metres, vectors in the space frame a1, a2, a3.
+   A quaternion is [q0, q1, q2, q3], the scalar first as everywhere in eom: it takes components in the
+   body frame to the space frame, which is the transpose of C_BA of the same quaternion.
+
+   description: {
+     radius, centre: [x, y, z],   a ball that holds the motion: the camera and all sizes follow it
+     up: [0, 0, 1],               what points up on the screen
+     view: [azimuth, elevation],  in degrees, where the camera starts
+     ground: height | null,       a grid at this height along up, with shadows
+     bodies: [{name, colour, frame, shapes: [shape]}],   frame: length of b1, b2, b3, or 0
+     names: {space: ["a1", "a2", "a3"], body: ["b1", "b2", "b3"]}
+   }
+   shape: {kind, ...sizes, position, quaternion, colour, opacity, plain} in the body frame; an axis of
+   symmetry is b3. The kinds and their sizes are the rows of SHAPES below. Round shapes have octants in
+   two tones, so that one sees them turn, unless they are plain. */
+"use strict";
+
+const createViewer = (() => {
+  const COLOURS = {
+    black: "#000000", grey: "#8a8a8a", orange: "#e69f00", sky: "#56b4e9", green: "#009e73",
+    yellow: "#d9c400", blue: "#0072b2", red: "#d55e00", purple: "#cc79a7",
+  };
+  const THEMES = {
+    light: {background: "#fafaf7", text: "#1c1c1c", grid: "#d4d4ce", strong: "#b4b4ac", shadow: 0.16,
+            sky: "#ffffff", earth: "#b9b6ae", edge: 0.55, axis: "#5a5a5a", hemisphere: 1.9, sun: 1.7},
+    dark: {background: "#15171b", text: "#ececec", grid: "#2c3037", strong: "#434851", shadow: 0.45,
+           sky: "#dfe8ff", earth: "#30333a", edge: 0.45, axis: "#b8b8b8", hemisphere: 1.3, sun: 1.9},
+  };
+  const AXES = ["#d1495b", "#2b9348", "#3a7bd5"];
+  const FIELD = 32;
+  const LABEL = 17;
+  const ROUND = 48;
+
+  const colourOf = (given) => new THREE.Color(COLOURS[given] || given || COLOURS.sky);
+  const vectorOf = (v) => new THREE.Vector3(v[0], v[1], v[2]);
+  const turnOf = (q) => new THREE.Quaternion(q[1], q[2], q[3], q[0]).normalize();
+
+  // -- shapes: unit geometries and their sizes ------------------------------------------------------
+
+  const alongThird = (geometry) => geometry.rotateX(Math.PI / 2);
+  const unit = {
+    box: () => new THREE.BoxGeometry(1, 1, 1),
+    ball: () => alongThird(new THREE.SphereGeometry(1, ROUND, ROUND / 2)),
+    cylinder: () => alongThird(new THREE.CylinderGeometry(1, 1, 1, ROUND, 2)),
+    cone: () => alongThird(new THREE.ConeGeometry(1, 1, ROUND, 2)).rotateX(Math.PI).translate(0, 0, 0.5),
+  };
+  const one = (geometry, scale) => [{geometry, scale}];
+
+  /* Each row returns parts: geometry, scale, and what differs from the body's colour and place. */
+  const SHAPES = {
+    box: (s) => one(unit.box(), s.size),
+    ellipsoid: (s) => one(unit.ball(), s.size),
+    sphere: (s) => one(unit.ball(), [s.radius, s.radius, s.radius]),
+    cylinder: (s) => one(unit.cylinder(), [s.radius, s.radius, s.length]),
+    disc: (s) => one(unit.cylinder(), [s.radius, s.radius, s.thickness || 0.04 * s.radius]),
+    rod: (s) => one(unit.cylinder(), [s.radius || 0.02 * s.length, s.radius || 0.02 * s.length, s.length]),
+    cone: (s) => one(unit.cone(), [s.radius, s.radius, s.height]),
+    capsule: (s) => one(alongThird(new THREE.CapsuleGeometry(s.radius, s.length, 12, ROUND, 2)), [1, 1, 1]),
+    torus: (s) => one(new THREE.TorusGeometry(s.ring_radius, s.tube_radius, 20, 2 * ROUND), [1, 1, 1]),
+    wheel,
+    mesh: (s) => one(meshGeometry(s), [1, 1, 1]),
+  };
+  const ROUNDED = new Set(["ellipsoid", "sphere", "cylinder", "disc", "cone", "capsule"]);
+
+  /* A rim, spokes, one of them in another colour, and an axle: a body of revolution whose turns are seen. */
+  function wheel(s) {
+    const tube = s.tube || 0.06 * s.radius;
+    const parts = one(new THREE.TorusGeometry(s.radius, tube, 16, 2 * ROUND), [1, 1, 1]);
+    const axle = s.axle === undefined ? 0.5 * s.radius : s.axle;
+    for (let k = 0; k < 6; k += 1) {
+      const spoke = new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0).rotateZ((k * Math.PI) / 3);
+      const thick = k === 0 ? 0.45 * tube : 0.25 * tube;
+      parts.push({geometry: scaledAcross(spoke, thick, s.radius, (k * Math.PI) / 3), scale: [1, 1, 1],
+                  colour: k === 0 ? "#d55e00" : "#9a9a96", plain: true});
+    }
+    const hub = Math.max(0.6 * tube, 0.02 * s.radius);
+    parts.push({geometry: unit.cylinder(), scale: [2 * hub, 2 * hub, 3 * hub], colour: "#9a9a96", plain: true});
+    if (axle) {
+      parts.push({geometry: unit.cylinder(), scale: [hub, hub, 2 * axle], colour: "#9a9a96", plain: true});
+    }
+    return parts;
+  }
+
+  function scaledAcross(geometry, thick, length, angle) {
+    return geometry.rotateZ(-angle).scale(thick, length, thick).rotateZ(angle);
+  }
+
+  function meshGeometry(s) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(s.vertices, 3));
+    geometry.setIndex(Array.from(s.faces));
+    const made = s.flat ? geometry.toNonIndexed() : geometry;
+    if (s.flat) {
+      made.setIndex([...Array(made.getAttribute("position").count).keys()]);
+    }
+    made.computeVertexNormals();
+    return made;
+  }
+
+  /* Faces in two groups, by the octant that their centre lies in. */
+  function inOctants(geometry) {
+    const place = geometry.getAttribute("position");
+    const index = geometry.getIndex() ? geometry.getIndex().array : [...Array(place.count).keys()];
+    const groups = [[], []];
+    for (let k = 0; k < index.length; k += 3) {
+      const face = [index[k], index[k + 1], index[k + 2]];
+      const centre = ["getX", "getY", "getZ"].map((get) => face.reduce((sum, n) => sum + place[get](n), 0));
+      groups[centre.filter((x) => x < 0).length % 2].push(...face);
+    }
+    geometry.setIndex([...groups[0], ...groups[1]]);
+    geometry.clearGroups();
+    geometry.addGroup(0, groups[0].length, 0);
+    geometry.addGroup(groups[0].length, groups[1].length, 1);
+  }
+
+  function surfaceOf(colour, opacity, tint) {
+    const shade = colour.clone();
+    if (tint) {
+      shade.lerp(new THREE.Color("#ffffff"), tint);
+    }
+    const clear = opacity !== undefined && opacity < 1;
+    return new THREE.MeshStandardMaterial({
+      color: shade, roughness: 0.6, metalness: 0.05, side: THREE.DoubleSide, transparent: clear,
+      opacity: clear ? opacity : 1, depthWrite: !clear,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+    });
+  }
+
+  function drawn(part, shape, bodyColour) {
+    const colour = colourOf(part.colour || shape.colour || bodyColour);
+    const marked = !part.plain && !shape.plain && (ROUNDED.has(shape.kind) || shape.marked);
+    const materials = [surfaceOf(colour, shape.opacity, 0)];
+    if (marked) {
+      inOctants(part.geometry);
+      materials.push(surfaceOf(colour, shape.opacity, 0.62));
+    }
+    const mesh = new THREE.Mesh(part.geometry, marked ? materials : materials[0]);
+    mesh.scale.set(...part.scale);
+    mesh.castShadow = mesh.receiveShadow = shape.opacity === undefined || shape.opacity === 1;
+    if (["box", "mesh", "cylinder", "disc"].includes(shape.kind)) {
+      const dark = colour.clone().multiplyScalar(0.45);
+      const edges = new THREE.EdgesGeometry(part.geometry, 30);
+      mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: dark, transparent: true, opacity: 0.7})));
+    }
+    return mesh;
+  }
+
+  function shapeGroup(shape, bodyColour) {
+    if (!SHAPES[shape.kind]) {
+      throw new Error("unknown kind of shape " + shape.kind);
+    }
+    const group = new THREE.Group();
+    SHAPES[shape.kind](shape).forEach((part) => group.add(drawn(part, shape, bodyColour)));
+    group.position.set(...(shape.position || [0, 0, 0]));
+    group.quaternion.copy(turnOf(shape.quaternion || [1, 0, 0, 0]));
+    return group;
+  }
+
+  function freed(object) {
+    object.traverse((node) => {
+      if (node.geometry) {
+        node.geometry.dispose();
+      }
+      [].concat(node.material || []).forEach((m) => {
+        if (m.map) {
+          m.map.dispose();
+        }
+        m.dispose();
+      });
+    });
+    object.removeFromParent();
+  }
+
+  // -- words and arrows -----------------------------------------------------------------------------
+
+  function label(text, colour, halo) {
+    const scale = 3;
+    const canvas = document.createElement("canvas");
+    const pen = canvas.getContext("2d");
+    const font = "600 " + LABEL * scale + "px system-ui, 'Segoe UI', 'Noto Sans', 'DejaVu Sans', sans-serif";
+    pen.font = font;
+    canvas.width = Math.ceil(pen.measureText(text).width) + 8 * scale;
+    canvas.height = Math.ceil(1.5 * LABEL * scale);
+    pen.font = font;
+    pen.textBaseline = "middle";
+    pen.textAlign = "center";
+    pen.lineJoin = "round";
+    pen.lineWidth = 4 * scale;
+    pen.strokeStyle = halo;
+    pen.strokeText(text, canvas.width / 2, canvas.height / 2);
+    pen.fillStyle = colour;
+    pen.fillText(text, canvas.width / 2, canvas.height / 2);
+    const map = new THREE.CanvasTexture(canvas);
+    map.colorSpace = THREE.SRGBColorSpace;
+    const sprite = new THREE.Sprite(new THREE.SpriteMaterial({map, sizeAttenuation: false, depthTest: false}));
+    sprite.renderOrder = 10;
+    sprite.userData.pixels = [canvas.width / scale, canvas.height / scale];
+    return sprite;
+  }
+
+  /* An arrow along its own axis 2, one unit long: the shaft and head are set by stretch(). */
+  function arrowObject(colour, thickness) {
+    const group = new THREE.Group();
+    const material = new THREE.MeshStandardMaterial({color: colour, roughness: 0.7, emissive: colour, emissiveIntensity: 0.25});
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 16).translate(0, 0.5, 0), material);
+    const head = new THREE.Mesh(new THREE.ConeGeometry(1, 1, 24).translate(0, -0.5, 0), material);
+    group.add(shaft, head);
+    group.userData = {shaft, head, thickness, material};
+    return group;
+  }
+
+  function stretch(arrow, origin, vector) {
+    const {shaft, head, thickness} = arrow.userData;
+    const length = vector.length();
+    const point = Math.min(7 * thickness, 0.5 * length);
+    const wide = thickness * Math.min(1, (3 * length) / (7 * thickness));
+    arrow.position.copy(origin);
+    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), vector.clone().divideScalar(length || 1));
+    shaft.scale.set(wide, Math.max(length - point, 1e-12), wide);
+    head.scale.set(2.6 * wide, Math.max(point, 1e-12), 2.6 * wide);
+    head.position.set(0, length, 0);
+  }
+
+  // -- the viewer -----------------------------------------------------------------------------------
+
+  return (canvas, description) => {
+    const radius = description.radius || 1;
+    const centre = vectorOf(description.centre || [0, 0, 0]);
+    const up = vectorOf(description.up || [0, 0, 1]).normalize();
+    const names = Object.assign(
+      {space: ["a\u2081", "a\u2082", "a\u2083"], body: ["b\u2081", "b\u2082", "b\u2083"]}, description.names);
+    const renderer = new THREE.WebGLRenderer({canvas, antialias: true});
+    const scene = new THREE.Scene();
+    const camera = new THREE.PerspectiveCamera(FIELD, 1, radius / 100, radius * 200);
+    camera.up.copy(up);
+    const controls = new THREE.OrbitControls(camera, canvas);
+    controls.minDistance = radius / 10;
+    controls.maxDistance = radius * 40;
+    const layers = {};
+    const named = {arrows: new Map(), trails: new Map(), surfaces: new Map()};
+    const bodies = [];
+    const labels = new Set();
+    let theme = THEMES.light;
+    let asked = false;
+
+    const layer = (name) => {
+      if (!layers[name]) {
+        layers[name] = new THREE.Group();
+        scene.add(layers[name]);
+      }
+      return layers[name];
+    };
+
+    // lights, ground
+    const sky = new THREE.HemisphereLight("#ffffff", "#bbbbbb", 1.8);
+    const sun = new THREE.DirectionalLight("#ffffff", 1.8);
+    const fill = new THREE.DirectionalLight("#ffffff", 0.5);
+    scene.add(sky, sun, sun.target, fill);
+    const across = new THREE.Vector3(1, 0, 0).addScaledVector(up, -up.x);
+    if (across.lengthSq() < 0.1) {
+      across.set(0, 1, 0).addScaledVector(up, -up.y);
+    }
+    across.normalize();
+    const along = new THREE.Vector3().crossVectors(up, across);
+    const from = (a, b, c) => new THREE.Vector3().addScaledVector(across, a).addScaledVector(along, b).addScaledVector(up, c);
+    sky.position.copy(up);
+    sun.position.copy(centre).addScaledVector(from(0.9, -1.3, 2.6), 2 * radius);
+    sun.target.position.copy(centre);
+    fill.position.copy(centre).addScaledVector(from(-1, 1, 0.6), 2 * radius);
+    let shadows = null;
+    if (description.ground !== null && description.ground !== undefined) {
+      lay(description.ground);
+    }
+
+    function lay(height) {
+      const cell = gridCell(radius);
+      const count = 2 * Math.ceil((2.2 * radius) / cell);
+      const foot = centre.clone().addScaledVector(up, height - centre.dot(up));
+      const snapped = foot.clone();
+      [across, along].forEach((axis) => {
+        const at = foot.dot(axis);
+        snapped.addScaledVector(axis, Math.round(at / cell) * cell - at);
+      });
+      const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), up);
+      const grid = new THREE.GridHelper(count * cell, count, "#b4b4ac", "#d4d4ce");
+      const sheet = new THREE.Mesh(new THREE.PlaneGeometry(count * cell, count * cell).rotateX(-Math.PI / 2),
+                                   new THREE.ShadowMaterial({opacity: 0.2}));
+      sheet.receiveShadow = true;
+      [grid, sheet].forEach((object, k) => {
+        object.position.copy(snapped).addScaledVector(up, -k * 1e-3 * radius);
+        object.quaternion.copy(turn);
+        layer("ground").add(object);
+      });
+      shadows = {grid, sheet};
+      renderer.shadowMap.enabled = true;
+      renderer.shadowMap.type = THREE.PCFShadowMap;
+      sun.castShadow = true;
+      sun.shadow.mapSize.set(2048, 2048);
+      Object.assign(sun.shadow.camera, {left: -2.2 * radius, right: 2.2 * radius, top: 2.2 * radius,
+                                        bottom: -2.2 * radius, near: 0.1 * radius, far: 14 * radius});
+      sun.shadow.normalBias = 0.01 * radius;
+    }
+
+    function gridCell(size) {
+      const raw = size / 4;
+      const power = Math.pow(10, Math.floor(Math.log10(raw)));
+      return power * [1, 2, 5, 10].find((n) => n * power >= raw * 0.999);
+    }
+
+    // frames
+    function tag(text, colour, parent) {
+      const sprite = label(text, colour, theme.background);
+      sprite.userData.words = {text, colour};
+      sized(sprite);
+      parent.add(sprite);
+      labels.add(sprite);
+      return sprite;
+    }
+
+    function sized(sprite) {
+      const height = Math.max(canvas.clientHeight, 1);
+      const perPixel = (2 * Math.tan((FIELD * Math.PI) / 360)) / height;
+      const [wide, high] = sprite.userData.pixels;
+      sprite.scale.set(wide * perPixel, high * perPixel, 1);
+    }
+
+    function frame(parent, length, texts, thickness, colours) {
+      [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, k) => {
+        const arrow = arrowObject(new THREE.Color(colours[k]), thickness);
+        stretch(arrow, new THREE.Vector3(), vectorOf(axis).multiplyScalar(length));
+        parent.add(arrow);
+        const words = tag(texts[k], colours[k], parent);
+        words.position.copy(vectorOf(axis).multiplyScalar(1.12 * length));
+      });
+    }
+
+    function spaceFrame() {
+      const group = layer("space frame");
+      group.clear();
+      frame(group, 0.62 * radius, names.space, 0.005 * radius, [theme.axis, theme.axis, theme.axis]);
+    }
+
+    // bodies
+    (description.bodies || []).forEach((body) => {
+      const group = new THREE.Group();
+      const skin = new THREE.Group();
+      group.add(skin);
+      scene.add(group);
+      const axes = new THREE.Group();
+      group.add(axes);
+      if (body.frame) {
+        frame(axes, body.frame, body.axes || names.body, 0.006 * radius, AXES);
+      }
+      bodies.push({group, skin, axes, colour: body.colour});
+      dress(bodies.length - 1, body.shapes || []);
+    });
+
+    function dress(k, shapes) {
+      const {skin, colour} = bodies[k];
+      [...skin.children].forEach(freed);
+      shapes.forEach((shape) => skin.add(shapeGroup(shape, colour)));
+    }
+
+    // look
+    function look(name) {
+      theme = THEMES[name] || THEMES.light;
+      renderer.setClearColor(theme.background);
+      sky.color.set(theme.sky);
+      sky.groundColor.set(theme.earth);
+      sky.intensity = theme.hemisphere;
+      sun.intensity = theme.sun;
+      if (shadows) {
+        shadows.sheet.material.opacity = theme.shadow;
+        recolour(shadows.grid, theme);
+      }
+      layer("space frame").children.filter((c) => c.isSprite).forEach((c) => labels.delete(c));
+      spaceFrame();
+      labels.forEach(repainted);
+      ask();
+    }
+
+    function recolour(grid, colours) {
+      const array = grid.geometry.getAttribute("color");
+      const count = array.count / 4;
+      for (let k = 0; k < array.count; k += 1) {
+        const middle = Math.floor(k / 4) === Math.floor((count - 1) / 2);
+        const colour = new THREE.Color(middle ? colours.strong : colours.grid);
+        array.setXYZ(k, colour.r, colour.g, colour.b);
+      }
+      array.needsUpdate = true;
+    }
+
+    function repainted(sprite) {
+      const {text, colour} = sprite.userData.words;
+      const fresh = label(text, colour, theme.background);
+      sprite.material.map.dispose();
+      sprite.material.map = fresh.material.map;
+      sprite.userData.pixels = fresh.userData.pixels;
+      sized(sprite);
+    }
+
+    // camera
+    function home() {
+      const [azimuth, elevation] = (description.view || [35, 22]).map((a) => (a * Math.PI) / 180);
+      const narrow = Math.min(1, camera.aspect);
+      const distance = (1.08 * radius) / Math.sin((FIELD * Math.PI) / 360) / narrow;
+      const [c, s] = [Math.cos(elevation), Math.sin(elevation)];
+      controls.target.copy(centre);
+      camera.position.copy(centre).addScaledVector(from(c * Math.cos(azimuth), c * Math.sin(azimuth), s), distance);
+      controls.update();
+      ask();
+    }
+
+    function orbit(azimuth, elevation) {
+      const offset = camera.position.clone().sub(controls.target);
+      const turn = new THREE.Quaternion().setFromUnitVectors(up, new THREE.Vector3(0, 1, 0));
+      const polar = new THREE.Spherical().setFromVector3(offset.applyQuaternion(turn));
+      polar.theta += azimuth;
+      polar.phi = Math.min(Math.PI - 0.02, Math.max(0.02, polar.phi - elevation));
+      offset.setFromSpherical(polar).applyQuaternion(turn.invert());
+      camera.position.copy(controls.target).add(offset);
+      controls.update();
+      ask();
+    }
+
+    function zoom(factor) {
+      const offset = camera.position.clone().sub(controls.target).multiplyScalar(factor);
+      if (offset.length() > controls.minDistance && offset.length() < controls.maxDistance) {
+        camera.position.copy(controls.target).add(offset);
+        controls.update();
+        ask();
+      }
+    }
+
+    const STEP = Math.PI / 36;
+    const KEYS = {
+      ArrowLeft: () => orbit(-STEP, 0), ArrowRight: () => orbit(STEP, 0),
+      ArrowUp: () => orbit(0, STEP), ArrowDown: () => orbit(0, -STEP),
+      "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1 / 0.9), Home: home, "0": home,
+    };
+    function pressed(event) {
+      if (KEYS[event.key] && !event.ctrlKey && !event.metaKey && !event.altKey) {
+        KEYS[event.key]();
+        event.preventDefault();
+        event.stopPropagation();
+      }
+    }
+    canvas.addEventListener("keydown", pressed);
+    controls.addEventListener("change", () => ask());
+
+    // drawing
+    function ask() {
+      if (!asked) {
+        asked = true;
+        requestAnimationFrame(() => {
+          asked = false;
+          render();
+        });
+      }
+    }
+
+    function render() {
+      renderer.render(scene, camera);
+    }
+
+    function resize() {
+      const [wide, high] = [Math.max(canvas.clientWidth, 1), Math.max(canvas.clientHeight, 1)];
+      renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+      renderer.setSize(wide, high, false);
+      const before = Math.min(1, camera.aspect);
+      camera.aspect = wide / high;
+      camera.updateProjectionMatrix();
+      const after = Math.min(1, camera.aspect);
+      if (before !== after) {
+        const offset = camera.position.clone().sub(controls.target).multiplyScalar(before / after);
+        camera.position.copy(controls.target).add(offset);
+      }
+      labels.forEach(sized);
+      controls.update();
+      render();
+    }
+
+    // vectors, trails, surfaces
+    function arrow(name, origin, vector, options) {
+      let found = named.arrows.get(name);
+      if (!found) {
+        const {colour = "red", text = name} = options || {};
+        const object = arrowObject(colourOf(colour), 0.009 * radius);
+        const group = new THREE.Group();
+        group.add(object);
+        layer("vectors").add(group);
+        found = {group, object, words: tag(text, "#" + colourOf(colour).getHexString(), group)};
+        named.arrows.set(name, found);
+      }
+      const v = vector && vectorOf(vector);
+      const seen = Boolean(v) && v.length() > 1e-3 * radius;
+      found.object.visible = found.words.visible = seen;
+      if (seen) {
+        const start = vectorOf(origin);
+        stretch(found.object, start, v);
+        found.words.position.copy(start).add(v).addScaledVector(v.normalize(), 0.07 * radius);
+      }
+    }
+
+    function newTrail(options, segments) {
+      const {colour = "orange", width = 2.5, opacity = 0.9, layer: where = "trails"} = options;
+      const geometry = new THREE.LineSegmentsGeometry();
+      geometry.setPositions(segments);
+      const material = new THREE.LineMaterial({color: colourOf(colour), linewidth: width, transparent: true, opacity});
+      const object = new THREE.LineSegments2(geometry, material);
+      object.frustumCulled = false;
+      layer(where).add(object);
+      return {object, geometry, buffer: geometry.getAttribute("instanceStart").data, next: 0, filled: 0, last: null};
+    }
+
+    function trail(name, points, options) {
+      const flat = Float32Array.from(Array.isArray(points[0]) ? points.flat() : points);
+      const count = Math.max(flat.length / 3 - 1, 0);
+      const segments = new Float32Array(6 * Math.max(count, 1));
+      for (let k = 0; k < count; k += 1) {
+        segments.set(flat.subarray(3 * k, 3 * k + 6), 6 * k);
+      }
+      if (named.trails.has(name)) {
+        freed(named.trails.get(name).object);
+      }
+      const made = newTrail(options || {}, segments);
+      made.geometry.instanceCount = count;
+      named.trails.set(name, made);
+    }
+
+    function trailTo(name, count) {
+      const found = named.trails.get(name);
+      found.geometry.instanceCount = Math.max(0, Math.min(count - 1, found.buffer.array.length / 6));
+      found.object.visible = found.geometry.instanceCount > 0;
+    }
+
+    function trailAdd(name, point, options) {
+      const most = (options && options.most) || 2000;
+      let found = named.trails.get(name);
+      if (!found) {
+        found = newTrail(options || {}, new Float32Array(6 * most));
+        found.geometry.instanceCount = 0;
+        named.trails.set(name, found);
+      }
+      if (found.last) {
+        found.buffer.array.set([...found.last, ...point], 6 * found.next);
+        found.buffer.needsUpdate = true;
+        found.next = (found.next + 1) % most;
+        found.filled = Math.min(found.filled + 1, most);
+        found.geometry.instanceCount = found.filled;
+      }
+      found.last = Array.from(point);
+      found.object.visible = found.filled > 0;
+    }
+
+    function trailClear(name) {
+      const found = named.trails.get(name);
+      if (found) {
+        Object.assign(found, {next: 0, filled: 0, last: null});
+        found.geometry.instanceCount = 0;
+        found.object.visible = false;
+      }
+    }
+
+    function surface(name, shape, options) {
+      const {colour = "grey", layer: where = "surfaces"} = options || {};
+      if (named.surfaces.has(name)) {
+        freed(named.surfaces.get(name));
+      }
+      const group = new THREE.Group();
+      group.add(shapeGroup(shape, colour));
+      layer(where).add(group);
+      named.surfaces.set(name, group);
+    }
+
+    function placed(object, position, quaternion) {
+      object.position.set(position[0], position[1], position[2]);
+      object.quaternion.set(quaternion[1], quaternion[2], quaternion[3], quaternion[0]).normalize();
+    }
+
+    const watcher = new ResizeObserver(resize);
+    watcher.observe(canvas);
+    look(description.theme || "light");
+    resize();
+    home();
+
+    return {
+      /* The side of a cell of the ground's grid (m). */
+      cell: gridCell(radius),
+      /* Put body k: position of its origin (m), quaternion with the scalar first. */
+      pose(k, position, quaternion) { placed(bodies[k].group, position, quaternion); },
+      /* Give body k other shapes. */
+      dress,
+      /* Show an arrow from a point; a vector of null or (almost) zero hides it. options: colour, text. */
+      arrow,
+      /* A line through points (flat or in triples). options: colour, width, opacity, layer. */
+      trail,
+      /* Draw the first points of a trail alone. */
+      trailTo,
+      /* Append a point to a trail that keeps the last `most` (2000) of them; take all points away. */
+      trailAdd, trailClear,
+      /* A shape in space, by name; options: colour, layer. It is moved by place(). */
+      surface,
+      place(name, position, quaternion) { placed(named.surfaces.get(name), position, quaternion); },
+      /* Show or hide a layer: space frame, body frames, bodies, vectors, trails, ground, surfaces, or
+         of an arrow or trail by its name. */
+      show(name, seen) {
+        const parts = {"body frames": "axes", bodies: "skin"}[name];
+        if (parts) {
+          bodies.forEach((body) => { body[parts].visible = seen; });
+        } else if (named.arrows.has(name)) {
+          named.arrows.get(name).group.visible = seen;
+        } else {
+          layer(name).visible = seen;
+        }
+        ask();
+      },
+      /* light or dark. */
+      theme: look,
+      /* Draw now; draw with the next frame. */
+      render, ask,
+      /* Turn the camera (radians), move it nearer (factor below 1) or farther, put it back. */
+      orbit, zoom, home,
+      resize, camera, controls, scene,
+      dispose() {
+        watcher.disconnect();
+        controls.dispose();
+        canvas.removeEventListener("keydown", pressed);
+        freed(scene);
+        renderer.dispose();
+      },
+    };
+  };
+})();
