@@ -14,11 +14,11 @@ import numpy as np
 from eom.views.meshes import Faces, brightness, tip
 from eom.views.picture import COLOURS, Arrow, Curve, Floats, Item, Marks, Panel, Surface
 
-LIFT = 0.02
-"""By which part of the diagonal lines are moved towards the eye."""
-LONGEST = 0.02
+LIFT = 0.012
+"""By which part of the diagonal lines are moved towards the eye; wide ones by some more."""
+LONGEST = 0.03
 """Length of the pieces of a line, as a part of the diagonal."""
-TIP = 0.045
+TIP = 0.033
 """Length of the tip of an arrow, as a part of the diagonal."""
 DASHES = {"solid": (1.0, 0.0), "dashed": (0.02, 0.012), "dotted": (0.003, 0.01)}
 """Length of dashes and of the gaps between them, as parts of the diagonal."""
@@ -89,11 +89,12 @@ def _pieces(item: Item, lift: Floats, size: float) -> list[Drawn]:
         return _faces(item.vertices, item.faces, item.colour, item.opacity)
     if isinstance(item, Curve):
         colour = rgba(item.colour)
-        return [Drawn(p + lift, colour, item.width) for p in cut(item.points, item.dash, size)]
+        over = (1 + 0.6 * item.width) * lift
+        return [Drawn(p + over, colour, item.width) for p in cut(item.points, item.dash, size)]
     if isinstance(item, Marks):
         dot = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3e-3 * size]])
         places = item.points[np.isfinite(item.points).all(axis=1)]
-        return [Drawn(p + dot + 1.5 * lift, rgba(item.colour), item.size) for p in places]
+        return [Drawn(p + dot + 4 * lift, rgba(item.colour), item.size) for p in places]
     return _arrow(item, lift, size) if isinstance(item, Arrow) else []
 
 

@@ -12,7 +12,7 @@ LIGHT = np.array([0.35, -0.5, 0.8]) / np.linalg.norm([0.35, -0.5, 0.8])
 AMBIENT = 0.72
 """Brightness of a triangle that is seen by its edge from where the light is; 1 is full light."""
 
-ELLIPSOID = 37, 73
+ELLIPSOID = 31, 61
 """Circles of latitude, both poles among them, and meridians, of which the first is the last."""
 
 

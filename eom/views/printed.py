@@ -22,10 +22,10 @@ from eom.views.picture import (
     Axis,
     Curve,
     Floats,
-    Item,
     Marks,
     Panel,
     Picture,
+    Surface,
     Words,
     check,
     placed,
@@ -69,6 +69,10 @@ SQUARE = (4.2, 3.9)
 """Width of a column and height of a row of panels in space or with equal scales; inches."""
 LEGEND = 1.5
 """Width of a legend beside a panel; inches."""
+LETTERS, ROOM = 15.0, 7
+"""Letters of a legend below panels that an inch holds; the room that a line takes, in letters."""
+FULL, BARE = 1.15, 1.3
+"""How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
 ELEVATION, AZIMUTH = 22.0, 35.0
@@ -124,12 +128,37 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
     made = Figure(figsize=size or _size(rows, sum(heights)), layout="constrained")
     if picture.title:
         made.suptitle(_words(picture.title), fontsize=11)
+    if any(_square(panel) for row in rows for panel in row):
+        parts = made.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)
+        for part, row in zip(parts[:, 0], rows, strict=True):
+            _row(part, row)
+        return made
     grid = made.add_gridspec(len(rows), 1, height_ratios=heights)
     for k, row in enumerate(rows):
-        columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(panel) for panel in row])
+        columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(p) for p in row])
         for column, panel in enumerate(row):
-            _panel(made, columns[0, column], panel)
+            _beside(_panel(made, columns[0, column], panel), panel)
     return made
+
+
+def _row(part: Any, row: tuple[Panel, ...]) -> None:
+    """Draw a row of panels; one legend below them lists what is drawn in all."""
+    columns = part.add_gridspec(1, len(row), width_ratios=[_width(panel) for panel in row])
+    drawn = [_panel(part, columns[0, k], panel) for k, panel in enumerate(row)]
+    if not any(_square(panel) for panel in row):
+        for axes, panel in zip(drawn, row, strict=True):
+            _beside(axes, panel)
+        return
+    handles = {label: handle for panel in row for label, handle in _handles(panel).items()}
+    if handles:
+        longest = max(len(formulas.as_text(label)) for label in handles) + ROOM
+        fitting = int(LETTERS * sum(map(_width, row)) / longest)
+        part.legend(
+            list(handles.values()),
+            [_words(label) for label in handles],
+            loc="outside lower center",
+            ncols=max(1, min(fitting, len(handles))),
+        )
 
 
 def _square(panel: Panel) -> bool:
@@ -142,9 +171,9 @@ def height_of(panel: Panel) -> float:
 
 
 def _width(panel: Panel) -> float:
-    legend = any(item.label for item in panel.items if not isinstance(item, Words))
-    own = panel.height * SQUARE[0] if _square(panel) else FLAT[0]
-    return own + (LEGEND if legend else 0.0)
+    if _square(panel):
+        return panel.height * SQUARE[0]
+    return FLAT[0] + (LEGEND if _handles(panel) else 0.0)
 
 
 def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
@@ -153,7 +182,7 @@ def _size(rows: list[tuple[Panel, ...]], height: float) -> tuple[float, float]:
     return max(*widths, 0.0 if square else WIDE), height + 0.5
 
 
-def _panel(made: Figure, place: Any, panel: Panel) -> None:
+def _panel(made: Any, place: Any, panel: Panel) -> Any:
     if len(panel.axes) == 3:
         axes = made.add_subplot(place, projection="3d", proj_type="ortho", computed_zorder=False)
         _space(axes, panel)
@@ -162,7 +191,7 @@ def _panel(made: Figure, place: Any, panel: Panel) -> None:
         _plane(axes, panel)
     if panel.title:
         axes.set_title(_words(panel.title))
-    _legend(axes, panel)
+    return axes
 
 
 def _words(text: str) -> str:
@@ -180,27 +209,30 @@ def _words(text: str) -> str:
     return marked
 
 
-def _legend(axes: Any, panel: Panel) -> None:
+def _handles(panel: Panel) -> dict[str, Any]:
+    """Return what stands for each label in a legend; of equal labels the last."""
+    named = {i.label: i for i in panel.items if not isinstance(i, Words) and i.label}
+    return {label: _handle(item) for label, item in named.items()}
+
+
+def _handle(item: Curve | Marks | Arrow | Surface) -> Any:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    def handle(item: Item) -> Any:
-        colour = COLOURS[item.colour]
-        if isinstance(item, Marks):
-            return Line2D([], [], color=colour, linestyle="", marker="o", markersize=item.size)
-        if isinstance(item, Curve | Arrow):
-            dash: Any = DASHES[item.dash] if isinstance(item, Curve) else "-"
-            return Line2D([], [], color=colour, linewidth=item.width, linestyle=dash)
-        return Patch(color=colour, alpha=0.5)
+    colour = COLOURS[item.colour]
+    if isinstance(item, Marks):
+        return Line2D([], [], color=colour, linestyle="", marker="o", markersize=item.size)
+    if isinstance(item, Surface):
+        return Patch(color=colour, alpha=max(item.opacity, 0.3), linewidth=0)
+    dash: Any = DASHES[item.dash] if isinstance(item, Curve) else "-"
+    return Line2D([], [], color=colour, linewidth=item.width, linestyle=dash)
 
-    named = {item.label: item for item in panel.items if not isinstance(item, Words) and item.label}
-    if not named:
-        return
-    handles, labels = [handle(item) for item in named.values()], [_words(n) for n in named]
-    if len(panel.axes) == 3:
-        axes.legend(handles, labels, loc="center left", bbox_to_anchor=(1.02, 0.5))
-    else:
-        axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+def _beside(axes: Any, panel: Panel) -> None:
+    """Set the legend of a panel to its right."""
+    if handles := _handles(panel):
+        labels = [_words(label) for label in handles]
+        axes.legend(list(handles.values()), labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _plane(axes: Any, panel: Panel) -> None:
@@ -280,8 +312,14 @@ def _space(axes: Any, panel: Panel) -> None:
     """Draw all items of a panel in space as one collection, sorted by depth as one."""
     low, high = bounds(panel)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low if panel.equal else (1, 1, 1), zoom=1.1 if panel.bare else 1.0)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    axes.set_box_aspect((1, 1, 1))
+    cube = _extent(axes, low, high)
+    axes.set_box_aspect(high - low if panel.equal else (1, 1, 1))
+    zoom = float((cube / _extent(axes, low, high)).min())
+    axes.set_box_aspect(
+        high - low if panel.equal else (1, 1, 1), zoom=zoom * (BARE if panel.bare else FULL)
+    )
     _axes(axes, panel, "xyz")
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.pane.set_facecolor("none")
@@ -294,6 +332,13 @@ def _space(axes: Any, panel: Panel) -> None:
     if drawn := view.sorted(in_space(panel, view.towards, diagonal(low, high))):
         axes.add_collection(_collection(view, drawn), autolim=False)
     _labels(axes, panel, view)
+
+
+def _extent(axes: Any, low: Floats, high: Floats) -> Floats:
+    """Return width and height of a box as it is seen."""
+    corners = np.array(np.meshgrid(*np.stack([low, high], 1))).reshape(3, -1).T
+    seen = View.of(axes.get_proj(), low, high).flat(corners)
+    return np.asarray(np.ptp(seen, axis=0))
 
 
 def _few() -> Any:
@@ -351,6 +396,8 @@ def _labels(axes: Any, panel: Panel, view: View) -> None:
 
 def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
     """Write words at a place of the projection, moved by some printer's points."""
+    from matplotlib.patheffects import withStroke
+
     axes.annotate(
         _words(text),
         place,
@@ -361,4 +408,5 @@ def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, fl
         va="center",
         zorder=5,
         annotation_clip=False,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")],
     )

@@ -71,7 +71,7 @@ def described(picture: Picture, size: tuple[float, float] | None = None) -> Data
         "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#222222"},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
-        "margin": {"l": 60, "r": 20, "t": 60 if picture.title else 30, "b": 50},
+        "margin": {"l": 60, "r": 20, "t": 60 if picture.title else 30, "b": 90},
         "hovermode": "closest",
         "annotations": [],
         "showlegend": True,
@@ -80,17 +80,27 @@ def described(picture: Picture, size: tuple[float, float] | None = None) -> Data
         layout |= {"width": size[0] * INCH, "height": size[1] * INCH}
     data: list[Data] = []
     counts = {"scene": 0, "x": 0}
-    for number, (panel, domain) in enumerate(_placed(rows), 1):
-        space = len(panel.axes) == 3
-        counts["scene" if space else "x"] += 1
-        draw = _space if space else _plane
-        data += draw(
-            panel, domain, _nth("legend", number), counts["scene" if space else "x"], layout
-        )
-        layout[_nth("legend", number)] = _legend(domain)
+    for number, (panel, domain, row) in enumerate(_placed(rows), 1):
+        kind = "scene" if len(panel.axes) == 3 else "x"
+        counts[kind] += 1
+        shared = any(len(other.axes) == 3 for other in rows[row])
+        legend = f"legend{2 + row}" if shared else f"legend{100 + number}"
+        layout[legend] = _below(domain) if shared else _inside(domain)
+        draw = _space if kind == "scene" else _plane
+        data += draw(panel, domain, legend, counts[kind], layout)
         if panel.title:
             layout["annotations"].append(_title(panel.title, domain))
+    _list_once(data)
     return {"data": data, "layout": layout}
+
+
+def _list_once(data: list[Data]) -> None:
+    """List in each legend only the first trace of a name."""
+    shown = set[str]()
+    for trace in data:
+        group = trace.get("legendgroup", "")
+        trace["showlegend"] = bool(group) and group not in shown
+        shown.add(group)
 
 
 def _nth(word: str, number: int) -> str:
@@ -98,29 +108,30 @@ def _nth(word: str, number: int) -> str:
     return word if number == 1 else f"{word}{number}"
 
 
-def _placed(rows: list[tuple[Panel, ...]]) -> Iterator[tuple[Panel, Data]]:
-    """Yield each panel with the ranges of its place, in parts of the picture from the bottom left."""
+def _placed(rows: list[tuple[Panel, ...]]) -> Iterator[tuple[Panel, Data, int]]:
+    """Yield each panel, the ranges of its place in parts of the picture from the bottom left, its row."""
     heights = np.array([max(height_of(panel) for panel in row) for row in rows])
     gaps = GAP * 1.4 if len(rows) > 1 else 0.0
     heights = heights / heights.sum() * (1 - gaps * (len(rows) - 1))
     top = 1.0
-    for row, height in zip(rows, heights, strict=True):
+    for number, (row, height) in enumerate(zip(rows, heights, strict=True)):
         width = (1 - GAP * (len(row) - 1)) / len(row)
         for k, panel in enumerate(row):
             left = k * (width + GAP)
             y = [max(0.0, float(top - height)), float(top)]
-            yield panel, {"x": [left, min(1.0, left + width)], "y": y}
+            yield panel, {"x": [left, min(1.0, left + width)], "y": y}, number
         top -= float(height) + gaps
 
 
-def _legend(domain: Data) -> Data:
-    return {
-        "x": domain["x"][1],
-        "y": domain["y"][1],
-        "xanchor": "right",
-        "yanchor": "top",
-        "bgcolor": "rgba(128,128,128,0.08)",
-    }
+def _inside(domain: Data) -> Data:
+    place = {"x": domain["x"][1], "y": domain["y"][1], "xanchor": "right", "yanchor": "top"}
+    return {**place, "bgcolor": "rgba(128,128,128,0.08)"}
+
+
+def _below(domain: Data) -> Data:
+    """Return the place of a legend below a whole row."""
+    place = {"x": 0.5, "y": domain["y"][0], "xanchor": "center", "yanchor": "top"}
+    return {**place, "orientation": "h", "bgcolor": "rgba(0,0,0,0)"}
 
 
 def _title(text: str, domain: Data) -> Data:
@@ -140,19 +151,21 @@ def _title(text: str, domain: Data) -> Data:
 def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -> list[Data]:
     scene = _nth("scene", number)
     low, high = bounds(panel)
+    extent = high - low if panel.equal else np.ones(3)
+    ratio = extent / np.linalg.norm(extent) * 1.6
     ranges = zip("xyz", panel.axes, low, high, strict=True)
     axes = {f"{letter}axis": _space_axis(axis, a, b, panel.bare) for letter, axis, a, b in ranges}
     layout[scene] = {
         "domain": domain,
-        "aspectmode": "data" if panel.equal else "cube",
+        "aspectmode": "manual",
+        "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True)),
         "camera": {"eye": EYE, "center": {"x": 0, "y": 0, "z": -0.17}},
         "annotations": [note for item in panel.items for note in _notes(item)],
         **axes,
     }
     size = diagonal(low, high)
-    shown = set[str]()
     return [
-        {**trace, "scene": scene, **_named(item, legend, shown)}
+        {**trace, "scene": scene, **_named(item, legend)}
         for item in panel.items
         for trace in _in_space(item, size)
     ]
@@ -214,10 +227,10 @@ def _mesh(vertices: Floats, faces: Faces, colour: str, opacity: float) -> Data:
 
 
 def _columns(points: Floats, letters: str) -> Data:
-    """Return the coordinates as lists, None where a number is missing."""
+    """Return the coordinates as lists in seven digits, None where a number is missing."""
     columns = zip(letters, np.asarray(points, float).T, strict=True)
     return {
-        letter: [v if np.isfinite(v) else None for v in column.tolist()]
+        letter: [float(f"{v:.7g}") if np.isfinite(v) else None for v in column.tolist()]
         for letter, column in columns
     }
 
@@ -232,12 +245,10 @@ def _style(item: Curve | Marks) -> Data:
     return {"mode": "lines", "line": line, "connectgaps": False}
 
 
-def _named(item: Item, legend: str, shown: set[str]) -> Data:
-    """Return name and legend of a trace; a label that several items have is listed once."""
+def _named(item: Item, legend: str) -> Data:
+    """Return name and legend of a trace; traces of one label are shown and hidden together."""
     label = "" if isinstance(item, Words) else item.label
-    first = bool(label) and label not in shown
-    shown.add(label)
-    own = {"legend": legend, "showlegend": first, "name": formulas.as_html(label)}
+    own: Data = {"legend": legend, "name": formulas.as_html(label)}
     return {**own, "legendgroup": f"{legend} {label}"} if label else own
 
 
@@ -251,9 +262,8 @@ def _plane(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -
     if panel.equal:
         layout[_nth("yaxis", number)] |= {"scaleanchor": x, "scaleratio": 1}
     layout["annotations"] += [n for item in panel.items for n in _plane_notes(item, x, y)]
-    shown = set[str]()
     return [
-        {**trace, "xaxis": x, "yaxis": y, **_named(item, legend, shown)}
+        {**trace, "xaxis": x, "yaxis": y, **_named(item, legend)}
         for item in panel.items
         for trace in _in_plane(item)
     ]

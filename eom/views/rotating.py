@@ -1,0 +1,176 @@
+"""The turning of one body over time for pictures: in closed form where it is free, else integrated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eom.errors import InputError
+from eom.views.free import FreeBody, free_body, not_free
+from eom.views.matrices import quaternion_matrices, sequence_matrices
+from eom.views.picture import Floats
+
+if TYPE_CHECKING:
+    from codegen import Result
+    from eom.opening import AnyScene
+    from eom.scene import Scene
+
+RATES = ("omega_1", "omega_2", "omega_3")
+QUATERNION = ("q0", "q1", "q2", "q3")
+POINTS = 2000
+PERIODS = 2.0
+"""Periods of the angular velocity of a free body that are drawn where no time is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """How a body turns over time.
+
+    ``t`` (N,) s; ``omega`` (N, 3) rad/s along the body axes; ``C`` (N, 3, 3), C_BI, whose rows are
+    the body axes in the frame in which attitude is measured. ``free``: the free body that it is.
+    ``orbit``: whether that frame is the turning one of an orbit. ``notes``: sentences for a caption.
+    """
+
+    t: Floats
+    omega: Floats
+    C: Floats
+    title: str
+    free: FreeBody | None = None
+    orbit: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def turning(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Turning:
+    """Return how the body of a scene turns, from t = 0 on.
+
+    ``seconds``: how long, by default two periods of a free body, and the scene's own time of others;
+    ``points``: number of times. Raises `InputError` for trees, and as integration does.
+    """
+    from eom.scene import Scene
+
+    if not isinstance(scene, Scene):
+        raise InputError(
+            "a tree has many bodies, and this picture is about one",
+            where=scene.title or scene.name,
+            hint="eom animate shows all bodies",
+        )
+    if not not_free(scene):
+        body = free_body(scene, "attitude")
+        return of_free(body, _span(body, scene.integration.t_end, seconds), points or POINTS)
+    plan = seconds or scene.integration.t_end
+    return _integrated(scene, np.linspace(0.0, plan, points or POINTS))
+
+
+def _span(body: FreeBody, own: float, seconds: float | None) -> float:
+    period = body.motion.period
+    return seconds or (PERIODS * period if 0 < period < np.inf else own)
+
+
+def of_free(body: FreeBody, seconds: float, points: int) -> Turning:
+    """Return the turning of a free body at ``points`` times up to ``seconds``, in closed form."""
+    t = np.linspace(0.0, seconds, points)
+    omega, q = body.motion(t)
+    return Turning(t, omega.T, quaternion_matrices(q), body.title, body)
+
+
+def _integrated(scene: Scene, t: Floats) -> Turning:
+    if scene.model == "spinner":
+        return _spinner(scene, t)
+    try:
+        told = _in_quaternion(scene)
+        told.derive()
+    except InputError:  # its torque is a formula of its own coordinates
+        told = scene
+    names = _coordinates(told)
+    result, values = _values(_asked(told, (*RATES, *names)), (*RATES, *names), t)
+    q = values[3:]
+    if told.attitude == "quaternion":
+        C = quaternion_matrices(q / np.linalg.norm(q, axis=0))
+    elif told.attitude == "dcm":
+        C = np.moveaxis(q.reshape(3, 3, -1), 2, 0)
+    else:
+        C = sequence_matrices(told.attitude, q)
+    orbit = scene.torque.gravity_gradient is not None
+    return Turning(
+        result.t, values[:3].T, C, scene.title or scene.name, None, orbit, _stopped(result, t)
+    )
+
+
+def _coordinates(scene: Scene) -> tuple[str, ...]:
+    from eom.kinematics import attitude
+
+    if scene.attitude == "none":
+        raise InputError(
+            "the scene has no attitude",
+            where=scene.title or scene.name,
+            hint='attitude = "quaternion"',
+        )
+    return tuple(c.name for c in attitude(scene.attitude).coordinates)
+
+
+def _in_quaternion(scene: Scene) -> Scene:
+    """Return a scene with its attitude as a quaternion, which no attitude is singular in."""
+    from eom.conventions import attitude_at_start
+    from eom.rotations import quaternion_of_matrix
+
+    data = scene.model_dump(exclude_unset=True)
+    start = (1.0, 0.0, 0.0, 0.0)
+    if scene.attitude != "none":
+        start = quaternion_of_matrix(attitude_at_start(scene))
+        own = _coordinates(scene)
+        data["initial"] = {n: v for n, v in data.get("initial", {}).items() if n not in own}
+    data |= {"attitude": "quaternion", "outputs": (*RATES, *QUATERNION)}
+    data["initial_attitude"] = {"quaternion": start}
+    return type(scene)(**data)
+
+
+def _asked(scene: Scene, outputs: tuple[str, ...]) -> Scene:
+    data: dict[str, Any] = scene.model_dump(exclude_unset=True)
+    return type(scene)(**{**data, "outputs": outputs})
+
+
+def _values(scene: Scene, names: tuple[str, ...], t: Floats) -> tuple[Result, Floats]:
+    """Integrate; return the run and the named quantities, (n, N), those that never change among them."""
+    import codegen
+
+    initial, parameters, plan = scene.initial_values(), scene.parameter_values(), scene.integration
+    compiled = codegen.compile(scene.derive())
+    result = codegen.simulate(
+        compiled,
+        initial,
+        (float(t[0]), float(t[-1])),
+        parameters,
+        plan.method,
+        plan.rtol,
+        plan.atol,
+        t,
+        inputs=scene.input_values(),
+        max_steps=plan.max_steps,
+    )
+    held = {**result.outputs, **dict(zip(result.names, result.y, strict=True))}
+    fixed = np.ones_like(result.t)
+    return result, np.array([held[n] if n in held else parameters[n] * fixed for n in names])
+
+
+def _stopped(result: Result, t: Floats) -> tuple[str, ...]:
+    if result.t_stop == t[-1]:
+        return ()
+    return (f"The run stopped at t = {result.t_stop:.4g} s: {result.message}.",)
+
+
+def _spinner(scene: Scene, t: Floats) -> Turning:
+    """Return the turning of the 3-1-2 body: psi about a3, theta about b1, phi about its axle b2."""
+    names = ("psi", "theta", "phi", "theta_dot", "psi_dot", "C")
+    data = scene.model_dump(exclude_unset=True)
+    data["initial"] = {"phi": 0.0, "psi": 0.0, **data.get("initial", {})}
+    result, values = _values(type(scene)(**{**data, "outputs": names}), names, t)
+    _, theta, phi, tilting, precessing, spin = values
+    across = precessing * np.cos(theta)
+    cosine, sine = np.cos(phi), np.sin(phi)
+    omega = [cosine * tilting - sine * across, spin, sine * tilting + cosine * across]
+    C = sequence_matrices("3-1-2", values[:3])
+    return Turning(
+        result.t, np.array(omega).T, C, scene.title or scene.name, notes=_stopped(result, t)
+    )
