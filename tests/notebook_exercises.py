@@ -19,7 +19,8 @@ import nbformat
 ROOT = Path(__file__).parents[1]
 _HIDDEN = re.compile(r"<details>(.*?)</details>", re.DOTALL)
 _DISPLAY = re.compile(r"\$\$.*?\$\$", re.DOTALL)
-_VERDICTS = "__import__('builtins').print(__import__('json').dumps([f.verdict for f in _.findings]))"
+_VERDICTS = "print(__import__('json').dumps([f.verdict for f in _.findings]))"
+"""Of the report that was shown last: a notebook calls it an underscore."""
 
 
 def runner():
@@ -56,24 +57,23 @@ def exercises(notebook):
     return found
 
 
-def judging(cell, text):
-    """Return the cell's code with another attempt, which prints the verdicts."""
-    first, *others = ast.parse(cell.source).body
-    lines = [f"attempt = {text!r}", *(ast.unparse(line) for line in others[:-1])]
-    lines.append(f"_ = {ast.unparse(others[-1])}")
-    return nbformat.v4.new_code_cell("\n".join([*lines, _VERDICTS]))
+def judging(cell, answer):
+    """Return cells that print the verdicts on the cell's attempt, judge the answer, and print again."""
+    others = ast.parse(cell.source).body[1:]
+    again = "\n".join([f"attempt = {answer!r}", *(ast.unparse(line) for line in others)])
+    return [nbformat.v4.new_code_cell(source) for source in (_VERDICTS, again, _VERDICTS)]
 
 
 def with_answers(notebook):
-    """Return the notebook with cells that judge attempts and answers, and where they stand."""
-    places = {place: (attempt, answer) for place, attempt, answer in exercises(notebook)}
+    """Return the notebook with cells that judge answers; where its own cells and the verdicts stand."""
+    places = {place: answer for place, _, answer in exercises(notebook)}
     cells, own, judged = [], [], []
     for k, cell in enumerate(notebook.cells):
         own.append(len(cells))
         cells.append(cell)
-        for text in places.get(k, ()):
-            judged.append(len(cells))
-            cells.append(judging(cell, text))
+        if k in places:
+            judged += [len(cells), len(cells) + 2]
+            cells += judging(cell, places[k])
     notebook.cells = cells
     return own, judged
 

@@ -47,7 +47,9 @@ def run(path, folder):
 
 
 @everyone
-@pytest.mark.skipif(not native.compiler(), reason="what the notebooks keep was made with a compiler")
+@pytest.mark.skipif(
+    not native.compiler(), reason="what the notebooks keep was made with a compiler"
+)
 def test_a_notebook_runs_says_what_it_kept_and_its_answers_are_judged(path, tmp_path):
     found = run(path, tmp_path)
     for number, (kept, now) in enumerate(zip(found["kept"], found["now"], strict=True), 1):
@@ -87,7 +89,9 @@ def test_a_notebook_is_tidy(path):
     """No times, no machine; the same bytes for the same results."""
     notebook = read(path)
     assert set(notebook.metadata) == {"kernelspec"}
-    assert [c.id for c in notebook.cells] == [f"cell-{k:02}" for k in range(1, len(notebook.cells) + 1)]
+    assert [c.id for c in notebook.cells] == [
+        f"cell-{k:02}" for k in range(1, len(notebook.cells) + 1)
+    ]
     for cell in notebook.cells:
         assert set(cell.metadata) <= {"tags"}
         assert set(cell.metadata.get("tags", [])) <= {exercising.runner().MEASURED}
