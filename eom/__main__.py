@@ -1,4 +1,4 @@
-"""The command line: list, derive, generate, accuracy, simulate, run, check, convert, bench, stress."""
+"""The command line: list, derive, generate, accuracy, simulate, run, check, convert, plot, ...."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from eom.commands.ensembling import ensemble
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
+from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress
 from eom.errors import InputError
@@ -50,7 +51,7 @@ def main() -> None:
 
 COMMANDS = (
     list_names, derive, generate, accuracy, simulate, run, ensemble, linearise,
-    check, convert, bench, stress,
+    check, convert, bench, stress, plot,
 )  # fmt: skip
 for command in COMMANDS:
     main.add_command(command)

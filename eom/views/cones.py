@@ -47,7 +47,7 @@ def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
     Raises `InputError` for a body at rest and for moments that no body has.
     """
     body.turning("cone")
-    path = traced(body, seconds)
+    path = traced(body, seconds, periods=1.0)
     exact = polhode_of(body.moments, body.omega)
     items: list[Item] = []
     if moving(exact):

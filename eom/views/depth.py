@@ -16,8 +16,10 @@ from eom.views.picture import COLOURS, Arrow, Curve, Floats, Item, Marks, Panel,
 
 LIFT = 0.012
 """By which part of the diagonal lines are moved towards the eye; wide ones by some more."""
-LONGEST = 0.03
+LONGEST = 0.024
 """Length of the pieces of a line, as a part of the diagonal."""
+LOOSE = 1.2
+"""Length of the vector to the eye in a cube with edges of length 1."""
 TIP = 0.033
 """Length of the tip of an arrow, as a part of the diagonal."""
 DASHES = {"solid": (1.0, 0.0), "dashed": (0.02, 0.012), "dotted": (0.003, 0.01)}
@@ -51,7 +53,7 @@ class View:
         """Return the view of a projection as Matplotlib makes it, with depth growing away from the eye."""
         matrix = matrix / matrix[3, 3]
         way = np.cross(matrix[0, :3], matrix[1, :3])
-        way = way / np.linalg.norm(way / (high - low)) / np.sqrt(3.0)
+        way = way / np.linalg.norm(way / (high - low)) * LOOSE
         way = way if matrix[2, :3] @ way < 0 else -way
         return cls(matrix, way)
 
@@ -89,12 +91,12 @@ def _pieces(item: Item, lift: Floats, size: float) -> list[Drawn]:
         return _faces(item.vertices, item.faces, item.colour, item.opacity)
     if isinstance(item, Curve):
         colour = rgba(item.colour)
-        over = (1 + 0.6 * item.width) * lift
+        over = (1 + item.width) * lift
         return [Drawn(p + over, colour, item.width) for p in cut(item.points, item.dash, size)]
     if isinstance(item, Marks):
         dot = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3e-3 * size]])
         places = item.points[np.isfinite(item.points).all(axis=1)]
-        return [Drawn(p + dot + 4 * lift, rgba(item.colour), item.size) for p in places]
+        return [Drawn(p + dot + 5 * lift, rgba(item.colour), item.size) for p in places]
     return _arrow(item, lift, size) if isinstance(item, Arrow) else []
 
 
@@ -106,7 +108,7 @@ def _arrow(item: Arrow, lift: Floats, size: float) -> list[Drawn]:
     end = item.end - min(TIP * size, length) * 0.9 * way / length
     line = Curve(np.stack([item.start, end]), item.colour, item.width)
     vertices, faces = tip(item.start, item.end, TIP * size)
-    return [*_pieces(line, 0 * lift, size), *_faces(vertices, faces, item.colour, 1.0)]
+    return [*_pieces(line, lift, size), *_faces(vertices + 4 * lift, faces, item.colour, 1.0)]
 
 
 def _faces(vertices: Floats, faces: Faces, colour: str, opacity: float) -> list[Drawn]:

@@ -12,6 +12,7 @@ import unicodedata
 from dataclasses import dataclass
 
 _DOLLAR = re.compile(r"(?<!\\)\$")
+_WORDS = re.compile(r"(?:\$(?:\\.|[^$])*\$|\\.|[^\s$]|\$)+")
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\s+|.", re.DOTALL)
 
 GREEK = (
@@ -91,6 +92,24 @@ def spans(text: str) -> list[Span]:
         for k, piece in enumerate(pieces)
     ]
     return [span for span in found if span.text]
+
+
+def wrapped(text: str, letters: float) -> str:
+    r"""Return words in lines of at most ``letters`` where there are spaces, formulas kept whole.
+
+    >>> wrapped(r"rate $\omega_1 + 1$ of the body", 12)
+    'rate $\\omega_1 + 1$\nof the body'
+    """
+    lines, width = [""], 0
+    for word in _WORDS.findall(text):
+        size = len(as_text(word))
+        if lines[-1] and width + 1 + size > letters:
+            lines.append(word)
+            width = size
+        else:
+            lines[-1] = f"{lines[-1]} {word}".strip()
+            width += size + 1
+    return "\n".join(lines)
 
 
 def as_html(text: str) -> str:

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eom.kinematics import GREEK_ANGLES
+from eom.kinematics import GREEK_ANGLES, SEQUENCES
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, axes_of, triads
+from eom.views.viewpoint import best_view
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
 
 COLOURS = ("black", "blue", "green", "red")
-LETTERS = ("a", "a'", "a''", "b")
+LETTERS = ("a", "a′", "a″", "b")
 SPACE = (Axis(), Axis(), Axis())
 ANGLES = tuple(math.radians(x) for x in (40.0, 30.0, 35.0))
 """Angles that show well, where none are asked for."""
@@ -40,10 +45,22 @@ def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "
         old, new = frames[k], frames[k + 1]
         start = (0.5 + 0.1 * k) * old.axis(moved)
         items += arc(old.axis(axis), start, angle, f"$\\{GREEK_ANGLES[k]}$", new.colour)
-    space = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3)
+    view = best_view([frames[k].axis(axis) for k, axis in enumerate(axes)], items)
+    space = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.1, view=view)
     plane = tuple(_seen_along(axes[k], frames[k], frames[k + 1], k, angles[k]) for k in range(3))
     words = title or f"Turns {sequence} from the axes a to the axes b of the body"
     return check(Picture(((space,), plane), words, _told(sequence, angles)))
+
+
+def sequence_of(scene: AnyScene) -> str:
+    """Return the sequence of turns that a scene's attitude is in, empty if it is in none."""
+    from eom.scene import Scene
+
+    if not isinstance(scene, Scene):
+        return ""
+    if scene.model == "spinner":
+        return "3-1-2"
+    return scene.attitude if scene.attitude in SEQUENCES else ""
 
 
 def _told(sequence: str, angles: Sequence[float]) -> str:
@@ -69,7 +86,7 @@ def _seen_along(axis: int, old: Frame, new: Frame, number: int, angle: float) ->
     items += _towards_reader(rf"${old.label(axis)} = {new.label(axis)}$", angle)
     axes = (Axis(limits=(-1.35, 1.35)), Axis(limits=(-1.35, 1.35)))
     title = f"{letter} = {math.degrees(angle):.4g}°"
-    return Panel(tuple(items), axes, title, equal=True, bare=True, height=0.65)
+    return Panel(tuple(items), axes, title, equal=True, bare=True, height=0.55)
 
 
 def _flat_arc(start: Floats, angle: float, words: str, colour: str) -> Iterator[Item]:
@@ -81,7 +98,7 @@ def _flat_arc(start: Floats, angle: float, words: str, colour: str) -> Iterator[
 
 
 def _towards_reader(words: str, angle: float) -> Iterator[Item]:
-    """Yield the mark of an axis that points at the reader: a dot in a circle, its name opposite the arcs."""
+    """Yield the mark of an axis that points at the reader: a dot in a circle, and its name."""
     yield Curve(0.09 * arc_points(np.eye(3)[2], np.eye(3)[0], 2 * math.pi)[:, :2], "black", 1.2)
     yield Marks(np.zeros((1, 2)), size=3.0)
     away = angle / 2 + math.pi * 1.25

@@ -17,6 +17,7 @@ from eom.views.thinning import thinned
 if TYPE_CHECKING:
     from codegen import Result
     from codegen.simulation import Drift
+    from eom.opening import AnyScene
     from eom.system import Quantity, System
 
 MOST = 8
@@ -75,6 +76,31 @@ def histories(
     return check(
         Picture(tuple((p,) for p in _timed(panels, result)), plain(title), " ".join(notes))
     )
+
+
+def histories_of(
+    scene: AnyScene, seconds: float | None = None, points: int | None = None
+) -> Picture:
+    """Return the histories of what a scene asks for; of all states, eight a unit, where it names nothing.
+
+    ``seconds``, ``points``: of the run, by default the scene's. Raises as `eom.views.runs.run` and
+    `histories`.
+    """
+    from eom.views.runs import run
+
+    result, system = run(scene, seconds, points)
+    known = (*system.state_names, *system.output_names)
+    return histories_asked(result, system, [n for n in scene.requested if n in known], scene)
+
+
+def histories_asked(
+    result: Result, system: System, requested: Iterable[str], scene: AnyScene
+) -> Picture:
+    """Return the histories of a run: all that a scene names, or a readable number of its states."""
+    requested = tuple(requested)
+    known = [q for q in quantities(system) if q.name in requested]
+    names = requested if scene.outputs else ()
+    return histories(result, known, names, scene.title or scene.name)
 
 
 def _held(result: Result, quantity: str) -> bool:

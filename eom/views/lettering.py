@@ -9,12 +9,16 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import sympy as sp
+
 from eom.boxes import row
 from eom.markup import render, symbol_latex
 from eom.writing import expression_pieces
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _RAISED = str.maketrans("-0123456789", "\N{SUPERSCRIPT MINUS}⁰¹²³⁴⁵⁶⁷⁸⁹")
+MOST_PARTS, DIGITS = 100, 4
+"""Fractions with larger denominators are written as decimals, of some digits."""
 LONGEST = 80
 """Letters of a name or title of a user's that are shown."""
 
@@ -43,11 +47,12 @@ def name(given: str) -> str:
 def formula(value: Any, otherwise: str) -> str:
     r"""Return an expression as a formula, or other words where it is too long to stand at an arrow.
 
-    >>> import sympy as sp
     >>> formula(-sp.Symbol("M1"), "torque")
     '$- M_{1}$'
     """
-    found = render(row(*expression_pieces(value)), "latex")
+    long = [r for r in value.atoms(sp.Rational) if r.q > MOST_PARTS]
+    short = value.xreplace({r: sp.Float(r, DIGITS) for r in long})
+    found = render(row(*expression_pieces(short)), "latex")
     return f"${found}$" if len(found) <= LONGEST else otherwise
 
 

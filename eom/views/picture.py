@@ -110,6 +110,8 @@ class Panel:
     """Whether axes, ticks and grid are left out, as in a sketch."""
     height: float = 1.0
     """Height relative to the other panels of its column."""
+    view: tuple[float, float] | None = None
+    """Elevation and azimuth (degrees) that space is seen from; None: as in other pictures."""
 
 
 @dataclass(frozen=True, eq=False)

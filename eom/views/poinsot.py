@@ -17,7 +17,7 @@ from eom.herpolhode import herpolhode as exact_herpolhode
 from eom.views.formulas import plain
 from eom.views.free import FreeBody, moving, polhode_of, polhode_points
 from eom.views.matrices import quaternion_matrices
-from eom.views.meshes import ellipsoid
+from eom.views.meshes import ellipsoid, grid_faces
 from eom.views.picture import (
     Arrow,
     Axis,
@@ -55,13 +55,18 @@ class Traced:
     first: Floats
 
 
-def traced(body: FreeBody, seconds: float | None = None, points: int | None = None) -> Traced:
+def traced(
+    body: FreeBody,
+    seconds: float | None = None,
+    points: int | None = None,
+    periods: float = PERIODS,
+) -> Traced:
     """Return omega of a free body over time, in closed form.
 
-    ``seconds``: from t = 0 on; by default three periods, one turn where two moments are equal, and on
+    ``seconds``: from t = 0 on; by default some periods, one turn where two moments are equal, and on
     the separatrix from where it leaves the intermediate axis to where it comes back to it.
     """
-    start, end = _span(body, seconds)
+    start, end = _span(body, seconds, periods)
     fastest = body.momentum / min(body.moments) * (end - start) / (2 * np.pi)
     count = points or int(np.clip(PER_TURN * fastest, FEWEST, MOST))
     t = np.linspace(start, end, count)
@@ -85,7 +90,7 @@ def _frame(momentum: Floats, omega: Floats, C: Floats) -> Floats:
     return np.stack([first, np.cross(third, first), third])
 
 
-def _span(body: FreeBody, seconds: float | None) -> tuple[float, float]:
+def _span(body: FreeBody, seconds: float | None, periods: float) -> tuple[float, float]:
     if seconds is not None:
         return 0.0, seconds
     motion = body.motion
@@ -94,7 +99,7 @@ def _span(body: FreeBody, seconds: float | None) -> tuple[float, float]:
         return 0.0, 2 * np.pi * (low if low == mid else high) / body.momentum
     if motion.kind == "separatrix":
         return _around(body)
-    return 0.0, PERIODS * motion.period if motion.period else 1.0
+    return 0.0, periods * motion.period if motion.period else 1.0
 
 
 def _around(body: FreeBody) -> tuple[float, float]:
@@ -125,9 +130,9 @@ def herpolhode(body: FreeBody, seconds: float | None = None, points: int | None 
     body.turning("herpolhode")
     path = traced(body, _positive(seconds), points)
     caption = (
-        "Left: the ellipsoid of inertia rolls without slip on the invariable plane, which it touches at the "
-        "tip of the angular velocity; the polhode rolls on the herpolhode. Right: the herpolhode seen along "
-        f"the angular momentum, t = {path.t[0]:.4g} to {path.t[-1]:.4g} s."
+        "Left: the ellipsoid of inertia rolls without slip on the invariable plane, which it touches "
+        "at the tip of the angular velocity; the polhode rolls on the herpolhode. Right: the herpolhode "
+        f"seen along the angular momentum, t = {path.t[0]:.4g} to {path.t[-1]:.4g} s."
     )
     return Picture(((_construction(body, path), _plane(body, path)),), plain(body.title), caption)
 
@@ -165,14 +170,10 @@ def _construction(body: FreeBody, path: Traced) -> Panel:
 
 
 def _sheet(body: FreeBody, path: Traced, height: float) -> Surface:
-    reach = 1.15 * max(
-        float(np.abs(path.space[:, :2]).max()), 0.6 * float(np.median(energy_axes(body)))
-    )
+    reach = 1.15 * max(float(np.abs(path.space[:, :2]).max()), float(np.median(energy_axes(body))))
     s = np.linspace(0.0, 2 * np.pi, 73)
     radii = np.linspace(0.0, 1.0, 7)[:, None]
     flat = np.stack([radii * np.cos(s), radii * np.sin(s)], -1).reshape(-1, 2) * reach
-    from eom.views.meshes import grid_faces
-
     vertices = np.column_stack([flat, np.full(len(flat), height)])
     return Surface(vertices, grid_faces(len(radii), len(s)), "yellow", 0.25, "invariable plane")
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from eom.views.formulas import plain
 from eom.views.free import (
     CLASSES,
     FreeBody,
@@ -19,7 +20,6 @@ from eom.views.free import (
     polhode_points,
     separatrix,
 )
-from eom.views.formulas import plain
 from eom.views.meshes import ellipsoid
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture
 

@@ -65,16 +65,20 @@ FLAT = (3.0, 2.2)
 """Least width of a column, and height of a row, of panels that show quantities over others; inches."""
 WIDE = 6.5
 """Least width of a picture without equal scales; inches."""
-SQUARE = (4.2, 3.9)
+SQUARE = (4.2, 3.6)
 """Width of a column and height of a row of panels in space or with equal scales; inches."""
 LEGEND = 1.5
 """Width of a legend beside a panel; inches."""
 LETTERS, ROOM = 15.0, 7
 """Letters of a legend below panels that an inch holds; the room that a line takes, in letters."""
-FULL, BARE = 1.15, 1.3
+TITLE = 11.0
+"""Letters of a title that an inch holds."""
+FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
+SIDEWAYS = 0.5
+"""Words at the tip of an arrow in space whose way across the paper is more stand beside the tip."""
 ELEVATION, AZIMUTH = 22.0, 35.0
 """Where space is seen from, in degrees."""
 
@@ -125,9 +129,11 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    made = Figure(figsize=size or _size(rows, sum(heights)), layout="constrained")
+    inches = size or picture.size or _size(rows, sum(heights))
+    made = Figure(figsize=inches, layout="constrained")
     if picture.title:
-        made.suptitle(_words(picture.title), fontsize=11)
+        lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
+        made.suptitle("\n".join(map(_words, lines.split("\n"))), fontsize=11)
     if any(_square(panel) for row in rows for panel in row):
         parts = made.subfigures(len(rows), 1, height_ratios=heights, squeeze=False)
         for part, row in zip(parts[:, 0], rows, strict=True):
@@ -135,6 +141,9 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
         return made
     grid = made.add_gridspec(len(rows), 1, height_ratios=heights)
     for k, row in enumerate(rows):
+        if len(row) == 1:  # panels below each other have their sides in line
+            _beside(_panel(made, grid[k, 0], row[0]), row[0])
+            continue
         columns = grid[k, 0].subgridspec(1, len(row), width_ratios=[_width(p) for p in row])
         for column, panel in enumerate(row):
             _beside(_panel(made, columns[0, column], panel), panel)
@@ -251,14 +260,11 @@ def _plane(axes: Any, panel: Panel) -> None:
         elif isinstance(item, Arrow):
             _arrow(axes, item, order)
         elif isinstance(item, Words):
-            axes.text(*item.place, _words(item.text), color=colour, zorder=order)
+            at = {"ha": "center", "va": "center", "zorder": order}
+            axes.text(*item.place, _words(item.text), color=colour, **at)
     _axes(axes, panel, "xy")
     if panel.equal:
-        axes.set_aspect("equal", adjustable="datalim" if _free(panel) else "box")
-
-
-def _free(panel: Panel) -> bool:
-    return all(axis.limits is None for axis in panel.axes)
+        axes.set_aspect("equal", adjustable="box")
 
 
 def _arrow(axes: Any, item: Arrow, order: int) -> None:
@@ -312,7 +318,8 @@ def _space(axes: Any, panel: Panel) -> None:
     """Draw all items of a panel in space as one collection, sorted by depth as one."""
     low, high = bounds(panel)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.view_init(elev=ELEVATION, azim=AZIMUTH)
+    elevation, azimuth = panel.view or (ELEVATION, AZIMUTH)
+    axes.view_init(elev=elevation, azim=azimuth)
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)
     axes.set_box_aspect(high - low if panel.equal else (1, 1, 1))
@@ -390,21 +397,22 @@ def _labels(axes: Any, panel: Panel, view: View) -> None:
             end = view.flat(item.end)
             way = end - view.flat(item.start)
             size = float(np.hypot(*way))
-            shift = 9 * way / size if size > 0 else way
+            shift = way / size if size > 0 else way
             _label(axes, end, item.words, item.colour, (float(shift[0]), float(shift[1])))
 
 
 def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, float]) -> None:
-    """Write words at a place of the projection, moved by some printer's points."""
+    """Write words at a place of the projection, or beside it on the side of a unit vector."""
     from matplotlib.patheffects import withStroke
 
+    side = int(np.sign(shift[0])) if abs(shift[0]) > SIDEWAYS else 0
     axes.annotate(
         _words(text),
         place,
-        xytext=shift,
+        xytext=(6 * shift[0], 9 * shift[1]),
         textcoords="offset points",
         color=COLOURS[colour],
-        ha="center",
+        ha=("right", "center", "left")[side + 1],
         va="center",
         zorder=5,
         annotation_clip=False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from eom.errors import InputError
 from eom.views.free import FreeBody, free_body, not_free
 from eom.views.matrices import quaternion_matrices, sequence_matrices
 from eom.views.picture import Floats
+from eom.views.runs import integrated
 
 if TYPE_CHECKING:
     from codegen import Result
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 RATES = ("omega_1", "omega_2", "omega_3")
 QUATERNION = ("q0", "q1", "q2", "q3")
 POINTS = 2000
-PERIODS = 2.0
+PERIODS = 1.0
 """Periods of the angular velocity of a free body that are drawn where no time is asked for."""
 
 
@@ -30,7 +32,8 @@ class Turning:
 
     ``t`` (N,) s; ``omega`` (N, 3) rad/s along the body axes; ``C`` (N, 3, 3), C_BI, whose rows are
     the body axes in the frame in which attitude is measured. ``free``: the free body that it is.
-    ``orbit``: whether that frame is the turning one of an orbit. ``notes``: sentences for a caption.
+    ``orbit``: whether that frame is the turning one of an orbit. ``symmetry``: index of the body axis
+    about which the body is symmetric, the two other moments being equal. ``notes``: for a caption.
     """
 
     t: Floats
@@ -39,13 +42,14 @@ class Turning:
     title: str
     free: FreeBody | None = None
     orbit: bool = False
+    symmetry: int | None = None
     notes: tuple[str, ...] = ()
 
 
 def turning(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Turning:
     """Return how the body of a scene turns, from t = 0 on.
 
-    ``seconds``: how long, by default two periods of a free body, and the scene's own time of others;
+    ``seconds``: how long, by default one period of a free body, and the scene's own time of others;
     ``points``: number of times. Raises `InputError` for trees, and as integration does.
     """
     from eom.scene import Scene
@@ -72,10 +76,23 @@ def of_free(body: FreeBody, seconds: float, points: int) -> Turning:
     """Return the turning of a free body at ``points`` times up to ``seconds``, in closed form."""
     t = np.linspace(0.0, seconds, points)
     omega, q = body.motion(t)
-    return Turning(t, omega.T, quaternion_matrices(q), body.title, body)
+    C = quaternion_matrices(q)
+    return Turning(t, omega.T, C, body.title, body, symmetry=symmetry_of(body.moments))
+
+
+def symmetry_of(moments: Sequence[float]) -> int | None:
+    """Return the index of the only axis about which the two other moments are equal.
+
+    >>> symmetry_of((1.0, 2.0, 1.0)), symmetry_of((1.0, 2.0, 3.0))
+    (1, None)
+    """
+    found = [k for k in range(3) if moments[(k + 1) % 3] == moments[(k + 2) % 3]]
+    return found[0] if len(found) == 1 else None
 
 
 def _integrated(scene: Scene, t: Floats) -> Turning:
+    from eom.description import inertia_values, principal_values
+
     if scene.model == "spinner":
         return _spinner(scene, t)
     try:
@@ -92,9 +109,14 @@ def _integrated(scene: Scene, t: Floats) -> Turning:
         C = np.moveaxis(q.reshape(3, 3, -1), 2, 0)
     else:
         C = sequence_matrices(told.attitude, q)
-    orbit = scene.torque.gravity_gradient is not None
     return Turning(
-        result.t, values[:3].T, C, scene.title or scene.name, None, orbit, _stopped(result, t)
+        result.t,
+        values[:3].T,
+        C,
+        scene.title or scene.name,
+        orbit=scene.torque.gravity_gradient is not None,
+        symmetry=symmetry_of(principal_values(scene)) if inertia_values(scene) is None else None,
+        notes=_stopped(result, t),
     )
 
 
@@ -133,22 +155,7 @@ def _asked(scene: Scene, outputs: tuple[str, ...]) -> Scene:
 
 def _values(scene: Scene, names: tuple[str, ...], t: Floats) -> tuple[Result, Floats]:
     """Integrate; return the run and the named quantities, (n, N), those that never change among them."""
-    import codegen
-
-    initial, parameters, plan = scene.initial_values(), scene.parameter_values(), scene.integration
-    compiled = codegen.compile(scene.derive())
-    result = codegen.simulate(
-        compiled,
-        initial,
-        (float(t[0]), float(t[-1])),
-        parameters,
-        plan.method,
-        plan.rtol,
-        plan.atol,
-        t,
-        inputs=scene.input_values(),
-        max_steps=plan.max_steps,
-    )
+    result, parameters = integrated(scene, t), scene.parameter_values()
     held = {**result.outputs, **dict(zip(result.names, result.y, strict=True))}
     fixed = np.ones_like(result.t)
     return result, np.array([held[n] if n in held else parameters[n] * fixed for n in names])
@@ -172,5 +179,10 @@ def _spinner(scene: Scene, t: Floats) -> Turning:
     omega = [cosine * tilting - sine * across, spin, sine * tilting + cosine * across]
     C = sequence_matrices("3-1-2", values[:3])
     return Turning(
-        result.t, np.array(omega).T, C, scene.title or scene.name, notes=_stopped(result, t)
+        result.t,
+        np.array(omega).T,
+        C,
+        scene.title or scene.name,
+        symmetry=1,
+        notes=_stopped(result, t),
     )

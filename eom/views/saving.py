@@ -68,6 +68,12 @@ def kind_of(path: str | Path) -> Kind:
     return kind
 
 
+def can_write(path: str | Path) -> bool:
+    """Tell whether a picture's ending is known, and the package that it needs is installed."""
+    kind = KINDS.get(Path(path).suffix.lower())
+    return kind is not None and importlib.util.find_spec(kind.package) is not None
+
+
 def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:
     """Write a picture to ``path`` (.png, .svg, .pdf by Matplotlib, .html by Plotly); return the path.
 

@@ -24,11 +24,9 @@ def sphere(motion: Turning) -> Picture:
     for k, colour in enumerate(COLOURS):
         path = motion.C[:, k, :]
         words = rf"$\mathbf{{{letter}}}_{k + 1}$"
-        items += [
-            Curve(path, colour, 1.2, label=f"path of {words}"),
-            Arrow(np.zeros(3), path[0], colour, 1.8, words),
-            Marks(path[:1], colour, 5.0),
-        ]
+        items += [Arrow(np.zeros(3), path[0], colour, 1.8, words), Marks(path[:1], colour, 5.0)]
+        if motion.symmetry in {None, k}:
+            items.append(Curve(path, colour, 1.2, label=f"path of {words}"))
     if motion.free and motion.free.momentum:
         momentum = motion.C[0].T @ np.multiply(motion.free.moments, motion.free.omega)
         items.append(

@@ -7,6 +7,7 @@ follows the reader's choice of a light or dark theme.
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 
 Data = dict[str, Any]
 DASHES = {"solid": "solid", "dashed": "dash", "dotted": "dot"}
+TITLE = 80
+"""Letters in a line of the title."""
 GAP = 0.07
 """Room between panels, as a part of the picture."""
 POINT = 4 / 3
@@ -65,9 +68,14 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
 def described(picture: Picture, size: tuple[float, float] | None = None) -> Data:
     """Return the same figure as Plotly's JSON: ``data`` and ``layout``, lists and numbers alone."""
     check(picture)
+    size = size or picture.size
     rows = [row for row in picture.rows if row]
     layout: Data = {
-        "title": {"text": formulas.as_html(picture.title), "x": 0.5, "font": {"size": 17}},
+        "title": {
+            "text": formulas.as_html(formulas.wrapped(picture.title, TITLE)),
+            "x": 0.5,
+            "font": {"size": 17},
+        },
         "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#222222"},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
@@ -159,7 +167,7 @@ def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -
         "domain": domain,
         "aspectmode": "manual",
         "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True)),
-        "camera": {"eye": EYE, "center": {"x": 0, "y": 0, "z": -0.17}},
+        "camera": {"eye": _eye(panel), "center": {"x": 0, "y": 0, "z": -0.17}},
         "annotations": [note for item in panel.items for note in _notes(item)],
         **axes,
     }
@@ -169,6 +177,16 @@ def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -
         for item in panel.items
         for trace in _in_space(item, size)
     ]
+
+
+def _eye(panel: Panel) -> Data:
+    """Return where space is seen from: from the side that the panel asks for, as far off as others."""
+    if panel.view is None:
+        return EYE
+    up, around = (math.radians(x) for x in panel.view)
+    way = (math.cos(up) * math.cos(around), math.cos(up) * math.sin(around), math.sin(up))
+    distance = math.hypot(*EYE.values())
+    return {letter: distance * x for letter, x in zip("xyz", way, strict=True)}
 
 
 def _space_axis(axis: Axis, low: float, high: float, bare: bool) -> Data:

@@ -27,7 +27,7 @@ PARALLEL = 1e-6
 class Frame:
     """A frame: the letter of its axes, C of shape (3, 3), colour, and length of its arrows.
 
-    ``letter`` is TeX, ``a`` or ``a'``.
+    ``letter`` is TeX, ``a`` or ``a′``.
     """
 
     letter: str
@@ -37,7 +37,8 @@ class Frame:
 
     def axis(self, number: int) -> Floats:
         """Return axis 1, 2 or 3 in the reference frame, shape (3,)."""
-        return self.C[number - 1]
+        axis: Floats = self.C[number - 1]
+        return axis
 
     def label(self, number: int) -> str:
         """Return the name of an axis in TeX, without dollar signs."""

@@ -1,0 +1,220 @@
+"""The pictures that can be asked for by name: what each shows, what it needs, and how it is made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from eom.errors import InputError, unknown_name
+from eom.views.formulas import plain
+from eom.views.free import free_body, not_free
+from eom.views.picture import Panel, Picture
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
+
+
+@dataclass(frozen=True)
+class Ask:
+    """What is drawn: a scene, for how many seconds and at how many times; None where it does not matter."""
+
+    scene: AnyScene
+    seconds: float | None = None
+    points: int | None = None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A picture: its words, what it needs, why a scene cannot have it (empty if it can), its function."""
+
+    words: str
+    needs: str
+    refused: Callable[[AnyScene], str]
+    make: Callable[[Ask], Picture]
+
+
+def _polhodes(ask: Ask) -> Picture:
+    from eom.views.polhodes import polhodes
+
+    return polhodes(free_body(ask.scene, "polhode"))
+
+
+def _ellipsoids(ask: Ask) -> Picture:
+    from eom.views.polhodes import ellipsoids
+
+    return ellipsoids(free_body(ask.scene, "ellipsoid"))
+
+
+def _herpolhode(ask: Ask) -> Picture:
+    from eom.views.poinsot import herpolhode
+
+    return herpolhode(free_body(ask.scene, "herpolhode"), ask.seconds, ask.points)
+
+
+def _cones(ask: Ask) -> Picture:
+    from eom.views.cones import cones
+    from eom.views.rotating import turning
+
+    return cones(turning(ask.scene, ask.seconds, ask.points), ask.seconds)
+
+
+def _sphere(ask: Ask) -> Picture:
+    from eom.views.rotating import turning
+    from eom.views.sphere import sphere
+
+    return sphere(turning(ask.scene, ask.seconds, ask.points))
+
+
+def _histories(ask: Ask) -> Picture:
+    from eom.views.histories import histories_of
+
+    return histories_of(ask.scene, ask.seconds, ask.points)
+
+
+def _joints(ask: Ask) -> Picture:
+    from eom.views.joint_trees import joint_tree
+
+    assert ask.scene.model == "tree"
+    return joint_tree(ask.scene.tree, ask.scene.title)
+
+
+def _sketch(ask: Ask) -> Picture:
+    from eom.views.body_sketch import body_sketch
+    from eom.views.tree_sketch import tree_sketch
+
+    return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
+
+
+def _frames(ask: Ask) -> Picture:
+    from eom.views.frame_sketches import frame_sketch, sequence_of
+
+    return frame_sketch(sequence_of(ask.scene))
+
+
+def _wheel(ask: Ask) -> Picture:
+    from eom.views.wheel import wheel_of
+
+    return wheel_of(ask.scene, ask.seconds)
+
+
+def _nothing(_: AnyScene) -> str:
+    return ""
+
+
+def _no_tree(scene: AnyScene) -> str:
+    return "" if scene.model == "tree" else "it is one body, without joints"
+
+
+def _no_spinner(scene: AnyScene) -> str:
+    return "" if scene.model == "spinner" else 'it is not of the model "spinner"'
+
+
+def _no_angles(scene: AnyScene) -> str:
+    from eom.views.frame_sketches import sequence_of
+
+    return "" if sequence_of(scene) else "its attitude is in no sequence of turns"
+
+
+def _no_single_body(scene: AnyScene) -> str:
+    return "a tree has many bodies, and this is about one" if scene.model == "tree" else ""
+
+
+def _no_cones(scene: AnyScene) -> str:
+    from eom.scene import Scene
+
+    if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
+        return "its attitude is measured in a frame that turns with an orbit"
+    return _no_single_body(scene)
+
+
+FREE, ONE, ANY = "a torque-free body", "one body", "any scene"
+PICTURES = {
+    "polhodes": Entry(
+        "ellipsoids of momentum and energy with polhodes by class and the separatrix",
+        FREE,
+        not_free,
+        _polhodes,
+    ),
+    "ellipsoids": Entry(
+        "both ellipsoids, and the polhode where they meet", FREE, not_free, _ellipsoids
+    ),
+    "herpolhode": Entry(
+        "Poinsot's construction, and the herpolhode in its plane", FREE, not_free, _herpolhode
+    ),
+    "cones": Entry(
+        "body cone and space cone, which the axis of rotation traces", ONE, _no_cones, _cones
+    ),
+    "sphere": Entry(
+        "attitude: paths of the body axes on the unit sphere", ONE, _no_single_body, _sphere
+    ),
+    "histories": Entry(
+        "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
+    ),
+    "sketch": Entry(
+        "the body or the bodies at the start, with the forces and torques on them",
+        ANY,
+        _nothing,
+        _sketch,
+    ),
+    "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
+    "frames": Entry(
+        "frames of the rotation sequence, each turn as an arc",
+        "attitude by angles",
+        _no_angles,
+        _frames,
+    ),
+    "wheel": Entry(
+        "the wheel of the 3-1-2 spinning symmetric body, with its angles",
+        "the model spinner",
+        _no_spinner,
+        _wheel,
+    ),
+}
+"""Pictures by name."""
+FIRST = ("polhodes", "sphere", "sketch")
+"""What is drawn of a scene where nothing is asked for: the first that it can have.
+
+Any scene can have the last.
+"""
+
+
+def default(scene: AnyScene) -> str:
+    """Return the name of the picture that suits a scene best."""
+    return next(name for name in FIRST if not PICTURES[name].refused(scene))
+
+
+def available(scene: AnyScene) -> tuple[str, ...]:
+    """Return the names of all pictures that a scene can have."""
+    return tuple(name for name, entry in PICTURES.items() if not entry.refused(scene))
+
+
+def picture(name: str, ask: Ask) -> Picture:
+    """Return a picture by its name. Raises `InputError` for other names, and where there is none."""
+    if name not in PICTURES:
+        raise unknown_name("picture", name, PICTURES, "--what")
+    entry = PICTURES[name]
+    if reason := entry.refused(ask.scene):
+        raise InputError(
+            f"no picture {name!r} of this scene: {reason}",
+            where=ask.scene.title or ask.scene.name,
+            expected=entry.needs,
+            hint=f"it can have {', '.join(available(ask.scene)) or 'none'}",
+        )
+    return entry.make(ask)
+
+
+def pictures(names: Sequence[str], ask: Ask) -> Picture:
+    """Return one picture or several below each other, under the title of the scene. Raises as `picture`."""
+    made = [picture(name, ask) for name in names]
+    if len(made) == 1:
+        return made[0]
+    rows: list[tuple[Panel, ...]] = []
+    for one in made:
+        own = one.title if one.title != made[0].title else ""
+        first, *rest = one.rows
+        titled = tuple(replace(p, title=p.title or own) for p in first)
+        rows += [titled, *rest]
+    captions = " ".join(one.caption for one in made if one.caption)
+    title = made[0].title or plain(ask.scene.title)
+    return Picture(tuple(rows), title, captions)
