@@ -19,8 +19,8 @@ import nbformat
 ROOT = Path(__file__).parents[1]
 _HIDDEN = re.compile(r"<details>(.*?)</details>", re.DOTALL)
 _DISPLAY = re.compile(r"\$\$.*?\$\$", re.DOTALL)
-_VERDICTS = "print(__import__('json').dumps([f.verdict for f in _.findings]))"
-"""Of the report that was shown last: a notebook calls it an underscore."""
+_VERDICTS = "print(__import__('json').dumps([f.verdict for f in Out[max(Out)].findings]))"
+"""Of the report that was shown last; a notebook keeps what it shows in Out."""
 
 
 def runner():
