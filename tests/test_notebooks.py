@@ -1,6 +1,8 @@
 """Notebooks run, keep what they say, ask exercises that can be judged, and are tidy."""
 
+import ast
 import difflib
+import itertools
 import json
 import os
 import re
@@ -8,7 +10,6 @@ import subprocess
 import sys
 
 import nbformat
-
 import pytest
 
 from codegen import native
@@ -106,7 +107,7 @@ def test_headings_are_in_order_with_one_title(path):
     text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
     levels = [len(m) for m in re.findall(r"^(#+) ", text, flags=re.MULTILINE)]
     assert levels.count(1) == 1
-    assert all(b <= a + 1 for a, b in zip(levels, levels[1:], strict=False))
+    assert all(b <= a + 1 for a, b in itertools.pairwise(levels))
 
 
 def test_runs_are_the_same_to_the_byte_but_for_what_is_measured():
@@ -116,3 +117,79 @@ def test_runs_are_the_same_to_the_byte_but_for_what_is_measured():
         before = nbformat.writes(notebook)
         exercising.runner().tidy(notebook)
         assert nbformat.writes(notebook) == before
+
+
+EXERCISE = """Which?
+
+<details>
+<summary>Answer</summary>
+
+$$a = b$$
+
+because, and
+
+$$c = d$$
+
+</details>
+"""
+
+
+def small(*sources):
+    cells = [
+        nbformat.v4.new_markdown_cell(s) if "<details>" in s else nbformat.v4.new_code_cell(s)
+        for s in sources
+    ]
+    return nbformat.v4.new_notebook(cells=cells)
+
+
+def test_an_answer_is_its_displays_and_belongs_to_the_next_attempt():
+    found = exercising.exercises(
+        small("x = 1", EXERCISE, "y = 2", 'attempt = "a" "=c"\nf(attempt)')
+    )
+    assert found == [(3, "a=c", "$$a = b$$\n\n$$c = d$$")]
+    with pytest.raises(ValueError, match="no attempt after the answer in cell 1"):
+        exercising.exercises(small(EXERCISE, "y = 2"))
+
+
+def test_the_answer_is_judged_by_the_reader_s_own_cell():
+    notebook = small(EXERCISE, 'attempt = "a"\nlimit = 3\nf(attempt, limit)', "z = 1")
+    own, judged = exercising.with_answers(notebook)
+    sources = [c.source for c in notebook.cells]
+    assert own == [0, 1, 5]
+    assert judged == [2, 4]
+    assert sources[3].splitlines()[1:] == ["limit = 3", "f(attempt, limit)"]
+    assert (
+        ast.literal_eval(sources[3].splitlines()[0].removeprefix("attempt = "))
+        == "$$a = b$$\n\n$$c = d$$"
+    )
+
+
+def test_what_is_said_leaves_out_pictures_and_measurements():
+    cell = nbformat.v4.new_code_cell("show()")
+    output = nbformat.v4.new_output
+    cell.outputs = [
+        output("stream", name="stdout", text="3\n"),
+        output("display_data", {"image/png": "AAAA", "text/plain": "a wheel"}),
+    ]
+    run = exercising.runner()
+    assert run.said(cell) == [["stdout", "3\n"], [["image/png", "text/plain"], ["a wheel"]]]
+    cell.metadata["tags"] = [run.MEASURED]
+    assert run.said(cell) == []
+
+
+def test_pieces_of_a_stream_are_joined():
+    output = nbformat.v4.new_output
+    pieces = [
+        output("stream", name=n, text=t)
+        for n, t in (("stdout", "a"), ("stdout", "b"), ("stderr", "c"))
+    ]
+    joined = exercising.runner().joined(pieces)
+    assert [(o.name, o.text) for o in joined] == [("stdout", "ab"), ("stderr", "c")]
+
+
+@everyone
+def test_headings_stand_in_the_text_alone(path):
+    """Those in outputs would break the order of a page's headings."""
+    for cell in read(path).cells:
+        for data in (o.get("data", {}) for o in cell.get("outputs", [])):
+            assert not re.search(r"^#+ ", data.get("text/markdown", ""), flags=re.MULTILINE)

@@ -36,5 +36,7 @@ def _smaller(file: Path) -> bytes:
 
     made = io.BytesIO()
     with Image.open(file) as image:
-        image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(made, "PNG", optimize=True)
+        image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(
+            made, "PNG", optimize=True
+        )
     return made.getvalue()
