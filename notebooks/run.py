@@ -84,14 +84,15 @@ def said(cell: Any) -> list[Any]:
 
     Nothing for a cell that shows what was measured.
     """
-    if MEASURED in cell.metadata.get("tags", []):
-        return []
-    return [
-        [output.name, output.text]
-        if output.output_type == "stream"
-        else [sorted(output.data), [output.data[k] for k in sorted(output.data) if k in TEXTS]]
-        for output in cell.outputs
-    ]
+    return [] if MEASURED in cell.metadata.get("tags", []) else [_said(o) for o in cell.outputs]
+
+
+def _said(output: Any) -> list[Any]:
+    if output.output_type == "stream":
+        return [output.name, output.text]
+    kinds = sorted(output.data)
+    pictured = any(kind.startswith("image/") for kind in kinds)
+    return [kinds, [] if pictured else [output.data[k] for k in kinds if k in TEXTS]]
 
 
 TEXTS = ("text/plain", "text/markdown", "text/latex")

@@ -170,9 +170,11 @@ def test_what_is_said_leaves_out_pictures_and_measurements():
     cell.outputs = [
         output("stream", name="stdout", text="3\n"),
         output("display_data", {"image/png": "AAAA", "text/plain": "a wheel"}),
+        output("display_data", {"text/plain": "4"}),
     ]
     run = exercising.runner()
-    assert run.said(cell) == [["stdout", "3\n"], [["image/png", "text/plain"], ["a wheel"]]]
+    pictured, plain = [["image/png", "text/plain"], []], [["text/plain"], ["4"]]
+    assert run.said(cell) == [["stdout", "3\n"], pictured, plain]
     cell.metadata["tags"] = [run.MEASURED]
     assert run.said(cell) == []
 
