@@ -88,8 +88,13 @@ def _sketch(ask: Ask) -> Picture:
 
 def _frames(ask: Ask) -> Picture:
     from eom.views.frame_sketches import frame_sketch, sequence_of
+    from eom.views.tree_frames import tree_frames
 
-    return frame_sketch(sequence_of(ask.scene))
+    return (
+        tree_frames(ask.scene)
+        if ask.scene.model == "tree"
+        else frame_sketch(sequence_of(ask.scene))
+    )
 
 
 def _wheel(ask: Ask) -> Picture:
@@ -113,7 +118,7 @@ def _no_spinner(scene: AnyScene) -> str:
 def _no_angles(scene: AnyScene) -> str:
     from eom.views.frame_sketches import sequence_of
 
-    return "" if sequence_of(scene) else "its attitude is in no sequence of turns"
+    return "" if scene.model == "tree" or sequence_of(scene) else "its attitude has no angles"
 
 
 def _no_single_body(scene: AnyScene) -> str:
@@ -159,8 +164,8 @@ PICTURES = {
     ),
     "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
     "frames": Entry(
-        "frames of the rotation sequence, each turn as an arc",
-        "attitude by angles",
+        "frames of the rotation sequence, each turn as an arc; frames of a tree's bodies",
+        "attitude by angles, or a tree",
         _no_angles,
         _frames,
     ),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.lettering import bracketed, name, plain
+from eom.views.lettering import name, plain, unit
 from eom.views.picture import Axis, Curve, Dash, Floats, Item, Panel, Picture, check, points
 from eom.views.thinning import thinned
 
@@ -111,9 +111,8 @@ def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
     """Return names by unit, units in the order in which they first come."""
     found: dict[str, list[str]] = {}
     for n in names:
-        unit = units.get(n, "")
-        found.setdefault("1" if unit == "" else unit, []).append(n)
-    return [_Group(unit, tuple(group)) for unit, group in found.items()]
+        found.setdefault(units.get(n, "") or "1", []).append(n)
+    return [_Group(own, tuple(group)) for own, group in found.items()]
 
 
 def _parts(group: _Group) -> Iterator[_Group]:
@@ -130,7 +129,7 @@ def _panel(result: Result, group: _Group) -> Panel:
         line = points(*thinned(result.t, _unwound(values, group.unit)))
         items.append(Curve(line, colour, dash=dash, label=name(n)))
     alone = name(group.names[0]) if len(group.names) == 1 else ""
-    words = bracketed(alone, group.unit) or f"{alone} [1]".strip()
+    words = f"{alone} [{unit(group.unit) or 1}]".strip()
     return Panel(tuple(items), (Axis(), Axis(words)))
 
 

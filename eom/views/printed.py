@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eom.views import formulas
-from eom.views.depth import Drawn, View, diagonal, in_space
+from eom.views.depth import Drawn, View, bounds, diagonal, in_space
+from eom.views.extras import require
 from eom.views.picture import (
     COLOURS,
     Arrow,
@@ -28,7 +29,6 @@ from eom.views.picture import (
     Surface,
     Words,
     check,
-    placed,
 )
 
 if TYPE_CHECKING:
@@ -100,6 +100,7 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     ``size``: width and height in inches; by default so that all panels are read easily.
     Raises `InputError` for a picture that cannot be drawn (`picture.check`).
     """
+    require("matplotlib")
     check(picture)
     with _settings():
         return _figure(picture, size)
@@ -369,24 +370,9 @@ def _collection(view: View, drawn: list[Drawn]) -> Any:
         clip_on=False,
         zorder=3,
     )
+    made.set_in_layout(False)
     made.do_3d_projection = lambda: 0.0  # axes in space ask each collection for its depth
     return made
-
-
-def bounds(panel: Panel) -> tuple[Floats, Floats]:
-    """Return the least and the greatest coordinates of a panel in space, of shape (3,)."""
-    arrays = [np.reshape(a, (-1, 3)) for item in panel.items for a in placed(item)]
-    points = np.concatenate([*arrays, np.zeros((0, 3))])
-    points = points[np.isfinite(points).all(axis=1)]
-    if not len(points):
-        points = np.array([[-1.0] * 3, [1.0] * 3])
-    low, high = points.min(axis=0), points.max(axis=0)
-    room = np.maximum(0.04 * (high - low), 0.02 * max(float((high - low).max()), 1e-300))
-    low, high = low - room, high + room
-    for k, axis in enumerate(panel.axes):
-        if axis.limits is not None:
-            low[k], high[k] = axis.limits
-    return low, high
 
 
 def _labels(axes: Any, panel: Panel, view: View) -> None:

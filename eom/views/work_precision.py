@@ -53,7 +53,11 @@ def work_precision(diagram: Diagram) -> Picture:
         items.append(Curve(line, "grey", 0.9, "dotted", "error of the reference"))
     low, high = _limits([p.error for p in diagram.points])
     axes = (
-        Axis("error at the end, of the state that is worst, over its largest size", "log", (high, low)),
+        Axis(
+            "error at the end, of the state that is worst, over its largest size",
+            "log",
+            (high, low),
+        ),
         Axis("time of the integration [s]", "log", times),
     )
     panel = Panel(tuple(items), axes, height=2.2)
