@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from eom.errors import InputError, unknown_name
@@ -22,6 +22,8 @@ class Ask:
     scene: AnyScene
     seconds: float | None = None
     points: int | None = None
+    progress: Callable[[float], None] = field(default=lambda _: None, compare=False)
+    """Told how much is done, from 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,20 @@ def _histories(ask: Ask) -> Picture:
     from eom.views.histories import histories_of
 
     return histories_of(ask.scene, ask.seconds, ask.points)
+
+
+def _work_precision(ask: Ask) -> Picture:
+    """Measure the scene by every method at few tolerances; `eom bench` measures with care."""
+    from codegen.workprecision.case import Case
+    from codegen.workprecision.measuring import QUICK, measure
+    from codegen.workprecision.programs import programs
+    from eom.views.work_precision import work_precision
+
+    scene = ask.scene
+    numbers = (scene.initial_values(), scene.parameter_values(), scene.input_values())
+    end = ask.seconds or scene.integration.t_end
+    case = Case(scene.name, scene.title or scene.name, scene.derive(), *numbers, end)
+    return work_precision(measure(case, programs([]), QUICK, ask.progress))
 
 
 def _joints(ask: Ask) -> Picture:
@@ -155,6 +171,12 @@ PICTURES = {
     ),
     "histories": Entry(
         "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
+    ),
+    "work-precision": Entry(
+        "run time over error of every method, measured now (eom bench: with more care)",
+        ANY,
+        _nothing,
+        _work_precision,
     ),
     "sketch": Entry(
         "the body or the bodies at the start, with the forces and torques on them",

@@ -75,6 +75,8 @@ TITLE = 11.0
 """Letters of a title that an inch holds."""
 FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
+BROAD = 1.1
+"""How much more room space has across than a cube with its ticks needs."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
 SIDEWAYS = 0.5
@@ -324,7 +326,7 @@ def _space(axes: Any, panel: Panel) -> None:
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)
     axes.set_box_aspect(high - low if panel.equal else (1, 1, 1))
-    zoom = float((cube / _extent(axes, low, high)).min())
+    zoom = float((cube * (BROAD, 1.0) / _extent(axes, low, high)).min())
     axes.set_box_aspect(
         high - low if panel.equal else (1, 1, 1), zoom=zoom * (BARE if panel.bare else FULL)
     )

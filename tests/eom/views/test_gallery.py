@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from codegen.workprecision import measuring, programs
 from eom import InputError, load_scene
 from eom.views import gallery, printed, turned
 from eom.views.gallery import PICTURES, Ask
@@ -22,6 +23,16 @@ SCENES = dict.fromkeys(PICTURES, "t-handle") | {
 }
 
 
+@pytest.fixture
+def few_measurements(monkeypatch):
+    """Measure two programs at two tolerances once, in place of all."""
+    every = programs.programs
+    monkeypatch.setattr(programs, "programs", lambda names: every(names or ["taylor", "DOP853"]))
+    plan = measuring.Plan(tolerances=(1e-5, 1e-8), rounds=1)
+    monkeypatch.setattr(measuring, "QUICK", plan)
+
+
+@pytest.mark.usefixtures("few_measurements")
 @pytest.mark.parametrize("name", PICTURES)
 def test_every_picture_is_drawn_by_both_renderers(name):
     scene = load_scene(SCENES[name])
