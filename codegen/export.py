@@ -1,12 +1,10 @@
-"""Save results: NumPy archives, tables, pictures; each file appears whole or not at all."""
+"""Save results: NumPy archives and tables; each file appears whole or not at all."""
 
 from __future__ import annotations
 
-import importlib.util
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -21,23 +19,14 @@ def columns(result: Result) -> dict[str, Array]:
     return {"t": result.t, **states, **result.outputs}
 
 
-def check_kinds(table: Path | None, picture: Path | None) -> None:
-    """Raise `InputError` if a table or a picture has an ending that cannot be written."""
-    for file, endings in ((table, tuple(_TABLES)), (picture, _PICTURES)):
-        if file is not None and file.suffix not in endings:
-            raise InputError(
-                "unknown kind of file",
-                where=str(file),
-                expected=f"a name that ends in {', '.join(endings[:-1])} or {endings[-1]}",
-            )
-
-    if picture is not None and not can_draw():
-        raise InputError("Matplotlib is not installed", hint="pip install 'eom-toolkit[plot]'")
-
-
-def can_draw() -> bool:
-    """Tell whether Matplotlib (extra ``plot``) is installed."""
-    return importlib.util.find_spec("matplotlib") is not None
+def check_kind(table: Path) -> None:
+    """Raise `InputError` if a table has an ending that cannot be written."""
+    if table.suffix not in _TABLES:
+        raise InputError(
+            "unknown kind of file",
+            where=str(table),
+            expected=f"a name that ends in {' or '.join(_TABLES)}",
+        )
 
 
 def save(result: Result, path: str | Path) -> Path:
@@ -46,7 +35,7 @@ def save(result: Result, path: str | Path) -> Path:
     Raises `InputError` for other endings and where the file cannot be written.
     """
     file = Path(path)
-    check_kinds(file, None)
+    check_kind(file)
     return _whole(file, lambda part: _TABLES[file.suffix](result, part))
 
 
@@ -85,59 +74,6 @@ def save_events(result: Result, path: str | Path) -> Path:
 
 
 _TABLES: dict[str, Callable[[Result, Path], None]] = {".npz": _npz, ".csv": _csv}
-_PICTURES = (".png", ".pdf", ".svg")
-
-
-def save_plot(
-    result: Result, path: str | Path, names: Iterable[str], units: Mapping[str, str], title: str
-) -> Path:
-    """Draw ``names`` over time, quantities of one unit together, and the invariants' drift below.
-
-    Needs Matplotlib (extra ``plot``). Raises `InputError` where it is missing or the file cannot
-    be written.
-    """
-
-    def draw(figure: Any) -> None:
-        _draw(figure, result, names, units)
-        figure.suptitle(title)
-
-    return drawn(path, draw)
-
-
-def drawn(path: str | Path, draw: Callable[[Any], None]) -> Path:
-    """Write the picture that ``draw`` makes of an empty Matplotlib figure. Raises as `save_plot`."""
-    file = Path(path)
-    check_kinds(None, file)
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context({"font.size": 9}):
-        figure = Figure(layout="constrained")
-        draw(figure)
-        return _whole(file, lambda part: figure.savefig(part, format=file.suffix[1:], dpi=150))
-
-
-def _draw(figure: Any, result: Result, names: Iterable[str], units: Mapping[str, str]) -> None:
-    """Fill a Matplotlib figure: one panel a unit, the relative drift last."""
-    table = columns(result)
-    panels: dict[str, dict[str, Array]] = {}
-    for name in names:
-        panels.setdefault(units.get(name, ""), {})[name] = table[name]
-    labelled = [
-        (f"[{unit}]" if unit not in {"", "1"} else "", curves) for unit, curves in panels.items()
-    ]
-    if result.drift:
-        relative = {n: d.over_time / d.scale for n, d in result.drift.items()}
-        labelled.append(("relative drift", relative))
-    figure.set_size_inches(8, 1.2 + 2.1 * len(labelled))
-    axes = figure.subplots(len(labelled), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, (label, curves) in zip(axes, labelled, strict=True):
-        for name, values in curves.items():
-            axis.plot(result.t, values, label=name, linewidth=1)
-        axis.set_ylabel(label)
-        axis.grid(visible=True, alpha=0.3)
-        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    axes[-1].set_xlabel("t [s]")
 
 
 def _whole(file: Path, write: Callable[[Path], None]) -> Path:

@@ -6,10 +6,10 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from codegen import export
 from eom import problems
 from eom.__main__ import main
 from eom.commands import benching
+from eom.views import saving
 
 METHODS = "DOP853,solve_ivp:LSODA"
 
@@ -79,7 +79,7 @@ def without(monkeypatch, module):
 
 def test_absent_matplotlib_leaves_table_and_data(run, tmp_path, monkeypatch, no_first_results):
     without(monkeypatch, "matplotlib")
-    assert not export.can_draw()
+    assert not saving.can_write("picture.png")
     words = ["bench", "t-handle", "--quick", "--methods", "DOP853", "--out", tmp_path]
     done = run(*words)
     assert done.exit_code == 0

@@ -233,7 +233,7 @@ BAD = {
     "kind of table": (["simulate", "t-handle", "--out", "run.xlsx"], "ends in .npz or .csv"),
     "kind of picture": (
         ["simulate", "t-handle", "--plot", "run.gif"],
-        "ends in .png, .pdf or .svg",
+        "ends in .png, .svg, .pdf or .html",
     ),
 }
 

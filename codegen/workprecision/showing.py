@@ -1,4 +1,4 @@
-"""A diagram as a table, as JSON data and as a picture."""
+"""A diagram as a table and as JSON data."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from codegen.export import drawn
 from codegen.integrate.methods import METHODS
 from codegen.workprecision.measuring import Diagram, Point, fastest, time_at
 
@@ -22,12 +20,6 @@ COMPARED = ("heyoka", "solve_ivp:DOP853", "solve_ivp:LSODA")
 """Programs that this project's fastest method is compared with."""
 SPREAD = 0.25
 """Medians that exceed the least time by more are told."""
-STYLES: Mapping[str, tuple[str, float]] = {
-    "solve_ivp:": (":", 1.0),
-    "scipy:": ("--", 1.0),
-    "heyoka": ("-", 2.5),
-}
-"""Line style and width by the beginning of a program's name; this project's own are solid."""
 
 
 def names(points: Sequence[Point]) -> list[str]:
@@ -125,32 +117,3 @@ def data(diagram: Diagram, about: Mapping[str, Any]) -> str:
         **about,
     }
     return json.dumps(found, indent=1) + "\n"
-
-
-def draw(figure: Any, diagram: Diagram) -> None:
-    """Fill a Matplotlib figure: time over error, fine results to the right."""
-    axis = figure.subplots()
-    figure.set_size_inches(9, 5.5)
-    for k, name in enumerate(names(diagram.points)):
-        own = [p for p in diagram.points if p.program == name]
-        line, width = next((v for k, v in STYLES.items() if name.startswith(k)), ("-", 1.5))
-        colour = "black" if name == "heyoka" else f"C{k % 10}"
-        marks = {"marker": "osv^Dx*"[k % 7], "markersize": 4, "color": colour}
-        values = [p.error for p in own], [p.seconds for p in own]
-        axis.plot(*values, linestyle=line, linewidth=width, label=name, **marks)
-    if diagram.reference.error > 1e-16:
-        label = "error of the reference"
-        axis.axvline(diagram.reference.error, color="grey", linewidth=0.8, label=label)
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    axis.invert_xaxis()
-    axis.set_xlabel("error at the end, of the state that is worst, over its largest size")
-    axis.set_ylabel("time of the integration [s]")
-    axis.set_title(diagram.case.title)
-    axis.grid(visible=True, which="major", alpha=0.3)
-    axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-
-
-def save(diagram: Diagram, path: Path) -> Path:
-    """Write the picture. Raises `InputError` where Matplotlib is missing or the file not writable."""
-    return drawn(path, lambda figure: draw(figure, diagram))

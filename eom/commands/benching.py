@@ -169,15 +169,17 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]]) -> str:
 
 
 def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> None:
-    from codegen import export
     from codegen.compiled import write_files
     from codegen.workprecision import showing
+    from eom.views.saving import can_write, save
+    from eom.views.work_precision import work_precision
 
     name = diagram.case.name
     files = {f"{name}.json": showing.data(diagram, about), f"{name}.txt": text}
     written = write_files(files, folder)
-    if export.can_draw():
-        written.append(showing.save(diagram, folder / f"{name}.png"))
+    picture = folder / f"{name}.png"
+    if can_write(picture):
+        written.append(save(work_precision(diagram), picture))
     else:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
     report_files(written)

@@ -73,8 +73,10 @@ def plot(scene: str, names: str, file: Path | None, listed: bool, **options: Any
     asked = [n.strip() for n in names.split(",") if n.strip()] or [gallery.default(chosen)]
     target = file or Path(f"{_stem(scene)}-{asked[0]}.png")
     kind_of(target)  # before any work
-    with progress_of("drawing"):
-        picture = gallery.pictures(asked, gallery.Ask(chosen, seconds, options["points"]))
+    with progress_of("drawing") as progress:
+        ask = gallery.Ask(chosen, seconds, options["points"], lambda done: progress(0.7 * done))
+        picture = gallery.pictures(asked, ask)
+        progress(0.7)
         saved = save(picture, target, size, options["dpi"])
     report_files([saved])
 

@@ -22,6 +22,7 @@ from eom.commands.shared import (
     scene_of,
     target_option,
 )
+from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen import Result
@@ -63,7 +64,10 @@ MOST_CHANGES = 6
     help="Save to FILE.npz or FILE.csv.",
 )
 @click.option(
-    "--plot", type=click.Path(path_type=Path), default=None, help="Draw to FILE.png, .pdf or .svg."
+    "--plot",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Draw to FILE.png, .svg or .pdf, or to FILE.html to turn by hand.",
 )
 def simulate(
     scene: str,
@@ -81,7 +85,10 @@ def simulate(
     """
     from codegen import export
 
-    export.check_kinds(file, plot)
+    if file is not None:
+        export.check_kind(file)
+    if plot is not None:
+        _check_picture(plot)
     chosen = scene_of(scene, **options)
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
@@ -101,8 +108,8 @@ def run(
     scene: str, folder: Path, target: str, project: tuple[str, ...], handover: bool | None
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
-    from codegen import export
     from codegen.compiled import write_files
+    from eom.views.saving import can_write
 
     chosen = scene_of(scene, handover=handover)
     job = job_of(chosen, target, project)
@@ -110,9 +117,10 @@ def run(
     click.echo()
     report_files(write_files(job.files, folder))
     result = _simulate(job)
-    picture = folder / "trajectory.png" if export.can_draw() else None
-    _save(job, result, folder / "trajectory.npz", picture)
-    if picture is None:
+    picture = folder / "trajectory.png"
+    drawn = can_write(picture)
+    _save(job, result, folder / "trajectory.npz", picture if drawn else None)
+    if not drawn:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
     _closing(job, result)
 
@@ -131,11 +139,28 @@ def _save(job: Job, result: Result, file: Path | None, plot: Path | None) -> Non
         if result.events:
             written.append(export.save_events(result, file.with_suffix(".events.csv")))
     if plot is not None:
-        quantities = [*job.system.states, *(d.quantity for d in job.system.outputs)]
-        units = {q.name: q.unit for q in quantities}
-        names, title = job.requested_names(), job.scene.title
-        written.append(export.save_plot(result, plot, names, units, title))
+        written += _draw(job, result, plot)
     report_files(written)
+
+
+def _draw(job: Job, result: Result, file: Path) -> list[Path]:
+    """Draw histories; a run that stopped before there is anything to draw is told of, and not drawn."""
+    from eom.views.histories import histories_asked
+    from eom.views.saving import save
+
+    try:
+        picture = histories_asked(result, job.system, job.requested_names(), job.scene)
+    except InputError as error:
+        click.echo(f"note: no picture: {error.what}", err=True)
+        return []
+    return [save(picture, file)]
+
+
+def _check_picture(file: Path) -> None:
+    """Raise `InputError` for a kind of picture that cannot be written."""
+    from eom.views.saving import kind_of
+
+    kind_of(file)
 
 
 def _changes(result: Result) -> str:

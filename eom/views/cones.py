@@ -14,7 +14,7 @@ from eom.views.formulas import plain
 from eom.views.free import CLASSES, FreeBody, class_of, moving, polhode_of, polhode_points
 from eom.views.meshes import grid_faces
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Panel, Picture, Surface
-from eom.views.poinsot import traced
+from eom.views.poinsot import clear_of, traced
 from eom.views.polhodes import OWN
 from eom.views.rotating import Turning
 
@@ -53,10 +53,11 @@ def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
     if moving(exact):
         items += _cone(polhode_points(exact) @ path.first, BODY, "body cone")
         items += _cone(path.space, SPACE, "space cone")
+    longer = clear_of(np.array(body.omega), np.multiply(body.moments, body.omega))
     axis = exact.frame.axes[2]
     sign = exact.frame.signs[2]
     items += [
-        Arrow(np.zeros(3), np.array([0.0, 0.0, LENGTH]), "black", 1.8, r"$\mathbf{H}$"),
+        Arrow(np.zeros(3), np.array([0.0, 0.0, LENGTH * longer]), "black", 1.8, r"$\mathbf{H}$"),
         Arrow(
             np.zeros(3),
             LENGTH * _unit(np.array(body.omega)) @ path.first,

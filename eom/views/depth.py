@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eom.views.meshes import Faces, brightness, tip
-from eom.views.picture import COLOURS, Arrow, Curve, Floats, Item, Marks, Panel, Surface
+from eom.views.picture import COLOURS, Arrow, Curve, Floats, Item, Marks, Panel, Surface, placed
 
 LIFT = 0.012
 """By which part of the diagonal lines are moved towards the eye; wide ones by some more."""
@@ -66,6 +66,22 @@ class View:
         depth = [float(np.mean(d.points @ self.matrix[2, :3])) for d in drawn]
         order = np.argsort(np.negative(depth), kind="stable")
         return [drawn[k] for k in order]
+
+
+def bounds(panel: Panel) -> tuple[Floats, Floats]:
+    """Return the least and the greatest coordinates of a panel in space, of shape (3,)."""
+    arrays = [np.reshape(a, (-1, 3)) for item in panel.items for a in placed(item)]
+    points = np.concatenate([*arrays, np.zeros((0, 3))])
+    points = points[np.isfinite(points).all(axis=1)]
+    if not len(points):
+        points = np.array([[-1.0] * 3, [1.0] * 3])
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.maximum(0.04 * (high - low), 0.02 * max(float((high - low).max()), 1e-300))
+    low, high = low - room, high + room
+    for k, axis in enumerate(panel.axes):
+        if axis.limits is not None:
+            low[k], high[k] = axis.limits
+    return low, high
 
 
 def diagonal(low: Floats, high: Floats) -> float:

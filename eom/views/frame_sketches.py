@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from eom.kinematics import GREEK_ANGLES
+from eom.kinematics import GREEK_ANGLES, SEQUENCES
 from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, axes_of, triads
 from eom.views.viewpoint import best_view
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
 
 COLOURS = ("black", "blue", "green", "red")
 LETTERS = ("a", "a′", "a″", "b")
@@ -48,6 +52,17 @@ def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "
     return check(Picture(((space,), plane), words, _told(sequence, angles)))
 
 
+def sequence_of(scene: AnyScene) -> str:
+    """Return the sequence of turns that a scene's attitude is in, empty if it is in none."""
+    from eom.scene import Scene
+
+    if not isinstance(scene, Scene):
+        return ""
+    if scene.model == "spinner":
+        return "3-1-2"
+    return scene.attitude if scene.attitude in SEQUENCES else ""
+
+
 def _told(sequence: str, angles: Sequence[float]) -> str:
     turns = ", ".join(
         f"{math.degrees(angle):.4g} degrees ({name}) about axis {axis}"
@@ -83,7 +98,7 @@ def _flat_arc(start: Floats, angle: float, words: str, colour: str) -> Iterator[
 
 
 def _towards_reader(words: str, angle: float) -> Iterator[Item]:
-    """Yield the mark of an axis that points at the reader: a dot in a circle, its name opposite the arcs."""
+    """Yield the mark of an axis that points at the reader: a dot in a circle, and its name."""
     yield Curve(0.09 * arc_points(np.eye(3)[2], np.eye(3)[0], 2 * math.pi)[:, :2], "black", 1.2)
     yield Marks(np.zeros((1, 2)), size=3.0)
     away = angle / 2 + math.pi * 1.25

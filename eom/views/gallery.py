@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from eom.errors import InputError, unknown_name
@@ -22,6 +22,8 @@ class Ask:
     scene: AnyScene
     seconds: float | None = None
     points: int | None = None
+    progress: Callable[[float], None] = field(default=lambda _: None, compare=False)
+    """Told how much is done, from 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +69,23 @@ def _sphere(ask: Ask) -> Picture:
 
 
 def _histories(ask: Ask) -> Picture:
-    from eom.views.histories import histories, quantities
-    from eom.views.runs import run
+    from eom.views.histories import histories_of
 
-    result, system = run(ask.scene, ask.seconds, ask.points)
-    known = (*system.state_names, *system.output_names)
-    names = [name for name in ask.scene.requested if name in known]
-    return histories(result, quantities(system), names, ask.scene.title or ask.scene.name)
+    return histories_of(ask.scene, ask.seconds, ask.points)
+
+
+def _work_precision(ask: Ask) -> Picture:
+    """Measure the scene by every method at few tolerances; `eom bench` measures with care."""
+    from codegen.workprecision.case import Case
+    from codegen.workprecision.measuring import QUICK, measure
+    from codegen.workprecision.programs import programs
+    from eom.views.work_precision import work_precision
+
+    scene = ask.scene
+    numbers = (scene.initial_values(), scene.parameter_values(), scene.input_values())
+    end = ask.seconds or scene.integration.t_end
+    case = Case(scene.name, scene.title or scene.name, scene.derive(), *numbers, end)
+    return work_precision(measure(case, programs([]), QUICK, ask.progress))
 
 
 def _joints(ask: Ask) -> Picture:
@@ -84,23 +96,27 @@ def _joints(ask: Ask) -> Picture:
 
 
 def _sketch(ask: Ask) -> Picture:
-    from eom.views.free_body import free_body as one_body
+    from eom.views.body_sketch import body_sketch
     from eom.views.tree_sketch import tree_sketch
 
-    return tree_sketch(ask.scene) if ask.scene.model == "tree" else one_body(ask.scene)
+    return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
 
 
 def _frames(ask: Ask) -> Picture:
-    from eom.views.frame_sketches import frame_sketch
+    from eom.views.frame_sketches import frame_sketch, sequence_of
+    from eom.views.tree_frames import tree_frames
 
-    assert ask.scene.model != "tree"
-    return frame_sketch("3-1-2" if ask.scene.model == "spinner" else ask.scene.attitude)
+    return (
+        tree_frames(ask.scene)
+        if ask.scene.model == "tree"
+        else frame_sketch(sequence_of(ask.scene))
+    )
 
 
-def _wheel(_: Ask) -> Picture:
-    from eom.views.wheel import wheel
+def _wheel(ask: Ask) -> Picture:
+    from eom.views.wheel import wheel_of
 
-    return wheel()
+    return wheel_of(ask.scene, ask.seconds)
 
 
 def _nothing(_: AnyScene) -> str:
@@ -116,10 +132,9 @@ def _no_spinner(scene: AnyScene) -> str:
 
 
 def _no_angles(scene: AnyScene) -> str:
-    if scene.model == "tree":
-        return _no_single_body(scene)
-    written = {"none", "quaternion", "dcm"} if scene.model != "spinner" else set()
-    return "its attitude has no angles" if scene.attitude in written else ""
+    from eom.views.frame_sketches import sequence_of
+
+    return "" if scene.model == "tree" or sequence_of(scene) else "its attitude has no angles"
 
 
 def _no_single_body(scene: AnyScene) -> str:
@@ -157,6 +172,12 @@ PICTURES = {
     "histories": Entry(
         "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
     ),
+    "work-precision": Entry(
+        "run time over error of every method, measured now (eom bench: with more care)",
+        ANY,
+        _nothing,
+        _work_precision,
+    ),
     "sketch": Entry(
         "the body or the bodies at the start, with the forces and torques on them",
         ANY,
@@ -165,8 +186,8 @@ PICTURES = {
     ),
     "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
     "frames": Entry(
-        "frames of the rotation sequence, each turn as an arc",
-        "attitude by angles",
+        "frames of the rotation sequence, each turn as an arc; frames of a tree's bodies",
+        "attitude by angles, or a tree",
         _no_angles,
         _frames,
     ),

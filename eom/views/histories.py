@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.lettering import bracketed, name, plain
+from eom.views.lettering import name, plain, unit
 from eom.views.picture import Axis, Curve, Dash, Floats, Item, Panel, Picture, check, points
 from eom.views.thinning import thinned
 
 if TYPE_CHECKING:
     from codegen import Result
     from codegen.simulation import Drift
+    from eom.opening import AnyScene
     from eom.system import Quantity, System
 
 MOST = 8
@@ -77,6 +78,31 @@ def histories(
     )
 
 
+def histories_of(
+    scene: AnyScene, seconds: float | None = None, points: int | None = None
+) -> Picture:
+    """Return the histories of what a scene asks for; of all states, eight a unit, where it names nothing.
+
+    ``seconds``, ``points``: of the run, by default the scene's. Raises as `eom.views.runs.run` and
+    `histories`.
+    """
+    from eom.views.runs import run
+
+    result, system = run(scene, seconds, points)
+    known = (*system.state_names, *system.output_names)
+    return histories_asked(result, system, [n for n in scene.requested if n in known], scene)
+
+
+def histories_asked(
+    result: Result, system: System, requested: Iterable[str], scene: AnyScene
+) -> Picture:
+    """Return the histories of a run: all that a scene names, or a readable number of its states."""
+    requested = tuple(requested)
+    known = [q for q in quantities(system) if q.name in requested]
+    names = requested if scene.outputs else ()
+    return histories(result, known, names, scene.title or scene.name)
+
+
 def _held(result: Result, quantity: str) -> bool:
     return quantity in result.names or quantity in result.outputs
 
@@ -85,9 +111,8 @@ def _groups(names: Iterable[str], units: Mapping[str, str]) -> list[_Group]:
     """Return names by unit, units in the order in which they first come."""
     found: dict[str, list[str]] = {}
     for n in names:
-        unit = units.get(n, "")
-        found.setdefault("1" if unit == "" else unit, []).append(n)
-    return [_Group(unit, tuple(group)) for unit, group in found.items()]
+        found.setdefault(units.get(n, "") or "1", []).append(n)
+    return [_Group(own, tuple(group)) for own, group in found.items()]
 
 
 def _parts(group: _Group) -> Iterator[_Group]:
@@ -104,7 +129,7 @@ def _panel(result: Result, group: _Group) -> Panel:
         line = points(*thinned(result.t, _unwound(values, group.unit)))
         items.append(Curve(line, colour, dash=dash, label=name(n)))
     alone = name(group.names[0]) if len(group.names) == 1 else ""
-    words = bracketed(alone, group.unit) or f"{alone} [1]".strip()
+    words = f"{alone} [{unit(group.unit) or 1}]".strip()
     return Panel(tuple(items), (Axis(), Axis(words)))
 
 

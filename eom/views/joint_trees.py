@@ -254,9 +254,10 @@ def _joint(d: _Diagram, joint: Joint) -> Iterator[Item]:
     _, x1, low, high = d.box(joint.parent)
     x2, _, bottom, top = d.box(joint.child)
     y1, y2 = (low + high) / 2, (bottom + top) / 2
-    turn = d.columns[d.cells[joint.child].column][0] + 1.0
-    circle = turn + 1.2 + ROUND
-    if d.cells[joint.parent].band == d.cells[joint.child].band:
+    parent, child = d.cells[joint.parent], d.cells[joint.child]
+    circle = d.columns[child.column][0] + 2.2 + ROUND
+    if parent.band == child.band:
+        turn = d.columns[parent.column + 1][0] + 1.0
         corners = [(x1, y1), (turn, y1), (turn, y2)]
     else:
         corners = _around(d, joint, (x1, y1), y2)

@@ -20,8 +20,9 @@ def names(
 ) -> Iterator[Words]:
     """Yield the words of points, each ``distance`` away on the side where most room is left.
 
-    ``points``: places by their words. ``items``: what is drawn already; its words, and the points themselves,
-    are kept clear of. Of sides that are as good the upper right one is taken.
+    ``points``: places by their words. ``items``: what is drawn already; its words, arrows and straight
+    lines, and the points themselves, are kept clear of. Of sides that are as good the upper right one is
+    taken.
     """
     across, up = paper(view)
     frame = np.stack([WIDE * across, up])

@@ -48,7 +48,7 @@ def formula(value: Any, otherwise: str) -> str:
     r"""Return an expression as a formula, or other words where it is too long to stand at an arrow.
 
     >>> formula(-sp.Symbol("M1"), "torque")
-    '$- M_{1}$'
+    '$-M_{1}$'
     """
     long = [r for r in value.atoms(sp.Rational) if r.q > MOST_PARTS]
     short = value.xreplace({r: sp.Float(r, DIGITS) for r in long})
@@ -64,9 +64,3 @@ def unit(given: str) -> str:
     """
     words = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), plain(given))
     return "" if words == "1" else words
-
-
-def bracketed(words: str, given: str) -> str:
-    """Return words with a unit in brackets, if there is one."""
-    found = unit(given)
-    return f"{words} [{found}]".strip() if found else words

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from eom.views.meshes import Faces
 from eom.views.picture import Curve, Floats, Item, Surface
 from eom.views.solid_meshes import Mesh
 
@@ -23,7 +24,7 @@ def solid(mesh: Mesh, C: Floats, origin: Floats, colour: str = "sky") -> Iterato
         yield Curve(lines.reshape(-1, 3), colour, 0.8)
 
 
-def sharp_edges(mesh: Mesh) -> np.ndarray:  # type: ignore[type-arg]
+def sharp_edges(mesh: Mesh) -> Faces:
     """Return the edges that one triangle alone has, pairs of vertices of shape (N, 2).
 
     A mesh shares vertices within its smooth pieces, so that these bound them.

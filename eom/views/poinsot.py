@@ -36,6 +36,8 @@ PERIODS = 3.0
 """Periods of the angular velocity that are drawn where no time is asked for."""
 FADES = 9.0
 """Time constants of the separatrix before and after its middle that are drawn."""
+NEAR = 0.12
+"""Sine of an angle between arrows whose letters would meet."""
 PER_TURN, FEWEST, MOST = 120, 1200, 24000
 """Points of a herpolhode a turn of the body, at least, at most."""
 
@@ -162,11 +164,17 @@ def _construction(body: FreeBody, path: Traced) -> Panel:
         ]
     centre = np.zeros(3)
     items += [
-        Arrow(centre, 1.3 * foot, "black", 1.8, r"$\mathbf{H}$"),
+        Arrow(centre, clear_of(omega, foot) * 1.3 * foot, "black", 1.8, r"$\mathbf{H}$"),
         Arrow(centre, omega, OWN, 2.0, r"$\mathbf{\omega}$"),
     ]
     axes = tuple(Axis(rf"$\mathbf{{e}}_{k}$ [rad/s]") for k in (1, 2, 3))
     return Panel(tuple(items), axes, "Poinsot's construction", equal=True, bare=True)
+
+
+def clear_of(omega: Floats, momentum: Floats) -> float:
+    """Return how much longer the arrow of H is drawn, so that its letter is clear of that of omega."""
+    sine = np.linalg.norm(np.cross(omega, momentum))
+    return 1.2 if sine < NEAR * np.linalg.norm(omega) * np.linalg.norm(momentum) else 1.0
 
 
 def _sheet(body: FreeBody, path: Traced, height: float) -> Surface:

@@ -21,7 +21,7 @@ from eom.views.free import (
     separatrix,
 )
 from eom.views.meshes import ellipsoid
-from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture
+from eom.views.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words
 
 EACH = 4
 """Polhodes of each class, on each of its two sides."""
@@ -90,8 +90,11 @@ def _family_panel(body: FreeBody, semi_axes: Floats, title: str) -> Panel:
 
 def _panel(body: FreeBody, items: list[Item], title: str, semi_axes: Floats) -> Panel:
     axes = tuple(Axis(words) for words in body.axes_words)
-    equal = bool(semi_axes.max() <= LONGEST * semi_axes.min())
-    return Panel(tuple(items), axes, title, equal=equal)
+    return Panel(tuple(items), axes, title, equal=_equal(semi_axes))
+
+
+def _equal(semi_axes: Floats) -> bool:
+    return bool(semi_axes.max() <= LONGEST * semi_axes.min())
 
 
 def _resting(body: FreeBody, semi_axes: Floats) -> list[Item]:
@@ -131,9 +134,10 @@ def _told(body: FreeBody) -> str:
 
 
 def _letters(body: FreeBody, semi_axes: Floats) -> list[Item]:
-    """Return the axes of the body from where they come out of a surface."""
-    longer = semi_axes + 0.2 * semi_axes.max()
-    return [
-        Arrow(np.diag(semi_axes)[k], np.diag(longer)[k], "black", 1.2, body.axis(k + 1))
-        for k in range(3)
-    ]
+    """Return the axes of the body from where they come out of a surface; letters alone on unequal scales."""
+    places, names = np.diag(semi_axes), [body.axis(k) for k in (1, 2, 3)]
+    if not _equal(semi_axes):
+        return [Words(1.15 * place, name) for place, name in zip(places, names, strict=True)]
+    ends = np.diag(semi_axes + 0.2 * semi_axes.max())
+    rows = zip(places, ends, names, strict=True)
+    return [Arrow(start, end, "black", 1.2, name) for start, end, name in rows]

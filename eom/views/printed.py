@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eom.views import formulas
-from eom.views.depth import Drawn, View, diagonal, in_space
+from eom.views.depth import Drawn, View, bounds, diagonal, in_space
+from eom.views.extras import require
 from eom.views.picture import (
     COLOURS,
     Arrow,
@@ -28,7 +29,6 @@ from eom.views.picture import (
     Surface,
     Words,
     check,
-    placed,
 )
 
 if TYPE_CHECKING:
@@ -75,6 +75,8 @@ TITLE = 11.0
 """Letters of a title that an inch holds."""
 FULL, BARE = 0.98, 1.3
 """How large space is drawn with and without axes; at 1 a cube with its ticks fills the panel."""
+BROAD = 1.1
+"""How much more room space has across than a cube with its ticks needs."""
 SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
 SIDEWAYS = 0.5
@@ -100,6 +102,7 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     ``size``: width and height in inches; by default so that all panels are read easily.
     Raises `InputError` for a picture that cannot be drawn (`picture.check`).
     """
+    require("matplotlib")
     check(picture)
     with _settings():
         return _figure(picture, size)
@@ -129,7 +132,8 @@ def _figure(picture: Picture, size: tuple[float, float] | None) -> Figure:
 
     rows = [row for row in picture.rows if row]
     heights = [max(height_of(panel) for panel in row) for row in rows]
-    made = Figure(figsize=size or picture.size or _size(rows, sum(heights)), layout="constrained")
+    inches = size or picture.size or _size(rows, sum(heights))
+    made = Figure(figsize=inches, layout="constrained")
     if picture.title:
         lines = formulas.wrapped(picture.title, TITLE * made.get_figwidth())
         made.suptitle("\n".join(map(_words, lines.split("\n"))), fontsize=11)
@@ -322,7 +326,7 @@ def _space(axes: Any, panel: Panel) -> None:
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)
     axes.set_box_aspect(high - low if panel.equal else (1, 1, 1))
-    zoom = float((cube / _extent(axes, low, high)).min())
+    zoom = float((cube * (BROAD, 1.0) / _extent(axes, low, high)).min())
     axes.set_box_aspect(
         high - low if panel.equal else (1, 1, 1), zoom=zoom * (BARE if panel.bare else FULL)
     )
@@ -368,24 +372,9 @@ def _collection(view: View, drawn: list[Drawn]) -> Any:
         clip_on=False,
         zorder=3,
     )
+    made.set_in_layout(False)
     made.do_3d_projection = lambda: 0.0  # axes in space ask each collection for its depth
     return made
-
-
-def bounds(panel: Panel) -> tuple[Floats, Floats]:
-    """Return the least and the greatest coordinates of a panel in space, of shape (3,)."""
-    arrays = [np.reshape(a, (-1, 3)) for item in panel.items for a in placed(item)]
-    points = np.concatenate([*arrays, np.zeros((0, 3))])
-    points = points[np.isfinite(points).all(axis=1)]
-    if not len(points):
-        points = np.array([[-1.0] * 3, [1.0] * 3])
-    low, high = points.min(axis=0), points.max(axis=0)
-    room = np.maximum(0.04 * (high - low), 0.02 * max(float((high - low).max()), 1e-300))
-    low, high = low - room, high + room
-    for k, axis in enumerate(panel.axes):
-        if axis.limits is not None:
-            low[k], high[k] = axis.limits
-    return low, high
 
 
 def _labels(axes: Any, panel: Panel, view: View) -> None:

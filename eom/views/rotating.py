@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 RATES = ("omega_1", "omega_2", "omega_3")
 QUATERNION = ("q0", "q1", "q2", "q3")
 POINTS = 2000
+UNSTATED = "The scene states no attitude: the body axes start along those of space."
 PERIODS = 1.0
 """Periods of the angular velocity of a free body that are drawn where no time is asked for."""
 
@@ -62,7 +63,8 @@ def turning(scene: AnyScene, seconds: float | None = None, points: int | None = 
         )
     if not not_free(scene):
         body = free_body(scene, "attitude")
-        return of_free(body, _span(body, scene.integration.t_end, seconds), points or POINTS)
+        found = of_free(body, _span(body, scene.integration.t_end, seconds), points or POINTS)
+        return replace(found, notes=_unstated(scene))
     plan = seconds or scene.integration.t_end
     return _integrated(scene, np.linspace(0.0, plan, points or POINTS))
 
@@ -116,8 +118,13 @@ def _integrated(scene: Scene, t: Floats) -> Turning:
         scene.title or scene.name,
         orbit=scene.torque.gravity_gradient is not None,
         symmetry=symmetry_of(principal_values(scene)) if inertia_values(scene) is None else None,
-        notes=_stopped(result, t),
+        notes=(*_stopped(result, t), *_unstated(scene)),
     )
+
+
+def _unstated(scene: Scene) -> tuple[str, ...]:
+    """Return what is to be said of a scene that states no attitude."""
+    return (UNSTATED,) if scene.attitude == "none" and scene.model != "spinner" else ()
 
 
 def _coordinates(scene: Scene) -> tuple[str, ...]:

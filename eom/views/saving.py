@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from pathlib import Path
 
 from eom.errors import InputError
 from eom.views import printed, turned
+from eom.views.extras import installed, require
 from eom.views.picture import Picture, check
 
 Size = tuple[float, float]
@@ -19,11 +19,10 @@ MOST_INCHES, MOST_DPI = 100.0, 1200.0
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of file: what it is, the package it needs, its extra, and what writes it."""
+    """A kind of file: what it is, the package it needs, and what writes it."""
 
     meaning: str
     package: str
-    extra: str
     write: Callable[[Picture, Path, Size | None, float], None]
 
 
@@ -36,10 +35,10 @@ def _page(picture: Picture, file: Path, size: Size | None, dpi: float) -> None: 
 
 
 KINDS = {
-    ".png": Kind("pixels", "matplotlib", "plot", _print("png")),
-    ".svg": Kind("lines, for pages", "matplotlib", "plot", _print("svg")),
-    ".pdf": Kind("lines, for print", "matplotlib", "plot", _print("pdf")),
-    ".html": Kind("a page on which it is turned by hand", "plotly", "turn", _page),
+    ".png": Kind("pixels", "matplotlib", _print("png")),
+    ".svg": Kind("lines, for pages", "matplotlib", _print("svg")),
+    ".pdf": Kind("lines, for print", "matplotlib", _print("pdf")),
+    ".html": Kind("a page on which it is turned by hand", "plotly", _page),
 }
 """Kinds of file by their ending."""
 
@@ -59,13 +58,14 @@ def kind_of(path: str | Path) -> Kind:
             got=file.suffix or "no ending",
             expected=f"a name that ends in {', '.join(most)} or {last}",
         )
-    if importlib.util.find_spec(kind.package) is None:
-        raise InputError(
-            f"{kind.package.capitalize()} is not installed",
-            where=str(file),
-            hint=f"pip install 'eom-toolkit[{kind.extra}]'",
-        )
+    require(kind.package, str(file))
     return kind
+
+
+def can_write(path: str | Path) -> bool:
+    """Tell whether a picture's ending is known, and the package that it needs is installed."""
+    kind = KINDS.get(Path(path).suffix.lower())
+    return kind is not None and installed(kind.package)
 
 
 def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: float = DPI) -> Path:

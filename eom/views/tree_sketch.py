@@ -15,11 +15,22 @@ from eom.multibody.scalars import is_zero
 from eom.multibody.scene import TreeScene
 from eom.views.equivalents import equivalent
 from eom.views.frame_sketches import SPACE
-from eom.views.labels import names
+from eom.views.labels import names, paper
 from eom.views.lettering import formula, name, plain
 from eom.views.load_arrows import FORCE, force, hang, marked, numbers, push, torque, unit
 from eom.views.outlines import solid
-from eom.views.picture import Arrow, Curve, Floats, Item, Marks, Panel, Picture, Surface, check
+from eom.views.picture import (
+    Arrow,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Surface,
+    check,
+    placed,
+)
 from eom.views.tracks import matrices
 from eom.views.tree_posture import Posture
 from eom.views.tree_tracks import from_third
@@ -29,7 +40,7 @@ MOST_NAMED, MOST_WEIGHED = 16, 6
 """Bodies with names, and bodies whose weights have names."""
 
 
-class _Sketch(Posture):
+class TreeSketch(Posture):
     """A posture with its size."""
 
     @cached_property
@@ -61,7 +72,7 @@ class _Sketch(Posture):
 
     @cached_property
     def upright(self) -> Floats:
-        """The rotation of the sketch that takes what is up to the third axis, by whole axes if it is one."""
+        """The rotation of the sketch that takes what is up to the third axis, by whole axes if it can."""
         up = -self.down
         for k in range(3):
             if up[k] > 1 - 1e-9:
@@ -79,12 +90,12 @@ def tree_sketch(scene: TreeScene) -> Picture:
     """Return the sketch of a tree at its start: bodies, centres of mass, joints, and what acts on them.
 
     Bodies are drawn to scale as uniform solids of the same mass and inertia; lengths of arrows say nothing.
-    Weights act at centres of mass; at joints stand the torques and forces on the child by springs, dampers and
-    motors, with their sense at the start; reactions of the ground at joints and contacts are drawn against
-    gravity, as their direction is not known. Springs between points are dotted, rods dashed.
+    Weights act at centres of mass; at joints stand torques and forces on the child by springs, dampers
+    and motors, with their sense at the start; reactions of the ground at joints and contacts are drawn
+    against gravity, as their direction is not known. Springs between points are dotted, rods dashed.
     """
-    s = _Sketch.of(scene)
-    items: list[Item] = [*s.shapes, *_ground(s)]
+    s = TreeSketch.of(scene)
+    items: list[Item] = [*s.shapes]
     for body in s.tree.bodies:
         items += _body(s, body.name)
     for joint in s.tree.ordered:
@@ -92,17 +103,17 @@ def tree_sketch(scene: TreeScene) -> Picture:
     for constraint in s.tree.constraints:
         items += _constraint(s, constraint)
     items += [*_springs(s), *_loads(s), *_rotors(s)]
-    items = [_upright(item, s.upright) for item in items]
+    items = [upright(item, s.upright) for item in items]
     view = best_view((), items, CROWDED)
     if len(s.tree.bodies) <= MOST_NAMED:
         centres = {plain(b.name): s.upright @ s.centre(b.name) for b in s.tree.bodies}
         items += names(centres, items, view, 0.17 * s.size)
+    items += [*_ground(s, items, view)]
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.4, view=view)
-    words = f"Forces and torques: {plain(scene.title or scene.name)}"
-    return check(Picture(((panel,),), words, _told(s)))
+    return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
 
 
-def _upright(item: Item, R: Floats) -> Item:
+def upright(item: Item, R: Floats) -> Item:
     """Return an item of a sketch, turned."""
     if isinstance(item, Curve | Marks):
         return replace(item, points=item.points @ R.T)
@@ -113,20 +124,28 @@ def _upright(item: Item, R: Floats) -> Item:
     return replace(item, place=R @ item.place)
 
 
-def _told(s: _Sketch) -> str:
+def _told(s: TreeSketch) -> str:
+    count = len(s.tree.bodies)
     held = ", ".join(c.name for c in s.tree.constraints)
     words = (
-        f"{len(s.tree.bodies)} bodies at the start, drawn as uniform solids of the same inertia."
+        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as "
+        "uniform solids of the same inertia."
     )
     return words + (f" Bound by {held}." if held else "")
 
 
-def _ground(s: _Sketch) -> Iterator[Item]:
+def _ground(s: TreeSketch, items: list[Item], view: tuple[float, float]) -> Iterator[Item]:
+    """Yield the directions of the ground's axes, at the lower left of all else."""
+    across, up = paper(view)
+    points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
+    left, low = float(np.nanmin(points @ across)), float(np.nanmin(points @ up))
+    corner = (left - 0.45 * s.size) * across + (low + 0.1 * s.size) * up
     for k, letter in enumerate("xyz"):
-        yield Arrow(np.zeros(3), 0.3 * s.size * np.eye(3)[k], "black", 1.6, f"${letter}$")
+        end = corner + 0.35 * s.size * s.upright[:, k]
+        yield Arrow(corner, end, "black", 1.6, f"${letter}$")
 
 
-def _body(s: _Sketch, body: str) -> Iterator[Item]:
+def _body(s: TreeSketch, body: str) -> Iterator[Item]:
     """Yield the bones of a body, its centre of mass with its name, and its weight."""
     centre, origin = s.centre(body), s.bodies[body].origin
     ends = [s.joints[j.name][0].origin for j in s.tree.ordered if j.parent == body]
@@ -141,7 +160,7 @@ def _body(s: _Sketch, body: str) -> Iterator[Item]:
         yield from force(centre, s.down, 0.4 * s.size, weight)
 
 
-def _joint(s: _Sketch, joint: Joint) -> Iterator[Item]:
+def _joint(s: TreeSketch, joint: Joint) -> Iterator[Item]:
     """Yield a joint's point, what acts through it on the child, and the reaction of the ground."""
     frame, columns = s.joints[joint.name]
     if joint.kind == "free":
@@ -180,7 +199,7 @@ def _kind_of_law(joint: Joint, k: int) -> str:
     return ", ".join(words + ["motor"] * bool(joint.motors))
 
 
-def _constraint(s: _Sketch, c: Constraint) -> Iterator[Item]:
+def _constraint(s: TreeSketch, c: Constraint) -> Iterator[Item]:
     away = 0.1 * s.size * np.array([0.6, 0.6, 0.6])
     if isinstance(c, Loop):
         yield from marked(s.on_body(c.first, c.on_first.position), plain(c.name), away, "green")
@@ -195,7 +214,7 @@ def _constraint(s: _Sketch, c: Constraint) -> Iterator[Item]:
         yield from push(point, way, 0.4 * s.size, f"$R_{{{name(c.name).strip('$')}}}$")
 
 
-def _contact(s: _Sketch, c: Rolling) -> Iterator[Item]:
+def _contact(s: TreeSketch, c: Rolling) -> Iterator[Item]:
     """Yield the point of contact of a wheel or ball, the plane round it, and the plane's reaction."""
     normal = numbers(c.normal, s.known)
     towards = -normal
@@ -214,7 +233,7 @@ def _contact(s: _Sketch, c: Rolling) -> Iterator[Item]:
     yield from push(point, normal, 0.45 * s.size, f"$R_{{{name(c.name).strip('$')}}}$")
 
 
-def _springs(s: _Sketch) -> Iterator[Item]:
+def _springs(s: TreeSketch) -> Iterator[Item]:
     for spring in s.tree.springs:
         ends = np.stack(
             [s.on_body(b, p) for b, p in zip(spring.bodies, spring.points, strict=True)]
@@ -223,7 +242,7 @@ def _springs(s: _Sketch) -> Iterator[Item]:
         yield from marked(ends.mean(axis=0), plain(spring.name), np.zeros(3), FORCE)
 
 
-def _loads(s: _Sketch) -> Iterator[Item]:
+def _loads(s: TreeSketch) -> Iterator[Item]:
     for load in s.tree.loads:
         C = s.bodies[load.body].C if load.axes == "body" else np.eye(3)
         point, length = s.on_body(load.body, load.point), 0.4 * s.size
@@ -232,7 +251,7 @@ def _loads(s: _Sketch) -> Iterator[Item]:
         yield from torque(point, numbers(load.torque, s.known) @ C, length, f"$M_{{{label}}}$")
 
 
-def _rotors(s: _Sketch) -> Iterator[Item]:
+def _rotors(s: TreeSketch) -> Iterator[Item]:
     for rotor in s.tree.rotors:
         centre, axis = s.centre(rotor.body), numbers(rotor.axis, s.known) @ s.bodies[rotor.body].C
         words = plain(rotor.name)

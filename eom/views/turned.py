@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from eom.errors import InputError
 from eom.views import formulas
-from eom.views.depth import TIP, diagonal
+from eom.views.depth import TIP, bounds, diagonal
+from eom.views.extras import require
 from eom.views.meshes import Faces, tip
 from eom.views.picture import (
     COLOURS,
@@ -33,7 +33,7 @@ from eom.views.picture import (
     check,
     placed,
 )
-from eom.views.printed import bounds, height_of
+from eom.views.printed import height_of
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -50,6 +50,8 @@ INCH = 96.0
 EYE = {"x": 1.5, "y": 1.05, "z": 0.8}
 DOT, ROD = 0.45, 1.8
 """What makes marks and lines in space look as large as those in a plane."""
+AWAY = 0.03
+"""How far words stand from the tip of their arrow in space, as a part of the diagonal."""
 GRID, LINE = "#dddddd", "#777777"
 LIGHTING = {"ambient": 0.75, "diffuse": 0.35, "specular": 0.05, "roughness": 0.9}
 
@@ -60,6 +62,7 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     Without a size the figure is as wide as where it is shown. Raises `InputError` for a picture that
     cannot be drawn (`picture.check`).
     """
+    require("plotly")
     import plotly.graph_objects as go
 
     return go.Figure(described(picture, size), skip_invalid=False)
@@ -68,7 +71,6 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
 def described(picture: Picture, size: tuple[float, float] | None = None) -> Data:
     """Return the same figure as Plotly's JSON: ``data`` and ``layout``, lists and numbers alone."""
     check(picture)
-    size = size or picture.size
     rows = [row for row in picture.rows if row]
     layout: Data = {
         "title": {
@@ -79,27 +81,43 @@ def described(picture: Picture, size: tuple[float, float] | None = None) -> Data
         "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#222222"},
         "paper_bgcolor": "#ffffff",
         "plot_bgcolor": "#ffffff",
-        "margin": {"l": 60, "r": 20, "t": 60 if picture.title else 30, "b": 90},
+        "margin": {"l": 60, "r": 20, "t": 70 if picture.title else 30, "b": 100},
         "hovermode": "closest",
         "annotations": [],
         "showlegend": True,
     }
-    if size is not None:
-        layout |= {"width": size[0] * INCH, "height": size[1] * INCH}
+    if pixels := _pixels(picture, size, layout["margin"]):
+        layout |= dict(zip(("width", "height"), pixels, strict=True))
     data: list[Data] = []
     counts = {"scene": 0, "x": 0}
     for number, (panel, domain, row) in enumerate(_placed(rows), 1):
         kind = "scene" if len(panel.axes) == 3 else "x"
         counts[kind] += 1
-        shared = any(len(other.axes) == 3 for other in rows[row])
+        shared = _has_space(rows[row])
         legend = f"legend{2 + row}" if shared else f"legend{100 + number}"
-        layout[legend] = _below(domain) if shared else _inside(domain)
+        layout[legend] = _below(domain, rows[row]) if shared else _inside(domain)
         draw = _space if kind == "scene" else _plane
         data += draw(panel, domain, legend, counts[kind], layout)
         if panel.title:
             layout["annotations"].append(_title(panel.title, domain))
     _list_once(data)
     return {"data": data, "layout": layout}
+
+
+def _pixels(
+    picture: Picture, size: tuple[float, float] | None, margin: Mapping[str, int]
+) -> tuple[float, float] | None:
+    """Return the size that was asked for, or the one that the words of a picture need, without margins."""
+    if size is not None:
+        return size[0] * INCH, size[1] * INCH
+    if picture.size is None:
+        return None
+    across, up = (margin[a] + margin[b] for a, b in ("lr", "tb"))
+    return picture.size[0] * INCH + across, picture.size[1] * INCH + up
+
+
+def _has_space(row: tuple[Panel, ...]) -> bool:
+    return any(len(panel.axes) == 3 for panel in row)
 
 
 def _list_once(data: list[Data]) -> None:
@@ -119,7 +137,7 @@ def _nth(word: str, number: int) -> str:
 def _placed(rows: list[tuple[Panel, ...]]) -> Iterator[tuple[Panel, Data, int]]:
     """Yield each panel, the ranges of its place in parts of the picture from the bottom left, its row."""
     heights = np.array([max(height_of(panel) for panel in row) for row in rows])
-    gaps = GAP * 1.4 if len(rows) > 1 else 0.0
+    gaps = (2.4 if any(_has_space(row) for row in rows[:-1]) else 1.4) * GAP
     heights = heights / heights.sum() * (1 - gaps * (len(rows) - 1))
     top = 1.0
     for number, (row, height) in enumerate(zip(rows, heights, strict=True)):
@@ -132,13 +150,18 @@ def _placed(rows: list[tuple[Panel, ...]]) -> Iterator[tuple[Panel, Data, int]]:
 
 
 def _inside(domain: Data) -> Data:
+    """Return the place of a legend of one panel: to its right where there is room."""
+    if domain["x"][1] > 1 - GAP:
+        return {"x": 1.01, "y": domain["y"][1], "xanchor": "left", "yanchor": "top"}
     place = {"x": domain["x"][1], "y": domain["y"][1], "xanchor": "right", "yanchor": "top"}
     return {**place, "bgcolor": "rgba(128,128,128,0.08)"}
 
 
-def _below(domain: Data) -> Data:
-    """Return the place of a legend below a whole row."""
-    place = {"x": 0.5, "y": domain["y"][0], "xanchor": "center", "yanchor": "top"}
+def _below(domain: Data, row: tuple[Panel, ...]) -> Data:
+    """Return the place of a legend below a whole row, and below the ticks of its planes."""
+    ticks = any(len(panel.axes) == 2 and not panel.bare for panel in row)
+    y = domain["y"][0] - (1.6 * GAP if ticks else 0.0)
+    place = {"x": 0.5, "y": y, "xanchor": "center", "yanchor": "top"}
     return {**place, "orientation": "h", "bgcolor": "rgba(0,0,0,0)"}
 
 
@@ -158,7 +181,7 @@ def _title(text: str, domain: Data) -> Data:
 
 def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -> list[Data]:
     scene = _nth("scene", number)
-    low, high = bounds(panel)
+    low, high = _with_words(panel, *bounds(panel))
     extent = high - low if panel.equal else np.ones(3)
     ratio = extent / np.linalg.norm(extent) * 1.6
     ranges = zip("xyz", panel.axes, low, high, strict=True)
@@ -168,7 +191,7 @@ def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -
         "aspectmode": "manual",
         "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True)),
         "camera": {"eye": _eye(panel), "center": {"x": 0, "y": 0, "z": -0.17}},
-        "annotations": [note for item in panel.items for note in _notes(item)],
+        "annotations": [note for item in panel.items for note in _notes(item, diagonal(low, high))],
         **axes,
     }
     size = diagonal(low, high)
@@ -177,6 +200,15 @@ def _space(panel: Panel, domain: Data, legend: str, number: int, layout: Data) -
         for item in panel.items
         for trace in _in_space(item, size)
     ]
+
+
+def _with_words(panel: Panel, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+    """Return limits that leave room for the words of arrows, which Plotly hides outside of them."""
+    if not any(isinstance(item, Arrow) and item.words for item in panel.items):
+        return low, high
+    room = 1.1 * AWAY * diagonal(low, high)
+    free = np.array([axis.limits is None for axis in panel.axes])
+    return low - room * free, high + room * free
 
 
 def _eye(panel: Panel) -> Data:
@@ -204,11 +236,13 @@ def _space_axis(axis: Axis, low: float, high: float, bare: bool) -> Data:
     }
 
 
-def _notes(item: Item) -> list[Data]:
+def _notes(item: Item, size: float) -> list[Data]:
     if isinstance(item, Words):
         place, text = item.place, item.text
     elif isinstance(item, Arrow) and item.words:
-        place, text = item.end + 0.06 * np.subtract(item.end, item.start), item.words
+        way = np.subtract(item.end, item.start)
+        place = item.end + AWAY * size * way / max(float(np.linalg.norm(way)), 1e-300)
+        text = item.words
     else:
         return []
     at = dict(zip("xyz", map(float, place), strict=True))
@@ -304,6 +338,7 @@ def _plane_axis(axis: Axis, bare: bool, decades: float) -> Data:
         "showline": True,
         "ticks": "outside",
         "zeroline": False,
+        "automargin": True,
         "exponentformat": "power" if axis.scale == "log" else "e",
     }
     if axis.scale == "log" and decades > 1:
@@ -405,16 +440,18 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
     """
     import json
 
-    data = json.dumps(described(picture, size), separators=(",", ":"), allow_nan=False)
+    made = described(picture, size)
+    data = json.dumps(made, separators=(",", ":"), allow_nan=False)
     for character in "<>&":
         data = data.replace(character, f"\\u{ord(character):04x}")
+    usual = INCH * sum(max(map(height_of, row)) for row in picture.rows if row)
     title = formulas.as_text(picture.title) or "Picture"
     words = formulas.as_text(picture.caption)
     return PAGE.format(
         title=html.escape(title),
         words=html.escape(words or title),
         caption=f"<p>{html.escape(words)}</p>\n" if words else "",
-        height=size[1] if size else sum(max(map(height_of, row)) for row in picture.rows if row),
+        height=made["layout"].get("height", usual) / INCH,
         library=library(),
         data=data,
     )
@@ -423,13 +460,7 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
 @lru_cache(maxsize=1)
 def library() -> str:
     """Return plotly.js as it goes into a page. Raises `InputError` where Plotly is missing."""
-    try:
-        from plotly.offline import get_plotlyjs
-    except ImportError:
-        raise missing() from None
+    require("plotly")
+    from plotly.offline import get_plotlyjs
+
     return str(get_plotlyjs()).replace("</script", "<\\/script")
-
-
-def missing() -> InputError:
-    """Return the error for a renderer that is not installed."""
-    return InputError("Plotly is not installed", hint="pip install 'eom-toolkit[turn]'")

@@ -24,11 +24,15 @@ def best_view(
 ) -> tuple[float, float]:
     """Return elevation and azimuth (degrees) for arcs about some axes and arrows with words.
 
-    ``apart``: which distance of names is enough, over the largest. The usual view is taken where it is as good
-    as any.
+    ``apart``: which distance of names is enough, over the largest. The usual view is taken where it is
+    as good as any.
     """
     tips = np.array([i.end for i in items if isinstance(i, Arrow) and i.words])
-    return max(_views(), key=lambda view: _worth(view, arcs, tips, apart))
+    views = list(_views())
+    worth = _worth(
+        np.array(views), arcs, np.concatenate([tips.reshape(-1, 3), np.zeros((1, 3))]), apart
+    )
+    return views[int(np.argmax(np.round(worth, 9)))]
 
 
 def _views() -> Iterator[tuple[float, float]]:
@@ -45,12 +49,18 @@ def line_of_sight(view: tuple[float, float]) -> Floats:
     return np.array(way)
 
 
-def _worth(view: tuple[float, float], arcs: Sequence[Floats], tips: Floats, enough: float) -> float:
-    sight = line_of_sight(view)
-    seen = min((abs(float(axis @ sight)) for axis in arcs), default=1.0)
-    places = np.concatenate([tips - np.outer(tips @ sight, sight), np.zeros((1, 3))])
-    distances = np.linalg.norm(places[:, None] - places[None], axis=-1)
-    apart = float(np.min(distances + 1e9 * np.eye(len(places))))
-    largest = max(float(np.max(np.abs(tips), initial=0.0)), 1e-300)
-    far = (abs(view[0] - USUAL[0]) + abs(view[1] - USUAL[1])) / 180
-    return min(seen / OPEN, 1.0) + min(apart / (enough * largest), 1.0) - FAR * far
+def _worth(views: Floats, arcs: Sequence[Floats], places: Floats, enough: float) -> Floats:
+    """Return how good each view is; ``places``: of names, shape (N, 3), which are seen apart or not."""
+    sights = np.array([line_of_sight((up, around)) for up, around in views.tolist()])
+    seen = np.abs(np.array(arcs).reshape(-1, 3) @ sights.T).min(axis=0, initial=1.0)
+    first, second = np.triu_indices(len(places), 1)
+    between = places[first] - places[second]
+    along = between @ sights.T
+    across = np.maximum(np.sum(between**2, axis=1)[:, None] - along**2, 0.0)
+    apart = np.sqrt(across.min(axis=0, initial=np.inf))
+    largest = max(float(np.abs(places).max()), 1e-300)
+    far = np.abs(views - USUAL).sum(axis=1) / 180
+    worth: Floats = (
+        np.minimum(seen / OPEN, 1.0) + np.minimum(apart / (enough * largest), 1.0) - FAR * far
+    )
+    return worth

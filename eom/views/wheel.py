@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from eom.errors import InputError
 from eom.views.frame_sketches import SPACE
+from eom.views.lettering import plain
 from eom.views.meshes import grid_faces
 from eom.views.picture import Curve, Floats, Item, Panel, Picture, Surface, check
 from eom.views.turns import Frame, after_turns, arc, arc_points, triads
 from eom.views.viewpoint import best_view
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
 
 SEQUENCE = "3-1-2"
 FRAMES = (("i", "black", 1.75), ("a", "blue", 1.6), ("b", "green", 1.6), ("c", "red", 1.25))
@@ -23,9 +29,9 @@ RIM, SPOKES = 1.0, 8
 def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
     r"""Return the wheel at an attitude psi, theta, phi (rad): turns about axes 3, 1 and 2.
 
-    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about the
-    vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the axle.
-    Lengths are without a unit. Raises `InputError` for angles that are no numbers.
+    The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
+    the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
+    axle. Lengths are without a unit. Raises `InputError` for angles that are no numbers.
     """
     rows = zip(FRAMES, after_turns(SEQUENCE, angles), strict=True)
     i, a, b, c = (Frame(letter, C, colour, size) for (letter, colour, size), C in rows)
@@ -45,6 +51,26 @@ def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
     )
     words = title or "The 3-1-2 spinning symmetric body"
     return check(Picture(((panel,),), words, told))
+
+
+def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
+    """Return the wheel of a spinner's scene at a time (s); without a time at angles that are seen well.
+
+    Raises `InputError` as the run does, and for a scene that is no spinner's.
+    """
+    from eom.scene import Scene
+    from eom.views.runs import run
+    from eom.views.tracks import with_attitude
+
+    if not isinstance(scene, Scene) or scene.model != "spinner":
+        raise InputError("not the scene of a spinner", where=scene.title or scene.name)
+    title = plain(scene.title or scene.name)
+    if seconds is None:
+        return wheel(title=title)
+    result, _ = run(with_attitude(scene, 2, seconds))
+    if not result.t_stop == seconds:
+        raise InputError("the run stopped before", where=title, got=result.message)
+    return wheel([float(result[n][-1]) for n in ("psi", "theta", "phi")], title)
 
 
 def _body(frame: Frame) -> Iterator[Item]:

@@ -257,24 +257,6 @@ def test_comparisons_are_of_this_projects_fastest_method(known):
     }
 
 
-def test_the_picture_shows_each_program(tmp_path):
-    pytest.importorskip("matplotlib")
-    from matplotlib.figure import Figure
-
-    rows = programs.programs(["scipy:RK45", "solve_ivp:DOP853"])
-    diagram = measuring.measure(CASE, rows, replace(QUICK, tolerances=(1e-3, 1e-5)))
-    figure = Figure()
-    showing.draw(figure, diagram)
-    (axis,) = figure.axes
-    assert [line.get_label() for line in axis.get_lines()] == [row.name for row in rows]
-    assert axis.xaxis_inverted()
-    for line, name in zip(axis.get_lines(), showing.names(diagram.points), strict=True):
-        own = [p for p in diagram.points if p.program == name]
-        np.testing.assert_array_equal(line.get_xdata(), [p.error for p in own])
-    file = showing.save(diagram, tmp_path / "d.png")
-    assert file.read_bytes().startswith(b"\x89PNG")
-
-
 @pytest.mark.skipif(not native.compiler(), reason="runs C")
 def test_generated_c_is_faster_than_a_lambdified_function():
     """By far: 20 times is asked for, hundreds are typical."""

@@ -95,13 +95,13 @@ class _Sketch:
         return number(self.scene.full_system.expand(torque.expression), self.known)
 
 
-def free_body(scene: Scene) -> Picture:
+def body_sketch(scene: Scene) -> Picture:
     """Return the sketch of a scene's body at its start, with the forces and torques that the scene states.
 
-    The reference frame has the axes a, the body (a spinner's frame that does not spin) the axes b. The body
-    is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the centre of mass
-    G along -a3, with the reaction of the fixed point O; torque by components has an arrow along each of them,
-    its sense that at the start; a gravity gradient one along the torque at the start.
+    The reference frame has the axes a, the body (a spinner's frame that does not spin) the axes b. The
+    body is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the
+    centre of mass G along -a3, with the reaction of the fixed point O; torque by components has an arrow
+    along each of them, its sense that at the start; a gravity gradient one along the torque at the start.
     """
     s = _Sketch(scene)
     C = s.C
@@ -116,8 +116,7 @@ def free_body(scene: Scene) -> Picture:
     ]
     view = best_view((), items, CROWDED)
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3, view=view)
-    words = plain(scene.title or scene.name)
-    return check(Picture(((panel,),), f"Free body: {words}", _told(s)))
+    return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
 
 
 def _told(s: _Sketch) -> str:
@@ -127,7 +126,7 @@ def _told(s: _Sketch) -> str:
         acts = "The torque of the gravity gradient acts on it, at the start along the arrow."
     else:
         acts = f"{len(s.torques) or 'No'} components of torque act on it."
-    return f"The body at the start, not to scale. {acts}"
+    return f"Free-body sketch at the start, not to scale. {acts}"
 
 
 def _points(s: _Sketch) -> Iterator[Item]:
