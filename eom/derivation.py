@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any
 
 from eom import rules
 from eom.rules import Rule
@@ -19,6 +20,9 @@ from eom.terms import Equation, Term, column, expr, nodes
 from eom.verification import DerivationError, Scalars, verify
 from eom.vocabulary import definition
 from eom.worlds import ASSUMPTIONS, closure
+
+if TYPE_CHECKING:
+    from eom.excerpts import Excerpt
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,16 @@ class Derivation:
     def system(self) -> System | None:
         """The equations of motion among the results, if there are any."""
         return next((r for r in self.result.values() if isinstance(r, System)), None)
+
+    def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
+        """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
+
+        ``labels``: of steps; `...` between two labels is all that stands between them. notation: one of
+        `eom.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
+        """
+        from eom.excerpts import Excerpt, chosen
+
+        return Excerpt(self, chosen(self, labels), notation)
 
     def _repr_markdown_(self) -> str:
         from eom.showing import show_derivation

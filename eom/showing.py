@@ -7,7 +7,7 @@ of the lectures it states, and how it was verified; assumptions are named where 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import groupby
 from typing import Any
@@ -63,6 +63,14 @@ def show_derivation(
     """
     check_choices(style, notation)
     return FORMATS[style](list(blocks(derivation, notation_named(notation), steps)))
+
+
+def show_steps(
+    derivation: Derivation, labels: Collection[str], style: str = "text", notation: str = "arrow"
+) -> str:
+    """Return some steps of a derivation, numbered as in the whole; all else as `show_derivation`."""
+    check_choices(style, notation)
+    return FORMATS[style](list(_derived(derivation, notation_named(notation), labels)))
 
 
 def check_choices(style: str, notation: str) -> None:
@@ -168,19 +176,25 @@ def _is_example(node: Term) -> bool:
 # -- steps -----------------------------------------------------------------------------------
 
 
-def _derived(derivation: Derivation, notation: Notation) -> Iterator[Block]:
-    """Yield one block a chain."""
+def _derived(
+    derivation: Derivation, notation: Notation, chosen: Collection[str] | None = None
+) -> Iterator[Block]:
+    """Yield one block a chain, of the chosen steps; of all where none are chosen."""
     before: tuple[str, ...] = ()
     number = 0
     told = (s for s in derivation.steps if not only_names(s, notation))
     for chain in chains(told):
-        lines, notes = [], []
+        lines: list[tuple[Line, ...]] = []
+        notes: list[Note] = []
         for step in chain:
             number += 1
-            lines.append(_lines(step.statement, notation, first=step is chain[0]))
+            if chosen is not None and step.label not in chosen:
+                continue
+            lines.append(_lines(step.statement, notation, first=not lines))
             notes.append(_note(step, number, before))
             before = step.assumptions
-        yield Steps(tuple(notes), tuple(lines))
+        if lines:
+            yield Steps(tuple(notes), tuple(lines))
 
 
 def separate(derivation: Derivation, notation: Notation) -> Iterator[Steps]:
@@ -361,7 +375,7 @@ def _latex(shown: list[Block]) -> str:
 
 
 def _html(shown: list[Block]) -> str:
-    title = next(b.words for b in shown if isinstance(b, Heading))
+    title = next((b.words for b in shown if isinstance(b, Heading)), "Derivation")
     return pages.html_page(shown, title)
 
 

@@ -1,12 +1,10 @@
-"""What the documents show works: blocks of the README, notebooks."""
+"""What the documents show works: blocks of the README."""
 
-import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-import pytest
 from click.testing import CliRunner
 
 from eom.__main__ import main
@@ -56,27 +54,3 @@ def test_the_report_that_the_readme_shows_is_that_of_the_checker():
     done = CliRunner().invoke(main, ["check", formula, "--notation", "kane"])
     assert done.exit_code == 1
     assert shown.strip() in done.output
-
-
-@pytest.mark.parametrize(
-    "notebook", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda p: p.stem
-)
-def test_notebook_runs_and_keeps_its_outputs(notebook, tmp_path):
-    """In a process of its own: the kernel's machinery warns about itself."""
-    code = (
-        "import sys, nbformat, nbclient\n"
-        "nb = nbformat.read(sys.argv[1], 4)\n"
-        "kept = [bool(c.outputs) for c in nb.cells if c.cell_type == 'code']\n"
-        "assert sum(kept) >= len(kept) - 1, 'outputs are not kept'\n"
-        "nbclient.NotebookClient(nb, timeout=120, kernel_name='python3').execute()\n"
-    )
-    environment = {**os.environ, "IPYTHONDIR": str(tmp_path), "JUPYTER_RUNTIME_DIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(notebook)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=environment,
-        cwd=tmp_path,
-    )
-    assert done.returncode == 0, done.stderr[-3000:]

@@ -26,6 +26,7 @@ from eom.checker.places import NOWHERE, ReadingError, Span, printable
 from eom.checker.report import Finding, Remark, Report
 from eom.checker.review import Reviewed, review
 from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.checker.systems import covered
 from eom.checker.values import ILL_FORMED
 from eom.checker.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.errors import InputError
@@ -98,7 +99,19 @@ def check_note(note: Note, settings: Settings) -> Report:
         for add in PASSES:
             found = _added(add, found, settings)
         words = _in_words(document, reviewed, settings, known.draft is not None)
+        known = _confirmed(known, found, settings)
     return _report(document, known, settings, [*(f.finding for f in found), *words])
+
+
+def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
+    """Return the meanings without their draft where the system that was named gives all of them."""
+    claims = [[j.claim for j in f.verdict.claims] for f in found]
+    model = known.lexicon.system
+    if settings.system is None or known.draft is None or model is None or not claims:
+        return known
+    if all(some and all(covered(c) for c in some) for some in claims):
+        return Meanings(known.lexicon, f"letters of {model.name or model.system.name}")
+    return known
 
 
 def _in_words(

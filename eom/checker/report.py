@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from typing import Any
 
 from eom.checker.explanation import UNEXPLAINED, Explanation
 from eom.checker.places import NOWHERE, Source, Span
@@ -117,3 +118,15 @@ class Report:
     def faults(self) -> tuple[Finding, ...]:
         """What is wrong or ill-formed."""
         return tuple(f for f in self.findings if f.verdict in FAULTS)
+
+    def __str__(self) -> str:
+        """Return the report as text, as `eom check` prints it."""
+        from eom.checker.graded import Graded
+        from eom.checker.report_text import text, told
+
+        return "\n".join(text(line) for line in told(Graded(self.name, self)))
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """Print the report in a notebook."""
+        del cycle
+        printer.text(str(self))

@@ -208,7 +208,7 @@ def _herpolhode(d: Maker) -> None:
 
 def _precession(d: Maker) -> None:
     d.only("torque_free", "symmetric")
-    It, Ia = sp.symbols("It Ia", positive=True)
+    It, Ia = sp.symbols("I_t I_a", positive=True)
     b3 = AXES[2]
     d.name_scalar(It, dot(AXES[0], dot(J, AXES[0])), "moment across the axis of symmetry")
     d.name_scalar(Ia, dot(b3, dot(J, b3)), "moment about the axis of symmetry")
@@ -225,7 +225,7 @@ def _precession(d: Maker) -> None:
     )
     d.state(
         Equation(der(b3), expr(1 / It) * cross(H, b3)),
-        "the axis turns about h at the rate H/It: the space cone",
+        "the axis turns about h at the rate H/I_t: the space cone",
         label="precession",
     )
     d.state(Equation(der(dot(H, b3)), number(0)), "at a constant angle", label="nutation")

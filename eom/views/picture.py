@@ -125,6 +125,12 @@ class Picture:
     size: tuple[float, float] | None = None
     """Width and height in inches that its words need, where they need more than panels do."""
 
+    def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+        """Show the picture in a notebook."""
+        from eom.views.notebook import bundle
+
+        return bundle(self)
+
 
 def points(*coordinates: ArrayLike) -> Floats:
     """Return arrays of coordinates, each of shape (N,), as points of shape (N, 2) or (N, 3)."""

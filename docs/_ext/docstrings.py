@@ -1,0 +1,47 @@
+"""Docstrings as they are written in the code, made safe for reStructuredText.
+
+The house writes plain sentences with names in backticks; signs that mean something else to
+reStructuredText, as in ``|q|`` or ``f*g``, are taken as they stand.
+"""
+
+import re
+from typing import Any
+
+from docutils import nodes
+from sphinx.application import Sphinx
+
+_SPANS = re.compile(r"(``.+?``|`[^`]+`)")
+_ALIAS = re.compile(r"TypeAliasForwardRef\('(\w+)'\)")
+_SIGNS = re.compile(r"(\*|\||(?<=\w)_(?!\w))")
+
+
+def _escaped(line: str) -> str:
+    pieces = _SPANS.split(line)
+    pieces[::2] = [_SIGNS.sub(r"\\\1", piece) for piece in pieces[::2]]
+    return "".join(pieces)
+
+
+def as_written(
+    _app: Sphinx, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]
+) -> None:
+    """Escape lines outside of examples, in place."""
+    example = False
+    for k, line in enumerate(lines):
+        example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
+        indented = line.startswith("    ")
+        if not example and not indented:
+            lines[k] = _escaped(line)
+
+
+def bare_aliases(_app: Sphinx, tree: nodes.document) -> None:
+    """Show names of types that stand for others as names, in place."""
+    for text in list(tree.findall(nodes.Text)):
+        if "TypeAliasForwardRef" in text:
+            text.parent.replace(text, nodes.Text(_ALIAS.sub(r"\1", text)))
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Listen to autodoc."""
+    app.connect("autodoc-process-docstring", as_written)
+    app.connect("doctree-read", bare_aliases)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,153 @@
+"""Tables that are made from the package's own data, so that they cannot fall behind it.
+
+In a page: a block ``{shown-table} NAME`` with a name of `TABLES`.
+"""
+
+import itertools
+from collections.abc import Callable, Iterable, Sequence
+from typing import ClassVar
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+from sphinx.application import Sphinx
+
+Rows = list[tuple[str, ...]]
+
+
+def _books() -> Rows:
+    from eom.conventions import BOOKS
+
+    return [
+        (f"`{name}`", title, made.direction, made.order, made.scalar, made.products,
+         made.sequence, f"{made.reference}, {made.body}")
+        for name, (title, made) in BOOKS.items()
+    ]  # fmt: skip
+
+
+def _choices() -> Rows:
+    from eom.conventions import CHOICES, HOUSE
+
+    return [
+        (name, f"{value} (here)" if value == getattr(HOUSE, name) else value, meaning)
+        for name, values in CHOICES.items()
+        for value, meaning in values.items()
+    ]
+
+
+def _methods() -> Rows:
+    from codegen.integrate.methods import ROWS
+
+    told = {True: "yes", False: "no"}
+    return [(f"`{m.name}`", m.meaning, told[m.projects], told[m.finds]) for m in ROWS]
+
+
+def _assumptions() -> Rows:
+    from eom.worlds import ASSUMPTIONS
+
+    return [
+        (f"`{name}`", row.meaning, ", ".join(f"`{n}`" for n in row.needs))
+        for name, row in ASSUMPTIONS.items()
+    ]
+
+
+def _scenes() -> Rows:
+    from eom import catalogue
+
+    return [(f"`{name}`", title) for name, title in catalogue.titles().items()]
+
+
+def _targets() -> Rows:
+    from codegen.targets.registry import ROWS
+
+    return [(f"`{name}`", f".{row.extension}") for name, row in sorted(ROWS.items())]
+
+
+def _presets() -> Rows:
+    from importlib import resources
+
+    folder = resources.files("eom.checker") / "presets"
+    files = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
+    texts = [(p.name.removesuffix(".toml"), p.read_text(encoding="utf-8")) for p in files]
+    return [(f"`{name}`", _first_sentence(text)) for name, text in texts]
+
+
+def _first_sentence(text: str) -> str:
+    """Return the first sentence of the comment that a file begins with."""
+    lines = itertools.takewhile(lambda line: line.startswith("#"), text.splitlines())
+    return " ".join(line.lstrip("# ") for line in lines).split(". ")[0].rstrip(".")
+
+
+def _tree_outputs() -> Rows:
+    from eom.multibody.outputs import GROUPS
+
+    told = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
+    return [
+        *told,
+        ("`reactions`", "forces and torques through joints: `F_JOINT_1`, ..., `M_JOINT_3`"),
+        ("`drives`", "what moves prescribed joints: `tau_JOINT`"),
+        ("`points`", "points of bodies: `x_POINT_1`, `v_POINT_1`, `a_POINT_1`, ..."),
+        ("`constraint_forces`", "multipliers: `lambda_CONSTRAINT`, ..."),
+    ]
+
+
+def _pictures() -> Rows:
+    from eom.views.gallery import PICTURES
+
+    return [(f"`{name}`", entry.words, entry.needs) for name, entry in PICTURES.items()]
+
+
+TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
+    "books": (
+        ("name", "book or program", "matrix", "angles turn about", "scalar", "products", "angles", "axes"),
+        _books,
+    ),
+    "choices": (("choice", "value", "meaning"), _choices),
+    "methods": (("method", "what it is", "projects", "finds events"), _methods),
+    "assumptions": (("assumption", "meaning", "needs"), _assumptions),
+    "scenes": (("scene", "title"), _scenes),
+    "targets": (("target", "files"), _targets),
+    "presets": (("preset", "title"), _presets),
+    "pictures": (("picture", "what it shows", "of"), _pictures),
+    "tree-outputs": (("word", "outputs"), _tree_outputs),
+}  # fmt: skip
+
+
+def inline(text: str) -> list[nodes.Node]:
+    """Return words, with what stands in backticks as code."""
+    pieces = text.split("`")
+    made = [nodes.literal if k % 2 else nodes.Text for k in range(len(pieces))]
+    return [
+        make(piece) if make is nodes.Text else nodes.literal(piece, piece)
+        for make, piece in zip(made, pieces, strict=True)
+        if piece
+    ]
+
+
+def _row(cells: Iterable[str]) -> nodes.row:
+    return nodes.row("", *(nodes.entry("", nodes.paragraph("", "", *inline(c))) for c in cells))
+
+
+def table(head: Sequence[str], rows: Rows) -> nodes.table:
+    """Return a table as a node of the page; columns as wide as their words."""
+    columns = [nodes.colspec(colwidth=1) for _ in head]
+    group = nodes.tgroup("", *columns, nodes.thead("", _row(head)), cols=len(head))
+    group += nodes.tbody("", *map(_row, rows))
+    return nodes.table("", group, classes=["colwidths-auto"])
+
+
+class ShownTable(Directive):
+    """``{shown-table} NAME``."""
+
+    required_arguments = 1
+    option_spec: ClassVar = {}
+
+    def run(self) -> list[nodes.Node]:
+        """Return the table."""
+        head, rows = TABLES[self.arguments[0]]
+        return [table(head, rows())]
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Add the block."""
+    app.add_directive("shown-table", ShownTable)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,110 @@
+"""The documentation: every block of every page runs, and prints what the page shows."""
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from codegen import native
+from tests.pages import Block, agrees, blocks
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+MADE = DOCS / "howto" / "pictures.md"
+"""The page that is run when the site is built (`docs/_ext/made.py`): the site shows what it makes."""
+PAGES = sorted(
+    page
+    for page in DOCS.rglob("*.md")
+    if page != MADE
+    and any(b.language in {"python", "bash"} for b in blocks(page.read_text(encoding="utf-8")))
+)
+NEEDS = {"many-bodies": "yourdfpy", "monte-carlo": "zarr", "tutorial": "matplotlib"}
+TASKS = 10
+
+
+@pytest.mark.skipif(not native.compiler(), reason="pages show runs in C")
+@pytest.mark.skipif(sys.platform == "win32", reason="pages run in forks of one process")
+def test_blocks_of_all_pages_run_and_print_what_is_shown():
+    absent = {name for name, module in NEEDS.items() if importlib.util.find_spec(module) is None}
+    pages = [str(page) for page in PAGES if page.stem not in absent]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(ROOT / "tests" / "pages.py"), *pages],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert set(told) == set(pages)
+    wrong = "\n".join(f"{page}\n{words}" for page, words in told.items() if words)
+    assert not wrong, wrong
+
+
+def test_there_is_a_page_a_task_and_each_is_run():
+    tasks = {page.stem for page in (DOCS / "howto").glob("*.md")} - {"index", MADE.stem}
+    assert len(tasks) >= TASKS
+    assert tasks <= {page.stem for page in PAGES}
+    assert {"tutorial", "conventions", "verification", "accuracy", "checking"} <= {
+        page.stem for page in PAGES
+    }
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "same"),
+    [
+        ("error 3e-07", "error 3e-07", True),
+        ("error 3e-07", "error 4e-07", False),
+        ("tilt 0.618067738 rad", "tilt 0.618067739 rad", True),
+        ("tilt 0.618067738 rad", "tilt 0.618067838 rad", False),
+        ("drift 8.0e-16", "drift 1.2e-15", True),
+        ("drift 8.0e-16", "drift 1.2e-11", False),
+        ("time  0.05 ms", "time 7.25 ms", True),
+        ("wrote x (1,234 bytes)", "wrote x (91 bytes)", True),
+        ("steps 1,234", "steps 1,235", True),
+        ("steps 1,234", "steps 2,345", False),
+        ("a\n...\nd", "a\nb\nc\nd", True),
+        ("a\n...\nd", "a\nb\nc", False),
+        ("omega_1 = 2", "omega_2 = 2", False),
+        ("two  words", "two words", True),
+        ("all of it", "all of it, and more", False),
+    ],
+)
+def test_what_is_shown_is_compared_by_words_and_digits(shown, printed, same):
+    assert agrees(shown, printed) is same
+
+
+def test_blocks_are_found_with_their_files_and_lines():
+    page = (
+        "# Page\n\n```python\nx = 1\n```\n\n```{admonition} Note\n:class: tip\n\nwords\n```\n\n"
+        "```{code-block} toml\n:caption: a.toml\n\nb = 2\n```\n\n```{shown-table} books\n```\n"
+    )
+    assert list(blocks(page)) == [
+        Block("python", "", "x = 1\n", 3),
+        Block("toml", "a.toml", "b = 2\n", 13),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("page", "words"),
+    [
+        ("```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n", "page.md, line 5"),
+        ("```bash\neom list nothing\n```\n", "exit status 2"),
+        ("```console\nrm -rf build\n```\n", "page.md, line 1"),
+        ("```python\n1 / 0\n```\n", "ZeroDivisionError"),
+    ],
+)
+def test_a_page_that_shows_something_else_fails(page, words, tmp_path):
+    path = tmp_path / "page.md"
+    path.write_text(page, encoding="utf-8")
+    command = [sys.executable, str(ROOT / "tests" / "pages.py"), str(path)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
+    )
+    assert done.returncode == 1
+    assert words in done.stderr
