@@ -36,7 +36,7 @@ def save(result: Result, path: str | Path) -> Path:
     """
     file = Path(path)
     check_kind(file)
-    return _whole(file, lambda part: _TABLES[file.suffix](result, part))
+    return whole(file, lambda part: _TABLES[file.suffix](result, part))
 
 
 def _npz(result: Result, file: Path) -> None:
@@ -70,14 +70,17 @@ def save_events(result: Result, path: str | Path) -> Path:
             for t, k, direction, *y in found:
                 stream.write(",".join(map(repr, (k, direction, t, *y))) + "\n")
 
-    return _whole(Path(path), write)
+    return whole(Path(path), write)
 
 
 _TABLES: dict[str, Callable[[Result, Path], None]] = {".npz": _npz, ".csv": _csv}
 
 
-def _whole(file: Path, write: Callable[[Path], None]) -> Path:
-    """Write a temporary file beside ``file`` and rename it into place."""
+def whole(file: Path, write: Callable[[Path], object]) -> Path:
+    """Let ``write`` write a temporary file, and rename it to ``file``: all of it appears, or nothing.
+
+    Its folder is made. Raises `InputError` where the file cannot be written.
+    """
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".eom-", dir=file.parent) as staging:

@@ -56,7 +56,7 @@ def test_slides_are_written(run, tmp_path):
     ("arguments", "message"),
     [
         (("plate.toml", "--out", "plate.svg"), "unknown kind of file"),
-        (("plate.toml", "--out", "none/plate.html"), "no such folder"),
+        (("plate.toml", "--out", "plate.toml/plate.html"), "file cannot be written"),
         (("plate.toml", "--out", "plate.html", "--fps", "10"), "this option is for slides"),
         (("plate.toml", "--out", "plate.gif", "--fps", "0"), "unusable rate of pictures"),
         (("plate.toml", "--out", "plate.gif", "--length", "-1"), "unusable length"),

@@ -71,10 +71,13 @@ def animate(
     trails, frames and vectors of omega, H and torque. An animated picture is at most 20 MB. Bodies
     without a shape are drawn as uniform bodies of equal inertia; the page says which.
     """
+    from codegen.export import whole
+
     film = _film(file, fps, length, size, dark)
     chosen = scene_of(scene, handover=handover)
     found = _animation(chosen, scene, seconds, speed, target)
-    _write(file, _page(found) if film is None else _filmed(found, file, film))
+    data = _page(found) if film is None else _filmed(found, file, film)
+    whole(file, lambda part: part.write_bytes(data))
     report_files([file])
     for note in found.notes[:1]:
         if note.startswith("stopped"):
@@ -88,8 +91,6 @@ def _film(
     if file.suffix not in {PAGE, *FILMS}:
         expected = ", ".join((PAGE, *FILMS))
         raise InputError("unknown kind of file", where="--out", got=file.name, expected=expected)
-    if not file.absolute().parent.is_dir():
-        raise InputError("no such folder", where="--out", got=str(file.parent))
     given = {"--fps": fps, "--length": length, "--size": size, "--dark": dark or None}
     if file.suffix == PAGE:
         for name, value in given.items():
@@ -145,13 +146,3 @@ def _filmed(
     fps, length, (wide, high), dark = film
     with progress_of("drawing") as progress:
         return film_bytes(animation, file.suffix, Film(wide, high, fps, dark, length), progress)
-
-
-def _write(file: Path, data: bytes) -> None:
-    """Write a file whole or not at all."""
-    part = file.with_name(f".{file.name}.part")
-    try:
-        part.write_bytes(data)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from codegen.export import whole
 from eom.errors import InputError
 from eom.views import printed, turned_page
 from eom.views.extras import installed, require
@@ -80,20 +80,7 @@ def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: floa
     kind = kind_of(file)
     check(picture)
     _check_size(size, dpi)
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".eom-", dir=file.parent) as staging:
-            part = Path(staging) / f"picture{file.suffix.lower()}"
-            kind.write(picture, part, size, dpi)
-            part.replace(file)
-    except OSError as error:
-        raise InputError(
-            "file cannot be written",
-            where=str(file),
-            got=error.strerror or str(error),
-            hint="choose a folder that you can write",
-        ) from None
-    return file
+    return whole(file, lambda part: kind.write(picture, part, size, dpi))
 
 
 def _check_size(size: Size | None, dpi: float) -> None:
