@@ -264,7 +264,7 @@ print("done")
 """
 
 
-@pytest.mark.parametrize(("quiet", "work", "shown"), [(0.0, 0.3, True), (60.0, 0.0, False)])
+@pytest.mark.parametrize(("quiet", "work", "shown"), [(0.0, 2.0, True), (60.0, 0.0, False)])
 def test_waiting_in_a_terminal(quiet, work, shown, tmp_path):
     package = tmp_path / "eom_waits.py"
     package.write_text(WAITS.format(quiet=quiet, work=work), encoding="utf-8")
