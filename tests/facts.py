@@ -37,11 +37,14 @@ INNER = frozenset(
         "codegen.program.Program",
         "codegen.tallies.Bins",
         "codegen.tallies.Moments",
+        "eom.exercises.slips.Around",
+        "eom.letters.Notation",
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.dependence.Sample",
         "eom.multibody.joints.Kind",
         "eom.terms.Equation",
         "eom.terms.Term",
+        "eom.views.figures.Figures",
     }
 )
 """Classes that users come to and need not know: how results are computed, written or verified."""

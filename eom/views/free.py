@@ -82,7 +82,7 @@ class FreeBody:
         return float(np.linalg.norm(np.multiply(self.moments, self.omega)))
 
     def axis(self, k: int) -> str:
-        """Return the letter of an axis, k = 1, 2, 3, as a formula."""
+        """Return the letter of axis ``k``, 1, 2 or 3, as a formula."""
         return rf"$\mathbf{{{self.letter}}}_{k}$"
 
     @property
@@ -104,9 +104,15 @@ class FreeBody:
 
 
 def free_body(scene: AnyScene, what: str) -> FreeBody:
-    """Return the free body of a scene, for a picture of ``what``.
+    """Return the free body of ``scene``, for a picture of ``what``.
 
-    Raises `InputError` that says why there is none: a tree of bodies, a torque, no initial rates, rest.
+    Moments, rates and attitude are those of the principal axes, which are the body's own if these are
+    principal; units and frames as of `FreeBody`. Raises `InputError` that says why there is none: a tree of
+    bodies, a torque, no initial rates, rest.
+
+    >>> import eom
+    >>> free_body(eom.load_scene("t-handle"), "polhode").moments
+    (0.00015, 0.0004, 0.00052)
     """
     from eom.scene import Scene
 
