@@ -15,7 +15,7 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Symbol:
-    """A letter, the name of a Greek letter, a number or an upright word, in a ``style``: one of `STYLES`."""
+    """A letter, name of a Greek letter, number or upright word, in a ``style``: one of `STYLES`."""
 
     name: str
     style: str = "italic"
@@ -31,7 +31,7 @@ class Accent:
 
 @dataclass(frozen=True)
 class Scripts:
-    """The box ``base`` with what stands below (``sub``), above (``sup``) and to the upper ``left`` of it."""
+    """The box ``base`` with what is below (``sub``), above (``sup``) and to the upper ``left`` of it."""
 
     base: Box
     sub: Box | None = None

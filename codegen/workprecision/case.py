@@ -58,8 +58,8 @@ class Case:
 class Reference:
     """The end of a case as ``high`` + ``low``, shape (n,), and by how much it may be wrong itself.
 
-    ``scale``: the largest size of each state on the way, shape (n,). ``error`` is in the measure of `distance`;
-    ``how``: where the numbers come from.
+    ``scale``: the largest size of each state on the way, shape (n,). ``error`` is in the measure of
+    `distance`; ``how``: where the numbers come from.
     """
 
     high: Array
@@ -73,7 +73,10 @@ class Reference:
         return float(np.max(np.abs((end - self.high) - self.low) / self.scale))
 
     def measured(self, end: Array) -> tuple[float, bool]:
-        """Return the error of ``end``, (n,), and whether it is known: below the reference's own, that is told."""
+        """Return the error of ``end``, (n,), and whether it is known.
+
+        Below the reference's own error, that one is told.
+        """
         found = self.distance(end)
         return (found, True) if found > self.error else (self.error, False)
 

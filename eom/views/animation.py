@@ -122,10 +122,13 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``scene``: of any model, its vectors in the components of A, the frame that attitude is measured in, or
-    the ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds``: of the motion, else to the scene's end; ``speed``: seconds of it that are shown in one.
-    ``robot``: shapes of bodies by name (`eom.views.robot_shapes`). Raises `InputError` for a motion that
-    turns so fast that its samples would not fit into a page of 3 MB.
+    ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
+    ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
+    the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
+    ``robot``: shapes of bodies by name (`eom.views.robot_shapes`).
+
+    Raises `InputError` for a time or speed that is not positive, for a motion that ends before it can be
+    shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
 
     >>> import eom
     >>> from eom.views.runs import run

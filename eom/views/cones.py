@@ -28,10 +28,10 @@ LENGTH = 1.25
 def cones(motion: Turning, seconds: float | None = None) -> Picture:
     """Return the body cone and the space cone of a motion at t = 0.
 
-    ``motion``: of `eom.views.rotating.turning`; ``seconds``: how much of a free body's space cone, as of
-    `herpolhode`. Edges have length 1, without a unit. Source: as of `free_cones`. Those of a free body are exact and have H upright; with a torque they are those of the integrated
-    motion, in the frame in which attitude is measured. Raises `InputError` for attitude in a frame that
-    turns, and for a body at rest.
+    ``motion``: of `eom.views.rotating.turning`; ``seconds`` (s): how much of a free body's space cone.
+    Edges have length 1, without a unit. Those of a free body are exact and have H upright, as of
+    `free_cones`; with a torque they are those of the integrated motion, in the frame in which attitude is
+    measured. Raises `InputError` for attitude in a frame that turns, and for a body at rest.
 
     >>> import eom
     >>> from eom.views.rotating import turning
@@ -52,9 +52,9 @@ def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
     """Return the exact cones of a free body at t = 0, H upright, edges of length 1 without a unit.
 
     ``body``: moments, and where it starts; ``seconds`` (s): how much of the space cone, by default one
-    period of the angular velocity. The body cone rolls on the space cone along omega. Source: Goldstein,
-    Classical Mechanics (2002), sect. 5.6. Raises `InputError` for a body at rest and for moments that no
-    body has.
+    period of the angular velocity, or what `eom.views.poinsot.herpolhode` takes of a motion without. The
+    body cone rolls on the space cone along omega. Source: Goldstein, Classical Mechanics (2002), sect.
+    5.6. Raises `InputError` for a body at rest and for moments that no body has.
 
     >>> from eom.views.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))

@@ -53,9 +53,10 @@ CLASSES = {
 class FreeBody:
     """A torque-free body at t = 0.
 
-    ``moments``: principal, kg m^2; ``omega``: angular velocity along these axes, rad/s; ``attitude``:
-    unit quaternion of the principal axes, scalar first, C_BI as in `codegen.exact`; ``title``: of
-    the scene; ``letter``: b where the principal axes are those of the body, p where they are not.
+    ``moments``: the three principal ones, kg m^2; ``omega``: angular velocity along these axes, rad/s;
+    ``attitude``: unit quaternion of the principal axes, scalar first, C_BI as in `codegen.exact`;
+    ``title``: of the scene; ``letter``: b where the principal axes are those of the body, p where they are
+    not.
 
     Raises `InputError` for moments that no body has and rates that are not finite, where they are used.
     """

@@ -52,11 +52,12 @@ def histories(
 ) -> Picture:
     """Return states and outputs of a run over time (s), quantities of one unit together.
 
-    ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units. ``names``: which to draw, in panels of
-    eight curves at most; without them all, but eight a unit, and the caption says how many are left out.
-    The lowest panel has the drift of the invariants, value less first value, on a logarithmic scale; it
-    says whether drift is relative (over the first value) or absolute (in the invariant's unit, where the
-    first value is zero but for rounding). Values that are no numbers leave gaps.
+    ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units.
+    ``names``: which to draw, in panels of eight curves at most; without them all, but eight a unit, and
+    the caption says how many are left out. The lowest panel has the drift of the invariants, value less
+    first value, on a logarithmic scale; it says whether drift is relative (over the first value) or
+    absolute (in the invariant's unit, where the first value is zero but for rounding). Values that are no
+    numbers leave gaps.
 
     Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
 
@@ -65,8 +66,8 @@ def histories(
     >>> start = {"omega_1": 0.1, "omega_2": 2.0, "omega_3": 0.1}
     >>> run = codegen.simulate(codegen.compile(system), start, (0, 9), {"I1": 1.0, "I2": 2.0, "I3": 3.0})
     >>> made = histories(run, quantities(system), ["omega_2"])
-    >>> [(row[0].axes[1].words, row[0].axes[1].scale) for row in made.rows[1:]]
-    [('$\\omega_{2}$ [rad/s]', 'linear'), ('relative drift', 'log')]
+    >>> [row[0].axes[1].words for row in made.rows[1:]]  # below omega_2
+    ['relative drift']
     """
     if len(result.t) < 2 or not np.all(np.isfinite(result.t)):
         raise InputError(

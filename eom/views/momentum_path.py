@@ -29,6 +29,7 @@ def momentum_path(moments: ArrayLike, h: ArrayLike, title: str = "") -> Picture:
     shapes, for fewer than two places, and where the length of h is not constant. Source: Hughes,
     Spacecraft Attitude Dynamics (1986), ch. 5.
 
+    >>> import numpy as np
     >>> angle = np.linspace(0.0, 1.0, 11)
     >>> path = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     >>> [axis.words for axis in momentum_path((1.0, 2.0, 3.0), path).rows[0][0].axes]

@@ -29,7 +29,7 @@ COLOURS = {
     "red": "#d55e00",
     "purple": "#cc79a7",
 }
-"""Colours of all pictures by name, told apart by colour-blind readers, too: sRGB as #rrggbb."""
+"""Colours of all pictures by name, as #rrggbb: told apart by colour-blind readers, too (Okabe and Ito, 2008)."""
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]
 
@@ -38,7 +38,8 @@ Scale = Literal["linear", "log"]
 class Curve:
     """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it.
 
-    ``colour``: a name of `COLOURS`; ``width`` in printer's points; ``label``: words of the legend.
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
     """
 
     points: Floats
@@ -52,8 +53,8 @@ class Curve:
 class Marks:
     """Dots at ``points``, shape (N, 2) or (N, 3).
 
-    ``colour``: a name of `COLOURS`; ``size``: their diameter in printer's points; ``label``: words of the
-    legend.
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``size``: their diameter
+    in printer's points; ``label``: words of the legend.
     """
 
     points: Floats
@@ -66,7 +67,8 @@ class Marks:
 class Arrow:
     """An arrow from ``start`` to ``end``, shape (2,) or (3,), with ``words`` at its tip.
 
-    ``colour``: a name of `COLOURS`; ``width`` in printer's points; ``label``: words of the legend.
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
     """
 
     start: Floats
@@ -81,7 +83,8 @@ class Arrow:
 class Surface:
     """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices.
 
-    ``colour``: a name of `COLOURS`; ``opacity``: from 0, not seen, to 1; ``label``: words of the legend.
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``opacity``: from 0, not
+    seen, to 1; ``label``: words of the legend.
     """
 
     vertices: Floats
@@ -95,7 +98,8 @@ class Surface:
 class Words:
     """Text at a ``place``, shape (2,) or (3,), in a ``colour`` of `COLOURS`.
 
-    ``text``: words, with formulas between dollar signs, in TeX.
+    ``place`` is in the units of the panel's axes; ``text``: words, with formulas between dollar signs, in
+    TeX.
     """
 
     place: Floats
@@ -154,6 +158,8 @@ class Picture:
 
 def points(*coordinates: ArrayLike) -> Floats:
     """Return arrays of ``coordinates``, each of shape (N,), as points of shape (N, 2) or (N, 3).
+
+    Units stay as they are.
 
     >>> points([0, 1, 2], [0, 1, 4]).tolist()
     [[0.0, 0.0], [1.0, 1.0], [2.0, 4.0]]

@@ -16,8 +16,9 @@ COLOURS = ("red", "green", "blue")
 def sphere(motion: Turning) -> Picture:
     """Return the paths of the tips of the body axes on the unit sphere, with the axes at the start.
 
-    ``motion``: of `eom.views.rotating.turning`. Components are along the axes of the frame in which attitude is measured (rows of C_BI); a dot is
-    where a path starts. With a free body, the direction of its angular momentum is drawn, too.
+    ``motion``: of `eom.views.rotating.turning`. Components are along the axes of the frame in which
+    attitude is measured (rows of C_BI); a dot is where a path starts. With a free body, the direction of
+    its angular momentum is drawn, too.
 
     >>> import eom
     >>> from eom.views.rotating import turning

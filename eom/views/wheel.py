@@ -31,8 +31,8 @@ def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
 
     The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
     the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
-    axle. Lengths are without a unit; the body is that of lecture 001. Raises `InputError` for angles that are
-    no numbers.
+    axle. Lengths are without a unit; the body is that of lecture 001. Raises `InputError` for angles that
+    are no numbers.
 
     >>> wheel((0.0, 0.0, 0.0)).caption.split(",")[0]
     'A wheel after turns of psi = 0 degrees about the vertical'
@@ -61,7 +61,8 @@ def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
     """Return the wheel of a spinner's scene at a time; without a time at angles that are seen well.
 
     ``scene``: of the model "spinner"; ``seconds``: the time (s) up to which it is integrated. Angles and
-    axes as of `wheel`. Raises `InputError` as `codegen.simulate` does, and for a scene that is no spinner's.
+    axes as of `wheel`. Raises `InputError` as `codegen.simulate` does, and for a scene that is none of a
+    spinner.
 
     >>> import eom
     >>> wheel_of(eom.load_scene("bicycle-wheel")).title
