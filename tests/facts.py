@@ -291,7 +291,7 @@ FACTS = {
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 5",
     ),
     "eom.views.motions.animation_of_motion": ("(N, 4)", "(rad/s)", "scalar first", NONE),
-    "eom.views.picture.COLOURS": (NONE, NONE, NONE, "Okabe and Ito, 2008"),
+    "eom.views.picture.COLOURS": (NONE, NONE, NONE, "Okabe and Ito, Color universal design (2008)"),
     "eom.views.picture.Arrow": ("(2,) or (3,)", "in the units of the panel's axes", NONE, NONE),
     "eom.views.picture.Axis": (NONE, "in that unit", NONE, NONE),
     "eom.views.picture.Curve": ("(N, 2) or (N, 3)", "in the units of the panel's axes", NONE, NONE),

@@ -29,7 +29,7 @@ COLOURS = {
     "red": "#d55e00",
     "purple": "#cc79a7",
 }
-"""Colours of all pictures by name, as #rrggbb: told apart by colour-blind readers, too (Okabe and Ito, 2008)."""
+"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008)."""
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]
 

@@ -130,8 +130,8 @@ def herpolhode(body: FreeBody, seconds: float | None = None, points: int | None 
     default some periods of the angular velocity, one turn where two moments are equal, and on the
     separatrix from where omega leaves the intermediate axis to where it comes back, at as many times as
     needed. Axes: omega (rad/s), the third along H. The circles have the exact radii of `eom.herpolhode`;
-    source: Goldstein, Classical Mechanics (2002), sect. 5.6. Raises `InputError` for a body at rest and
-    for moments that no body has.
+    source: Goldstein, Classical Mechanics (2002), sect. 5.6. Raises `InputError` for a body at rest,
+    for moments that no body has, and for a time that is not positive.
 
     >>> from eom.views.free import FreeBody
     >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
