@@ -86,8 +86,9 @@ class Sheet:
 class Exercise(Sheet):
     """Lines of which the checker proves that one is false and no other.
 
-    ``finding``: what it says of the false line; ``others``: other false versions of that line, where
-    they were asked for, the planted one first.
+    ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
+    of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
+    ``others``: other false versions of that line, where they were asked for, the planted one first.
     """
 
     finding: Finding

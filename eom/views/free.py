@@ -93,7 +93,10 @@ class FreeBody:
         return a, b, c
 
     def turning(self, what: str) -> FreeBody:
-        """Return the body itself. Raises `InputError` for a body at rest and moments that no body has."""
+        """Return the body itself, for a picture of ``what``.
+
+        Raises `InputError` for a body at rest and for moments that no body has.
+        """
         if not any(self.motion.body.omega):
             raise InputError(
                 f"the body is at rest: it has no {what}",

@@ -233,8 +233,8 @@ def picture(name: str, ask: Ask) -> Picture:
 
     >>> import eom
     >>> made = picture("polhodes", Ask(eom.load_scene("t-handle")))
-    >>> made.title, [panel.title for panel in made.rows[0]]
-    ('Tumbling T-handle, spun about its intermediate axis', ['same momentum $H$', 'same energy $T$'])
+    >>> [panel.title for panel in made.rows[0]]
+    ['same momentum $H$', 'same energy $T$']
     """
     if name not in PICTURES:
         raise unknown_name("picture", name, PICTURES, "--what")
