@@ -15,7 +15,7 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Symbol:
-    """A letter, the name of a Greek letter, a number or an upright word, in one of `STYLES`."""
+    """A letter, name of a Greek letter, number or upright word, in a ``style``: one of `STYLES`."""
 
     name: str
     style: str = "italic"
@@ -23,7 +23,7 @@ class Symbol:
 
 @dataclass(frozen=True)
 class Accent:
-    """A mark on a box: a row of `eom.markup.ACCENTS`."""
+    """A ``mark``, a row of `eom.markup.ACCENTS`, on the box ``base``."""
 
     mark: str
     base: Box
@@ -31,7 +31,7 @@ class Accent:
 
 @dataclass(frozen=True)
 class Scripts:
-    """A box with what stands below, above and to the upper left of it."""
+    """The box ``base`` with what is below (``sub``), above (``sup``) and to the upper ``left`` of it."""
 
     base: Box
     sub: Box | None = None
@@ -41,14 +41,14 @@ class Scripts:
 
 @dataclass(frozen=True)
 class Row:
-    """Boxes side by side."""
+    """Boxes side by side, the ``items``."""
 
     items: tuple[Box, ...]
 
 
 @dataclass(frozen=True)
 class Fence:
-    """A box in round or square brackets."""
+    """The box ``inner`` in round or square brackets, as ``opening`` says."""
 
     inner: Box
     opening: str = "("
@@ -56,7 +56,7 @@ class Fence:
 
 @dataclass(frozen=True)
 class Fraction:
-    """One box over another."""
+    """One box over another, ``above`` and ``below`` the line."""
 
     above: Box
     below: Box
@@ -64,14 +64,14 @@ class Fraction:
 
 @dataclass(frozen=True)
 class Grid:
-    """A matrix."""
+    """A matrix of boxes, its ``rows`` from the top."""
 
     rows: tuple[tuple[Box, ...], ...]
 
 
 @dataclass(frozen=True)
 class Big:
-    """A sum or integral sign with its limits."""
+    """A ``sign``, of a sum or an integral, with its ``lower`` and ``upper`` limits."""
 
     sign: str
     lower: Box
@@ -87,7 +87,7 @@ class Operator:
 
 @dataclass(frozen=True)
 class Formula:
-    """A SymPy expression; ``names`` are LaTeX names that symbols bring along."""
+    """A SymPy expression, ``value``; ``names`` are LaTeX names that symbols bring along."""
 
     value: Expr
     names: Mapping[Expr, str] = field(default_factory=dict, compare=False)
@@ -95,14 +95,14 @@ class Formula:
 
 @dataclass(frozen=True)
 class Words:
-    """Plain words in a formula."""
+    """Plain words in a formula, ``text``."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Unseen:
-    """A box that takes up its room and is not seen."""
+    """The box ``inner``, which takes up its room and is not seen."""
 
     inner: Box
 

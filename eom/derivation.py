@@ -79,7 +79,7 @@ class Derivation:
     def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
         """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
 
-        ``labels``: of steps; `...` between two labels is all that stands between them. notation: one of
+        ``labels``: of steps; `...` between two labels is all that stands between them. ``notation``: one of
         `eom.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
         """
         from eom.excerpts import Excerpt, chosen

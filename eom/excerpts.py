@@ -20,7 +20,7 @@ Chosen = str | EllipsisType
 class Excerpt:
     """Steps of a derivation, in its order, numbered as in the whole; it shows itself in notebooks.
 
-    ``notation``: one of `eom.notation.NOTATIONS` or its aliases.
+    ``steps``: those that are shown; ``notation``: one of `eom.notation.NOTATIONS` or its aliases.
     """
 
     derivation: Derivation

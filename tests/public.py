@@ -18,7 +18,7 @@ import sys
 import typing
 from dataclasses import dataclass, is_dataclass
 
-PACKAGES = ("eom", "eom.multibody", "eom.views", "codegen")
+PACKAGES = ("eom", "eom.exercises", "eom.multibody", "codegen")
 MODULES = {
     "eom.conventions": (
         "Convention Stated attitude_of_angles attitude_of_matrix attitude_of_quaternion book changed "
@@ -38,6 +38,32 @@ MODULES = {
     "eom.solids": "inertia mass_properties",
     "eom.torques": "applied gravity_gradient weight",
     "eom.verification": "DerivationError",
+    "eom.views.animation": "animation_of",
+    "eom.views.animation_page": "page",
+    "eom.views.body_sketch": "body_sketch",
+    "eom.views.cones": "cones free_cones",
+    "eom.views.frame_sketches": "frame_sketch",
+    "eom.views.free": "FreeBody free_body",
+    "eom.views.gallery": "PICTURES Ask available picture pictures",
+    "eom.views.histories": "histories histories_of quantities",
+    "eom.views.joint_trees": "joint_tree",
+    "eom.views.live.page": "page",
+    "eom.views.momentum_path": "momentum_path",
+    "eom.views.motions": "animation_of_motion",
+    "eom.views.picture": (
+        "COLOURS Arrow Axis Curve Marks Panel Picture Surface Words check points"
+    ),
+    "eom.views.poinsot": "herpolhode",
+    "eom.views.polhodes": "ellipsoids polhodes",
+    "eom.views.printed": "figure",
+    "eom.views.rotating": "Turning turning",
+    "eom.views.saving": "save",
+    "eom.views.sphere": "sphere",
+    "eom.views.tree_frames": "tree_frames",
+    "eom.views.tree_sketch": "tree_sketch",
+    "eom.views.turned": "figure",
+    "eom.views.wheel": "wheel wheel_of",
+    "eom.views.work_precision": "work_precision",
     "codegen.native": "CompilerError",
 }
 """Names of modules that documents tell users to import, beside those of the packages."""
@@ -139,12 +165,13 @@ def function_of(member):
 
 
 def members(cls):
-    """Public methods and properties by name, also inherited ones of ours."""
+    """Public methods and properties by name, also inherited ones of ours; no field is one."""
     found = {}
     for c in reversed(lineage(cls)):
         for name, member in vars(c).items():
             shown = name in DUNDERS or not name.startswith("_")
-            if shown and function_of(member) and not is_validator(c, name):
+            is_field = name in getattr(c, "__dataclass_fields__", ())
+            if shown and function_of(member) and not (is_field or is_validator(c, name)):
                 found[name] = function_of(member)
     return found
 

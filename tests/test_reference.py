@@ -70,10 +70,15 @@ def doc_of(name):
 
 
 def named_in(words):
-    """Docstrings of the public objects, and of members beside, that single backquotes name."""
+    """Docstrings of the public objects, and of members beside, that single backquotes name.
+
+    Errors aside: what they are made of says nothing of a function that raises them.
+    """
     found = []
     for reference in re.findall(r"(?<!`)`([\w.]+)`(?!`)", words):
         last = reference.split(".")[-1]
+        if last.endswith("Error"):
+            continue
         found += [doc(n) for n in EVERYTHING if n.endswith("." + last)]
         found += [doc_of(n) for n in CALLABLE if n.endswith("." + reference)]
     return found
@@ -201,6 +206,7 @@ def test_the_rules_see_what_is_missing():
     assert list(no_sentence("This is it. That too.", calls))
     assert list(unnamed_parameters("Return ``y``.", calls)) == ["x"]
     assert not list(unnamed_parameters("Return ``x``.", calls))
+    assert list(not_named({"what": "str"}, "Raises `InputError`.")) == ["what"]
     assert list(unnamed_fields("What has ``told``.", Vague)) == ["values"]
     assert list(untold_results("Do it.", calls))
     assert not list(untold_results("Return it.", calls))

@@ -14,9 +14,11 @@ import pytest
 
 import codegen
 import eom
+import eom.exercises
 import eom.multibody
 from eom.__main__ import COMMANDS
 from eom.conventions import BOOKS
+from tests.public import public
 
 for needed in ("sphinx", "myst_nb", "furo"):
     pytest.importorskip(needed)
@@ -27,6 +29,8 @@ QUIET = (
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
     "--disable-component-update --disable-sync"
 ).split()
+TABLES = {"eom.views.gallery.PICTURES", "eom.views.picture.COLOURS"}
+"""Constants that pages speak of, and need not list."""
 PATIENCE = 600
 """Seconds to wait for another process that builds the site."""
 
@@ -127,9 +131,10 @@ def test_pages_load_nothing_from_elsewhere(site, pages):
 
 def test_every_public_name_every_command_and_every_book_is_there(pages):
     places = {place for page in pages.values() for place in page.places}
-    modules = (eom, codegen, eom.multibody)
+    modules = (eom, codegen, eom.exercises, eom.multibody)
     names = {f"{m.__name__}.{name}" for m in modules for name in m.__all__}
-    constants = {"eom.__version__", "eom.multibody.GROUND"}
+    names |= {name for name in public() if name.startswith("eom.views.")}
+    constants = {"eom.__version__", "eom.multibody.GROUND", *TABLES}
     assert sorted(names - constants - places) == []
     assert [c.name for c in COMMANDS if f"eom-{c.name}" not in places] == []
     (conventions,) = (

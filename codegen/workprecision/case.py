@@ -31,7 +31,11 @@ TIGHT = {
 
 @dataclass(frozen=True)
 class Case:
-    """A system with all numbers, from t = 0 to ``end``; parameters are compiled in."""
+    """A system with all numbers, from t = 0 to ``end``, in any consistent units.
+
+    ``start``, ``parameters``, ``inputs``: values by name, of states at t = 0, of parameters, which are
+    compiled in, and of inputs, which are held; ``stiff``: whether the reference is left to stiff methods.
+    """
 
     name: str
     title: str
@@ -43,16 +47,19 @@ class Case:
     stiff: bool = False
 
     def compiled(self) -> Compiled:
-        """Return the system, its parameters fixed, for C where there is a compiler."""
+        """Return the system, its parameters fixed, for C where there is a compiler.
+
+        Raises `InputError` as `codegen.compile` does.
+        """
         return compile_system(self.system, parameters=self.parameters)
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The end of a case as ``high`` + ``low``, and by how much it may be wrong itself.
+    """The end of a case as ``high`` + ``low``, shape (n,), and by how much it may be wrong itself.
 
-    ``scale``: the largest size of each state on the way. ``error`` is in the measure of `distance`;
-    ``how``: where the numbers come from.
+    ``scale``: the largest size of each state on the way, shape (n,). ``error`` is in the measure of
+    `distance`; ``how``: where the numbers come from.
     """
 
     high: Array
@@ -62,11 +69,14 @@ class Reference:
     how: str
 
     def distance(self, end: Array) -> float:
-        """Return the largest difference of a state, over its largest size on the way."""
+        """Return the largest difference of a state at ``end``, (n,), over its largest size on the way."""
         return float(np.max(np.abs((end - self.high) - self.low) / self.scale))
 
     def measured(self, end: Array) -> tuple[float, bool]:
-        """Return an error, and whether it is known: below the reference's own, that is told."""
+        """Return the error of ``end``, (n,), and whether it is known.
+
+        Below the reference's own error, that one is told.
+        """
         found = self.distance(end)
         return (found, True) if found > self.error else (self.error, False)
 

@@ -27,10 +27,10 @@ MOST_REPEATS = 20
 
 @dataclass(frozen=True)
 class Plan:
-    """What is measured: tolerances, rounds of timing, seconds after which a run is given up, seed.
+    """What is measured: ``tolerances``, relative, in ``rounds`` of timing.
 
-    A method whose run is given up is not tried at finer tolerances. The seed shuffles the order of
-    the runs in each round.
+    ``limit``: seconds after which a run is given up; its method is not tried at finer tolerances.
+    ``seed``: shuffles the order of the runs in each round.
     """
 
     tolerances: tuple[float, ...] = TOLERANCES
@@ -44,7 +44,7 @@ QUICK = Plan(QUICK_TOLERANCES, 2, 0.2)
 
 @dataclass(frozen=True)
 class Point:
-    """One program at one tolerance.
+    """One ``program`` at one relative tolerance, ``rtol``.
 
     ``error``: see `Reference.distance`; ``known``: false where it is below the reference's own,
     which then stands there. ``seconds``: the least of ``runs``; ``median``: of them. ``steps``: -1
@@ -63,7 +63,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Absence:
-    """A program that was not measured from a tolerance on, and why."""
+    """A ``program`` that was not measured from the tolerance ``rtol`` on, and the ``reason``."""
 
     program: str
     rtol: float
@@ -72,7 +72,7 @@ class Absence:
 
 @dataclass(frozen=True)
 class Diagram:
-    """All that was measured on one case."""
+    """All that was measured on one case: ``points``, and the programs that are ``absent``."""
 
     case: Case
     reference: Reference

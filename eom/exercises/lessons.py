@@ -22,7 +22,7 @@ RELATIONS = ("=", ":=")
 
 @dataclass(frozen=True)
 class Lesson:
-    """A topic: its derivation, with the steps that can be lines of an exercise, and its lexicon.
+    """A ``topic``: its derivation, with the steps that can be lines of an exercise, and its lexicon.
 
     ``front``: from the name of a notation to front matter that `eom check` reads; ``legend``: from lines
     and a notation to symbols with their meanings.
@@ -35,12 +35,20 @@ class Lesson:
 
 
 def topics() -> dict[str, dict[str, str]]:
-    """Return the title of each topic, by group and name: those of the derivations."""
+    """Return the title of each topic, by group and name: those of the derivations.
+
+    >>> topics()["Particles"]["point-mass"]
+    'Dynamics of a point mass'
+    """
     return derivations.titles()
 
 
 def lesson(topic: str) -> Lesson:
-    """Return a topic by its name. Raises `InputError` for others."""
+    """Return a ``topic`` by its name, one of `topics`. Raises `InputError` for others.
+
+    >>> len(lesson("point-mass").derivation.steps)
+    28
+    """
     if topic not in derivations.names():
         raise unknown_name("topic", topic, derivations.names())
     solid = solid_of(topic)

@@ -37,7 +37,7 @@ DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 @dataclass(frozen=True)
 class Asked:
-    """What makes an exercise: topic, seed, notation, at most so many lines, a kind of slip or ""."""
+    """What makes an exercise; ``seed``, ``notation``, ``lines``, ``slip`` as of `planted_in`."""
 
     lesson: Lesson
     seed: int = 0
@@ -73,7 +73,10 @@ class Sheet:
 
     @property
     def legend(self) -> tuple[Item, ...]:
-        """Symbols with their meanings, of both versions of the false line: none tells by its absence."""
+        """Symbols with their meanings, of both versions of the false line: none tells by its absence.
+
+        Raises `InputError` for an unknown notation.
+        """
         both = (*self.right.steps, self.wrong.steps[self.number - 1])
         notation = notation_named(self.asked.notation)
         return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
@@ -83,8 +86,9 @@ class Sheet:
 class Exercise(Sheet):
     """Lines of which the checker proves that one is false and no other.
 
-    ``finding``: what it says of the false line; ``others``: other false versions of that line, where
-    they were asked for, the planted one first.
+    ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
+    of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
+    ``others``: other false versions of that line, where they were asked for, the planted one first.
     """
 
     finding: Finding
@@ -101,8 +105,11 @@ def exercise(
 ) -> Exercise:
     """Return the exercise of a topic and seed; the same arguments give the same exercise.
 
-    topic: one of `eom.exercises.topics`; all others: see `planted_in`. Raises `InputError` for unknown
+    ``topic``: one of `eom.exercises.topics`; all others: see `planted_in`. Raises `InputError` for unknown
     names, and where no slip can be planted that the checker finds.
+
+    >>> exercise("point-mass", seed=1).counterexample.values[0]
+    ('m', '1')
     """
     return planted_in(lesson(topic), seed, notation=notation, lines=lines, slip=slip)
 
@@ -110,10 +117,15 @@ def exercise(
 def planted_in(
     about: Lesson, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
 ) -> Exercise:
-    """Return an exercise made from a lesson.
+    """Return an exercise made from a lesson, ``about``.
 
-    notation: one of `eom.notation.NOTATIONS`; lines: at most so many; slip: a kind of slip, "" for any.
-    Raises `InputError` for unknown names, and where no slip can be planted that the checker finds.
+    ``seed``: of what is drawn; ``notation``: one of `eom.notation.NOTATIONS`; ``lines``: at most so many,
+    2 to 40; ``slip``: a kind of slip, "" for any. Raises `InputError` for unknown names, for other numbers
+    of lines, and where no slip can be planted that the checker finds.
+
+    >>> from eom.exercises import lesson
+    >>> len(planted_in(lesson("point-mass"), lines=4).right.steps)
+    4
     """
     notation = notation_named(notation).name
     if slip and slip not in slips.names():
@@ -209,7 +221,11 @@ def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 
-    At most ``count``, the planted one among them; lines are told apart by how they are written.
+    ``made``: of `exercise`. At most ``count``, the planted one among them; lines are told apart by how they
+    are written.
+
+    >>> len(with_others(exercise("point-mass", seed=1), count=2).others)
+    2
     """
     offered = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
     _random(made.asked, "others").shuffle(offered)

@@ -136,7 +136,15 @@ def _text(parent: ET.Element, tag: str, text: str, style: str = "") -> ET.Elemen
 
 
 def moodle(exercises: Sequence[Exercise]) -> str:
-    """Return exercises as one file in Moodle's XML."""
+    """Return ``exercises`` as one file in Moodle's XML.
+
+    About each there are two questions (which line is false? what is right?) and, where the answer can be
+    typed, a third for the plugin STACK. Returns the text of the file.
+
+    >>> from eom.exercises import exercise
+    >>> moodle([exercise("point-mass", seed=1)]).count("<question ")  # the first is the category
+    3
+    """
     quiz = ET.Element("quiz")
     category = _element(quiz, "question", type="category")
     _text(category, "category", CATEGORY)

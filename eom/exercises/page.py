@@ -125,7 +125,14 @@ def _numbers(exercise: Exercise) -> Iterator[Said]:
 
 
 def student(exercise: Sheet, lexicon: bool = True) -> str:
-    """Return the page for the student as Markdown; with its lexicon `eom check` can judge it."""
+    """Return the page of an ``exercise`` for the student as Markdown.
+
+    ``lexicon``: whether it begins with the front matter with which `eom check` can judge it.
+
+    >>> from eom.exercises import exercise
+    >>> student(exercise("point-mass", seed=1), lexicon=False).splitlines()[0]
+    '# Which line is false? Dynamics of a point mass'
+    """
     front = exercise.asked.lesson.front(exercise.asked.notation) if lexicon else ""
     return front + pages.markdown_page(_student(exercise))
 
@@ -141,7 +148,12 @@ def _student(exercise: Sheet) -> Iterator[Block]:
 
 
 def marker(exercise: Exercise) -> str:
-    """Return the key as Markdown."""
+    """Return the key of an exercise as Markdown: which line, what should stand there, and numbers.
+
+    >>> from eom.exercises import exercise
+    >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
+    'Line (3) is false: a term was dropped. It says'
+    """
     lines = [f"# Key: {_line(exercise.right.title)}", ""]
     lines += [f"`{command(exercise)}`", ""]
     for paragraph in key(exercise):

@@ -38,7 +38,7 @@ Rule = Callable[[Term, Around], Iterator[tuple[Term, Term, Term]]]
 
 @dataclass(frozen=True)
 class Slip:
-    """A row: name, what was done wrong in words, rule."""
+    """A row: name, what was done wrong in ``words``, and the ``rule`` that does it to a term."""
 
     name: str
     words: str
@@ -47,7 +47,7 @@ class Slip:
 
 @dataclass(frozen=True)
 class Planted:
-    """A slip in an equation: its kind, the part as it was and as it is now, the false equation."""
+    """A slip in an equation: its kind, the part as it was (``right``) and is now (``wrong``), the whole."""
 
     slip: Slip
     right: Term

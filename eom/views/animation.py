@@ -46,9 +46,10 @@ Integrate = Callable[[AnyScene], "Result"]
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """A vector over time: ``values``, and ``places`` it starts from (m), shape (N, 3).
+    """A vector over time: ``values`` in ``unit``, and ``places`` it starts from (m), shape (N, 3).
 
-    Vectors of one ``kind`` have one scale.
+    Components are in A. Vectors of one ``kind`` have one scale; ``text`` stands at the tip; ``colour``: a
+    name of `eom.views.picture.COLOURS`.
     """
 
     kind: str
@@ -63,7 +64,7 @@ class Arrows:
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """A number over time, shape (N,), that stands beside the picture."""
+    """A number over time, ``values`` (N,) in ``unit``, that stands beside the picture."""
 
     name: str
     unit: str
@@ -72,7 +73,11 @@ class Told:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A ball that holds the motion, what is up, where the camera stands (degrees), the ground's height."""
+    """A ball that holds the motion, and from where it is seen; components in A.
+
+    ``centre`` (3,) and ``radius`` of the ball (m); ``up``: a unit vector; ``camera``: azimuth and elevation
+    of where it stands (degrees); ``ground``: height of the ground along ``up`` (m), None without one.
+    """
 
     centre: Floats
     radius: float
@@ -83,7 +88,12 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Animation:
-    """What moves, and how it is shown. ``speed``: seconds of the motion that a second shows."""
+    """What moves, and how it is shown.
+
+    ``words``: below the title; ``tracks``, ``figures``: where the bodies are, and what they look like;
+    ``arrows``: vectors, ``told``: numbers over time; ``view``: from where it is seen; ``speed``: seconds of
+    the motion that a second shows; ``axes``: names of the axes of A; ``notes``: below the picture.
+    """
 
     title: str
     words: str
@@ -98,7 +108,7 @@ class Animation:
 
     @property
     def times(self) -> Floats:
-        """The stored times (s), equally far apart."""
+        """The stored times (s), equally far apart, shape (N,)."""
         return self.tracks.times
 
 
@@ -112,9 +122,19 @@ def animation_of(
 ) -> Animation:
     """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
 
-    ``seconds``: of the motion, else to the scene's end; ``speed``: seconds of it that are shown in one.
-    ``robot``: shapes of bodies by name (`eom.views.robot_shapes`). Raises `InputError` for a motion that
-    turns so fast that its samples would not fit into a page of 3 MB.
+    ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
+    ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
+    the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
+    ``robot``: shapes of bodies by name (`eom.views.robot_shapes`).
+
+    Raises `InputError` for a time or speed that is not positive, for a motion that ends before it can be
+    shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
+
+    >>> import eom
+    >>> from eom.views.runs import run
+    >>> made = animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0], seconds=2.0)
+    >>> [(arrow.kind, arrow.unit) for arrow in made.arrows], float(made.times[-1])
+    ([('omega', 'rad/s'), ('momentum', 'N m s')], 2.0)
     """
     for name, given in (("seconds", seconds), ("speed", speed)):
         if given is not None and not (math.isfinite(given) and given > 0):

@@ -109,6 +109,11 @@ def body_sketch(scene: Scene) -> Picture:
     body is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the
     centre of mass G along -a3, with the reaction of the fixed point O; torque by components has an arrow
     along each of them, its sense that at the start; a gravity gradient one along the torque at the start.
+    Raises `InputError` as the scene does whose numbers make no body.
+
+    >>> import eom
+    >>> body_sketch(eom.load_scene("heavy-top")).caption.split(". ")[1]
+    'Its weight acts at the centre of mass G, a reaction at the fixed point O.'
     """
     s = _Sketch(scene)
     C = s.C

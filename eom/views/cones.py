@@ -28,9 +28,16 @@ LENGTH = 1.25
 def cones(motion: Turning, seconds: float | None = None) -> Picture:
     """Return the body cone and the space cone of a motion at t = 0.
 
-    Those of a free body are exact and have H upright; with a torque they are those of the integrated
-    motion, in the frame in which attitude is measured. Raises `InputError` for attitude in a frame that
-    turns, and for a body at rest.
+    ``motion``: of `eom.views.rotating.turning`; ``seconds`` (s): how much of a free body's space cone.
+    Edges have length 1, without a unit. Those of a free body are exact and have H upright, as of
+    `free_cones`; with a torque they are those of the integrated motion, in the frame in which attitude is
+    measured. Raises `InputError` for attitude in a frame that turns, and for a body at rest.
+
+    >>> import eom
+    >>> from eom.views.rotating import turning
+    >>> made = cones(turning(eom.load_scene("heavy-top"), seconds=1.0))
+    >>> [item.label for item in made.rows[0][0].items if item.label]
+    ['body cone', 'space cone']
     """
     if motion.orbit:
         raise InputError(
@@ -42,9 +49,17 @@ def cones(motion: Turning, seconds: float | None = None) -> Picture:
 
 
 def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
-    """Return the exact cones of a free body; ``seconds``: how much of the space cone, see `traced`.
+    """Return the exact cones of a free body at t = 0, H upright, edges of length 1 without a unit.
 
-    Raises `InputError` for a body at rest and for moments that no body has.
+    ``body``: moments, and where it starts; ``seconds`` (s): how much of the space cone, by default one
+    period of the angular velocity, or what `eom.views.poinsot.herpolhode` takes of a motion without. The
+    body cone rolls on the space cone along omega. Source: Goldstein, Classical Mechanics (2002), sect.
+    5.6. Raises `InputError` for a body at rest and for moments that no body has.
+
+    >>> from eom.views.free import FreeBody
+    >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
+    >>> [item.label for item in free_cones(handle).rows[0][0].items if item.label]
+    ['body cone', 'space cone', 'axis that is encircled']
     """
     body.turning("cone")
     path = traced(body, seconds, periods=1.0)

@@ -28,7 +28,10 @@ UNKNOWN_SIZE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A mesh in the axes of its body; ``colour``: a name, or the body's where it is empty."""
+    """A mesh in the axes of its body.
+
+    ``colour``: a name, or the body's where it is empty; ``opacity``: from 0, not seen, to 1.
+    """
 
     mesh: Mesh
     colour: str = ""

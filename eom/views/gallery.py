@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Ask:
-    """What is drawn: a scene, for how many seconds and at how many times; None where it does not matter."""
+    """What is drawn: a scene, for how long and at how many times.
+
+    ``scene``: of any model; ``seconds`` (s), ``points``: end and number of the times, by default (None) as
+    the picture needs them or as the scene has them; pictures of one instant leave them aside.
+    """
 
     scene: AnyScene
     seconds: float | None = None
@@ -198,7 +202,7 @@ PICTURES = {
         _wheel,
     ),
 }
-"""Pictures by name."""
+"""Pictures by name: what each shows, what it needs (``words``, ``needs``), and what makes it."""
 FIRST = ("polhodes", "sphere", "sketch")
 """What is drawn of a scene where nothing is asked for: the first that it can have.
 
@@ -212,12 +216,26 @@ def default(scene: AnyScene) -> str:
 
 
 def available(scene: AnyScene) -> tuple[str, ...]:
-    """Return the names of all pictures that a scene can have."""
+    """Return the names of all pictures that ``scene`` can have, in the order of `PICTURES`.
+
+    >>> import eom
+    >>> available(eom.load_scene("rolling-disc"))
+    ('histories', 'work-precision', 'sketch', 'joints', 'frames')
+    """
     return tuple(name for name, entry in PICTURES.items() if not entry.refused(scene))
 
 
 def picture(name: str, ask: Ask) -> Picture:
-    """Return a picture by its name. Raises `InputError` for other names, and where there is none."""
+    """Return the picture ``name``, a key of `PICTURES`, of what ``ask`` names.
+
+    Raises `InputError` for other names, for a picture that the scene cannot have, and as the function of
+    the picture does (`eom.views.polhodes.polhodes` and its like).
+
+    >>> import eom
+    >>> made = picture("polhodes", Ask(eom.load_scene("t-handle")))
+    >>> [panel.title for panel in made.rows[0]]
+    ['same momentum $H$', 'same energy $T$']
+    """
     if name not in PICTURES:
         raise unknown_name("picture", name, PICTURES, "--what")
     entry = PICTURES[name]
@@ -232,7 +250,14 @@ def picture(name: str, ask: Ask) -> Picture:
 
 
 def pictures(names: Sequence[str], ask: Ask) -> Picture:
-    """Return one picture or several below each other, under the title of the scene. Raises as `picture`."""
+    """Return one picture or several below each other, under the title of the scene.
+
+    ``names``: keys of `PICTURES`, one at least; ``ask``, errors: as of `picture`.
+
+    >>> import eom
+    >>> len(pictures(["sphere", "sketch"], Ask(eom.load_scene("t-handle"))).rows)
+    2
+    """
     made = [picture(name, ask) for name in names]
     if len(made) == 1:
         return made[0]

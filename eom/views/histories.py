@@ -38,7 +38,12 @@ class _Group:
 
 
 def quantities(system: System) -> tuple[Quantity, ...]:
-    """Return what a result of a system holds: its states and outputs."""
+    """Return what a result of a system holds: its states and outputs, with their units.
+
+    >>> import eom
+    >>> [q.unit for q in quantities(eom.free_rigid_body())][:3]
+    ['rad/s', 'rad/s', 'rad/s']
+    """
     return (*system.states, *(d.quantity for d in system.outputs))
 
 
@@ -47,13 +52,22 @@ def histories(
 ) -> Picture:
     """Return states and outputs of a run over time (s), quantities of one unit together.
 
-    ``known``: the quantities of `quantities`, for their units. ``names``: which to draw, in panels of
-    eight curves at most; without them all, but eight a unit, and the caption says how many are left out.
-    The lowest panel has the drift of the invariants, value less first value, on a logarithmic scale; it
-    says whether drift is relative (over the first value) or absolute (in the invariant's unit, where the
-    first value is zero but for rounding). Values that are no numbers leave gaps.
+    ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units.
+    ``names``: which to draw, in panels of eight curves at most; without them all, but eight a unit, and
+    the caption says how many are left out. The lowest panel has the drift of the invariants, value less
+    first value, on a logarithmic scale; it says whether drift is relative (over the first value) or
+    absolute (in the invariant's unit, where the first value is zero but for rounding). Values that are no
+    numbers leave gaps.
 
     Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
+
+    >>> import codegen, eom
+    >>> system = eom.free_rigid_body()
+    >>> start = {"omega_1": 0.1, "omega_2": 2.0, "omega_3": 0.1}
+    >>> run = codegen.simulate(codegen.compile(system), start, (0, 9), {"I1": 1.0, "I2": 2.0, "I3": 3.0})
+    >>> made = histories(run, quantities(system), ["omega_2"])
+    >>> [row[0].axes[1].words for row in made.rows[1:]]  # below omega_2
+    ['relative drift']
     """
     if len(result.t) < 2 or not np.all(np.isfinite(result.t)):
         raise InputError(
@@ -83,8 +97,12 @@ def histories_of(
 ) -> Picture:
     """Return the histories of what a scene asks for; of all states, eight a unit, where it names nothing.
 
-    ``seconds``, ``points``: of the run, by default the scene's. Raises as `eom.views.runs.run` and
-    `histories`.
+    ``scene``: of any model; ``seconds`` (s), ``points``: end and number of the stored times, by default the
+    scene's. Axes and errors as of `histories`; raises as `codegen.simulate` does, too.
+
+    >>> import eom
+    >>> histories_of(eom.load_scene("t-handle"), seconds=1.0, points=101).rows[-1][0].axes[0].words
+    '$t$ [s]'
     """
     from eom.views.runs import run
 

@@ -184,8 +184,16 @@ def _bond(constraint: Constraint, tree: Tree) -> _Bond | None:
 def joint_tree(tree: Tree, title: str = "") -> Picture:
     """Return the diagram of a tree: bodies as boxes, the ground hatched, joints as lines.
 
-    A joint has the letter of its kind in a circle, its name above and its coordinates below its line.
-    Dashed lines are constraints, and springs between points. Long trees go on in bands below each other.
+    ``tree``: of any kind; nothing is to scale, and there are no units. A joint has the letter of its kind
+    in a circle, its name above and its coordinates below its line. Dashed lines are constraints, and
+    springs between points. Long trees go on in bands below each other. Raises `InputError` for a tree
+    without bodies.
+
+    >>> from eom.multibody import Body, Joint, Tree
+    >>> rod = Body("rod", 2.0, centre=(0, 0, -0.5), inertia=(0.2, 0.2, 0))
+    >>> pin = Joint("pin", "revolute", "ground", "rod", axis="y")
+    >>> joint_tree(Tree("pendulum", bodies=[rod], joints=[pin])).caption
+    'Joints: rod on ground by pin (revolute).'
     """
     if not tree.bodies:
         raise InputError("a tree without bodies", where=plain(title) or tree.name)

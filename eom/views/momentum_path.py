@@ -26,7 +26,14 @@ def momentum_path(moments: ArrayLike, h: ArrayLike, title: str = "") -> Picture:
     ``moments``: principal moments, of all that turns together at the end (kg m^2); ``h``: components
     along the principal axes (N m s), shape (N, 3). Circles are the separatrix: there the energy is that of
     spin about the intermediate axis; with two equal moments there is none. Raises `InputError` for other
-    shapes, for fewer than two places, and where the length of h is not constant.
+    shapes, for fewer than two places, and where the length of h is not constant. Source: Hughes,
+    Spacecraft Attitude Dynamics (1986), ch. 5.
+
+    >>> import numpy as np
+    >>> angle = np.linspace(0.0, 1.0, 11)
+    >>> path = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    >>> [axis.words for axis in momentum_path((1.0, 2.0, 3.0), path).rows[0][0].axes]
+    ['$h_1$ [N m s]', '$h_2$ [N m s]', '$h_3$ [N m s]']
     """
     own, path, size = _checked(moments, h)
     items: list[Item] = [

@@ -43,6 +43,14 @@ def animation_of_motion(
 
     Raises `InputError` for arrays that do not fit, quaternions that are none, times that are not equally
     far apart or so far that the body turns by more than 2 radians between two.
+
+    >>> import numpy as np
+    >>> t = np.linspace(0.0, 4.0, 41)
+    >>> q = np.stack([np.cos(t / 2), 0 * t, 0 * t, np.sin(t / 2)], axis=1)  # 1 rad/s about b3
+    >>> omega = np.broadcast_to((0.0, 0.0, 1.0), (41, 3))
+    >>> made = animation_of_motion("A steady turn", t, q, omega, (1.0, 2.0, 3.0), mass=4.0)
+    >>> made.figures.bodies[0].words
+    'box of equal inertia (a 2.45 m, b 1.73 m, c 0.122 m, thickened)'
     """
     t = np.asarray(times, dtype=np.float64)
     rows = {"quaternions": (quaternions, 4), "omega": (omega, 3),

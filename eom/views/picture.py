@@ -29,13 +29,18 @@ COLOURS = {
     "red": "#d55e00",
     "purple": "#cc79a7",
 }
+"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008)."""
 Dash = Literal["solid", "dashed", "dotted"]
 Scale = Literal["linear", "log"]
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it."""
+    """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
+    """
 
     points: Floats
     colour: str = "blue"
@@ -46,7 +51,11 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Marks:
-    """Dots at ``points``, shape (N, 2) or (N, 3), of a diameter in printer's points."""
+    """Dots at ``points``, shape (N, 2) or (N, 3).
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``size``: their diameter
+    in printer's points; ``label``: words of the legend.
+    """
 
     points: Floats
     colour: str = "black"
@@ -56,7 +65,11 @@ class Marks:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """An arrow from ``start`` to ``end``, shape (2,) or (3,), with words at its tip."""
+    """An arrow from ``start`` to ``end``, shape (2,) or (3,), with ``words`` at its tip.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
+    """
 
     start: Floats
     end: Floats
@@ -68,7 +81,11 @@ class Arrow:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices."""
+    """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``opacity``: from 0, not
+    seen, to 1; ``label``: words of the legend.
+    """
 
     vertices: Floats
     faces: NDArray[np.int64]
@@ -79,7 +96,11 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Words:
-    """Text at a place, shape (2,) or (3,); formulas between dollar signs, in TeX."""
+    """Text at a ``place``, shape (2,) or (3,), in a ``colour`` of `COLOURS`.
+
+    ``place`` is in the units of the panel's axes; ``text``: words, with formulas between dollar signs, in
+    TeX.
+    """
 
     place: Floats
     text: str
@@ -91,7 +112,7 @@ Item = Curve | Marks | Arrow | Surface | Words
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its words with the unit, its scale, its limits if they are fixed."""
+    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed."""
 
     words: str = ""
     scale: Scale = "linear"
@@ -100,7 +121,10 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One drawing: two axes for a plane, three for space. ``equal`` gives all the same scale."""
+    """One drawing: ``items`` in the units of its ``axes``, two for a plane or three for space.
+
+    ``equal`` gives all axes the same scale.
+    """
 
     items: tuple[Item, ...]
     axes: tuple[Axis, ...]
@@ -116,7 +140,7 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Panels in rows from the top, with a title above and words below that say what is seen."""
+    """Panels in ``rows`` from the top, with a title above and words below that say what is seen."""
 
     rows: tuple[tuple[Panel, ...], ...]
     title: str = ""
@@ -133,7 +157,13 @@ class Picture:
 
 
 def points(*coordinates: ArrayLike) -> Floats:
-    """Return arrays of coordinates, each of shape (N,), as points of shape (N, 2) or (N, 3)."""
+    """Return arrays of ``coordinates``, each of shape (N,), as points of shape (N, 2) or (N, 3).
+
+    Units stay as they are.
+
+    >>> points([0, 1, 2], [0, 1, 4]).tolist()
+    [[0.0, 0.0], [1.0, 1.0], [2.0, 4.0]]
+    """
     return np.stack([np.asarray(c, dtype=np.float64) for c in coordinates], axis=-1)
 
 
@@ -142,6 +172,12 @@ def check(picture: Picture) -> Picture:
 
     Raises `InputError` that names the panel: a colour that is not known, points of the wrong
     dimension, no panel at all.
+
+    >>> check(Picture((), "Nothing"))
+    Traceback (most recent call last):
+    ...
+    eom.errors.InputError: the picture has no panel
+      where:    Nothing
     """
     if not any(picture.rows):
         raise InputError("the picture has no panel", where=picture.title or "picture")

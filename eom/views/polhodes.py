@@ -44,9 +44,16 @@ def momentum_axes(body: FreeBody) -> Floats:
 def polhodes(body: FreeBody) -> Picture:
     """Return the ellipsoids of momentum and energy, each with polhodes of all classes and the separatrix.
 
-    On the left all motions have the momentum of this one and different energies; on the right its energy
-    and different momenta. The motion's own polhode is drawn thick, with a dot where it starts.
-    Raises `InputError` for a body at rest and for moments that no body has.
+    ``body``: moments, and where it starts; axes: omega (rad/s) along the principal axes. On the left all
+    motions have the momentum of this one and different energies; on the right its energy and different
+    momenta. The motion's own polhode is drawn thick, with a dot where it starts.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), ch. 4. Raises `InputError` for a body at rest and
+    for moments that no body has.
+
+    >>> from eom.views.free import FreeBody
+    >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
+    >>> [panel.title for panel in polhodes(handle).rows[0]]
+    ['same momentum $H$', 'same energy $T$']
     """
     body.turning("polhode")
     left = _family_panel(body, momentum_axes(body), "same momentum $H$")
@@ -61,7 +68,12 @@ def polhodes(body: FreeBody) -> Picture:
 def ellipsoids(body: FreeBody) -> Picture:
     """Return the ellipsoids of momentum and energy of one motion, and its polhode, where they meet.
 
-    Raises as `polhodes`.
+    ``body``, axes (rad/s), source and errors as of `polhodes`.
+
+    >>> from eom.views.free import FreeBody
+    >>> handle = FreeBody((1.5e-4, 4.0e-4, 5.2e-4), (0.05, 10.0, 0.05))
+    >>> ellipsoids(handle).caption.split(". ")[0]
+    'The polhode is where both ellipsoids meet'
     """
     body.turning("polhode")
     items: list[Item] = [

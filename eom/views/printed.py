@@ -100,7 +100,12 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     """Return a picture as a Matplotlib figure that no window and no global state knows.
 
     ``size``: width and height in inches; by default so that all panels are read easily.
-    Raises `InputError` for a picture that cannot be drawn (`picture.check`).
+    Raises `InputError` for a ``picture`` that cannot be drawn (`eom.views.picture.check`), and where
+    Matplotlib is not installed.
+
+    >>> from eom.views.frame_sketches import frame_sketch
+    >>> figure(frame_sketch("3-1-2"), size=(6, 5)).get_size_inches().tolist()
+    [6.0, 5.0]
     """
     require("matplotlib")
     check(picture)

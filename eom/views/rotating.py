@@ -50,8 +50,13 @@ class Turning:
 def turning(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Turning:
     """Return how the body of a scene turns, from t = 0 on.
 
-    ``seconds``: how long, by default one period of a free body, and the scene's own time of others;
-    ``points``: number of times. Raises `InputError` for trees, and as integration does.
+    ``scene``: of one body; ``seconds``: how long (s), by default one period of a free body, and the
+    scene's own time of others; ``points``: number of times. Raises `InputError` for trees, and as
+    `codegen.simulate` does.
+
+    >>> import eom
+    >>> turning(eom.load_scene("t-handle"), seconds=2.0, points=201).C.shape
+    (201, 3, 3)
     """
     from eom.scene import Scene
 

@@ -75,6 +75,13 @@ def save(picture: Picture, path: str | Path, size: Size | None = None, dpi: floa
     The same picture gives the same bytes. Folders are made. Raises `InputError` for other endings, a
     missing package, a size that no paper has, a picture that cannot be drawn, and where the file cannot
     be written; then nothing is.
+
+    >>> import tempfile
+    >>> from eom.views.frame_sketches import frame_sketch
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = save(frame_sketch("3-1-2"), f"{folder}/frames.svg")
+    ...     path.name, "<svg" in path.read_text(encoding="utf-8")
+    ('frames.svg', True)
     """
     file = Path(path)
     kind = kind_of(file)

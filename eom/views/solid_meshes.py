@@ -47,7 +47,7 @@ class Mesh:
     flat: bool = False
 
     def moved(self, position: ArrayLike, rotation: ArrayLike | None = None) -> Mesh:
-        """Return the mesh at another place: ``rotation`` takes its components to those there."""
+        """Return the mesh at another ``position`` (m): ``rotation`` takes its components to those there."""
         R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
         return replace(self, vertices=self.vertices @ R.T + np.asarray(position))
 

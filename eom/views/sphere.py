@@ -16,8 +16,14 @@ COLOURS = ("red", "green", "blue")
 def sphere(motion: Turning) -> Picture:
     """Return the paths of the tips of the body axes on the unit sphere, with the axes at the start.
 
-    Components are along the axes of the frame in which attitude is measured (rows of C_BI); a dot is
-    where a path starts. With a free body, the direction of its angular momentum is drawn, too.
+    ``motion``: of `eom.views.rotating.turning`. Components are along the axes of the frame in which
+    attitude is measured (rows of C_BI); a dot is where a path starts. With a free body, the direction of
+    its angular momentum is drawn, too.
+
+    >>> import eom
+    >>> from eom.views.rotating import turning
+    >>> sphere(turning(eom.load_scene("heavy-top"), seconds=2.0)).caption
+    'Paths of the body axes in space, from t = 0 (dots) to t = 2 s.'
     """
     letter = motion.free.letter if motion.free else "b"
     items: list[Item] = [ellipsoid((1.0, 1.0, 1.0), "grey", 0.22)]

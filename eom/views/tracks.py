@@ -43,7 +43,7 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """The motion of all bodies at ``times`` (s), shape (N,), equally far apart.
+    """The motion of all ``bodies`` at ``times`` (s), shape (N,), equally far apart.
 
     ``momentum``: angular momentum of all bodies (N m s), about the point of ``centre`` (m), and ``torque``
     (N m) on one body, or None of several; components in A, shape (N, 3).

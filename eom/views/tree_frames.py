@@ -23,8 +23,12 @@ MOST_INDEXED = 6
 def tree_frames(scene: TreeScene) -> Picture:
     """Return the axes x, y, z of the ground (black) and of all bodies at the start, at their origins.
 
-    Grey lines lead along the bodies from joint to joint. What is up by gravity is drawn upwards; lengths of
-    axes say nothing. Raises `InputError` as the scene does.
+    ``scene``: its tree, numbers and start. Grey lines lead along the bodies from joint to joint. What is up
+    by gravity is drawn upwards; lengths of axes say nothing. Raises `InputError` as the scene does.
+
+    >>> import eom
+    >>> tree_frames(eom.load_scene("double-pendulum")).caption
+    'The frames of the ground and of 2 bodies at the start.'
     """
     s = TreeSketch.of(scene)
     items: list[Item] = [*_bones(s), *_axes(s, GROUND, "black", "")]

@@ -89,10 +89,16 @@ class TreeSketch(Posture):
 def tree_sketch(scene: TreeScene) -> Picture:
     """Return the sketch of a tree at its start: bodies, centres of mass, joints, and what acts on them.
 
-    Bodies are drawn to scale as uniform solids of the same mass and inertia; lengths of arrows say nothing.
-    Weights act at centres of mass; at joints stand torques and forces on the child by springs, dampers
-    and motors, with their sense at the start; reactions of the ground at joints and contacts are drawn
-    against gravity, as their direction is not known. Springs between points are dotted, rods dashed.
+    ``scene``: its tree, numbers and start. Bodies are drawn to scale (m) as uniform solids of the same
+    mass and inertia; lengths of arrows say nothing. Weights act at centres of mass; at joints stand
+    torques and forces on the child by springs, dampers and motors, with their sense at the start;
+    reactions of the ground at joints and contacts are drawn against gravity, as their direction is not
+    known. Springs between points are dotted, rods dashed. Raises `InputError` as the scene does whose
+    numbers make no tree.
+
+    >>> import eom
+    >>> tree_sketch(eom.load_scene("double-pendulum")).caption.split(", ")[0]
+    'Forces and torques on 2 bodies at the start'
     """
     s = TreeSketch.of(scene)
     items: list[Item] = [*s.shapes]

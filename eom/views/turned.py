@@ -53,8 +53,12 @@ LIGHTING = {"ambient": 0.75, "diffuse": 0.35, "specular": 0.05, "roughness": 0.9
 def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
     """Return a picture as a Plotly figure; ``size``: width and height in inches, of 96 pixels.
 
-    Without a size the figure is as wide as where it is shown. Raises `InputError` for a picture that
-    cannot be drawn (`picture.check`).
+    Without a size the figure is as wide as where it is shown. Raises `InputError` for a ``picture`` that
+    cannot be drawn (`eom.views.picture.check`), and where Plotly is not installed.
+
+    >>> from eom.views.frame_sketches import frame_sketch
+    >>> figure(frame_sketch("3-1-2"), size=(6, 5)).layout.width
+    576.0
     """
     require("plotly")
     import plotly.graph_objects as go

@@ -27,11 +27,15 @@ RIM, SPOKES = 1.0, 8
 
 
 def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
-    r"""Return the wheel at an attitude psi, theta, phi (rad): turns about axes 3, 1 and 2.
+    r"""Return the wheel at the ``angles`` psi, theta, phi (rad): turns about axes 3, 1 and 2.
 
     The axle is along b2 = c2, and c1 along the red spoke. psi leads from i1 to the node line a1 about
     the vertical i3, theta from the level a2 to the axle b2 about a1, phi, the spin, from b1 to c1 about the
-    axle. Lengths are without a unit. Raises `InputError` for angles that are no numbers.
+    axle. Lengths are without a unit; the body is that of lecture 001. Raises `InputError` for angles that
+    are no numbers.
+
+    >>> wheel((0.0, 0.0, 0.0)).caption.split(",")[0]
+    'A wheel after turns of psi = 0 degrees about the vertical'
     """
     rows = zip(FRAMES, after_turns(SEQUENCE, angles), strict=True)
     i, a, b, c = (Frame(letter, C, colour, size) for (letter, colour, size), C in rows)
@@ -54,9 +58,15 @@ def wheel(angles: Sequence[float] = ANGLES, title: str = "") -> Picture:
 
 
 def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
-    """Return the wheel of a spinner's scene at a time (s); without a time at angles that are seen well.
+    """Return the wheel of a spinner's scene at a time; without a time at angles that are seen well.
 
-    Raises `InputError` as the run does, and for a scene that is no spinner's.
+    ``scene``: of the model "spinner"; ``seconds``: the time (s) up to which it is integrated. Angles and
+    axes as of `wheel`. Raises `InputError` as `codegen.simulate` does, and for a scene that is none of a
+    spinner.
+
+    >>> import eom
+    >>> wheel_of(eom.load_scene("bicycle-wheel")).title
+    'Bicycle wheel spinning on its axle, held by one end'
     """
     from eom.scene import Scene
     from eom.views.runs import run

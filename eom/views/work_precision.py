@@ -35,9 +35,21 @@ AROUND = 3.0
 def work_precision(diagram: Diagram) -> Picture:
     """Return time (s) over error, both on logarithmic scales, fine results to the right.
 
-    The error is that at the end, of the state that is worst, over its largest size. A dotted vertical line
-    stands at the reference's own error where it is above rounding. Raises `InputError` where nothing was
-    measured.
+    ``diagram``: of `codegen.workprecision.measuring.measure`. The error is that at the end, of the state
+    that is worst, over its largest size. A dotted vertical line stands at the reference's own error where
+    it is above rounding. Raises `InputError` where nothing was measured.
+
+    >>> from codegen.workprecision import measuring, programs
+    >>> from codegen.workprecision.case import Case
+    >>> from eom import problems
+    >>> p = problems.ready("heavy-top")
+    >>> case = Case(p.name, p.title, p.system, p.start, p.parameters, p.inputs, 0.1)
+    >>> plan = measuring.Plan((1e-6, 1e-9), rounds=1, limit=60.0)
+    >>> measured = measuring.measure(case, programs.programs(["DOP853"]), plan)
+    >>> [(point.program, point.rtol) for point in measured.points]
+    [('DOP853', 1e-06), ('DOP853', 1e-09)]
+    >>> work_precision(measured).rows[0][0].axes[1].words
+    'time of the integration [s]'
     """
     if not diagram.points:
         raise InputError("nothing was measured", where=plain(diagram.case.title))

@@ -42,10 +42,16 @@ SHOWN = {
 
 
 def page(scene: AnyScene) -> str:
-    """Return the live page of a scene; the same scene gives the same bytes.
+    """Return the live page of ``scene``, one file of HTML; the same scene gives the same bytes.
 
-    Raises `InputError` for scenes that a page cannot hold: constraints, and operations that JavaScript
-    has none for.
+    Numbers on it are in SI units, the angles of a body's attitude at the start in degrees. Raises
+    `InputError` for scenes that a page cannot hold: constraints, motion backwards in time, and operations
+    that JavaScript has none for.
+
+    >>> import eom
+    >>> made = page(eom.load_scene("t-handle"))
+    >>> made[:15], "<title>Tumbling T-handle" in made
+    ('<!DOCTYPE html>', True)
     """
     return written(subject_of(scene), speed_of(scene.integration.t_end))
 
