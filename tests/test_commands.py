@@ -79,7 +79,7 @@ BAD = {
     "no such integrator": (["--integrator", "taylr"], "did you mean taylor?"),
     "integrator of a module": (
         ["--integrator", "taylor", "--target", "numpy"],
-        "written for the target c alone",
+        "written for the targets c and javascript alone",
     ),
     "tolerance": (["--integrator", "taylor", "--rtol", "0"], "rtol"),
 }

@@ -166,6 +166,10 @@ class Solver:
         return Polynomial(self.t_old, self.t - self.t_old, nodes, np.array([*map(self._at, times)]))
 
 
+AT_A_NODE = 2.0**-512
+"""Distance from a node, in steps, below which a polynomial has the node's value: weights stay finite."""
+
+
 @dataclass(frozen=True)
 class Polynomial:
     """A polynomial by its values at Chebyshev's points of a step, in the barycentric form.
@@ -184,7 +188,7 @@ class Polynomial:
         signs = np.where(np.arange(len(self.nodes)) % 2, -1.0, 1.0)
         signs[[0, -1]] *= 0.5
         apart = part[:, None] - self.nodes
-        hit = apart == 0.0
+        hit = np.abs(apart) < AT_A_NODE
         weights = np.where(hit.any(axis=1)[:, None], hit, signs / np.where(hit, 1.0, apart))
         found: Array = (weights @ self.values / weights.sum(axis=1)[:, None]).T
         return found[:, 0] if np.ndim(t) == 0 else found
