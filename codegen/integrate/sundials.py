@@ -189,6 +189,7 @@ class Polynomial:
         signs[[0, -1]] *= 0.5
         apart = part[:, None] - self.nodes
         hit = np.abs(apart) < AT_A_NODE
-        weights = np.where(hit.any(axis=1)[:, None], hit, signs / np.where(hit, 1.0, apart))
+        at_node = np.any(hit, axis=1, keepdims=True)
+        weights = np.where(at_node, hit, signs / np.where(hit, 1.0, apart))
         found: Array = (weights @ self.values / weights.sum(axis=1)[:, None]).T
         return found[:, 0] if np.ndim(t) == 0 else found
