@@ -32,7 +32,7 @@ def number(value: Any, known: Mapping[str, float]) -> float:
     if is_number(value):
         return float(value)
     at = {s: sp.Float(known.get(s.name, 0.0)) for s in value.free_symbols}
-    found = sp.sympify(value).xreplace(at).evalf()
+    found = sp.sympify(value, strict=True).xreplace(at).evalf()
     if not found.is_real or not math.isfinite(found):
         raise InputError("not a number at the start", where="sketch", got=f"{value} = {found}")
     return float(found)

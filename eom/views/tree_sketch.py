@@ -182,7 +182,7 @@ def _joint(s: TreeSketch, joint: Joint) -> Iterator[Item]:
         if is_zero(law):
             continue
         sense = -1.0 if float(numbers(law, s.known)) < 0 else 1.0
-        words = formula(sp.sympify(law), _kind_of_law(joint, k))
+        words = formula(sp.sympify(law, strict=True), _kind_of_law(joint, k))
         draw, way = (torque, angular) if np.any(angular) else (force, linear)
         yield from draw(frame.origin, sense * way, 0.4 * s.size, words)
 

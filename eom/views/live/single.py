@@ -142,7 +142,7 @@ def _without(scene: Scene, names: tuple[str, ...]) -> Data:
         value = (
             parse.parse(text, known, "torque")
             if isinstance(component, str)
-            else sp.sympify(component)
+            else sp.sympify(component, strict=True)
         )
         written.append(0 if value == 0 else text if isinstance(component, str) else component)
         used |= {s.name for s in value.free_symbols}
