@@ -47,9 +47,10 @@ from codegen.lower import RATES
 from codegen.pipeline import as_written, fitted
 from codegen.program import Program
 from codegen.stable import Rewriting, rewritten, rewritten_freely
-from eom.errors import InputError
+from eom.errors import InputError, typed
 
 SAMPLES = 200
+MOST_SAMPLES = 10**7
 MULTIPLE = 4.0
 JUDGED = 50
 """Points a result and region whose condition is computed: those with the largest errors."""
@@ -59,6 +60,7 @@ GAINED = 4.0
 HALF = math.sqrt(ALL_DIGITS)
 
 
+@typed
 def accuracy(
     compiled: Compiled,
     domain: Mapping[str, Range | float] | None = None,
@@ -86,8 +88,10 @@ def accuracy(
     >>> accuracy(slow, {"x": (0.1, 1)}, samples=20).row("x").verdict
     'ill-conditioned'
     """
-    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 1:
-        raise InputError("unusable number of samples", got=samples, expected="at least 1")
+    if isinstance(samples, bool) or not 1 <= samples <= MOST_SAMPLES:
+        raise InputError(
+            "unusable number of samples", got=samples, expected=f"1 to {MOST_SAMPLES:,}"
+        )
     chosen = domain_of(compiled.program, compiled.layout, domain or {}, around or {})
     drawn = tuple(places(compiled.program, compiled.layout, chosen, samples, seed))
     parts = [_own(compiled, drawn), *(_jacobian(compiled, by, drawn) for by in jacobians)]

@@ -3,15 +3,36 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from codegen.integrate.trajectory import Array
-from eom.errors import InputError
+from eom.errors import InputError, shown
 
 LEAST_RTOL = 2.0**-52
 """Relative tolerance below which double precision holds nothing."""
+
+
+def numbers(values: object, name: str) -> Array:
+    """Return real numbers as an array of doubles. Raises `InputError` for others, which it names.
+
+    Texts are no numbers, and rows of different lengths no array.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiubO" or (array.dtype.kind == "O" and _has_text(array)):
+            raise TypeError
+        return array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError, MemoryError):
+        raise InputError(
+            f"{name} does not fit", got=shown(values), expected="real numbers"
+        ) from None
+
+
+def _has_text(array: NDArray[Any]) -> bool:
+    return any(isinstance(v, str | bytes) for v in array.reshape(-1))
 
 
 def positive(value: float, name: str) -> float:
@@ -19,6 +40,14 @@ def positive(value: float, name: str) -> float:
     number = float(value)
     if not number > 0:
         raise InputError(f"{name} is not positive", got=value)
+    return number
+
+
+def finite(value: float, name: str) -> float:
+    """Return a finite number. Raises `InputError` for others, which it names."""
+    number = float(value)
+    if not math.isfinite(number):
+        raise InputError(f"{name} is not finite", got=value)
     return number
 
 
@@ -56,10 +85,10 @@ def span(t_span: tuple[float, float]) -> tuple[float, float]:
     return start, end
 
 
-def tolerances(atol: ArrayLike | None, rtol: float, n: int) -> Array:
-    """Return an absolute tolerance a state, by default rtol / 1000. Raises `InputError` for misfits."""
-    values = np.asarray(1e-3 * rtol if atol is None else atol, dtype=np.float64)
-    if values.shape not in {(), (n,)} or not np.all(values > 0):
+def tolerances(atol: ArrayLike, n: int) -> Array:
+    """Return an absolute tolerance a state. Raises `InputError` for misfits; defaults: `codegen.scales`."""
+    values = numbers(atol, "atol")
+    if values.shape not in {(), (n,)} or not np.all((values > 0) & np.isfinite(values)):
         raise InputError(
             "atol does not fit", got=atol, expected=f"a positive number, or {n} of them"
         )
@@ -68,7 +97,7 @@ def tolerances(atol: ArrayLike | None, rtol: float, n: int) -> Array:
 
 def grid(t_eval: ArrayLike, span: tuple[float, float]) -> Array:
     """Return times to store, in the direction of integration. Raises `InputError` for misfits."""
-    grid = np.ascontiguousarray(t_eval, dtype=np.float64)
+    grid = np.ascontiguousarray(numbers(t_eval, "t_eval"))
     direction = 1 if span[1] > span[0] else -1
     ordered = grid.ndim == 1 and bool(np.all(direction * np.diff(grid) > 0))
     if not ordered or (grid.size and not (min(span) <= grid.min() and grid.max() <= max(span))):

@@ -136,7 +136,7 @@ def _kernel(compiled: Compiled, group: str) -> tuple[Kernel, str, str]:
     try:
         library = _library(compiled)
     except native.CompilerError as error:
-        return plain, "c", f"{error.what} ({error.got.splitlines()[0]}): one point after the other"
+        return plain, "c", f"{error.brief}: one point after the other"
     symbol = f"{identifier(compiled.layout.name)}_{group}_{lanes.SUFFIX}"
     return batch_kernel(library, symbol), lanes.SUFFIX, ""
 

@@ -1,60 +1,189 @@
-"""Rigid bodies in the rates of a system: which states are angular velocity, quaternion, or directions.
+"""A body that a system states, with the values of a problem: that it moves as is stated, and its numbers.
 
-A reading names no state: kinematics and Euler's equations are identities that rates fulfil at random
-points, or do not. Angular velocity may have components that are numbers: first integrals that
-became parameters.
+What is proved here is proved of the program that is run, with the parameters and inputs of the run.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations, permutations
 from typing import Any
 
-from codegen.exactlinear import nullspace
+from codegen.attitude import FRAME, INERTIA, OMEGA, QUATERNION, Stated
+from codegen.columns import symmetric
+from codegen.held import DIGITS, Held, fraction, states_of
+from codegen.passes import needed
 from codegen.polhode import context, number
-from codegen.probing import DIGITS, SAME, Probe, Sample, fraction, same, structural
+from codegen.program import Program
+from codegen.residues import PRIME, RandomPoint, inverse
 
-Component = int | Fraction
-"""Of the angular velocity: the number of a state, or a constant."""
-Omega = tuple[Component, Component, Component]
 Matrix = tuple[tuple[Fraction, ...], ...]
-Quadratic = tuple[dict[tuple[int, int], Fraction], ...]
-"""For each of three rates its coefficients by pair of the three quantities, i <= j."""
-
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+Vector = Sequence[int]
 ZERO, ONE = Fraction(0), Fraction(1)
-MOST_STATES = 16
-"""Larger systems are not read: there are too many choices."""
+Torque = Callable[[RandomPoint, Sequence[int], Sequence[int]], Sequence[int]]
+"""From a point, residues of the states, and omega, to the torque over the same J."""
 
 
 @dataclass(frozen=True)
-class Attitude:
-    """Angular velocity, the quaternion's states if there is one, and triples of fixed directions."""
+class Spinning:
+    """A stated body that all states belong to: to omega, of states and constants, attitude, directions."""
 
-    omega: Omega
-    quaternion: tuple[int, ...]
-    directions: tuple[tuple[int, int, int], ...] = ()
-    angles: tuple[int, ...] = ()
-    axes: tuple[int, ...] = ()
-    """Numbers of the states that are angles, and the body axes that these turn about, 0 to 2."""
+    stated: Stated
+    omega: tuple[int, ...]
+    """For each component the number of its state, -1 for a constant."""
+    constants: tuple[Fraction, ...]
+    """The components that are constant; zero for others."""
 
     @property
-    def states(self) -> set[int]:
-        """All states that it reads."""
-        own = {w for w in self.omega if isinstance(w, int)}
-        return own.union(self.quaternion, self.angles, *self.directions)
+    def quaternion(self) -> tuple[int, ...]:
+        """Its states, if the attitude is one."""
+        return self.stated.coordinates if self.stated.kind == QUATERNION else ()
+
+    @property
+    def angles(self) -> tuple[int, ...]:
+        """The states that are angles, if the attitude is a sequence of them."""
+        return self.stated.coordinates if self.stated.sequence else ()
+
+    def omega_at(self, x: Sequence[Fraction]) -> list[Fraction]:
+        """Return the angular velocity at states."""
+        return [x[k] if k >= 0 else v for k, v in zip(self.omega, self.constants, strict=True)]
 
 
-def attitude_at(found: Attitude, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
+def bodies(held: Held) -> tuple[Spinning, ...]:
+    """Return the stated bodies that all states belong to, with axes that are the body's own."""
+    whole = set(range(held.count))
+    found = (a for a in held.attitudes if a.states == whole and not a.unspun)
+    return tuple(body for a in found if (body := _spinning(held, a)) is not None)
+
+
+def _spinning(held: Held, a: Stated) -> Spinning | None:
+    values, omega = a.values, a.omega
+    steady = [k for k, s in zip(values.results[OMEGA], omega, strict=True) if s < 0]
+    if moving(values, steady) or (a.sequence and min(a.coordinates) < 0):
+        return None
+    known = held.numbers(values, OMEGA)
+    constants = tuple(ZERO if s >= 0 else v for s, v in zip(omega, known, strict=True))
+    return Spinning(a, omega, constants)
+
+
+def moving(values: Program, results: Sequence[int]) -> bool:
+    """Tell whether instructions depend on states or time."""
+    part = replace(values, results={OMEGA: tuple(results)})
+    return not {"state", "time"}.isdisjoint(
+        values.instructions[k].op for k in needed(part, [OMEGA])
+    )
+
+
+def inertia(held: Held, a: Stated) -> Matrix:
+    """Return J, one if none is stated, as numbers."""
+    if not a.values.results[INERTIA]:
+        return ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
+    entries = held.constants(a.values, INERTIA)
+    return tuple(tuple(entries[k] for k in row) for row in symmetric(range(6)))
+
+
+def moves(held: Held, body: Spinning, torque: Torque | None = None) -> bool:
+    """Tell whether all rates are those of the body under a torque, none if None; J is the stated one."""
+    return held.proved(lambda point: residuals(held, body, point, torque))
+
+
+def residuals(held: Held, body: Spinning, point: RandomPoint, torque: Torque | None) -> list[int]:
+    """Return what is zero at a point if all rates are those of the body."""
+    x = states_at(held, body, point)
+    rates = held.residues(point, x)
+    w = held.values(point, body.stated.values, OMEGA, x)
+    slope = [rates[k] if k >= 0 else 0 for k in body.omega]
+    J = residues_of_inertia(held, body.stated, point, x)
+    turning = cross(w, times(J, w))
+    load = [0, 0, 0] if torque is None else torque(point, x, w)
+    found = [a + b - c for a, b, c in zip(times(J, slope), turning, load, strict=True)]
+    found += [
+        *held.values(point, body.stated.values, FRAME, x),
+        *_kinematics(body, point, x, rates, w),
+    ]
+    for direction in body.stated.directions:
+        v = [x[k] for k in direction]
+        found += [rates[k] - c for k, c in zip(direction, cross(v, w), strict=True)]
+    return [v % PRIME for v in found]
+
+
+def states_at(held: Held, body: Spinning, point: RandomPoint) -> list[int]:
+    """Return random states, a quaternion among them of unit length: a square over its norm."""
+    x = states_of(point, held.count)
+    if body.quaternion:
+        p = [x[k] for k in body.quaternion]
+        below = inverse(sum(v * v for v in p))
+        for k, v in zip(body.quaternion, product(p, p), strict=True):
+            x[k] = v * below % PRIME
+    return x
+
+
+def residues_of_inertia(
+    held: Held, a: Stated, point: RandomPoint, x: Sequence[int]
+) -> list[list[int]]:
+    """Return J, one if none is stated, modulo the prime."""
+    entries = held.values(point, a.values, INERTIA, x) or [1, 0, 0, 1, 0, 1]
+    return symmetric(entries)
+
+
+def _kinematics(
+    body: Spinning, point: RandomPoint, x: Sequence[int], rates: Sequence[int], w: Sequence[int]
+) -> list[int]:
+    if body.quaternion:
+        turned = product([x[k] for k in body.quaternion], [0, *w])
+        return [2 * rates[k] - v for k, v in zip(body.quaternion, turned, strict=True)]
+    if body.angles:
+        waves = [point.circle(x[k])[::-1] for k in body.angles]
+        turns = [rates[k] for k in body.angles]
+        found = angular_velocity(body.stated.sequence, waves, turns)
+        return [a - b for a, b in zip(found, w, strict=True)]
+    return []
+
+
+def angular_velocity(
+    axes: Sequence[int], waves: Sequence[tuple[Any, Any]], rates: Sequence[Any]
+) -> list[Any]:
+    """Return the angular velocity in the body: each turn's, seen after those that follow.
+
+    ``waves``: sine and cosine of each angle.
+    """
+    w: list[Any] = [0, 0, 0]
+    for axis, (s, c), rate in zip(axes, waves, rates, strict=True):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        w[i], w[j] = c * w[i] + s * w[j], c * w[j] - s * w[i]
+        w[axis] += rate
+    return w
+
+
+def matrix_of_turns(axes: Sequence[int], waves: Sequence[tuple[Any, Any]]) -> list[list[Any]]:
+    """Return the rows of C, which takes components in A to the body, of sines and cosines of turns."""
+    C: list[list[Any]] = [[int(i == j) for j in range(3)] for i in range(3)]
+    for axis, (s, c) in zip(axes, waves, strict=True):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        C[i], C[j] = (
+            [c * a + s * b for a, b in zip(C[i], C[j], strict=True)],
+            [c * b - s * a for a, b in zip(C[i], C[j], strict=True)],
+        )
+    return C
+
+
+def matrix_of_quaternion(q: Sequence[Any]) -> list[list[Any]]:
+    """Return the rows of C of a quaternion, times its squared length."""
+    a, b, c, d = q
+    return [
+        [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
+        [2 * (b * c - a * d), a * a - b * b + c * c - d * d, 2 * (c * d + a * b)],
+        [2 * (b * d + a * c), 2 * (c * d - a * b), a * a - b * b - c * c + d * d],
+    ]
+
+
+def attitude_at(body: Spinning, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
     """Return the quaternion at states: its own states, or of angles, then a unit to the last digit."""
-    if not found.angles:
-        return tuple(x[k] for k in found.quaternion)
+    if not body.angles:
+        return tuple(x[k] for k in body.quaternion)
     q: Sequence[Fraction] = (ONE, ZERO, ZERO, ZERO)
-    for k, axis in zip(found.angles, found.axes, strict=True):
+    for k, axis in zip(body.angles, body.stated.sequence, strict=True):
         own = context()
         own.dps = DIGITS
         quarter = fraction(own.tan(number(own, x[k]) / 4)) if x[k] else ZERO
@@ -63,11 +192,6 @@ def attitude_at(found: Attitude, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
         turn[1 + axis] = 2 * quarter / below
         q = product(q, turn)
     return tuple(q)
-
-
-def value(component: Component, x: Sequence[Fraction]) -> Fraction:
-    """Return a component of the angular velocity at states."""
-    return x[component] if isinstance(component, int) else component
 
 
 def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
@@ -81,91 +205,14 @@ def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     ]
 
 
-def quaternions(probe: Probe) -> Iterator[Attitude]:
-    """Yield the quaternions among the states, scalar first: dq/dt = q (0, omega)/2."""
-    n = probe.count
-    for four in combinations(range(n), 4):
-        if not all(_keeps_length(four, s) for s in probe.samples):
-            continue
-        for order in permutations(four):
-            omega = _turning(probe, order)
-            if omega is not None:
-                yield Attitude(omega, order)
+def cross(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+    """Return the cross product."""
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
 
 
-def _keeps_length(four: Sequence[int], s: Sample) -> bool:
-    terms = [s.x[k] * s.rates[k] for k in four]
-    return same(sum(terms, ZERO), ZERO, sum(map(abs, terms), ZERO))
-
-
-def _turning(probe: Probe, order: Sequence[int]) -> Omega | None:
-    """Return what 2 q^-1 dq/dt is: states, or constants."""
-    rates = []
-    for s in probe.samples:
-        q, r = [s.x[k] for k in order], [s.rates[k] for k in order]
-        size = sum((v * v for v in q), ZERO)
-        back = [q[0], *(-v for v in q[1:])]
-        rates.append([2 * v / size for v in product(back, r)[1:]])
-    return _omega(probe, rates)
-
-
-def _component(probe: Probe, values: Sequence[Fraction]) -> Component | None:
-    """Return the state that has these values at the samples, or the constant that they are."""
-    pairs = list(zip(values, probe.samples, strict=True))
-    for k in range(probe.count):
-        if all(same(v, s.x[k], s.x[k]) for v, s in pairs):
-            return k
-    first = values[0]
-    small = all(abs(v) <= SAME for v in values)
-    if small:
-        return ZERO
-    return first if all(same(v, first, first) for v in values) else None
-
-
-SEQUENCES = tuple(
-    (i, j, k) for i in range(3) for j in range(3) for k in range(3) if j not in (i, k)
-)
-MOST_WITH_ANGLES = 8
-
-
-def rotation_angles(probe: Probe) -> Iterator[Attitude]:
-    """Yield three rotation angles of any sequence among the states, with the angular velocity."""
-    if probe.count > MOST_WITH_ANGLES:
-        return
-    s = probe.samples[0]
-    x, rates = [float(v) for v in s.x], [float(v) for v in s.rates]
-    waves = [(math.sin(v), math.cos(v)) for v in x]
-    for order in permutations(range(probe.count), 3):
-        for axes in SEQUENCES:
-            near = _angular_velocity(order, axes, waves, rates)
-            if sum(any(math.isclose(w, v, rel_tol=1e-9) for v in x) for w in near) >= 2:
-                omega = _turned_by(probe, order, axes)
-                if omega is not None:
-                    yield Attitude(omega, (), (), order, axes)
-
-
-def _angular_velocity(
-    order: Sequence[int],
-    axes: Sequence[int],
-    waves: Sequence[tuple[Any, Any]],
-    rates: Sequence[Any],
-) -> list[Any]:
-    """Return the angular velocity in the body: each turn's, seen after those that follow."""
-    w: list[Any] = [0, 0, 0]
-    for k, axis in zip(order, axes, strict=True):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        s, c = waves[k]
-        w[i], w[j] = c * w[i] + s * w[j], c * w[j] - s * w[i]
-        w[axis] += rates[k]
-    return w
-
-
-def _turned_by(probe: Probe, order: Sequence[int], axes: Sequence[int]) -> Omega | None:
-    values = []
-    for s in probe.samples:
-        waves = [sine_and_cosine(v) for v in s.x]
-        values.append(_angular_velocity(order, axes, waves, s.rates))
-    return _omega(probe, values)
+def times(matrix: Sequence[Sequence[Any]], vector: Sequence[Any]) -> list[Any]:
+    """Return a matrix times a column."""
+    return [sum(a * b for a, b in zip(row, vector, strict=True)) for row in matrix]
 
 
 def sine_and_cosine(x: Fraction) -> tuple[Fraction, Fraction]:
@@ -176,188 +223,8 @@ def sine_and_cosine(x: Fraction) -> tuple[Fraction, Fraction]:
     return fraction(own.sin(angle)), fraction(own.cos(angle))
 
 
-def _omega(probe: Probe, values: Sequence[Sequence[Fraction]]) -> Omega | None:
-    a, b, c = (_component(probe, [v[i] for v in values]) for i in range(3))
-    return None if a is None or b is None or c is None else (a, b, c)
-
-
-def directions(
-    probe: Probe, omega: Omega, rest: Sequence[int]
-) -> list[tuple[int, int, int]] | None:
-    """Divide states into vectors that stand still in space: dv/dt = -omega x v; None if not all are."""
-    left, found = list(rest), []
-    while left:
-        three = next(
-            (t for t in permutations(left, 3) if left[0] in t and _is_fixed(probe, omega, t)), None
-        )
-        if three is None:
-            return None
-        found.append(three)
-        left = [k for k in left if k not in three]
-    return found
-
-
-def _is_fixed(probe: Probe, omega: Omega, three: Sequence[int]) -> bool:
-    for s in probe.samples:
-        w, v = [value(c, s.x) for c in omega], [s.x[k] for k in three]
-        for i, k in enumerate(three):
-            terms = v[i - 2] * w[i - 1], v[i - 1] * w[i - 2]
-            if not same(s.rates[k], terms[0] - terms[1], abs(terms[0]) + abs(terms[1])):
-                return False
-    return True
-
-
-def turning_directions(probe: Probe) -> Iterator[Attitude]:
-    """Yield the readings of all states as angular velocity and fixed directions, without quaternion.
-
-    One component of the angular velocity may be constant.
-    """
-    everything = set(range(probe.count))
-    for three in permutations(range(probe.count), 3):
-        if three[0] != min(three) or not _keeps_length(three, probe.samples[0]):
-            continue
-        for omega in _turns_of(probe, three, everything - set(three)):
-            left = everything - set(three) - {w for w in omega if isinstance(w, int)}
-            others = (
-                directions(probe, omega, sorted(left)) if _is_fixed(probe, omega, three) else None
-            )
-            if others is not None:
-                yield Attitude(omega, (), (three, *others))
-
-
-def _turns_of(probe: Probe, three: Sequence[int], rest: set[int]) -> Iterator[Omega]:
-    """Yield what the angular velocity may be by the rates of a direction in the first sample."""
-    x, rates = probe.samples[0].x, probe.samples[0].rates
-    yield from permutations(sorted(rest), 3)
-    for a in range(3):
-        i, j = (a + 1) % 3, (a + 2) % 3
-        for p, q in permutations(sorted(rest), 2):
-            constant = (rates[three[i]] + x[three[a]] * x[q]) / x[three[j]]
-            omega: list[Component] = [ZERO, ZERO, ZERO]
-            omega[a], omega[i], omega[j] = constant, p, q
-            yield omega[0], omega[1], omega[2]
-
-
-@structural
-def quadratic(probe: Probe, three: tuple[int, ...]) -> Quadratic | None:
-    """Return the rates of three states where they are quadratic forms in these states; else None."""
-    base = list(map(float, probe.samples[0].x))
-
-    def at(*ones: int) -> list[Fraction]:
-        x = list(base)
-        for i, k in enumerate(three):
-            x[k] = float(ones.count(i) > 0)
-        rates = probe.rates(x)
-        return [rates[k] for k in three]
-
-    single = [at(i) for i in range(3)]
-    forms: list[dict[tuple[int, int], Fraction]] = [{} for _ in three]
-    for i, j in PAIRS:
-        both = single[i] if i == j else at(i, j)
-        for r, form in enumerate(forms):
-            form[i, j] = both[r] - (ZERO if i == j else single[i][r] + single[j][r])
-    found = tuple(forms)
-    return found if _agrees(probe, three, found) else None
-
-
-def _agrees(probe: Probe, three: Sequence[int], forms: Quadratic) -> bool:
-    for s in probe.samples:
-        w = [s.x[k] for k in three]
-        for k, form in zip(three, forms, strict=True):
-            terms = [c * w[i] * w[j] for (i, j), c in form.items()]
-            if not same(s.rates[k], sum(terms, ZERO), sum(map(abs, terms), ZERO)):
-                return False
-    return True
-
-
-def bilinear(forms: Quadratic) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return c1, c2, c3 where the rates are c1 y2 y3, c2 y3 y1, c3 y1 y2; None otherwise."""
-    others = ((1, 2), (0, 2), (0, 1))
-    size = max(abs(c) for f in forms for c in f.values())
-    alone = all(
-        same(c, ZERO, size)
-        for f, own in zip(forms, others, strict=True)
-        for pair, c in f.items()
-        if pair != own
-    )
-    a, b, c = (f[own] for f, own in zip(forms, others, strict=True))
-    return (a, b, c) if alone else None
-
-
-def inertia(forms: Quadratic) -> Matrix | None:
-    """Return J, but for a factor, if J dw/dt = -w x (J w) for these rates; None otherwise.
-
-    The equations are linear in the six entries of J, which must be positive definite.
-    """
-    rows = [
-        [_equation(forms, pair, i, entry) for entry in PAIRS] for pair in PAIRS for i in range(3)
-    ]
-    basis = nullspace(rows, SAME)
-    if len(basis) != 1:
-        return None
-    entries = dict(zip(PAIRS, basis[0], strict=True))
-    trace = entries[0, 0] + entries[1, 1] + entries[2, 2]
-    if not trace:
-        return None
-    J = tuple(tuple(entries[min(i, j), max(i, j)] / trace for j in range(3)) for i in range(3))
-    return J if positive_definite(J) else None
-
-
-def _equation(forms: Quadratic, pair: tuple[int, int], i: int, entry: tuple[int, int]) -> Fraction:
-    """Coefficient of an entry of J in component i of J Q(w) + w x (J w), at the product of a pair."""
-
-    def J(a: int, b: int) -> int:
-        return int((min(a, b), max(a, b)) == entry)
-
-    total = sum((J(i, k) * forms[k][pair] for k in range(3)), ZERO)
-    for (a, b), sign in (((i - 2) % 3, (i - 1) % 3), 1), (((i - 1) % 3, (i - 2) % 3), -1):
-        for k in range(3):
-            if (min(a, k), max(a, k)) == pair:
-                total += sign * J(b, k)
-    return total
-
-
 def positive_definite(J: Matrix) -> bool:
     """Return whether the leading minors are positive."""
     (a, b, c), (_, d, e), (_, _, f) = J
     two = a * d - b * b
     return a > 0 and two > 0 and a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c) > 0
-
-
-@structural
-def free_inertia(probe: Probe, omega: Omega) -> Matrix | None:
-    """Return J, but for a factor, of a body without torque that turns with omega; None otherwise."""
-    moving = [(i, k) for i, k in enumerate(omega) if isinstance(k, int)]
-    rows: dict[int, Callable[[], Matrix | None]] = {
-        3: lambda: _of_three(probe, [k for _, k in moving]),
-        2: lambda: _of_two(probe, omega),
-        0: lambda: _diagonal(ONE, ONE, ONE),
-    }
-    return rows[len(moving)]() if len(moving) in rows else None
-
-
-def _of_three(probe: Probe, states: Sequence[int]) -> Matrix | None:
-    forms = quadratic(probe, tuple(states))
-    return None if forms is None else inertia(forms)
-
-
-def _of_two(probe: Probe, omega: Omega) -> Matrix | None:
-    """One component s is constant: the others turn at (1 - I3/I1) s in the body, I1 = I2."""
-    axis = next(i for i, w in enumerate(omega) if not isinstance(w, int))
-    s, i, j = value(omega[axis], ()), omega[axis - 2], omega[axis - 1]
-    if not isinstance(i, int) or not isinstance(j, int):
-        return None
-    rate = probe.samples[0].rates[i] / probe.samples[0].x[j]
-    for sample in probe.samples:
-        turned = (sample.rates[i], rate * sample.x[j]), (sample.rates[j], -rate * sample.x[i])
-        if not all(same(a, b, b) for a, b in turned):
-            return None
-    if not s:
-        return None if rate else _diagonal(ONE, ONE, ONE)
-    moments = [ONE, ONE, ONE]
-    moments[axis] = 1 - rate / s
-    return _diagonal(*moments) if moments[axis] > 0 else None
-
-
-def _diagonal(a: Fraction, b: Fraction, c: Fraction) -> Matrix:
-    return (a, ZERO, ZERO), (ZERO, b, ZERO), (ZERO, ZERO, c)

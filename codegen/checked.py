@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.layout import Layout, names_of
-from eom.errors import InputError
+from eom.errors import InputError, shown
 
 Array = NDArray[np.float64]
 Kernel = Callable[[Any, Array, Array, Array, Array], None]
@@ -91,7 +91,12 @@ class CheckedFunction:
 
 
 def _real(value: ArrayLike, name: str) -> Array:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(f"{name} is not an array: its rows differ", got=shown(value)) from None
+    except MemoryError:
+        raise InputError(f"{name} is too large for an array", got=shown(value)) from None
     if array.dtype.kind not in "fiub":
         raise InputError(f"{name} is not an array of real numbers", got=f"dtype {array.dtype}")
     return array.astype(np.float64, copy=False)

@@ -7,28 +7,29 @@ failure, and by several workers without harm.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codegen import halting, scales
 from codegen.batches import batch
+from codegen.clock import Clock, clock_of, span_since
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
 from codegen.integrate import fleet
 from codegen.integrate.fleet import Runs, Shared
 from codegen.integrate.trajectory import Array
 from codegen.layout import names_of
-from codegen.lower import INVARIANTS, OUTPUTS
+from codegen.lower import INVARIANTS, OUTPUTS, RATES
+from codegen.magnitude import GENEROUS, Sizes, measured
 from codegen.samples import Population, check
 from codegen.tallies import BLOCK, Bins, Counts, Moments, Statistics, Tree, bins_of, of_blocks
 
 Columns = Mapping[str, NDArray[Any]]
 
-RELATIVE_FLOOR = 1e-8
-"""A constant that starts below its change under so small a change of the states counts as zero."""
 MOST_LISTED = 10_000
 """Trajectories that did not reach the end are listed up to this number, and always counted."""
 
@@ -83,19 +84,23 @@ def built(key: SameObject[Compiled], method: str, rtol: float) -> fleet.Built:
 def run(plan: Plan, some: Population, number: int) -> Piece:
     """Integrate the chunk ``number``; ``some`` holds at least its trajectories.
 
-    Raises `InputError` for samples that are not finite or contradict the system's assumptions.
+    Raises `InputError` for samples that are not finite or contradict the system's assumptions, and `Halt`
+    where the thread is told to end on the way.
     """
     first = number * plan.chunk
     last = min(first + plan.chunk, some.count)
     x, p = some.draw(first, last)
     check(plan.compiled, x, p, plan.shared.inputs, first)
-    runs = built(SameObject(plan.compiled), plan.method, plan.shared.rtol).run(plan.shared, x, p)
+    plan = _held(plan, x, p)
+    clock = clock_of_plan(plan)
+    moved, p = (plan, p) if clock is None else _since_start(plan, clock, p)
+    runs = integrator(plan).run(moved.shared, x, p)
     columns: Columns = {
         "y": np.ascontiguousarray(runs.y.transpose(1, 0, 2)),
-        "outputs": _outputs(plan, runs, p),
+        "outputs": _outputs(moved, runs, p),
         "y_stop": runs.y_stop,
-        "t_stop": runs.t_stop,
-        "drift": _drift(plan, runs, x, p),
+        "t_stop": runs.t_stop if clock is None else _told(runs, clock),
+        "drift": _drift(moved, runs, x, p),
         "status": runs.status,
         "which": runs.which,
         "steps": runs.steps,
@@ -103,6 +108,49 @@ def run(plan: Plan, some: Population, number: int) -> Piece:
     }
     tallies = counted(plan, columns, first)
     return Piece(number, first, columns if plan.columns else {}, tallies)
+
+
+def _held(plan: Plan, x: Array, p: Array) -> Plan:
+    """Return a plan with the absolute tolerances of each trajectory, where they were not given."""
+    shared = plan.shared
+    if shared.atol is not None:
+        return plan
+    function = batch(plan.compiled, RATES, 1)
+
+    def rates(t: Array, states: Array) -> Array:
+        return function(t, states, p, shared.inputs)
+
+    found, _ = scales.defaults(rates, plan.compiled.layout, x, shared.t_span, shared.rtol)
+    return replace(plan, shared=replace(shared, atol=found))
+
+
+def clock_of_plan(plan: Plan) -> Clock | None:
+    """Return how the runs of a plan keep time, or None over the time of the system."""
+    return clock_of(plan.compiled, plan.shared.t_span, 0.0, ())
+
+
+def integrator(plan: Plan) -> fleet.Built:
+    """Return what integrates a plan: a system over the time since its start where that is late."""
+    clock = clock_of_plan(plan)
+    compiled = plan.compiled if clock is None else clock.relative.compiled
+    return built(SameObject(compiled), plan.method, plan.shared.rtol)
+
+
+def _since_start(plan: Plan, clock: Clock, p: Array) -> tuple[Plan, Array]:
+    """Return a plan, and parameters, over the time since its start."""
+    clock.doubt(p, plan.shared.rtol)
+    shared = replace(
+        plan.shared,
+        t_span=span_since(plan.shared.t_span, clock.start),
+        t_eval=plan.shared.t_eval - clock.start,
+    )
+    moved = replace(plan, compiled=clock.relative.compiled, shared=shared)
+    return moved, clock.relative.completed(p, clock.zero)
+
+
+def _told(runs: Runs, clock: Clock) -> Array:
+    """Return the times at which runs stopped as the user has them."""
+    return np.where(runs.status == 0, clock.t_span[1], clock.start + runs.t_stop)
 
 
 def counted(plan: Plan, columns: Columns, first: int) -> Tallies:
@@ -158,29 +206,29 @@ def _outputs(plan: Plan, runs: Runs, p: Array) -> Array:
     if count:
         function = batch(plan.compiled, OUTPUTS, 1)
         for k, t in enumerate(plan.shared.t_eval):
+            halting.check()
             found[:, k] = function(t, runs.y[k], p, plan.shared.inputs)
     return found
 
 
 def _drift(plan: Plan, runs: Runs, x: Array, p: Array) -> Array:
-    """Return the largest change of each constant of the motion, relative to its first value.
+    """Return the largest change of each constant of the motion, relative to the terms that it is made of.
 
-    It is looked at where states are stored and where the trajectory stopped. A first value that a
-    change of every state by `RELATIVE_FLOOR` exceeds counts as zero; the change is then absolute.
+    It is looked at where states are stored and where the trajectory stopped; see `codegen.magnitude`.
     """
     if INVARIANTS not in plan.compiled.functions:
         return np.empty((0, x.shape[1]))
     constants, u = batch(plan.compiled, INVARIANTS, 1), plan.shared.inputs
-    t0 = plan.shared.t_span[0]
+    sizes, t0 = Sizes(plan.compiled), plan.shared.t_span[0]
     start = constants(t0, x, p, u)
-    floor = np.zeros_like(start)
-    for i in range(len(x)):
-        moved = x.copy()
-        moved[i] *= 1.0 + RELATIVE_FLOOR
-        floor += np.abs(constants(t0, moved, p, u) - start)
-    change = np.abs(constants(runs.t_stop, runs.y_stop, p, u) - start)
-    for t, y in zip(plan.shared.t_eval, runs.y, strict=True):
-        change = np.fmax(change, np.abs(constants(t, y, p, u) - start))
-    with np.errstate(invalid="ignore"):
-        relative: Array = change / np.where(np.abs(start) > floor, np.abs(start), 1.0)
+    change, terms = np.zeros_like(start), sizes.terms(t0, x, p, u)
+    places = [*zip(plan.shared.t_eval, runs.y, strict=True), (runs.t_stop, runs.y_stop)]
+    for t, y in places:
+        halting.check()
+        off = np.abs(constants(t, y, p, u) - start)
+        change = np.fmax(change, off)
+        terms = np.fmax(terms, sizes.terms(t, y, p, u) - GENEROUS * off)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scale = measured(terms, sizes.reach(t0, x, p, u))
+        relative: Array = change / np.where(scale > 0, scale, 1.0)
     return relative

@@ -1,42 +1,49 @@
-"""Closed forms of compiled systems: recognised by the structure of their rates, not by names.
+"""Closed forms of compiled systems: taken where the rates are proved to be those of the form.
 
 `find` reads a system with the values of its parameters and its initial state, and returns the motion
-as a function of time where one of `ROWS` fits. What fits does so exactly: a torque of 1e-30 beside
-the others is a torque.
+as a function of time where one of `ROWS` fits. Two or three states alone are looked at as they are; all
+else is what the system states (`eom.system.BodyAttitude`). That every rate is that of the form, with these
+numbers, is an identity modulo a prime (`codegen.held`): a torque that is there is a torque, however small
+and wherever it acts.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import bodies, tops
+from codegen import spinner, tops
 from codegen.angles import Angles, Sequence3, angles, product
 from codegen.bilinear import triad
-from codegen.bodies import Attitude, Matrix
+from codegen.bodies import (
+    Matrix,
+    Spinning,
+    attitude_at,
+    bodies,
+    inertia,
+    moves,
+    positive_definite,
+)
 from codegen.compiled import Compiled
 from codegen.exact import CHUNK, LENGTH, form_of
 from codegen.heavy_top import top_form
+from codegen.held import Held, held, states_of
 from codegen.integrate.trajectory import Problem
 from codegen.layout import names_of
 from codegen.polhode import Frame, polhode
 from codegen.principal_axes import Axes, principal_axes
-from codegen.probing import Probe, structural
-from codegen.spinner import spinner
-from codegen.taylor import BRANCHES, STEPS
+from codegen.residues import PRIME, RandomPoint
 from codegen.windings import own_axes, winding
 from eom.errors import InputError
 
 Array = NDArray[np.float64]
 WHERE = "closed form"
-PIECES = BRANCHES | STEPS | {"table", "floor", "mod"}
-"""Operations by which rates may be one formula at the points that are looked at, and another elsewhere."""
 FARTHEST = 1e15
 """Phases beyond this, in radians, are refused."""
 
@@ -116,45 +123,74 @@ class Rates:
         return [rows[k] for k in self.order]
 
 
-def _rates(probe: Probe) -> Motion | None:
-    """Three states with quadratic rates, or two that turn with a constant rate."""
-    if probe.count == 2:
-        return _turning_pair(probe)
-    if probe.count != 3:
-        return None
-    forms = bodies.quadratic(probe, (0, 1, 2))
-    if forms is None:
-        return None
-    c = bodies.bilinear(forms)
-    x, y, z = probe.start
-    if c is not None:
-        form = triad(c, (x, y, z))
-        return None if form is None else Rates(form, Axes.own(), (0, 1, 2))
-    return _about_any_axes(probe)
+@dataclass(frozen=True)
+class Alone:
+    """Two or three states whose rates are products of the others, with the coefficients."""
+
+    coefficients: tuple[Fraction, Fraction, Fraction]
 
 
-def _about_any_axes(probe: Probe) -> Motion | None:
-    for order in ((0, 1, 2), (1, 0, 2)):
-        J = bodies.free_inertia(probe, order)
-        if J is not None:
-            axes, moments = principal_axes(J)
-            w = axes.from_body([probe.start[k] for k in order])
-            a, b, c = moments
-            form = triad(((b - c) / a, (c - a) / b, (a - b) / c), (w[0], w[1], w[2]))
-            return None if form is None else Rates(form, axes, order)
+def _alone(held: Held) -> Alone | None:
+    """y1' = a y2 y3, and so on, of three states; of two, y1' = a y2, y2' = b y1: then y3 is 1."""
+    n = held.count
+    if n not in (2, 3):
+        return None
+    rows = [[float(j != k) for j in range(n)] for k in range(n)]
+
+    def residuals(point: RandomPoint) -> list[int]:
+        x = states_of(point, n)
+        rates = held.residues(point, x)
+        c = [held.residues(point, [int(v) for v in row], [k])[0] for k, row in enumerate(rows)]
+        others = [math.prod(x[j] for j in range(n) if j != k) for k in range(n)]
+        return [(r - a * v) % PRIME for r, a, v in zip(rates, c, others, strict=True)]
+
+    if not held.proved(residuals):
+        return None
+    c = [held.rate_numbers(row, [k])[0] for k, row in enumerate(rows)]
+    return Alone((c[0], c[1], c[2] if n == 3 else Fraction(0)))
+
+
+def _moved_alone(found: Alone, start: Sequence[Fraction]) -> Motion | None:
+    x, y, z = (*start, Fraction(1))[:3]
+    form = triad(found.coefficients, (x, y, z))
+    order = tuple(range(len(start)))
+    return None if form is None else Rates(form, Axes.own(), order)
+
+
+@dataclass(frozen=True)
+class Free:
+    """A stated body that is proved to turn without torque, and its inertia but for a factor."""
+
+    body: Spinning
+    inertia: Matrix
+
+
+def _free(held: Held) -> Free | None:
+    for body in bodies(held):
+        if moves(held, body):
+            J = inertia(held, body.stated)
+            if positive_definite(J):
+                return Free(body, J)
     return None
 
 
-def _turning_pair(probe: Probe) -> Motion | None:
-    """y1' = a y2, y2' = b y1: as three quantities, the third of which stays 1."""
-    first = probe.samples[0]
-    a, b = first.rates[0] / first.x[1], first.rates[1] / first.x[0]
-    for s in probe.samples:
-        if s.rates != (a * s.x[1], b * s.x[0]):
-            return None
-    x, y = probe.start
-    form = triad((a, b, Fraction(0)), (x, y, Fraction(1)))
-    return None if form is None else Rates(form, Axes.own(), (0, 1))
+def _moved_freely(found: Free, start: Sequence[Fraction]) -> Motion | None:
+    axes, moments = principal_axes(found.inertia)
+    omega = axes.from_body(found.body.omega_at(start))
+    if not (found.body.quaternion or found.body.angles or found.body.stated.directions):
+        return _omega_alone(found.body, axes, moments, omega)
+    body = polhode(moments, omega)
+    return _turned(found.body, start, form_of(body), body.frame, axes)
+
+
+def _omega_alone(
+    body: Spinning, axes: Axes, moments: Sequence[Fraction], omega: Sequence[Fraction]
+) -> Motion | None:
+    a, b, c = moments
+    form = triad(((b - c) / a, (c - a) / b, (a - b) / c), (omega[0], omega[1], omega[2]))
+    place = {k: component for component, k in enumerate(body.omega)}
+    order = tuple(place[k] for k in range(len(place)))
+    return None if form is None else Rates(form, axes, order)
 
 
 @dataclass(frozen=True)
@@ -185,10 +221,10 @@ class Turned:
         turn = [q[0], *self.axes.to_body(self.frame.listed(q[1:]))]
         vectors: list[Sequence[Any]] = [self.axes.to_body(self.frame.listed(w))]
         if self.start:
-            q = bodies.product(bodies.product(self.start, self.back), turn)
+            q = product(product(self.start, self.back), turn)
             vectors.append(q if self.angles is None else self.angles(t, q))
         if self.fixed:
-            since = bodies.product(self.back, turn)
+            since = product(self.back, turn)
             vectors += [_seen(v, since) for v in self.fixed]
         return [vectors[v][k] for v, k in self.places]
 
@@ -204,54 +240,17 @@ def _seen(v: Sequence[float], q: Sequence[Any]) -> list[Any]:
     ]
 
 
-def _free_body(probe: Probe) -> Motion | None:
-    for attitude in _attitudes(probe):
-        J = bodies.free_inertia(probe, attitude.omega)
-        if J is not None:
-            return _turned_free_body(probe, attitude, J)
-    return None
-
-
-@structural
-def _attitudes(probe: Probe) -> tuple[Attitude, ...]:
-    """Return the ways to read all states as angular velocity, quaternion and directions."""
-    return tuple(_readings(probe))
-
-
-def _readings(probe: Probe) -> Iterator[Attitude]:
-    everything = set(range(probe.count))
-    for found in bodies.quaternions(probe):
-        yield from _with_directions(probe, found, everything - found.states)
-    for found in bodies.rotation_angles(probe):
-        yield from _with_directions(probe, found, everything - found.states)
-    for found in bodies.turning_directions(probe):
-        if len(found.states) == probe.count:
-            yield found
-
-
-def _with_directions(probe: Probe, found: Attitude, rest: set[int]) -> Iterator[Attitude]:
-    triples = bodies.directions(probe, found.omega, sorted(rest))
-    if triples is not None:
-        yield replace(found, directions=tuple(triples))
-
-
-def _turned_free_body(probe: Probe, attitude: Attitude, J: Matrix) -> Motion | None:
-    axes, moments = principal_axes(J)
-    omega = axes.from_body([bodies.value(c, probe.start) for c in attitude.omega])
-    body = polhode(moments, omega)
-    return _turned(probe, attitude, form_of(body), body.frame, axes)
-
-
-def _turned(probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axes) -> Motion | None:
-    x = probe.start
-    q = tuple(map(float, bodies.attitude_at(attitude, x)))
+def _turned(
+    body: Spinning, x: Sequence[Fraction], form: Any, frame: Frame, axes: Axes
+) -> Motion | None:
+    q = tuple(map(float, attitude_at(body, x)))
     if q and abs(math.hypot(*q) - 1) > LENGTH:
         return None
     _, first = form(np.zeros(1))
     b0, *b = (float(v[0]) for v in first)
     back = (b0, *(-v for v in axes.to_body(frame.listed(b))))
-    shown = _angles(attitude, x, form, (q, back), axes.turn_of(frame)) if attitude.angles else None
-    if attitude.angles and shown is None:
+    shown = _angles(body, x, form, (q, back), axes.turn_of(frame)) if body.angles else None
+    if body.angles and shown is None:
         return None
     return Turned(
         form=form,
@@ -259,14 +258,14 @@ def _turned(probe: Probe, attitude: Attitude, form: Any, frame: Frame, axes: Axe
         axes=axes,
         back=back,
         start=q,
-        fixed=tuple(tuple(float(x[k]) for k in three) for three in attitude.directions),
+        fixed=tuple(tuple(float(x[k]) for k in three) for three in body.stated.directions),
         angles=shown,
-        places=_places(attitude, probe.count),
+        places=_places(body, len(x)),
     )
 
 
 def _angles(
-    attitude: Attitude,
+    body: Spinning,
     x: Sequence[Fraction],
     form: Any,
     first: tuple[Sequence[float], Sequence[float]],
@@ -277,50 +276,50 @@ def _angles(
     if found is None:
         return None
     a, b, c, d = turn = product(turn, own_axes(form))
-    i, j, k = attitude.axes
-    psi, theta, phi = (float(x[n]) for n in attitude.angles)
+    i, j, k = body.stated.sequence
+    psi, theta, phi = (float(x[n]) for n in body.angles)
     left = product(product(*first), turn)
     turns = left, (a, -b, -c, -d)
     return angles(Sequence3((i, j, k)), found, turns, (psi, theta, phi), first[0])
 
 
-def _heavy_top(probe: Probe) -> Motion | None:
-    for attitude in _attitudes(probe):
-        for axis in range(3):
-            top = tops.read(probe, attitude, axis)
-            if top is not None:
-                frame = Frame(((axis + 1) % 3, (axis + 2) % 3, axis), (1, 1, 1))
-                return _turned(probe, attitude, top_form(top), frame, Axes.own())
-    return None
+def _moved_top(found: tops.Reading, start: Sequence[Fraction]) -> Motion | None:
+    top = tops.top(found, start)
+    if top is None:
+        return None
+    frame = Frame(found.axes, (1, 1, 1))
+    return _turned(found.body, start, top_form(top), frame, Axes.own())
 
 
-def _places(attitude: Attitude, count: int) -> tuple[tuple[int, int], ...]:
-    vectors = [attitude.omega, attitude.quaternion or attitude.angles, *attitude.directions]
-    shown = [v for v in vectors if v]
-    found = {
-        k: (i, j)
-        for i, vector in reversed(list(enumerate(shown)))
-        for j, k in enumerate(vector)
-        if isinstance(k, int)  # a constant component may equal the number of a state
-    }
+def _places(body: Spinning, count: int) -> tuple[tuple[int, int], ...]:
+    vectors = [body.omega, body.quaternion or body.angles, *body.stated.directions]
+    shown = [v for k, v in enumerate(vectors) if v or not k]
+    found = {k: (i, j) for i, v in reversed(list(enumerate(shown))) for j, k in enumerate(v)}
     return tuple(found[k] for k in range(count))
 
 
 @dataclass(frozen=True)
 class Row:
-    """A kind of closed form: its name, what it is, and what reads it from a system."""
+    """A kind of closed form: its name, what it is, and what reads it.
+
+    ``read``: from a system with its values to a reading, all rates proved, or None; ``move``: from that and
+    the initial state to the motion, or None.
+    """
 
     name: str
     meaning: str
-    read: Callable[[Probe], Motion | None]
+    read: Callable[[Held], Any]
+    move: Callable[[Any, Sequence[Fraction]], Motion | None]
 
 
+OMEGA_ALONE = "angular velocity without torque, by Jacobi's elliptic functions"
 ROWS = (
-    Row("free body", "angular velocity without torque, by Jacobi's elliptic functions", _rates),
-    Row("free body", "attitude without torque, by elliptic and theta functions", _free_body),
-    Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", _heavy_top),
-    Row("symmetric spinner", "3-1-2 angles without torque, by elementary functions", spinner),
-)
+    Row("free body", OMEGA_ALONE, _alone, _moved_alone),
+    Row("free body", "attitude without torque, by elliptic and theta functions", _free, _moved_freely),
+    Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", tops.reading, _moved_top),
+    Row("symmetric spinner", "3-1-2 angles without torque, by elementary functions",
+        spinner.reading, spinner.prepared),
+)  # fmt: skip
 
 
 def find(compiled: Compiled, problem: Problem) -> Closed | None:
@@ -329,27 +328,16 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
     ``problem``: initial state, times, parameters and held inputs; nothing else of it matters. None, too,
     where phases lose their digits before the end.
     """
-    probe = Probe(compiled, problem)
-    if len(problem.x0) > bodies.MOST_STATES or _has_pieces(probe):
-        return None
+    known = held(compiled, problem)
+    start = tuple(Fraction(float(v)) for v in problem.x0)
     for row in ROWS:
         try:
-            motion = row.read(probe)
+            reading = known.read(row.read)
+            motion = None if reading is None else row.move(reading, start)
         except (ArithmeticError, InputError):
             continue
-        start, end = problem.t_span
-        if motion is not None and abs(end - start) * motion.fastest <= FARTHEST:
+        first, last = problem.t_span
+        if motion is not None and abs(last - first) * motion.fastest <= FARTHEST:
             names = names_of(compiled.layout.states)
             return Closed(row.name, row.meaning, Evaluated(motion, len(names)), motion, names)
     return None
-
-
-@structural
-def _has_pieces(probe: Probe) -> bool:
-    """Tell whether a rate takes another formula as the states move."""
-    moving: list[bool] = []
-    for op, args, _ in probe.program.instructions:
-        moving.append(op in {"state", "time"} or any(moving[a] for a in args))
-        if op in PIECES and moving[-1]:
-            return True
-    return False

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import errno
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -33,8 +33,8 @@ from codegen.structure import Structure
 from codegen.targets import c, load_module, python_
 from codegen.targets.registry import ROWS, target_of
 from codegen.targets.target import refuse_unsupported
-from eom.errors import InputError, unknown_name
-from eom.system import System
+from eom.errors import InputError, typed, unknown_name
+from eom.system import BodyAttitude, System
 
 if TYPE_CHECKING:
     from codegen.batches import Batch
@@ -127,6 +127,7 @@ class Compiled:
         """What `codegen.linear` made of this object: it is derived and compiled once."""
         return {}
 
+    @typed
     def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
         """Return the compiled derivatives of a group of results: see `codegen.linear`.
 
@@ -137,6 +138,7 @@ class Compiled:
 
         return compiled_jacobian(self, wrt, of)
 
+    @typed
     def batch(self, group: str = RATES, threads: int | None = None) -> Batch:
         """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
 
@@ -167,6 +169,7 @@ class Compiled:
         return write_files(self.files, folder)
 
 
+@typed
 def compile(  # noqa: A001 - the word that users expect
     system: System | Any,
     target: str = "auto",
@@ -175,6 +178,7 @@ def compile(  # noqa: A001 - the word that users expect
     inputs: Mapping[str, float] | None = None,
     rules: str = "algebraic",
     stable: bool = False,
+    attitudes: Sequence[BodyAttitude] = (),
 ) -> Compiled:
     """Compile ``system`` for a target.
 
@@ -187,12 +191,13 @@ def compile(  # noqa: A001 - the word that users expect
     ``rules``: the laws by which operations may be exchanged, of `codegen.fold.RULE_SETS`:
     ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
     ``stable``: apply every identity of `codegen.identities` against cancellation; those that cost no
-    time are always applied. `codegen.accuracy` tells where it helps.
+    time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
+    of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
 
     Units are those of the system, any consistent units.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
-    system's assumptions and expressions without an operation; `CompilerError` where target ``c``
-    cannot be compiled.
+    system's assumptions, attitudes that are not so, and expressions without an operation;
+    `CompilerError` where target ``c`` cannot be compiled.
 
     >>> import sympy as sp
     >>> y, v, k = sp.symbols("y v k", real=True)
@@ -203,7 +208,7 @@ def compile(  # noqa: A001 - the word that users expect
     array([[ 0.,  3.],
            [-4., -8.]])
     """
-    system = as_system(system)
+    system = as_system(system, attitudes=attitudes)
     structure = Structure.of(system, parameters, states, inputs)
     program, layout = fitted(system, structure, rules, stable)
     build = TARGETS.get(target)
@@ -311,11 +316,7 @@ def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
         return _native(program, layout)
     except native.CompilerError as error:
         _, functions, _ = _numpy(program, layout)
-        return (
-            "numpy",
-            functions,
-            f"{error.what} ({error.got.splitlines()[0]}): using the NumPy target",
-        )
+        return "numpy", functions, f"{error.brief}: using the NumPy target"
 
 
 TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {

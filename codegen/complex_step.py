@@ -3,7 +3,8 @@
 Im f(x + i h) / h = f'(x) + O(h^2): nothing is subtracted, so that h may be so small that the error is
 that of the arithmetic (Squire and Trapp, SIAM Review 40, 1998, p. 110). Operations that are no analytic
 functions are extended by f(a + i b) = f(a) + i (f(a + b) - f(a - b))/2, which with so many digits
-leaves more than double precision has. No rule of `codegen.derivative` is used.
+leaves more than double precision has; at a corner, where the three values do not lie on a line, there is
+none. No rule of `codegen.derivative` is used.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def complex_step(
     """Return the derivatives of groups of results, one after the other, by leaves: (results, leaves).
 
     ``by``: instructions of states, inputs, parameters or time, without operands. NaN where an operation
-    has no value.
+    has no value or a corner.
     """
     m = mpmath.mp.clone()
     m.dps = DIGITS
@@ -95,9 +96,13 @@ def _operation(m: Any, row: Op, args: list[Any]) -> Any:
 
 def _extended(m: Any, row: Op, args: list[Any]) -> Any:
     here = [m.re(a) for a in args]
+    value = row.exact(m, *here)
     above, below = (
         row.exact(m, *(a + sign * m.im(b) if isinstance(b, m.mpc) else a
                        for a, b in zip(here, args, strict=True)))
         for sign in (1, -1)
     )  # fmt: skip
-    return m.mpc(row.exact(m, *here), (above - below) / 2)
+    most = max(abs(m.im(a)) for a in args)
+    if abs(above + below - 2 * value) > most * m.sqrt(most):  # in proportion to the step: a corner
+        return m.nan
+    return m.mpc(value, (above - below) / 2)

@@ -18,6 +18,7 @@ from itertools import islice
 from typing import Any, Protocol
 
 from codegen.chunks import Piece, Plan
+from codegen.halting import Flag, obey
 from codegen.samples import Population
 from eom.errors import InputError
 
@@ -55,7 +56,8 @@ class Threads(AbstractContextManager["Threads"]):
     def __init__(self, plan: Plan, population: Population, work: Work, threads: int) -> None:
         self.window = A_WORKER * threads
         self._task = (plan, population, work)
-        self._pool = ThreadPoolExecutor(threads, "eom-ensemble")
+        self._flag = Flag()
+        self._pool = ThreadPoolExecutor(threads, "eom-ensemble", obey, (self._flag,))
 
     def submit(self, number: int) -> Any:
         """Give out a chunk."""
@@ -68,7 +70,8 @@ class Threads(AbstractContextManager["Threads"]):
         return [f for f in futures if f in done], [f for f in futures if f not in done]
 
     def __exit__(self, *_: object) -> None:
-        """Forget what was not begun, wait for what was."""
+        """Forget what was not begun, end what was: after an interruption nothing of it is wanted."""
+        self._flag.set()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
 

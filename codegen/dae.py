@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from codegen.clock import clock_of
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
 from codegen.integrate import sundials
@@ -78,9 +79,16 @@ def solve(
     if at.ndim != 1 or len(at) < 2 or not np.all(np.isfinite(at)):
         raise InputError("times of a run are at least two finite numbers", got=at.shape)
     slopes = f.rhs(float(at[0]), y0, p, held)
-    found = _solver(F, p, held, rtol=rtol, atol=atol, max_num_steps=max_steps).solve(at, y0, slopes)
+    clock = clock_of(F, (float(at[0]), float(at[-1])), 0.0, ())
+    start = 0.0 if clock is None else clock.start
+    if clock is not None:
+        clock.doubt(p, rtol)
+        F, p = clock.relative.compiled, clock.relative.completed(p, clock.zero)
+    solver = _solver(F, p, held, rtol=rtol, atol=atol, max_num_steps=max_steps)
+    found = solver.solve(at - start, y0, slopes)
+    reached = at.copy() if found.success else start + np.asarray(found.t)
     return Run(
-        np.asarray(found.t), np.asarray(found.y).T, np.asarray(found.yp).T, names,
+        reached, np.asarray(found.y).T, np.asarray(found.yp).T, names,
         bool(found.success), str(found.message), int(found.nfev), int(found.njev),
     )  # fmt: skip
 

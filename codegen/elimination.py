@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from heapq import heapify, heappop, heappush
 
-from codegen.forms import Form, Forms, Monomial, added
+from codegen.forms import ONE, Form, Forms, Monomial, added, merged
 
 Edges = Mapping[int, Mapping[int, Form]]
 """Edges by the vertex where they end, then by the vertex where they start.
@@ -107,14 +107,20 @@ def eliminate(forms: Forms, edges: Edges, order: Order) -> dict[int, dict[int, F
     }
     for v in order(structure_of(edges), inner):
         before, after = left.pop(v), out.pop(v)
-        for w in sorted(after):
+        successors = sorted(after)
+        for w in successors:
             outward = left[w].pop(v)
             for u, inward in before.items():
-                entry = added(left[w].setdefault(u, {}), forms.product(inward, outward))
+                known = left[w].get(u, {})
+                if outward == ONE and w == successors[-1]:
+                    entry = merged(known, inward)
+                else:
+                    entry = added(known, forms.product(inward, outward))
                 if entry:
+                    left[w][u] = entry
                     out[u][w] = None
                 else:
-                    del left[w][u]
+                    left[w].pop(u, None)
                     out[u].pop(w, None)
         for u in before:
             out[u].pop(v, None)

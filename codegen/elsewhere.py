@@ -7,13 +7,14 @@ are inputs, and so are their derivatives (prescribed motion), each under a name 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from eom.errors import InputError
-from eom.system import Quantity, System, as_expression, nodes
+from eom.system import BodyAttitude, Quantity, System, as_expression, nodes
 
 Expr = Any
 
@@ -28,14 +29,14 @@ ACCEPTED = (
 )
 
 
-def as_system(given: Any, name: str = "") -> System:
+def as_system(given: Any, name: str = "", attitudes: Sequence[BodyAttitude] = ()) -> System:
     """Return ``given`` as a system. Raises `InputError` for anything else than `ACCEPTED`.
 
     A pair is (states, rates); a triple (states, M, f) means M d(states)/dt = f. States may be
-    symbols or functions of time.
+    symbols or functions of time. ``attitudes``: bodies among the states, over the same; they are proved.
     """
     if isinstance(given, System):
-        return given
+        return replace(given, attitudes=(*given.attitudes, *attitudes)) if attitudes else given
     kind = type(given).__name__
     if kind in _METHODS and type(given).__module__.startswith("sympy."):
         states, rates, mass = _METHODS[kind](given)
@@ -50,7 +51,7 @@ def as_system(given: Any, name: str = "") -> System:
             expected=ACCEPTED,
             hint="call derive() of a scene" if hasattr(given, "derive") else "",
         )
-    return _plain(name or kind.lower(), _entries(states, "states"), rates, mass)
+    return _plain(name or kind.lower(), _entries(states, "states"), rates, mass, attitudes)
 
 
 def _entries(values: Any, what: str) -> list[Expr]:
@@ -115,9 +116,16 @@ def _mechanics_system(system: Any) -> Parts:
 _METHODS = {"KanesMethod": _kane, "LagrangesMethod": _lagrange, "System": _mechanics_system}
 
 
-def _plain(name: str, states: Sequence[Expr], rates: Sequence[Expr], mass: Expr | None) -> System:
+def _plain(
+    name: str,
+    states: Sequence[Expr],
+    rates: Sequence[Expr],
+    mass: Expr | None,
+    attitudes: Sequence[BodyAttitude],
+) -> System:
     """Exchange functions of time and derivatives for plain symbols, and sort these by role."""
-    everything = [*rates, *(mass if mass is not None else ())]
+    stated = [e for a in attitudes for e in a.expressions]
+    everything = [*rates, *(mass if mass is not None else ()), *stated]
     spelt = {s: sp.Symbol(_name_of(s), real=True) for s in states}
     inputs = [f for f in _functions_of_time(everything) if f not in spelt]
     spelt |= {f: sp.Symbol(_name_of(f), real=True) for f in inputs}
@@ -127,7 +135,9 @@ def _plain(name: str, states: Sequence[Expr], rates: Sequence[Expr], mass: Expr 
     new_mass = (
         None if mass is None else sp.ImmutableMatrix(mass.applyfunc(lambda e: _exchanged(e, known)))
     )
-    free = {s for s in nodes((*new_rates, *(new_mass or ()))) if isinstance(s, sp.Symbol)}
+    new_attitudes = tuple(a.over(lambda e: _exchanged(e, known)) for a in attitudes)
+    stated = [e for a in new_attitudes for e in a.expressions]
+    free = {s for s in nodes((*new_rates, *(new_mass or ()), *stated)) if isinstance(s, sp.Symbol)}
     time = next((s for s in free if s.name == _TIME), sp.Symbol(_TIME))
     parameters = sorted(free - set(spelt.values()) - {time}, key=str)
     return System(
@@ -138,6 +148,7 @@ def _plain(name: str, states: Sequence[Expr], rates: Sequence[Expr], mass: Expr 
         parameters=tuple(Quantity(s) for s in parameters),
         inputs=tuple(Quantity(spelt[f]) for f in inputs),
         time=time,
+        attitudes=new_attitudes,
     )
 
 

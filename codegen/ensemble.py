@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen import store as stores
 from codegen.arguments import grid as grid_of
-from codegen.arguments import positive
+from codegen.arguments import positive, relative
 from codegen.arguments import span as span_of
 from codegen.arguments import tolerances as tolerances_of
 from codegen.batches import processors
-from codegen.chunks import Plan, built, run
+from codegen.chunks import Plan, clock_of_plan, integrator, run
 from codegen.compiled import Compiled
 from codegen.crews import Cluster, Threads, Work, pieces
 from codegen.gathering import Gathered
@@ -39,7 +39,7 @@ from codegen.samples import Many, Population, population
 from codegen.simulation import DEFAULT_MARGIN
 from codegen.simulation import _compile_once as compile_once
 from codegen.tallies import BLOCK, Statistics, Summary
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 
 LARGEST_CHUNK = 8192
@@ -134,6 +134,7 @@ class Ensemble:
         return self.columns[name]
 
 
+@typed
 def ensemble(
     system: System | Compiled,
     initial: Many,
@@ -162,12 +163,13 @@ def ensemble(
     ``initial``, ``parameters``: by name or in order, each a number for all or one a trajectory (N,); or
     as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
     operation has a rule, else DOP853), taylor or DOP853. ``rtol``, ``atol``, ``max_step``, ``max_steps``
-    and ``margin`` are those of `simulate`, ``inputs`` numbers by name. ``t_eval``: times to store;
-    without it the end alone. ``statistics``: names of states and outputs, or `Statistics`. ``keep``:
-    whether the trajectories are kept in memory, by default where there is no ``store``, a folder for
-    them in ``store_format`` zarr or parquet; a run that broke off is called again to go on. ``chunk``:
-    trajectories of a task, made a multiple of 256. ``threads``: by default one a processor; ``client``:
-    a client of `dask.distributed` does it instead. ``progress``: called with the share that is done.
+    and ``margin`` are those of `simulate`, ``atol`` by the scales of each trajectory, ``inputs`` numbers
+    by name. ``t_eval``: times to store; without it the end alone. ``statistics``: names of states and
+    outputs, or `Statistics`. ``keep``: whether the trajectories are kept in memory, by default where
+    there is no ``store``, a folder for them in ``store_format`` zarr or parquet; a run that broke off is
+    called again to go on. ``chunk``: trajectories of a task, made a multiple of 256. ``threads``: by
+    default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
+    called with the share that is done.
 
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
     `InputError` for unusable arguments, samples that are not finite or contradict the system's
@@ -191,18 +193,29 @@ def ensemble(
     kept = store is None if keep is None else keep
     size = _chunk(chunk, some.count, shared, compiled)
     plan = Plan(compiled, method, shared, _statistics(compiled, statistics), size, kept)
-    work = run if store is None else _stored(plan, some, store, store_format)
-    built(SameObject(compiled), method, shared.rtol)  # before the threads that need it
+    work, mended = (run, "") if store is None else _stored(plan, some, store, store_format)
+    integrator(plan)  # before the threads that need it
+    notes = (_doubt(plan, some), mended)
     began = time.perf_counter()
-    gathered = _gathered(plan, some, work, number, client, progress)
-    return _result(gathered, time.perf_counter() - began, store)
+    chunks = -(-some.count // plan.chunk)
+    gathered = _gathered(plan, some, work, min(number, max(1, chunks)), client, progress)
+    return _result(gathered, time.perf_counter() - began, store, notes)
 
 
-def _stored(plan: Plan, some: Population, folder: str | Path, store_format: str) -> Work:
-    """Return what computes chunks and writes them, or reads those that are there."""
-    integrator = built(SameObject(plan.compiled), plan.method, plan.shared.rtol)
-    contents = _contents(plan, some, integrator, store_format)
-    return partial(stores.work, stores.opened(folder, contents))
+def _doubt(plan: Plan, some: Population) -> str:
+    """Return what a user should know of how well time is resolved, by the first chunk."""
+    clock = clock_of_plan(plan)
+    if clock is None:
+        return ""
+    return clock.doubt(some.draw(0, min(plan.chunk, some.count))[1], plan.shared.rtol)
+
+
+def _stored(
+    plan: Plan, some: Population, folder: str | Path, store_format: str
+) -> tuple[Work, str]:
+    """Return what computes chunks and writes them, or reads those that are there; and what was mended."""
+    found, mended = stores.opened(folder, _contents(plan, some, integrator(plan), store_format))
+    return partial(stores.work, found), mended
 
 
 def _gathered(
@@ -247,8 +260,8 @@ def _shared(
     return Shared(
         t_span=span,
         inputs=to_array(compiled.structure.without("input", inputs), names, "input"),
-        rtol=positive(rtol, "rtol"),
-        atol=tolerances_of(atol, rtol, len(compiled.layout.states)),
+        rtol=relative(rtol),
+        atol=None if atol is None else tolerances_of(atol, len(compiled.layout.states)),
         margin=positive(margin, "margin"),
         t_eval=grid_of(span[1:] if t_eval is None else t_eval, span),
         max_step=positive(max_step, "max_step"),
@@ -282,7 +295,7 @@ def _chunk(asked: int | None, count: int, shared: Shared, compiled: Compiled) ->
 
 
 def _contents(
-    plan: Plan, some: Population, integrator: fleet.Built, store_format: str
+    plan: Plan, some: Population, used: fleet.Built, store_format: str
 ) -> stores.Contents:
     """Return what a store of this ensemble holds."""
     layout, shared = plan.compiled.layout, plan.shared
@@ -292,7 +305,7 @@ def _contents(
         "y_stop": names_of(layout.states),
         "drift": layout.results[INVARIANTS],
     }
-    digest = hashlib.sha256(integrator.text.encode())
+    digest = hashlib.sha256(used.text.encode())
     for group in sorted(plan.compiled.files.values()):
         digest.update(group.encode())
     sampler = (
@@ -300,7 +313,7 @@ def _contents(
     )
     digest.update(repr((shared, some.states, some.parameters, sampler)).encode())
     for array in (shared.atol, shared.t_eval, shared.inputs, *some.columns.values()):
-        digest.update(array.tobytes())
+        digest.update(b"" if array is None else array.tobytes())
     for first in (0, max(0, some.count - BLOCK)):
         for array in some.draw(first, min(first + BLOCK, some.count)):
             digest.update(array.tobytes())
@@ -314,9 +327,11 @@ def _contents(
     )
 
 
-def _result(gathered: Gathered, seconds: float, store: str | Path | None) -> Ensemble:
+def _result(
+    gathered: Gathered, seconds: float, store: str | Path | None, notes: Sequence[str]
+) -> Ensemble:
     plan, layout = gathered.plan, gathered.plan.compiled.layout
-    integrator = built(SameObject(plan.compiled), plan.method, plan.shared.rtol)
+    used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
@@ -329,8 +344,8 @@ def _result(gathered: Gathered, seconds: float, store: str | Path | None) -> Ens
         columns=gathered.columns,
         names=names_of(layout.states),
         outputs=layout.results[OUTPUTS],
-        method=integrator.method,
-        notice="; ".join(n for n in (plan.compiled.notice, integrator.notice) if n),
+        method=used.method,
+        notice="; ".join(n for n in (plan.compiled.notice, used.notice, *notes) if n),
         steps=gathered.steps,
         computed=gathered.computed,
         seconds=seconds,

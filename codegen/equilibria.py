@@ -5,28 +5,29 @@
     steady = equilibrium(compiled, guess, parameters, cyclic=["phi"], hold={"spin": 20.0})
 
 Newton's method (`codegen.newton`) with derivatives of the program (`codegen.tangents`); where the equations
-leave a family of solutions open, it goes to a near one. Unit quaternions among the states
-(`codegen.quaternions`) stay unit ones. What is found is told with its residual, and with the rank of the
+leave a family of solutions open, it goes to a near one. Unit quaternions that the system states
+(`eom.BodyAttitude`) stay unit ones. What is found is told with its residual, and with the rank of the
 Jacobian: whether it stands alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codegen import newton
+from codegen.attitude import quaternions_of
 from codegen.compiled import Compiled
 from codegen.derivative import dependence
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
-from codegen.quaternions import candidates
+from codegen.nearby import NEAR, NEAR_POINTS, Near, scales_of
+from codegen.steady import Equilibrium, together
 from codegen.unknowns import Equations, maintained
-from eom.errors import InputError, near_matches, unknown_name
+from eom.errors import InputError, near_matches, typed, unknown_name
 
 Array = NDArray[np.float64]
 
@@ -35,48 +36,14 @@ ALIKE = 1e-6
 DEGENERATE = "degenerate"
 CERTAIN = 1e-9
 """Where Newton's method would still go farther than this, the place of a solution is not certain."""
-NEAR, NEAR_POINTS = 0.3, 6
-"""How far from the guess derivatives are looked at for their size, and at how many points."""
+HIDDEN = 1e-8
+"""What is larger than this, in its scale, is no error of a search: it ends where its steps are as small."""
+MOST_STARTS = 100_000
 FAMILY_STEP = 1e-3
 """How far along a family another member is looked for, relative to the size of the solution."""
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """A state with zero rates, or a steady motion.
-
-    ``states``, ``inputs``, ``parameters``: values by name. ``residual``: the largest rate that should be
-    zero, in its unit, that of the state ``worst``; ``relative``: the same by the terms that it is made of.
-    ``unknowns``, ``rank``: of the equations. ``kind``: ``isolated`` if the rank is full; ``family`` if
-    other solutions lie beside it, along ``directions`` (by name, one mapping a dimension); else
-    ``degenerate``: it stands alone as far as was seen, but few of its digits are certain.
-    ``rates``: of the cyclic states, which may run, by name.
-    Units are those of the system.
-    """
-
-    states: Mapping[str, float]
-    inputs: Mapping[str, float]
-    parameters: Mapping[str, float]
-    residual: float
-    relative: float
-    worst: str
-    unknowns: int
-    rank: int
-    kind: str
-    directions: tuple[Mapping[str, float], ...] = ()
-    rates: Mapping[str, float] | None = None
-
-    @property
-    def isolated(self) -> bool:
-        """Whether no other solution is near."""
-        return self.kind == "isolated"
-
-    @property
-    def cyclic(self) -> tuple[str, ...]:
-        """The states that may run."""
-        return tuple(self.rates or ())
-
-
+@typed
 def equilibrium(
     compiled: Compiled,
     guess: Mapping[str, float] | None = None,
@@ -90,17 +57,18 @@ def equilibrium(
     seed: int = 0,
     spread: float = 1.0,
 ) -> Equilibrium:
-    """Return the first solution that is found: from the guess, else from points around it.
+    """Return the solution nearest to the guess of those that are found from it and from points around it.
 
     ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``parameters``:
     numbers by name or in order. ``inputs``: their values, 0 where left out; those in ``free`` are looked
     for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
     states, outputs or invariants that the solution must have; the constraints that the system maintains
     are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess (by its size, at least 1). The same arguments give the same result. Units are those of the
-    system. Raises `InputError` where nothing is found, for unknown names, and for rates that depend on
-    time. Source: Newton's method with steps of least size, Ben-Israel, J. Math. Anal. Appl. 15 (1966)
-    243.
+    the guess, in the scale of each state (`codegen.balance`: 1 for angles, others by what they do beside
+    them), in which near is meant, too. Values that rounding hides are zero. The same arguments give the
+    same result. Units are those of the system. Raises `InputError` where nothing is found, for unknown
+    names, and for rates that depend on time. Source: Newton's method with steps of least size, Ben-Israel,
+    J. Math. Anal. Appl. 15 (1966) 243.
 
     >>> import sympy as sp, codegen, eom
     >>> q, u = sp.symbols("q u", real=True)
@@ -110,13 +78,21 @@ def equilibrium(
     ('isolated', 1.570796)
     """
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
+    best: Array | None = None
     for start in search.starts(starts, seed, spread):
+        if best is not None and search.near.distance(start) >= search.near.distance(best):
+            break
         found = search.solve(start)
         if found is not None:
-            return search.told(search.wrapped(found))
-    raise search.nothing(starts)
+            found = search.wrapped(found)
+            if best is None or search.near.distance(found) < search.near.distance(best):
+                best = found
+    if best is None:
+        raise search.nothing(starts)
+    return search.told(best)
 
 
+@typed
 def equilibria(
     compiled: Compiled,
     guess: Mapping[str, float] | None = None,
@@ -153,7 +129,7 @@ def equilibria(
             found.append(z)
     if not found:
         raise search.nothing(starts)
-    told = [search.told(z) for z in sorted(found, key=search.distance)]
+    told = [search.told(z) for z in sorted(found, key=search.near.distance)]
     families = [e for e in told if e.kind == "family"][:1]
     return tuple(e for e in told if e.kind != "family" or e in families)
 
@@ -175,6 +151,7 @@ class _Search:
         cyclic: Iterable[str],
         hold: Mapping[str, float] | None,
     ) -> None:
+        self.asked = (compiled, guess, parameters, inputs, free, cyclic, hold)
         layout = compiled.layout
         self.compiled, self.name = compiled, f"system {layout.name!r}"
         states, self.inputs = names_of(layout.states), names_of(layout.inputs)
@@ -184,7 +161,7 @@ class _Search:
         free = self._names(free, "input", self.inputs)
         self.cyclic = cyclic = self._names(cyclic, "state", states)
         hold = dict.fromkeys(maintained(compiled), 0.0) | dict(hold or {})
-        fours = [orders[0] for orders in candidates(compiled.program, len(states))]
+        fours = self.fours = quaternions_of(layout.attitudes)
         self.x = _start(guess or {}, states, fours)
         self.u = to_array(
             dict.fromkeys(self.inputs, 0.0) | dict(inputs or {}), self.inputs, "input"
@@ -231,19 +208,6 @@ class _Search:
                 self.x[states.index(name)] = value
         return set(hold) & set(states)
 
-    def starts(self, count: int, seed: int, spread: float) -> Iterable[Array]:
-        """Yield the guess, the guess with speeds of zero, then points around that."""
-        if not isinstance(count, int) or count < 1 or not spread > 0:
-            raise InputError("starts and spread are not positive", got=(count, spread))
-        first = np.concatenate([self.x, self.u])[self.unknowns]
-        yield first
-        still = np.where([self.speeds[k] for k in self.unknowns], 0.0, first)
-        if count > 1:
-            yield still
-        draw = np.random.default_rng(seed)
-        for _ in range(count - 2):
-            yield still + spread * draw.normal(size=first.size) * np.maximum(np.abs(still), 1.0)
-
     def whole(self, z: Array) -> tuple[Array, Array]:
         """Return states and inputs."""
         both = np.concatenate([self.x, self.u])
@@ -260,44 +224,93 @@ class _Search:
         return f, J[:, self.unknowns]
 
     @cached_property
+    def first(self) -> Array:
+        """The unknowns of the guess."""
+        return np.concatenate([self.x, self.u])[self.unknowns]
+
+    @cached_property
+    def near(self) -> Near:
+        """What is near the guess: the scale of each unknown, whole turns, signs of quaternions."""
+        inside, own = {k for f in self.fours for k in f}, self.unknowns
+        turning = [a or k in inside for k, a in enumerate(self.angles)]
+        scales = scales_of(self.equations, self.x, self.u, turning)[own]
+        fours = [[own.index(k) for k in f] for f in self.fours if {*f} <= {*own}]
+        return Near(self.first, scales, [self.angles[k] for k in own], fours)
+
+    @property
+    def scales(self) -> Array:
+        """The scale of each unknown."""
+        return self.near.scales
+
+    @cached_property
     def problem(self) -> newton.Problem:
-        """The equations, with the size of their derivatives by all states and inputs around the guess."""
-        first = np.concatenate([self.x, self.u])
-        draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, first.size))
-        points = [first, *(first + NEAR * draw * np.maximum(np.abs(first), 1.0))]
-        n = self.x.size
+        """The equations over unknowns in their scales, with the size of derivatives around the guess."""
+        draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, self.first.size))
+        points = [self.first, *(self.first + NEAR * draw * self.scales)]
         with np.errstate(all="ignore"):
-            size = newton.sizes([self.equations(z[:n], z[n:])[1] for z in points])
-        return newton.Problem(self.value, self.values, size)
+            size = newton.sizes(
+                [self.values(z)[1] * self.scales for z in points],
+                [self.equations.rounding(*self.whole(z)) for z in points],
+            )
+
+        def derived(y: Array) -> tuple[Array, Array]:
+            f, J = self.values(y * self.scales)
+            return f, J * self.scales
+
+        return newton.Problem(lambda y: self.value(y * self.scales), derived, size)
 
     def solve(self, z: Array) -> Array | None:
         """Return a solution from a start; None where none is found."""
-        return newton.solve(self.problem, z)
+        found = newton.solve(self.problem, z / self.scales)
+        return None if found is None else found * self.scales
+
+    def starts(self, count: int, seed: int, spread: float) -> list[Array]:
+        """Return the guess, the guess with speeds of zero, and points around, the nearest first."""
+        if not (1 <= count <= MOST_STARTS and 0 < float(spread) < np.inf and seed >= 0):
+            raise InputError(
+                "unusable starts", where=self.name, got=f"starts={count}, seed={seed}, spread={spread}",
+                expected=f"1 to {MOST_STARTS:,} starts, a seed from 0, a spread above 0",
+            )  # fmt: skip
+        still = np.where([self.speeds[k] for k in self.unknowns], 0.0, self.first)
+        return self.near.starts(still, count, seed, spread)
 
     def wrapped(self, z: Array) -> Array:
-        """Return angles within half a turn of the guess where the equations hold there as well."""
-        first = np.concatenate([self.x, self.u])[self.unknowns]
-        turns = np.ceil((z - first) / (2 * np.pi) - 0.5)
-        turned = z - 2 * np.pi * np.where([self.angles[k] for k in self.unknowns], turns, 0.0)
+        """Return angles and quaternions nearest to the guess where the equations hold there as well."""
+        turned = self.near.turned(z)
         if np.array_equal(turned, z):
             return z
         again = self.solve(turned)
         return z if again is None or not _alike(again, turned) else again
 
-    def distance(self, z: Array) -> float:
-        """Return how far a solution is from the guess."""
-        return float(np.linalg.norm(z - np.concatenate([self.x, self.u])[self.unknowns]))
+    def exact(self, z: Array) -> Array:
+        """Return a solution with zeros for values that rounding hides.
+
+        As many of the smallest as leave the equations zero to rounding (a running error analysis says how
+        much that is), of those that are small enough to be errors of the search.
+        """
+        size = np.abs(z) / self.scales
+        order = [int(k) for k in np.argsort(size, kind="stable") if 0 < size[k] < HIDDEN]
+        for count in range(len(order), 0, -1):
+            other = z.copy()
+            other[order[:count]] = 0.0
+            with np.errstate(all="ignore"):
+                left, slack = np.abs(self.value(other)), self.equations.rounding(*self.whole(other))
+            if np.all(left <= slack):
+                return other
+        return z
 
     def told(self, z: Array) -> Equilibrium:
         """Return a solution with what is known of it."""
-        f, J = self.values(z)
+        z = self.exact(z)
+        y = z / self.scales
+        f, J = self.problem.derived(y)
         self._check_cyclic(z)
         x, u = self.whole(z)
         rank, null = newton.null_space(J, self.problem.size)
         certain = np.max(np.abs(newton.step(self.problem, f, J))) <= CERTAIN * (
-            1 + np.max(np.abs(z))
+            1 + np.max(np.abs(y))
         )
-        kind = ("isolated" if certain else DEGENERATE) if rank == z.size else self._kind(z, null)
+        kind = ("isolated" if certain else DEGENERATE) if rank == z.size else self._kind(y, null)
         worst = int(np.argmax(np.abs(f)))
         states = names_of(self.compiled.layout.states)
         rates = self.compiled.rhs(0.0, x, self.p, u)
@@ -306,7 +319,7 @@ class _Search:
             dict(zip(self.inputs, map(float, u), strict=True)),
             dict(zip(names_of(self.compiled.layout.parameters), map(float, self.p), strict=True)),
             float(abs(f[worst])),
-            float(np.max(np.abs(f) / newton.scale(self.problem, z))),
+            float(np.max(np.abs(f) / newton.scale(self.problem, y))),
             self.equations.labels[worst],
             z.size,
             rank,
@@ -316,15 +329,16 @@ class _Search:
         )
 
     def _named(self, direction: Array) -> Mapping[str, float]:
+        direction = direction * self.scales / np.linalg.norm(direction * self.scales)
         named = {self.labels[p]: float(v) for p, v in zip(self.unknowns, direction, strict=True)}
         return {n: v for n, v in named.items() if abs(v) > newton.RANK}
 
-    def _kind(self, z: Array, null: Array) -> str:
+    def _kind(self, y: Array, null: Array) -> str:
         """Tell a family from a degenerate point: along every direction there is another solution."""
-        step = FAMILY_STEP * (1 + float(np.max(np.abs(z))))
+        step = FAMILY_STEP * (1 + float(np.max(np.abs(y))))
         for v in null.T:
-            other = self.solve(z + step * v)
-            if other is None or abs(float(v @ (other - z))) < step / 2:
+            other = newton.solve(self.problem, y + step * v)
+            if other is None or abs(float(v @ (other - y))) < step / 2:
                 return DEGENERATE
         return "family"
 
@@ -348,12 +362,34 @@ class _Search:
             x = x + 0.1 * draw.normal(size=x.size)
 
     def nothing(self, starts: int) -> InputError:
-        """Return the error that nothing was found."""
+        """Return the error that nothing was found; it names states that would have to run."""
         what = "steady motion" if self.cyclic else "equilibrium"
+        running = self._running()
+        hint = "give a closer guess, more starts, or free an input; there may be none"
+        if running:
+            given = " ".join(f"--cyclic {n}" for n in running)
+            hint = f"motions are steady in which {', '.join(running)} may run: {given}"
         return InputError(
-            f"no {what} was found", where=self.name, got=f"{starts} starts around the guess",
-            hint="give a closer guess, more starts, or free an input; there may be none",
-        )  # fmt: skip
+            f"no {what} was found",
+            where=self.name,
+            got=f"{starts} starts around the guess",
+            hint=hint,
+        )
+
+    def _running(self) -> tuple[str, ...]:
+        """Return states of which one is steady where they run, the fewest; none where that does not help.
+
+        They may run together where no rate of another state depends on them.
+        """
+        states = names_of(self.compiled.layout.states)
+        own = {k for k in self.unknowns if k < len(states)}
+        compiled, guess, parameters, inputs, free, cyclic, hold = self.asked
+        for running in together(dependence(self.compiled.program, RATES), own):
+            names = tuple(states[k] for k in running)
+            other = _Search(compiled, guess, parameters, inputs, free, (*cyclic, *names), hold)
+            if any(other.solve(z) is not None for z in other.starts(4, 0, 1.0)):
+                return names
+        return ()
 
 
 def _start(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import sympy as sp
 
@@ -23,15 +23,20 @@ from codegen.passes import prune
 from codegen.pipeline import formed, join, optimise
 from codegen.program import Builder, Program, bindings
 from codegen.taylor import BRANCHES
-from eom.errors import InputError
+from eom.errors import InputError, typed_fields
 from eom.system import System, as_expression
 
 Expr = Any
+if TYPE_CHECKING:
+    _Alone: TypeAlias = Any  # SymPy tells type checkers nothing
+else:
+    _Alone = sp.Basic
 _JUMPS = BRANCHES | TRUTH_VALUES | {"floor", "mod"}
 _MOVES = 2
 """Binding of what varies with time or states."""
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Event:
     """A zero of ``expression``, over states, parameters, inputs, time, definitions and outputs.
@@ -61,7 +66,7 @@ class Event:
         if self.direction not in {-1, 0, 1}:
             raise InputError("an event has no such direction", got=self.direction,
                              expected="1 (up), -1 (down) or 0 (all)")  # fmt: skip
-        if self.terminal != int(self.terminal) or self.terminal < 0:
+        if self.terminal < 0:
             raise InputError("an event cannot end a run so", got=f"terminal = {self.terminal}",
                              expected="True, False or a number of times")  # fmt: skip
 
@@ -86,7 +91,7 @@ class Occurrences:
         return len(self.t)
 
 
-Given = Sequence[Event | Expr] | Mapping[str, Event | Expr] | Event | None
+Given = Sequence[Event | Expr] | Mapping[str, Event | Expr] | Event | _Alone | None
 
 
 def checked(given: Given) -> tuple[Event, ...]:
@@ -113,6 +118,11 @@ def checked(given: Given) -> tuple[Event, ...]:
 def filters(events: Sequence[Event]) -> tuple[Filter, ...]:
     """Return what a loop needs to know of events beside their expressions."""
     return tuple(Filter(e.direction, int(e.terminal)) for e in events)
+
+
+def bare(events: Sequence[Event]) -> tuple[Event, ...]:
+    """Return of events what generated code depends on: the expressions, and what they are called."""
+    return tuple(Event(e.expression, name=e.label) for e in events)
 
 
 def states_of(compiled: Compiled, events: Sequence[Event]) -> list[str]:

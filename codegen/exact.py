@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 from codegen.elliptic import Modulus, Series, carlson, first_kind, series
 from codegen.phases import Pair, pair, parity, reduced, scaled
 from codegen.polhode import Polhode, context, number, polhode, root
-from eom.errors import InputError
+from eom.errors import InputError, typed
 
 Array = NDArray[np.float64]
 Number = Any  # a mpmath real
@@ -264,6 +264,7 @@ class FreeMotion:
         return omega.reshape(3, *times.shape), quaternion.reshape(4, *times.shape)
 
 
+@typed
 def free_motion(
     moments: ArrayLike, omega0: ArrayLike, attitude0: ArrayLike = (1, 0, 0, 0)
 ) -> FreeMotion:
@@ -285,6 +286,7 @@ def free_motion(
     return FreeMotion(kind.name, kind.meaning, form.period, body, form, (w, x, y, z))
 
 
+@typed
 def free_body(
     moments: ArrayLike, omega0: ArrayLike, attitude0: ArrayLike, t: ArrayLike
 ) -> tuple[Array, Array]:
@@ -328,7 +330,7 @@ def _product(p: tuple[float, float, float, float], q: Array) -> Array:
 def _array(what: str, values: ArrayLike) -> Array:
     try:
         array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(f"{what}: not real numbers", where=WHERE, got=values) from error
     if not np.isfinite(array).all():
         raise InputError(f"{what}: not finite", where=WHERE, got=values, expected="finite numbers")

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -35,15 +35,19 @@ from codegen.charts import (
     compile_charts,
     followed,
 )
+from codegen.clock import Late, is_late, span_since, times_told
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
-from codegen.integrate.trajectory import MAX_STEPS, Array
+from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Stop, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS
 from codegen.parts import Part, Parts, Place
-from codegen.simulation import DEFAULT_MARGIN, Result, Signal, Values
+from codegen.scales import PART
+from codegen.second_run import Origin
+from codegen.signals import Inputs
+from codegen.simulation import DEFAULT_MARGIN, InputValue, Result, Values
 from codegen.simulation import simulate as simulate_one
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 from eom.system import Charts
 
 NEARLY = 1e-12
@@ -57,6 +61,7 @@ def _compiled_once(key: SameObject[Charts]) -> CompiledCharts:
     return compile_charts(key.value)
 
 
+@typed
 def simulate(
     charts: Charts | CompiledCharts,
     initial: Values,
@@ -67,7 +72,7 @@ def simulate(
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, Signal] | None = None,
+    inputs: Mapping[str, InputValue] | None = None,
     outputs: Sequence[str] | None = None,
     dense_output: bool = False,
     first_step: float | None = None,
@@ -79,36 +84,101 @@ def simulate(
     """Integrate over ``t_span`` as `codegen.simulate` does; states are those of the first chart.
 
     ``atol``: a number, or one a state of the first chart; near the singular angle the quaternion
-    takes the least of the angles. ``outputs``: names of outputs to evaluate; all angles and rates are
-    integrated in any case, as the transfers need them. ``first_step``: of the whole run, not after
-    each change. ``margin``: where the singular function is smaller the first angle has no meaning,
-    see the module. With ``t_eval`` and without ``dense_output`` nothing but the times of changes
-    grows with the steps. ``changes`` and ``notice`` of the result tell when coordinates changed.
+    takes the least of the angles; by default each part has its own scales. ``outputs``: names of outputs
+    to evaluate; all angles and rates are integrated in any case, as the transfers need them.
+    ``first_step``: of the whole run, not after each change. ``margin``: where the singular function is
+    smaller the first angle has no meaning, see the module. With ``t_eval`` and without ``dense_output``
+    nothing but the times of changes grows with the steps. ``changes`` and ``notice`` of the result tell
+    when coordinates changed.
     Raises as `codegen.simulate` does.
     """
     made = charts if isinstance(charts, CompiledCharts) else _compiled_once(SameObject(charts))
-    span, values = arguments.span(t_span), dict(parameters or {})
-    signals = dict(inputs or {})
-    _check_names(made, values, signals)
+    asked, values = arguments.span(t_span), dict(parameters or {})
+    grid = None if t_eval is None else arguments.grid(t_eval, asked)
+    start = asked[0] if is_late(asked) else 0.0
+    _check_names(made, values, inputs or {})
     states = names_of(made.first.layout.states)
     plan = _Plan(
-        span,
-        None if t_eval is None else arguments.grid(t_eval, span),
-        arguments.tolerances(atol, arguments.relative(rtol), len(states)),
+        span_since(asked, start),
+        None if grid is None else grid - start,
+        None if atol is None else arguments.tolerances(atol, len(states)),
         arguments.optional(first_step, "first_step"),
         arguments.positive(margin, "margin"),
         dense_output,
-        signals,
-        {"method": method, "rtol": rtol, "max_step": max_step},
+        dict(inputs or {}),
+        {"method": method, "rtol": rtol, "max_step": max_step, "epoch": start},
+        start,
         progress,
     )
-    wanted = _wanted(made, outputs)
-    run = _Run(made, values, plan, wanted)
-    return run.whole(to_array(initial, states, "initial value"), arguments.count(max_steps))
+    run = _Run(made, values, plan, _wanted(made, outputs))
+    found = _whole(run, to_array(initial, states, "initial value"), arguments.count(max_steps))
+    return _told(found, start, grid, asked[1]) if start else found
+
+
+def _whole(run: _Run, x0: Array, max_steps: int) -> Result:
+    """Return the run with what it came from, where it is over the time of its systems."""
+    found = run.whole(x0, max_steps)
+    return replace(found, origin=None if run.plan.start else _origin(run, x0, max_steps))
+
+
+def _told(result: Result, start: float, grid: Array | None, end: float) -> Result:
+    """Return a result over times since ``start`` in the times of the user."""
+    since, ended = f"counted from t = {start!r} s", result.status == 0
+    return replace(
+        result,
+        t=times_told(result.t, start, grid, end if ended else None),
+        t_stop=end if ended else start + result.t_stop,
+        changes=tuple(start + t for t in result.changes),
+        sol=None if not result.sol else Late(result.sol, start),
+        message=f"reached t = {end!r} s" if ended else f"{since}: {result.message}",
+        notice=f"{since}: {result.notice}" if result.changes else result.notice,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class HandedOver(Origin):
+    """What a result in two charts came from. ``made``, ``given``, ``plan``: of its run."""
+
+    made: CompiledCharts | None = None
+    given: Mapping[str, float] = field(default_factory=dict)
+    plan: _Plan | None = None
+
+    def again(self, problem: Problem, method: str) -> Trajectory:
+        """Integrate a changed problem by a method; where angles have no meaning stays as it was."""
+        assert self.made is not None
+        assert self.plan is not None
+        result = simulate(
+            self.made, problem.x0, problem.t_span, self.given, method, problem.rtol, problem.atol,
+            problem.t_eval, inputs=self.plan.inputs, outputs=(), dense_output=problem.dense_output,
+            first_step=problem.first_step, max_step=problem.max_step, max_steps=problem.max_steps,
+            margin=self.plan.margin, progress=problem.progress,
+        )  # fmt: skip
+        kind = {0: "end", 1: "singular"}.get(result.status, "failed")
+        return Trajectory(
+            t=result.t, y=result.y, stop=Stop(kind, result.t_stop), state_at_stop=result.y_stop,
+            closest=(), evaluations=result.nfev, steps=result.steps, rejected=result.rejected,
+            solution=result.sol,
+        )  # fmt: skip
+
+
+def _origin(run: _Run, x0: Array, max_steps: int) -> HandedOver:
+    """Return what a run came from, for the estimate of its error."""
+    made, plan = run.made, run.plan
+    signals = [n for n, v in plan.inputs.items() if callable(v)]  # the runs have them by name
+    unknown = np.full(len(x0), PART * plan.options["rtol"])  # each part measured its states itself
+    problem = Problem(
+        x0, plan.span, np.empty(0), np.empty(0), plan.options["rtol"],
+        unknown if plan.atol is None else plan.atol, plan.margin, 0,
+        first_step=plan.first_step, max_step=plan.options["max_step"], max_steps=max_steps,
+    )  # fmt: skip
+    return HandedOver(
+        made.first, problem, Inputs(np.empty(0), signals, {}) if signals else None, plan.options["method"],
+        tuple(run.parts.integrated), False, made, run.between.parameters, replace(plan, progress=None),
+    )  # fmt: skip
 
 
 def _check_names(
-    made: CompiledCharts, parameters: Mapping[str, float], inputs: Mapping[str, Signal]
+    made: CompiledCharts, parameters: Mapping[str, float], inputs: Mapping[str, InputValue]
 ) -> None:
     """Raise `InputError` for names that the charts do not have, and for inputs that are missing."""
     systems = (made.first, made.second, made.forth, made.back)
@@ -141,12 +211,14 @@ class _Plan:
 
     span: tuple[float, float]
     grid: Array | None
-    atol: Array
+    atol: Array | None
     first_step: float | None
     margin: float
     dense_output: bool
-    inputs: Mapping[str, Signal]
+    inputs: Mapping[str, InputValue]
     options: Mapping[str, Any]
+    start: float
+    """Time that is zero in the run."""
     progress: Callable[[float], None] | None
 
 
@@ -265,11 +337,12 @@ class _Run:
         """Run in the second chart, at most `PIECE` steps, and follow the angles."""
         between, second = self.between, self.made.second
         values = between.values(second, branch=angles.branch)
+        own = None if self.plan.atol is None else between.tolerances(self.plan.atol)
         result = self._simulate(
-            second, values, place, end, atol=between.tolerances(self.plan.atol),
+            second, values, place, end, atol=own,
             max_steps=min(left, PIECE), margin=NEARLY, dense_output=True,
         )  # fmt: skip
-        if result.sol is None:
+        if not result.sol:
             return result, None
         plan = result.t, self.plan.dense_output
         began = time.perf_counter()
@@ -300,7 +373,7 @@ class _Run:
         """Return an output or constant of the motion at the points of a part."""
         if name in part.outputs:
             return part.outputs[name]
-        layout, t = self.made.first.layout, part.result.t
+        layout, t = self.made.first.layout, self.plan.start + part.result.t
         group = OUTPUTS if name in layout.results[OUTPUTS] else INVARIANTS
         if not len(t):
             return np.empty(0)
@@ -311,6 +384,6 @@ class _Run:
         return np.asarray(found[layout.results[group].index(name)])
 
 
-def _at(signal: Signal, times: Array) -> Array:
+def _at(signal: InputValue, times: Array) -> Array:
     """Return an input over time."""
     return np.array([signal(t) if callable(signal) else signal for t in times.tolist()])

@@ -106,7 +106,13 @@ def constants(program: Program) -> dict[int, float]:
 
     Such values are computed with 50 digits and rounded once; no target computes them.
     """
-    context = _context(50)
+    return {k: float(value) for k, value in constants_exactly(program, 50).items()}
+
+
+@lru_cache(maxsize=16)
+def constants_exactly(program: Program, digits: int) -> dict[int, Any]:
+    """Return each value that depends on constants alone with ``digits`` digits, as numbers of mpmath."""
+    context = _context(digits)
     exact: dict[int, Any] = {}
     for k, instruction in enumerate(program.instructions):
         is_leaf = instruction.op not in OPS
@@ -117,7 +123,7 @@ def constants(program: Program) -> dict[int, float]:
         elif not is_leaf and all(a in exact for a in instruction.args):
             operands = [exact[a] for a in instruction.args]
             exact[k] = _real(context, partial(row_of(instruction).exact, context, *operands))
-    return {k: float(value) for k, value in exact.items()}
+    return exact
 
 
 def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[str, list[Any]]:

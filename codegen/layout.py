@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from codegen.attitude import Stated, stated_of
 from codegen.lower import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, shown, unknown_name
 from eom.system import Quantity, System
 
 
@@ -34,6 +35,9 @@ class Layout:
 
     patterns: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
     """Place (row, column) of each entry of a Jacobian, by the group that it is in the end of."""
+
+    attitudes: tuple[Stated, ...] = ()
+    """What the system states of its bodies."""
 
     @classmethod
     def of(cls, system: System) -> Layout:
@@ -60,6 +64,7 @@ class Layout:
                 OUTPUTS: tuple(d.quantity for d in system.outputs),
                 INVARIANTS: tuple(d.quantity for d in system.invariants),
             },
+            attitudes=stated_of(system),
         )
 
     def without(self, fixed: Collection[str]) -> Layout:
@@ -99,8 +104,8 @@ def to_array(
         values = _in_order(values, names, kind)
     try:
         array = np.array([] if values is None else values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{kind}s are not numbers", got=str(values)[:200]) from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{kind}s are not numbers", got=shown(values)) from None
     if array.shape != (len(names),):
         raise InputError(
             f"wrong number of {kind}s",

@@ -30,7 +30,7 @@ from codegen.passes import prune
 from codegen.pipeline import formed, join, optimise
 from codegen.program import Program
 from codegen.sparse import SparseJacobian
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,7 @@ VALUES = "values"
 """The one group of a program whose Jacobian is compiled."""
 
 
+@typed
 def compiled_jacobian(
     compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
 ) -> SparseJacobian:
@@ -190,6 +191,7 @@ class Linear:
     outputs: tuple[str, ...]
 
 
+@typed
 def linearise(
     compiled: Compiled,
     x: ArrayLike,

@@ -18,18 +18,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from codegen.attitude import quaternions_of
 from codegen.compiled import Compiled
 from codegen.complex_step import complex_step
 from codegen.deviations import closed, free_states, independent
-from codegen.equilibria import Equilibrium
 from codegen.interpret import Point
 from codegen.layout import names_of
 from codegen.linear import Linear
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
-from codegen.quaternions import candidates
+from codegen.steady import Equilibrium
 from codegen.tangents import tangents
 from codegen.unknowns import leaves_of, maintained
-from eom.errors import InputError, near_matches, unknown_name
+from eom.errors import InputError, near_matches, typed, unknown_name
 
 Array = NDArray[np.float64]
 
@@ -97,6 +97,7 @@ class LinearMotion(Linear):
         return stability(*self._eigen)
 
 
+@typed
 def linearise_about(
     compiled: Compiled,
     point: Equilibrium,
@@ -150,11 +151,17 @@ def linearise_about(
     return LinearMotion(
         kept.dynamics(full.A), kept.S @ full.B, full.C @ kept.T, full.D,
         kept.names, full.inputs, full.outputs, point,
-        float(np.max(apart, initial=0.0)),
+        _largest(apart),
         eliminated, cyclic, len(basis) - len(G) + len(redundant),
         tuple(labels[k] for k in redundant),
         _doubtful(full, apart) if check else (),
     )  # fmt: skip
+
+
+def _largest(apart: Array) -> float:
+    """Return the largest of what could be compared; NaN where nothing could."""
+    known = apart[np.isfinite(apart)]
+    return float(known.max(initial=0.0)) if known.size or not apart.size else float("nan")
 
 
 def _doubtful(full: Linear, apart: Array) -> tuple[str, ...]:
@@ -181,7 +188,7 @@ def _arrays(compiled: Compiled, point: Equilibrium) -> tuple[Array, Array, Array
 
 def _quaternions(compiled: Compiled, point: Equilibrium) -> list[tuple[int, ...]]:
     names = names_of(compiled.layout.states)
-    found = [tuple(orders[0]) for orders in candidates(compiled.program, len(names))]
+    found = quaternions_of(compiled.layout.attitudes)
     free = [f for f in found if not any(names[k] in point.cyclic for k in f)]
     for four in found:
         part = [names[k] in point.cyclic for k in four]
@@ -249,7 +256,8 @@ def _differences(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array)
     point = Point(0.0, list(x), list(p), list(u))
     leaves = leaves_of(x.size, u.size)
     other = complex_step(compiled.program, _groups(compiled), leaves, point)
-    size = np.max(np.abs(other), axis=1, initial=0.0, keepdims=True)
+    known = np.where(np.isfinite(other), np.abs(other), 0.0)
+    size = np.max(known, axis=1, initial=0.0, keepdims=True)
     size = np.maximum(size, LEAST_ROW * np.max(size, initial=0.0))
     apart = np.abs(ours - other) / np.where(size > 0, size, 1.0)
     return np.asarray(np.max(apart, axis=1, initial=0.0))

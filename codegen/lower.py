@@ -24,6 +24,8 @@ GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
 MAX_SPLIT_BITS = 53
 """Larger numerators and denominators are rounded as one quotient: each alone would be rounded, too."""
 
+FAR = 500
+"""Binary exponent from which on a number is moved into the powers that it is multiplied by."""
 _CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
 _COMPARISONS: dict[Any, tuple[str, bool]] = {
     sp.StrictLessThan: ("lt", False),
@@ -34,12 +36,8 @@ _COMPARISONS: dict[Any, tuple[str, bool]] = {
 }
 
 
-def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
-    """Return the program of a system, with its results in `GROUPS`.
-
-    With a mass matrix the rates are the solution of a linear system (`codegen.massmatrix`).
-    Raises `InputError` for expressions without an operation.
-    """
+def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowering:
+    """Return a lowering over the slots of a system, in a builder of its own."""
     b = Builder(rules)
     slots = {system.time: b.leaf("time")}
     for op, group in (
@@ -48,7 +46,17 @@ def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Progra
         ("input", system.inputs),
     ):
         slots |= {q.symbol: b.leaf(op, k) for k, q in enumerate(group)}
-    lowering = Lowering(b, slots, f"system {system.name!r}")
+    return Lowering(b, slots, f"system {system.name!r}")
+
+
+def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
+    """Return the program of a system, with its results in `GROUPS`.
+
+    With a mass matrix the rates are the solution of a linear system (`codegen.massmatrix`).
+    Raises `InputError` for expressions without an operation.
+    """
+    lowering = lowering_of(system, rules)
+    b = lowering.b
     for definition in system.definitions:
         lowering.define(definition)
     rates = [
@@ -100,6 +108,19 @@ Exact = Fraction | int
 
 Factor = tuple[int, Exact, bool]
 """Number of a value, its exponent, and whether it was written as a sum."""
+
+
+def _log2(number: Exact) -> int:
+    """Return the binary exponent of a number, to one; 0 of zero."""
+    return abs(number.numerator).bit_length() - number.denominator.bit_length() if number else 0
+
+
+def _split(term: Expr) -> tuple[Expr, Expr]:
+    """Return number and rest of a product; the sign alone where doubles may not hold the number."""
+    coefficient, rest = term.as_coeff_Mul()
+    if coefficient.is_Rational and abs(_log2(_exact(coefficient))) >= FAR:
+        return sp.sign(coefficient), abs(coefficient) * rest
+    return coefficient, rest
 
 
 def _exact(coefficient: Expr) -> Exact:
@@ -194,7 +215,7 @@ class Lowering:
         found = removable.difference(node)
         if found and found.name == "expm1":
             return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), _exact(found.factor))
-        terms = sorted((t.as_coeff_Mul() for t in node.args), key=lambda term: term[0].is_negative)
+        terms = sorted((_split(t) for t in node.args), key=lambda term: term[0].is_negative)
         coefficients = [_exact(c) for c, _ in terms]
         return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
 
@@ -264,6 +285,7 @@ class Lowering:
         Parameters come first, so that their products are shared, then the numerical coefficient,
         then sums of parameters; without parameters the coefficient comes last.
         """
+        coefficient, factors = self._within_range(coefficient, factors)
         below = self._powers((n, -e) for n, e, _ in factors if e < 0)
         early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
         late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
@@ -275,6 +297,28 @@ class Lowering:
         else:
             above = self._scaled(self._powers(late), coefficient)
         return self.b.add("div", above, below)
+
+    def _within_range(
+        self, coefficient: Exact, factors: Sequence[Factor]
+    ) -> tuple[Exact, Sequence[Factor]]:
+        """Return the same product with a number that doubles may not hold moved into the base of a power.
+
+        As a power of two, so that nothing is rounded: x^401/7^401 is (8/7)^401 (x/8)^401.
+        """
+        far = _log2(coefficient)
+        if abs(far) < FAR:
+            return coefficient, factors
+        sizes = [abs(int(e)) if e.denominator == 1 else 0 for _, e, _ in factors]
+        highest = max(sizes, default=0)
+        if highest < 2:
+            return coefficient, factors
+        place = sizes.index(highest)
+        base, exponent, is_sum = factors[place]
+        shift = Fraction(2) ** round(far / int(exponent))
+        scaled = self.b.add("mul", base, self.b.const(shift))
+        others = [f for k, f in enumerate(factors) if k != place]
+        rest = Fraction(coefficient) / shift ** int(exponent)
+        return rest, [*others, (scaled, exponent, is_sum)]
 
     def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
         """Return the product of powers, beginning with ``first``."""

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from codegen import native
+from codegen import children, native
 
 PACKAGES = ("eom-toolkit", "sympy", "numpy", "scipy")
 
@@ -49,9 +49,7 @@ def compiler() -> str:
     if not command:
         return "none"
     try:
-        done = subprocess.run(  # noqa: S603 - the user's own compiler, no shell
-            [*command, "--version"], capture_output=True, text=True, check=False, timeout=60
-        )
+        done = children.finished([*command, "--version"], seconds=60)
         first = next(iter(done.stdout.splitlines()), Path(command[0]).name)
     except (OSError, subprocess.TimeoutExpired):
         first = Path(command[0]).name

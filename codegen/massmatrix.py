@@ -9,27 +9,18 @@ diagonal, becomes the operations of `codegen.linsolve`, which exchange rows wher
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from fractions import Fraction
 
-from codegen.interpret import Point, interpret_exactly, random_point
 from codegen.linsolve import Shape
-from codegen.ops import TRUTH_VALUES
 from codegen.passes import prune
-from codegen.program import Builder, Program
+from codegen.program import Builder
+from codegen.residues import vanishing
 
 UNROLLED = 8
 """Largest block that becomes straight-line code."""
 
-SAME = 1e-40
-"""Values in 50 digits that differ by less, relatively, are the same."""
-
 SINGULAR = Fraction(1, 2**50)
 """A pivot of straight-line code that is smaller, relative to its diagonal entry, has no right digit."""
-
-SAMPLES = 3
-PIECEWISE = TRUTH_VALUES | {"abs", "sign", "min", "max", "select", "floor", "mod", "table"}
-"""Operations whose values at some points do not tell what they are elsewhere."""
 
 Matrix = Sequence[Sequence[int]]
 
@@ -84,33 +75,14 @@ def _solve_block(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
 
 
 def _symmetric(b: Builder, matrix: Matrix) -> bool:
-    """Tell whether a matrix is symmetric; entries written differently are compared by value.
-
-    Values at points tell nothing of functions that are made of pieces: such entries must be written
-    in the same way. States of both signs tell sqrt(x^2) from x.
-    """
+    """Tell whether a matrix is proved to be symmetric, modulo a prime (`codegen.residues`)."""
     n = len(matrix)
     pairs = [(matrix[i][j], matrix[j][i]) for i in range(n) for j in range(i)]
     pairs = [(one, other) for one, other in pairs if one != other]
     if not pairs:
         return True
     program = prune(b.program({"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}))
-    if any(i.op in PIECEWISE for i in program.instructions):
-        return False
-    points = [random_point(program, seed) for seed in range(SAMPLES)]
-    turned = [replace(at, x=[-v for v in at.x], u=[-v for v in at.u]) for at in points]
-    return all(_same(program, at) for at in points) and all(
-        _same(program, at, undefined=True) for at in turned
-    )
-
-
-def _same(program: Program, point: Point, undefined: bool = False) -> bool:
-    """Tell whether both groups have the same values; ``undefined``: both may have none."""
-    values = interpret_exactly(program, point)
-    return all(
-        abs(one - other) <= SAME * (1 + abs(one)) or (undefined and one != one and other != other)  # noqa: PLR0124 - NaN
-        for one, other in zip(values["one"], values["other"], strict=True)
-    )
+    return all(vanishing(program, "one", "other"))
 
 
 def _unrolled(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:

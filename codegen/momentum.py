@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from codegen.attitude import CONSTANT_RATES, INERTIA, TORQUE, Attitude, Body, body_rates
+from codegen.attitude import CONSTANT_RATES, FRAME, INERTIA, TORQUE, Attitude, Body, body_rates
 from codegen.columns import (
     Numbers,
     copied,
@@ -29,7 +29,6 @@ from codegen.lower import RATES
 from codegen.passes import prune
 from codegen.pipeline import optimise
 from codegen.program import Builder, Program
-from codegen.quaternions import FRAME
 
 SLOPES, STATES, START, SIZES, KICK, CONSTANTS = (
     "slopes", "states", "start", "sizes", "kick", "constants"

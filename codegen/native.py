@@ -9,11 +9,13 @@ digest of its bytes: to load one that was damaged could end the process, so that
 from __future__ import annotations
 
 import ctypes
+import errno
 import hashlib
 import os
 import platform
 import shlex
 import shutil
+import signal
 import stat
 import subprocess
 import sysconfig
@@ -24,6 +26,7 @@ from pathlib import Path
 
 import platformdirs
 
+from codegen import children
 from eom.errors import InputError
 
 FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
@@ -48,10 +51,41 @@ class CompilerError(InputError):
     An `InputError` with the same parts: ``got`` is what the compiler said.
     """
 
+    @property
+    def brief(self) -> str:
+        """One line: what failed, and the first line of what was said."""
+        said = self.got.splitlines()
+        return f"{self.what} ({said[0]})" if said else self.what
+
+
+class CacheError(CompilerError):
+    """Say that compiled code cannot be kept: the cache cannot be made or written, or is full.
+
+    A `CompilerError`, since nothing can be compiled then: target ``auto`` goes on with NumPy.
+    """
+
+    @classmethod
+    def of(cls, error: OSError, folder: Path) -> CacheError:
+        """Return the error for what the operating system said of a folder."""
+        return cls(
+            "compiled code cannot be kept in the cache",
+            where=str(folder),
+            got=error.strerror or str(error),
+            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it, or use the target numpy",
+        )
+
+
+def _words(command: str) -> list[str]:
+    """Return the words of a command as a shell splits them; none where a quote is not closed."""
+    try:
+        return shlex.split(command)
+    except ValueError:
+        return []
+
 
 @cache
 def _which(command: str, search: str | None) -> tuple[str, ...]:
-    parts = shlex.split(command)
+    parts = _words(command)
     found = shutil.which(parts[0], path=search) if parts else None
     return (found, *parts[1:]) if found else ()
 
@@ -72,6 +106,12 @@ def require_compiler() -> tuple[str, ...]:
     command = compiler()
     if not command:
         asked = os.environ.get("CC")
+        if asked and asked.strip() and not _words(asked):
+            raise CompilerError(
+                "the variable CC is not a command: a quote is not closed",
+                got=f"CC={asked}",
+                hint="write it as in a shell, for example CC='gcc -O2'",
+            )
         raise CompilerError(
             "no C compiler found",
             got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
@@ -83,7 +123,8 @@ def require_compiler() -> tuple[str, ...]:
 def cache_folder() -> Path:
     """Return the cache folder, made private to the user.
 
-    Raises `InputError` where it cannot be made or belongs to somebody else.
+    Raises `CacheError` where it cannot be made or written, and another `InputError` where it belongs
+    to somebody else.
     """
     folder = Path(os.environ.get(CACHE_VARIABLE) or platformdirs.user_cache_path("eom-toolkit"))
     hint = f"set {CACHE_VARIABLE} to a folder of your own"
@@ -91,9 +132,7 @@ def cache_folder() -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = folder.stat()
     except OSError as error:
-        raise InputError(
-            "cache folder cannot be made", where=str(folder), got=str(error), hint=hint
-        ) from None
+        raise CacheError.of(error, folder) from None
     if hasattr(os, "getuid"):
         if status.st_uid != os.getuid():
             raise InputError("cache folder belongs to another user", where=str(folder), hint=hint)
@@ -104,7 +143,7 @@ def cache_folder() -> Path:
                 hint=f"chmod go-w it, or {hint}",
             )
     if not os.access(folder, os.W_OK):
-        raise InputError("cache folder cannot be written", where=str(folder), hint=hint)
+        raise CacheError.of(PermissionError(errno.EACCES, os.strerror(errno.EACCES)), folder)
     return folder
 
 
@@ -137,13 +176,17 @@ def flags_for(results: int, instructions: int = 0) -> tuple[str, ...]:
 def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
     """Return the shared library of a C source text, compiled if the cache does not have it.
 
-    Raises `CompilerError` where there is no compiler or it fails; the cache is then unchanged.
+    Raises `CompilerError` where there is no compiler, it fails, or the cache cannot be written; the
+    cache is then unchanged.
     """
     command = require_compiler()
     flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
     key = "\0".join([source, *flags, _identity(command), _processor()])
     folder = cache_folder() / hashlib.sha256(key.encode()).hexdigest()[:40]
-    return _found(folder, suffix) or _compile(command, flags, source, folder, suffix)
+    try:
+        return _found(folder, suffix) or _compile(command, flags, source, folder, suffix)
+    except OSError as error:
+        raise CacheError.of(error, folder.parent) from None
 
 
 def _digest(library: Path) -> str:
@@ -177,7 +220,7 @@ def _compile(
         attempts = [flags, [f for f in flags if f not in NATIVE_FLAGS]]
         for attempt in attempts:
             run = [*command, *attempt, "-o", str(made), str(text), "-lm"]
-            failure = _run(run)
+            failure = _run(run, build)
             if failure is None and made.exists():
                 folder.mkdir(mode=0o700, exist_ok=True)
                 return made.replace(folder / f"{_digest(made)}{suffix}")
@@ -189,26 +232,30 @@ def _compile(
         )
 
 
-def _run(command: Sequence[str]) -> str | None:
-    """Run a command; return what it printed if it failed, None if it succeeded."""
-    environment = {**os.environ, "LC_ALL": "C"}
+def _run(command: Sequence[str], folder: str) -> str | None:
+    """Run a command; return what it printed if it failed, None if it succeeded.
+
+    Its temporary files go into ``folder``, as it cannot remove them itself where it is ended.
+    """
+    environment = {**os.environ, "LC_ALL": "C", "TMPDIR": folder}
     try:
-        done = subprocess.run(  # noqa: S603 - a list, no shell; the user's own compiler
-            command,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=TIMEOUT_SECONDS,
-            env=environment,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
+        done = children.finished(command, seconds=TIMEOUT_SECONDS, environment=environment)
+    except OSError as error:
         return str(error)
-    return (
-        None
-        if done.returncode == 0
-        else f"exit status {done.returncode}\n{(done.stderr or done.stdout).strip()}"
-    )
+    except subprocess.TimeoutExpired as error:
+        said = (error.stderr or error.stdout or b"").decode(errors="replace").strip()
+        return f"stopped after {error.timeout:g} s\n{said}".strip()
+    if done.returncode == 0:
+        return None
+    return f"{_ending(done.returncode)}\n{(done.stderr or done.stdout).strip()}".strip()
+
+
+def _ending(status: int) -> str:
+    """Return how a command ended, in words; a negative status is a signal."""
+    if status >= 0:
+        return f"exit status {status}"
+    name = next((s.name for s in signal.Signals if s == -status), "an unknown one")
+    return f"ended by signal {-status} ({name})"
 
 
 def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:

@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from codegen.charts import Angles
+from codegen.drift import drift_of
 from codegen.integrate.trajectory import Array
 from codegen.layout import Layout
 from codegen.lower import INVARIANTS, SINGULARITIES
-from codegen.simulation import Result, drift_of
+from codegen.second_run import Origin
+from codegen.simulation import Result
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ class Parts:
         self.seconds, self.closest = 0.0, math.inf
         self.changes: list[float] = []
         self.methods: dict[str, None] = {}
+        self.integrated: dict[str, None] = {}
+        """Names of the methods, as `codegen.second_run` compares them."""
         self.solutions: list[tuple[Any, float]] = []
         names = [*wanted, *layout.results[INVARIANTS]]
         self.rows: dict[str, list[Array]] = {n: [] for n in names}
@@ -82,6 +86,8 @@ class Parts:
         self.seconds += part.result.seconds
         self.closest = min(self.closest, part.closest)
         self.methods[part.result.method] = None
+        if isinstance(part.result.origin, Origin):
+            self.integrated |= dict.fromkeys(part.result.origin.methods)
         if part.solution is not None:
             self.solutions.append((part.solution, part.result.t_stop))
 
@@ -99,7 +105,7 @@ class Parts:
             sol=Joined(self.solutions) if dense_output and self.solutions else None,
             nfev=self.nfev,
             outputs={n: values[n] for n in self.wanted},
-            drift={n: drift_of(values[n], _floor(first, n)) for n in results[INVARIANTS]},
+            drift={n: drift_of(values[n], _terms(first, n)) for n in results[INVARIANTS]},
             margin=dict.fromkeys(results[SINGULARITIES], self.closest),
             y_stop=last.y_stop,
             method=" and ".join(self.methods),
@@ -113,8 +119,9 @@ class Parts:
         )
 
 
-def _floor(first: Result, name: str) -> float:
-    return first.drift[name].floor if name in first.drift else 0.0
+def _terms(first: Result, name: str) -> Callable[[], float] | None:
+    """Return what finds the size of a constant's terms: those of the first part."""
+    return first.drift[name].terms if name in first.drift else None
 
 
 def _notice(changes: Sequence[float]) -> str:

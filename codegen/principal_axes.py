@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from codegen.held import fraction
 from codegen.polhode import Frame, context, number
-from codegen.probing import fraction
 
 EQUAL = Fraction(1, 10**40)
 """Moments that differ by less of their size are equal; they are known to 50 digits."""

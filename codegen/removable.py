@@ -16,7 +16,7 @@ in F'' (of the largest value nearby where F' or F'' is zero); the tests hold the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -296,14 +296,19 @@ def after_one(e: Expr) -> Expr | None:
 
 
 def difference(e: Expr) -> Found | None:
-    """Recognise c (1 - cos x), c (x - sin x) and their kin, c (exp(x) - 1)."""
+    """Recognise c (1 - cos x), c (x - sin x) and their kin, c (exp(x) - 1).
+
+    Each term is looked at once: what is left of the sum is compared term by term, not built.
+    """
+    terms = frozenset(e.args)
     for term in e.args:
         c, f = term.as_coeff_Mul()
         if f.func not in _DIFFERENCES:
             continue
         name, sign, is_x = _DIFFERENCES[f.func]
-        x = f.args[0]
-        rest: Iterable[Expr] = [t for t in e.args if t is not term]
-        if sp.Add(*rest) == -c * (x if is_x else 1):
-            return Found(name, sign * c, x)
+        x = f.args[0] if is_x else sp.S.One
+        if len(sp.Add.make_args(x)) != len(e.args) - 1:
+            continue
+        if terms == {term, *sp.Add.make_args(-c * x)}:
+            return Found(name, sign * c, f.args[0])
     return None

@@ -14,9 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+from codegen.attitude import moved
 from codegen.compiled import TARGETS, Compiled
 from codegen.derivative import dependence
 from codegen.identity import SameObject
@@ -106,7 +108,9 @@ def _smaller(
     places = {
         g: tuple(whole.program.results[g][k] for k in rows) for g, rows in results.items() if rows
     }
-    leaves: dict[Slot, Slot] = {("state", k): ("state", new) for new, k in enumerate(kept)}
+    leaves: dict[Slot, Slot | Fraction] = {
+        ("state", k): ("state", new) for new, k in enumerate(kept)
+    }
     program = substitute(prune(replace(whole.program, results=places)), leaves)
     place = {k: new for new, k in enumerate(kept)}
     smaller = replace(
@@ -117,6 +121,7 @@ def _smaller(
             **{g: tuple(layout.results[g][k] for k in rows) for g, rows in results.items()},
         },
         coordinates=tuple(place.get(layout.coordinates[k], -1) for k in results[SINGULARITIES]),
+        attitudes=moved(layout.attitudes, leaves, ("state",)),
     )
     target, functions, notice = TARGETS[whole.target](program, smaller)
     singularities = tuple(system.singularities[k] for k in results[SINGULARITIES])

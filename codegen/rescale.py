@@ -7,6 +7,7 @@ exact, so that values do not change but where they over- or underflow.
 
 from __future__ import annotations
 
+import heapq
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -74,6 +75,31 @@ def _exact(value: object) -> Fraction:
     return value if isinstance(value, Fraction) else Fraction(0)
 
 
+class _Downwards:
+    """Numbers of values that are visited from the largest down, each once."""
+
+    def __init__(self, first: Sequence[int]) -> None:
+        self.first = frozenset(first)
+        self.heap = [-k for k in first]
+        heapq.heapify(self.heap)
+
+    def __bool__(self) -> bool:
+        return bool(self.heap)
+
+    def pop(self) -> int:
+        """Return the largest number, and forget it."""
+        k = heapq.heappop(self.heap)
+        while self.heap and self.heap[0] == k:
+            heapq.heappop(self.heap)
+        return -k
+
+    def push(self, numbers: Sequence[int], wants: Counter[int]) -> None:
+        """Add numbers, all smaller than those popped, and count that they are wanted."""
+        wants.update(numbers)
+        for k in numbers:
+            heapq.heappush(self.heap, -k)
+
+
 @dataclass(frozen=True)
 class _View:
     program: Program
@@ -87,16 +113,22 @@ class _View:
         return cls(program, uses, bindings(program))
 
     def plan(self, scale: Fraction, results: tuple[int, ...]) -> _Plan:
-        """Follow the scale from the products ``results`` down to where it has to be paid."""
+        """Follow the scale from the products ``results`` down to where it has to be paid.
+
+        Values are visited from the last one down, those that it reaches and no others, as long as
+        less is paid than saved.
+        """
         wants: Counter[int] = Counter()
         common = self._common(results)
-        left, inside, explicit, chosen = set(), set(), set(), {}
-        for k in range(max(results), -1, -1):
+        left, inside, explicit, chosen = set(), set(), set[int](), {}
+        waiting = _Downwards(results)
+        while waiting and len(explicit) < len(results):
+            k = waiting.pop()
             op, args, _ = self.program.instructions[k]
             partly = wants[k] < self.uses[k]
-            if k in results and partly:  # one that is wanted scaled alone keeps its number
+            if k in waiting.first and partly:  # one that is wanted scaled alone keeps its number
                 left.add(k)
-                wants[self._other(k)] += 1
+                waiting.push((self._other(k),), wants)
             if not wants[k] or self.binding[k] <= EARLY:
                 continue
             if partly or op not in {"add", "sub", "neg", "mul", "div"}:
@@ -105,8 +137,8 @@ class _View:
             inside.add(k)
             if op == "mul":
                 chosen[k] = self._factor(args, common)
-            for a in (args[chosen[k]],) if op == "mul" else args[:1] if op == "div" else args:
-                wants[a] += 1
+            taken = (args[chosen[k]],) if op == "mul" else args[:1] if op == "div" else args
+            waiting.push(taken, wants)
         return _Plan(scale, frozenset(left), frozenset(inside), frozenset(explicit), chosen)
 
     def _other(self, k: int) -> int:

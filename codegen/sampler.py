@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from codegen.integrate.trajectory import Array
-from eom.errors import InputError
+from eom.errors import InputError, shown, typed, typed_fields
 
 A_COUNTER = 4
 """Numbers of 64 bits that one counter gives."""
@@ -40,6 +40,11 @@ class Distribution(Protocol):
         """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1)."""
 
 
+MOST_AT_ONCE = 10**8
+"""Samples that are drawn in one call."""
+
+
+@typed_fields
 @dataclass(frozen=True)
 class Uniform:
     """Between two limits, ``low`` and ``high``, each value as likely as the other.
@@ -55,7 +60,7 @@ class Uniform:
 
     def __post_init__(self) -> None:
         """Refuse limits that are not in order."""
-        if not -math.inf < self.low <= self.high < math.inf:
+        if not -math.inf < float(self.low) <= float(self.high) < math.inf:
             raise InputError("limits do not fit", got=(self.low, self.high), expected="low <= high")
 
     def values(self, u: Array) -> Array:
@@ -63,6 +68,7 @@ class Uniform:
         return self.low + (self.high - self.low) * u
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Normal:
     """The normal distribution of a ``mean`` and a standard ``deviation``.
@@ -79,7 +85,7 @@ class Normal:
 
     def __post_init__(self) -> None:
         """Refuse what is no mean and no deviation."""
-        if not (math.isfinite(self.mean) and 0 <= self.deviation < math.inf):
+        if not (math.isfinite(self.mean) and 0 <= float(self.deviation) < math.inf):
             got = (self.mean, self.deviation)
             raise InputError("wrong mean or deviation", got=got, expected="finite, deviation >= 0")
 
@@ -107,6 +113,7 @@ class UniformQuaternion:
         return np.stack([other * np.cos(b), one * np.sin(a), one * np.cos(a), other * np.sin(b)])
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Grid:
     """A ``count`` of values from ``low`` to ``high`` at equal distances, both included.
@@ -136,6 +143,7 @@ class Grid:
 Value = Distribution | float
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Sampler:
     """Samples of states and parameters by name, ``count`` of them, a pure function of ``seed`` and number.
@@ -157,7 +165,12 @@ class Sampler:
     def __post_init__(self) -> None:
         """Check the names and the count."""
         for names, value in self.values.items():
-            size = 1 if isinstance(value, int | float) else value.size
+            size = 1 if isinstance(value, int | float) else getattr(value, "size", None)
+            if not isinstance(size, int) or not (size == 1 or hasattr(value, "values")):
+                raise InputError(
+                    "not a distribution", where=str(names), got=shown(value),
+                    expected="a number, Uniform, Normal, Grid or the like",
+                )  # fmt: skip
             if len(_tuple(names)) != size:
                 raise InputError(
                     "names do not fit the distribution", got=names, expected=f"{size} of them"
@@ -184,8 +197,17 @@ class Sampler:
     def _grids(self) -> list[Grid]:
         return [v for v in self.values.values() if isinstance(v, Grid)]
 
+    @typed
     def sample(self, first: int, last: int) -> dict[str, Array]:
-        """Return the samples from number ``first`` to before ``last``, arrays (last - first,)."""
+        """Return the samples from number ``first`` to before ``last``, arrays (last - first,).
+
+        Raises `InputError` for numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
+        """
+        if not 0 <= first <= last <= first + MOST_AT_ONCE:
+            raise InputError(
+                "no such samples", got=f"{first} to {last}",
+                expected=f"whole numbers in order, at most {MOST_AT_ONCE:,} at once",
+            )  # fmt: skip
         u = self._uniform(first, last)
         places = _places(np.arange(first, last), self._grids)
         found: dict[str, Array] = {}

@@ -17,7 +17,7 @@ from codegen.guard import Condition
 from codegen.identity import SameObject
 from codegen.integrate.trajectory import Array
 from codegen.layout import names_of
-from eom.errors import AssumptionError, InputError, unknown_name
+from eom.errors import AssumptionError, InputError, shown, unknown_name
 from eom.system import System
 
 
@@ -151,8 +151,8 @@ def _rows(kind: str, values: ArrayLike, names: Sequence[str]) -> dict[str, Array
 def _numbers(kind: str, name: str, value: Any, axes: int = 1) -> Array:
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{kind} {name}: not numbers", got=str(value)[:200]) from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{kind} {name}: not numbers", got=shown(value)) from None
     if array.ndim > axes:
         expected = "a number, or one a trajectory: (N,)"
         raise InputError(f"{kind} {name} has the wrong shape", got=array.shape, expected=expected)

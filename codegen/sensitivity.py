@@ -19,6 +19,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
+from codegen.arguments import numbers
 from codegen.compiled import TARGETS, Compiled, compile
 from codegen.derivative import JACOBIAN, UNIT, Seeds, derive
 from codegen.layout import Layout, names_of
@@ -26,7 +27,7 @@ from codegen.lower import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ops import Instruction
 from codegen.passes import prune
 from codegen.program import Program
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.system import Quantity, System
 
 Array = NDArray[np.float64]
@@ -51,6 +52,7 @@ class Sensitivities:
     states: tuple[str, ...]
     variables: tuple[str, ...]
 
+    @typed
     def initial(self, values: Values, slopes: Values | None = None) -> dict[str, float]:
         """Return the first values of everything from those of the states x, by name.
 
@@ -76,7 +78,7 @@ class Sensitivities:
         ``y``: values of all states, (n,) or (n, N), as of a `codegen.Result`. Raises `InputError` for other
         shapes.
         """
-        values = np.asarray(y, dtype=np.float64)
+        values = numbers(y, "y")
         n, m = len(self.states), len(self.variables)
         if values.ndim not in {1, 2} or values.shape[0] != n * (1 + m):
             raise InputError("y has the wrong shape", got=values.shape, expected=(n * (1 + m), "N"))
@@ -84,6 +86,7 @@ class Sensitivities:
         return shaped
 
 
+@typed
 def sensitivities(
     system: Compiled | System | Any,
     parameters: Sequence[str] = (),

@@ -6,66 +6,66 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from typing import Any
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen import arguments, requested
 from codegen import events as looked_for
+from codegen import scales as sizes_of
+from codegen.clock import Clock, clock_of, told
 from codegen.compiled import Compiled
 from codegen.compiled import compile as compile_system
+from codegen.drift import Drift, Terms, drift_of
 from codegen.ending import message
 from codegen.events import Event, Given, Occurrences
 from codegen.identity import SameObject
-from codegen.integrate import scipy_
 from codegen.integrate.methods import Task, can_project, integrator_of
 from codegen.integrate.projection import chosen
 from codegen.integrate.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.layout import names_of, to_array
 from codegen.lower import INVARIANTS, OUTPUTS, SINGULARITIES
-from eom.errors import unknown_name
+from codegen.second_run import Origin
+from codegen.signals import Inputs
+from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 
+if TYPE_CHECKING:
+    from codegen.run_accuracy import Accuracy
+
 DEFAULT_MARGIN = 1e-6
-RELATIVE_FLOOR = 1e-8
-"""A constant that starts below its change under so small a change of the states counts as zero."""
 
 Values = Mapping[str, float] | Sequence[float] | Array | None
-Signal = float | Callable[[float], float]
+InputValue = float | Callable[[float], float]
 
 
 @dataclass(frozen=True)
-class Drift:
-    """How far a constant of the motion wandered from its first value, over the stored points.
+class NotKept:
+    """What stands for a dense output that was not made: it is false, and says so when it is called.
 
-    ``start``: the first value; ``largest``: the largest change from it, both in the unit of the invariant.
+    Raises `InputError` when it is called.
     """
 
-    start: float
-    largest: float
-    floor: float = field(compare=False)
-    """Change of the first value if every state changes by `RELATIVE_FLOOR` of itself."""
-    over_time: Array = field(compare=False, repr=False)
-    """Value less first value at each stored point, (N,)."""
+    def __bool__(self) -> bool:
+        """Return False."""
+        return False
 
-    @property
-    def scale(self) -> float:
-        """What the change is compared with: the first value, or 1 if that is zero but for rounding."""
-        return abs(self.start) if abs(self.start) > self.floor else 1.0
-
-    @property
-    def relative(self) -> float:
-        """The largest change over the scale."""
-        return self.largest / self.scale
+    def __call__(self, *_: ArrayLike) -> Array:
+        """Raise `InputError`: there are no values at any time (s)."""
+        raise InputError(
+            "the run has no dense output",
+            hint="simulate with dense_output=True, or ask for times by t_eval",
+        )
 
 
 @dataclass(frozen=True)
 class Result:
     """A trajectory, with SciPy's field names and what belongs to mechanics.
 
-    ``t`` (N,), ``y`` (n, N), ``sol`` (dense output or None), ``nfev``, ``status`` (0: end reached;
+    ``t`` (N,), ``y`` (n, N), ``sol`` (dense output, or `NotKept`, which is false), ``nfev``,
+    ``status`` (0: end reached;
     1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
     ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
@@ -100,6 +100,35 @@ class Result:
     changes: tuple[float, ...] = field(default=(), repr=False)
     """Times at which angles were handed over and taken back (`codegen.handover`)."""
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
+    origin: object = field(default=None, repr=False, compare=False)
+    """What it came from, for `accuracy`; it stays behind when a result is pickled."""
+
+    @typed
+    def accuracy(self, limit: float | None = None) -> Accuracy:
+        """Return an estimate of the error of every state, and of how errors grow.
+
+        A second run, by another kind of method at a thousandth of the tolerance or less, tells the error;
+        the derivative along it tells how errors grow. ``limit``: seconds of processor time for that, by
+        default five times what the run took, 2 s at least; where they do not do, the estimate says so.
+        Units are those of the system. Raises `InputError` for a result that was pickled, read or put
+        together, and so does not know what it came from. See `codegen.Accuracy`.
+        """
+        from codegen.run_accuracy import accuracy_of
+
+        return accuracy_of(self, limit)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle and copy what was found, not what it came from."""
+        return {**self.__dict__, "origin": None}
+
+    def __copy__(self) -> Result:
+        """Copy with what it came from."""
+        return replace(self)
+
+    def __post_init__(self) -> None:
+        """Put in place of a dense output that was not made what says so."""
+        if self.sol is None:
+            object.__setattr__(self, "sol", NotKept())
 
     def __repr__(self) -> str:
         """Say how the run ended and what it holds."""
@@ -135,6 +164,7 @@ class Result:
         raise unknown_name("state or output", name, [*self.names, *self.outputs])
 
 
+@typed
 def simulate(
     system: System | Compiled,
     initial: Values,
@@ -145,7 +175,7 @@ def simulate(
     atol: ArrayLike | None = None,
     t_eval: ArrayLike | None = None,
     *,
-    inputs: Mapping[str, Signal] | None = None,
+    inputs: Mapping[str, InputValue] | None = None,
     outputs: Sequence[str] | None = None,
     dense_output: bool = False,
     first_step: float | None = None,
@@ -154,18 +184,22 @@ def simulate(
     margin: float = DEFAULT_MARGIN,
     project: bool | str | Sequence[str] | None = None,
     events: Given = None,
+    epoch: float = 0.0,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
 
     ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
-    time for each input; functions are called from Python. ``method``: one of `METHODS`.
+    time for each input; functions are called from Python, and may state their knots and longest step
+    (`codegen.Signal`). ``method``: one of `METHODS`.
     ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
-    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 unless
-    given). ``t_eval``: times to store; without it every step, with a closed form 1001 times at equal
-    distances. ``dense_output``: whether ``sol`` is made, a function of time. ``first_step``, ``max_step``:
-    limits of steps (s); ``max_steps``: of their number. ``margin``: the run stops where a singularity's
-    expression gets below it. ``progress``: called with the share that is done, 0 to 1.
+    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
+    scale of each state unless given, see `codegen.scales`). ``t_eval``: times to store; without it every
+    step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is made, a
+    function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that is
+    narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
+    number. ``margin``: the run stops where a singularity's expression gets below it. ``progress``:
+    called with the share that is done, 0 to 1.
 
     ``project``: invariants, by name or True for all, onto which the state is brought back after each
     step, by the least change (`codegen.integrate.projection`); all stored points lie on them. Without
@@ -175,6 +209,10 @@ def simulate(
     expressions to find, `codegen.events.Event` or expressions, in order or by name; of the methods
     that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
     integrated with those that ``outputs`` need.
+
+    ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are
+    given or returned are since then, with digits of their own. A run that starts late without one keeps
+    its digits too (`codegen.epoch`), but its times are then rounded where they are stored.
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
@@ -194,22 +232,39 @@ def simulate(
     found, span = looked_for.checked(events), arguments.span(t_span)
     part = _part(_compiled(system), outputs, found)
     x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
+    rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
+    point = sizes_of.Point(x0, values, held, since)
+    smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
     problem = Problem(
-        x0=x0,
-        t_span=span,
-        parameters=values,
-        inputs=held,
-        rtol=arguments.relative(rtol),
-        atol=arguments.tolerances(atol, rtol, len(x0)),
-        margin=arguments.positive(margin, "margin"),
-        singularities=len(part.compiled.layout.results[SINGULARITIES]),
+        x0, span, values, held, rtol, smallest, arguments.positive(margin, "margin"),
+        singularities=len(part.compiled.layout.results[SINGULARITIES]), progress=progress,
         t_eval=None if t_eval is None else arguments.grid(t_eval, span),
         dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
         max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
-        project=_projected(part.compiled, project, method),
-        progress=progress, events=looked_for.filters(found),
+        project=_projected(part.compiled, project, method), events=looked_for.filters(found),
     )  # fmt: skip
-    return _run(part, problem, method, signals, found)
+    result = _run(
+        part, problem, method, signals, found, clock_of(part.compiled, span, since, found)
+    )
+    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+
+
+def _smallest(
+    compiled: Compiled,
+    atol: ArrayLike | None,
+    point: sizes_of.Point,
+    span: tuple[float, float],
+    rtol: float,
+    signals: Inputs | None,
+) -> tuple[Array, str]:
+    """Return absolute tolerances, given or by the scales of the states, and which scales are not known."""
+    if atol is None:
+        return sizes_of.of_run(compiled, point, span, rtol, signals)
+    return arguments.tolerances(atol, len(point.states)), ""
+
+
+def _joined(*notices: str) -> str:
+    return "; ".join(n for n in notices if n)
 
 
 def _projected(
@@ -233,8 +288,8 @@ def _part(
 
 
 def _numbers(
-    part: requested.Part, initial: Values, parameters: Values, inputs: Mapping[str, Signal]
-) -> tuple[Array, Array, Array, scipy_.Inputs | None]:
+    part: requested.Part, initial: Values, parameters: Values, inputs: Mapping[str, InputValue]
+) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
     x0 = _start(part.compiled, part.start(initial))
@@ -245,26 +300,40 @@ def _run(
     part: requested.Part,
     problem: Problem,
     method: str,
-    signals: scipy_.Inputs | None,
+    signals: Inputs | None,
     events: tuple[Event, ...],
+    clock: Clock | None,
 ) -> Result:
-    compiled = part.compiled
-    integrator, used = integrator_of(Task(compiled, problem, signals, events), method)
+    if clock is None:
+        return _result_of(Task(part.compiled, problem, signals, events), method, part.left_out)
+    doubt = clock.doubt(problem.parameters, problem.rtol, signals)
+    moved, inputs = clock.problem(problem), clock.signals(signals)
+    task = Task(clock.relative.compiled, moved, inputs, events)
+    return told(_result_of(task, method, part.left_out), clock, problem, doubt)
+
+
+def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
+    """Integrate, over the time of a task's problem."""
+    problem, events = task.problem, task.events
+    integrator, used = integrator_of(task, method)
     began = time.perf_counter()
     trajectory = integrator(problem)
     seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
     problem.report(trajectory.stop.t)
-    result = _result(compiled, problem, trajectory, signals)
-    if trajectory.stop.kind == "event":
-        at, label = f"t = {trajectory.stop.t:.9g} s", events[trajectory.stop.which].label
-        result = replace(result, message=f"stopped at {at}: event {label}")
     return replace(
-        result,
+        _result(task, trajectory),
         events=looked_for.occurrences(events, trajectory.found),
         method=trajectory.method or used,
         why=trajectory.why,
-        left_out=part.left_out,
+        left_out=left_out,
         seconds=seconds,
+        origin=Origin(
+            task.compiled,
+            replace(problem, progress=None),
+            task.signals,
+            method,
+            trajectory.methods or (method,),
+        ),
     )
 
 
@@ -282,23 +351,14 @@ def _start(compiled: Compiled, initial: Values) -> Array:
     return to_array(free, names_of(compiled.layout.states), "initial value")
 
 
-def _inputs(compiled: Compiled, given: Mapping[str, Signal]) -> tuple[Array, scipy_.Inputs | None]:
+def _inputs(compiled: Compiled, given: Mapping[str, InputValue]) -> tuple[Array, Inputs | None]:
     """Return held values and, if any input is a function, the function of all inputs."""
     names = names_of(compiled.layout.inputs)
     inputs = compiled.structure.without("input", given)
     functions = {n: v for n, v in inputs.items() if callable(v)}
     values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
     held = to_array(values, names, "input")
-    if not functions:
-        return held, None
-
-    def at(t: float) -> Array:
-        now = held.copy()
-        for name, function in functions.items():
-            now[names.index(name)] = function(t)
-        return now
-
-    return held, at
+    return held, Inputs(held, names, functions) if functions else None
 
 
 def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
@@ -318,25 +378,23 @@ def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) 
     return values
 
 
-def _result(
-    compiled: Compiled, problem: Problem, trajectory: Trajectory, signals: scipy_.Inputs | None
-) -> Result:
-    layout = compiled.layout
+def _result(task: Task, trajectory: Trajectory) -> Result:
+    compiled, problem, layout = task.compiled, task.problem, task.compiled.layout
     values = {
-        g: _evaluate(compiled, problem, trajectory, g, signals) for g in (OUTPUTS, INVARIANTS)
+        g: _evaluate(compiled, problem, trajectory, g, task.signals) for g in (OUTPUTS, INVARIANTS)
     }
     outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
-    floors = _floors(compiled, problem)
-    rows = zip(layout.results[INVARIANTS], values[INVARIANTS], floors, strict=True)
-    drift = {n: drift_of(v, float(f)) for n, v, f in rows}
-    stop = trajectory.stop
+    terms = Terms(compiled, problem, trajectory, values[INVARIANTS], task.signals)
+    rows = enumerate(zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True))
+    drift = {n: drift_of(v, partial(terms.scale, k)) for k, (n, v) in rows}
+    stop, blind = trajectory.stop, task.signals.notice if task.signals else ""
     return Result(
         t=trajectory.t,
         y=trajectory.y,
         sol=trajectory.solution,
         nfev=trajectory.evaluations,
         status={"end": 0, "singular": 1, "event": 2}.get(stop.kind, -1),
-        message=message(compiled, trajectory, problem.max_steps),
+        message=message(compiled, trajectory, problem, [e.label for e in task.events]),
         outputs=outputs,
         drift=drift,
         margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
@@ -345,7 +403,7 @@ def _result(
         method="",
         steps=trajectory.steps,
         rejected=trajectory.rejected,
-        notice=compiled.notice,
+        notice=_joined(compiled.notice, trajectory.notice, blind),
         names=names_of(layout.states),
     )
 
@@ -355,7 +413,7 @@ def _evaluate(
     problem: Problem,
     trajectory: Trajectory,
     group: str,
-    signals: scipy_.Inputs | None,
+    signals: Inputs | None,
 ) -> Array:
     """Evaluate a group of results at the stored points."""
     function = compiled.functions.get(group)
@@ -366,22 +424,3 @@ def _evaluate(
     if signals is not None:
         u = np.array([signals(t) for t in trajectory.t]).reshape(count, len(problem.inputs)).T
     return function(trajectory.t, trajectory.y, problem.parameters, u)
-
-
-def drift_of(values: Array, floor: float) -> Drift:
-    """Return the drift of a constant of the motion from its values at the stored points."""
-    if not values.size:
-        return Drift(0.0, 0.0, floor, values)
-    change = values - values[0]
-    return Drift(float(values[0]), float(np.max(np.abs(change))), floor, change)
-
-
-def _floors(compiled: Compiled, problem: Problem) -> Array:
-    """Return for each invariant by how much it changes if the first states change a little."""
-    function = compiled.functions.get(INVARIANTS)
-    if function is None:
-        return np.empty(0)
-    x = problem.x0
-    points = np.column_stack([x, x[:, None] + np.diag(RELATIVE_FLOOR * x)])
-    values = function(problem.t_span[0], points, problem.parameters, problem.inputs)
-    return np.asarray(np.sum(np.abs(values[:, 1:] - values[:, :1]), axis=1))

@@ -14,23 +14,28 @@ in B, and phi is ahead of it by (C - k) t. Source: lecture 001; Whittaker (1937)
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import permutations
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from codegen.angles import Angles, Sequence3, angles, product, upright
-from codegen.bodies import sine_and_cosine
+from codegen.attitude import INERTIA, OMEGA, Stated
+from codegen.bodies import moving, sine_and_cosine
 from codegen.exact import Steady
+from codegen.held import Held, states_of
 from codegen.phases import Pair, grown, pair, scaled
 from codegen.polhode import context, number
-from codegen.probing import Probe, Sample, same, structural
+from codegen.residues import PRIME, RandomPoint, inverse
 from codegen.windings import Spinning
 
-THREE_ONE_TWO = Sequence3((2, 0, 1))
+AXES = (2, 0, 1)
+AXLE = 3
+"""Place of the moment about b2 among the entries of J."""
+THREE_ONE_TWO = Sequence3(AXES)
 PARTS = ("theta", "psi", "phi", "theta_dot", "psi_dot", "spin")
 ZERO = Fraction(0)
 
@@ -45,8 +50,9 @@ class Reading:
     psi: int | None
     phi: int | None
     state: int | None
-    gyro: Fraction
-    spin: Fraction
+    stated: Stated
+    gyro: Fraction = ZERO
+    spin: Fraction = ZERO
 
 
 @dataclass(frozen=True)
@@ -95,64 +101,56 @@ class Spinner:
         return x / size, y / size, -2 * size
 
 
-def readings(probe: Probe) -> Iterator[Reading]:
-    """Yield how the states may be those of a spinner without torque."""
-    n, x, r = probe.count, probe.samples[0].x, probe.samples[0].rates
-    for theta, theta_dot, psi_dot in permutations(range(n), 3):
-        if r[theta] != x[theta_dot] or not 3 <= n <= len(PARTS):
-            continue
-        rest = [k for k in range(n) if k not in (theta, theta_dot, psi_dot)]
-        psi = next((k for k in rest if r[k] == x[psi_dot]), None)
-        state = next((k for k in rest if not r[k]), None)
-        others = [k for k in rest if k not in (psi, state)]
-        if len(others) <= 1:
-            gyro, spin = _constants(probe.samples[0], theta, theta_dot, psi_dot, others, state)
-            found = Reading(
-                theta, theta_dot, psi_dot, psi, others[0] if others else None, state, gyro, spin
-            )
-            if all(_holds(found, s) for s in probe.samples):
-                yield found
+def reading(held: Held) -> Reading | None:
+    """Return how the states are those of a stated spinner without torque; None if they are not."""
+    for a in held.attitudes:
+        if a.unspun and a.sequence == AXES and a.values.results[INERTIA]:
+            found = _read(held, a)
+            if found is not None and held.proved(partial(_residuals, held, found)):
+                return _with_numbers(held, found)
+    return None
 
 
-def _constants(
-    s: Sample, theta: int, theta_dot: int, psi_dot: int, others: Sequence[int], state: int | None
-) -> tuple[Fraction, Fraction]:
-    sine, cosine = sine_and_cosine(s.x[theta])
-    gyro = s.rates[theta_dot] / (s.x[psi_dot] * cosine) + s.x[psi_dot] * sine
-    spin = s.rates[others[0]] + s.x[psi_dot] * sine if others else ZERO
-    return (gyro / s.x[state] if state is not None else gyro), spin
+def _read(held: Held, a: Stated) -> Reading | None:
+    """Return the states by their places in what is stated; psi' is the one that is left."""
+    psi, theta, phi = (k if k >= 0 else None for k in a.coordinates)
+    theta_dot, state, _ = (k if k >= 0 else None for k in a.omega)
+    known = [k for k in (psi, theta, phi, theta_dot, state) if k is not None]
+    rest = [k for k in range(held.count) if k not in known]
+    spins = state is not None or not moving(a.values, a.values.results[OMEGA][1:2])
+    if theta is None or theta_dot is None or len(rest) != 1 or not spins:
+        return None
+    return Reading(theta, theta_dot, rest[0], psi, phi, state, a)
 
 
-def _holds(found: Reading, s: Sample) -> bool:
-    """Whether all rates are those of the spinner at a sample."""
-    x, r = s.x, s.rates
-    sine, cosine = sine_and_cosine(x[found.theta])
-    k = found.gyro * (x[found.state] if found.state is not None else 1)
-    spin = x[found.state] if found.state is not None else found.spin
+def _with_numbers(held: Held, found: Reading) -> Reading:
+    J = held.constants(found.stated.values, INERTIA)
+    spin = ZERO if found.state is not None else held.numbers(found.stated.values, OMEGA)[1]
+    return replace(found, gyro=J[AXLE] / J[0] * (1 if found.state is not None else spin), spin=spin)
+
+
+def _residuals(held: Held, found: Reading, point: RandomPoint) -> list[int]:
+    """Return what is zero at a point if all rates are those of the spinner."""
+    x = states_of(point, held.count)
+    r = held.residues(point, x)
+    J = held.values(point, found.stated.values, INERTIA, x)
+    spin = held.values(point, found.stated.values, OMEGA, x)[1]
+    cosine, sine = point.circle(x[found.theta])
+    k = J[AXLE] * inverse(J[0]) * spin
     turn, tilt = x[found.psi_dot], x[found.theta_dot]
     expected = [
-        (found.theta, tilt, ZERO),
-        (found.theta_dot, turn * cosine * k, -turn * cosine * turn * sine),
-        (found.psi_dot, 2 * tilt * turn * sine / cosine, -k * tilt / cosine),
-        (found.psi, turn, ZERO),
-        (found.phi, spin, -turn * sine),
-        (found.state, ZERO, ZERO),
+        (found.theta, tilt),
+        (found.theta_dot, turn * cosine * (k - turn * sine)),
+        (found.psi_dot, tilt * (2 * turn * sine - k) * inverse(cosine)),
+        (found.psi, turn),
+        (found.phi, spin - turn * sine),
+        (found.state, 0),
     ]
-    return all(place is None or same(r[place], a + b, abs(a) + abs(b)) for place, a, b in expected)
+    return [(r[place] - v) % PRIME for place, v in expected if place is not None]
 
 
-@structural
-def _reading(probe: Probe) -> Reading | None:
-    return next(readings(probe), None)
-
-
-def spinner(probe: Probe) -> Spinner | None:
-    """Return the motion of a spinner without torque; None where the system is none."""
-    found = _reading(probe)
-    return None if found is None else _prepared(found, probe.start)
-
-
-def _prepared(found: Reading, x: Sequence[Fraction]) -> Spinner | None:
+def prepared(found: Reading, x: Sequence[Fraction]) -> Spinner | None:
+    """Return the motion from an initial state; None where its angles are not regular."""
     own = context()
     spin = x[found.state] if found.state is not None else found.spin
     k = found.gyro * (spin if found.state is not None else 1)

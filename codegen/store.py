@@ -3,7 +3,9 @@
 A folder holds ``ensemble.json`` (what it is of), ``manifest/`` (one record a finished chunk, with the
 checksum of its numbers), and the data: one Zarr group of arrays with the trajectories as last axis, or
 one Parquet file a chunk with a row a trajectory. Records are written last, and appear whole or not at
-all: a chunk without a record, or whose numbers do not have its checksum, is computed anew.
+all: a chunk without a record, or whose numbers do not have its checksum, is computed anew. What says what
+the store is of, and what describes its arrays, is written anew where it is damaged: records tell by the
+fingerprint whether chunks are of this ensemble.
 """
 
 from __future__ import annotations
@@ -13,10 +15,10 @@ import json
 import os
 import tempfile
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -67,8 +69,8 @@ class Store(ABC):
         self.folder, self.contents = folder, contents
 
     @abstractmethod
-    def create(self) -> None:
-        """Make what must be there before the first chunk."""
+    def create(self) -> list[str]:
+        """Make what must be there before the first chunk; return which files were damaged, and mended."""
 
     @abstractmethod
     def put(self, number: int, columns: Columns) -> None:
@@ -91,6 +93,7 @@ class Store(ABC):
                 "chunk": number,
                 "trajectories": self.contents.size(number),
                 "sha256": checksum(kept),
+                "fingerprint": self.contents.fingerprint,
             }
             write_whole(self.record(number), json.dumps(record) + "\n")
 
@@ -99,7 +102,8 @@ class Store(ABC):
         try:
             record = json.loads(self.record(number).read_text(encoding="utf-8"))
             columns = dict(self.get(number))
-            if record["sha256"] != checksum(columns):
+            expected = {"fingerprint": self.contents.fingerprint, "sha256": checksum(columns)}
+            if any(record[k] != v for k, v in expected.items()):
                 return None
         except Exception:  # damaged data may raise anything in its reader
             return None
@@ -122,23 +126,37 @@ class ZarrStore(Store):
         """Pickle without the open group."""
         return (type(self), (self.folder, self.contents))
 
-    def create(self) -> None:
-        """Make empty arrays, and say what their rows are."""
+    def create(self) -> list[str]:
+        """Make empty arrays, and say what their rows are; descriptions that do not fit are replaced."""
         import zarr
 
-        c = self.contents
-        group = zarr.open_group(self.folder / "data.zarr", mode="a")
+        c, path = self.contents, self.folder / "data.zarr"
+        mended = _without(path, partial(_is_group, path))
+        group = zarr.open_group(path, mode="a")
         group.attrs.update(
             {"times": list(c.times), "rows": {k: list(v) for k, v in c.rows.items()}}
         )
         for column in c.columns:
-            if column not in group:
-                group.create_array(
-                    column,
-                    shape=(*c.shape(column), c.count),
-                    chunks=(*c.shape(column), c.chunk),
-                    dtype="int32" if column in INTEGERS else "float64",
-                )
+            mended += _without(path / column, self._describes(group, column))
+            if not (path / column / "zarr.json").exists():
+                group.create_array(column, **self._description(column))
+        return mended
+
+    def _description(self, column: str) -> dict[str, Any]:
+        """Return shape, shape of a chunk and kind of number of a column's array."""
+        shape, kind = self.contents.shape(column), "int32" if column in INTEGERS else "float64"
+        chunks = (*shape, self.contents.chunk)
+        return {"shape": (*shape, self.contents.count), "chunks": chunks, "dtype": kind}
+
+    def _describes(self, group: Any, column: str) -> Callable[[], bool]:
+        """Return what tells whether the array of a column is there as it should be."""
+
+        def fits() -> bool:
+            array = group[column]
+            expected = self._description(column).items()
+            return all(np.all(getattr(array, name) == value) for name, value in expected)
+
+        return fits
 
     def _place(self, number: int) -> tuple[Any, slice]:
         first = number * self.contents.chunk
@@ -157,8 +175,9 @@ class ZarrStore(Store):
 class ParquetStore(Store):
     """One file a chunk: a column a quantity, lists over the stored times."""
 
-    def create(self) -> None:
+    def create(self) -> list[str]:
         """Nothing must be there."""
+        return []
 
     def _file(self, number: int) -> Path:
         return self.folder / f"chunk-{number:09d}.parquet"
@@ -210,8 +229,30 @@ FORMATS: Mapping[str, tuple[type[Store], str]] = {
 """What writes each format, and the package that it needs."""
 
 
-def opened(folder: str | Path, contents: Contents) -> Store:
-    """Make or open the store of an ensemble.
+def _is_group(path: Path) -> bool:
+    import zarr
+
+    zarr.open_group(path, mode="r")
+    return True
+
+
+def _without(path: Path, is_whole: Callable[[], bool]) -> list[str]:
+    """Remove the description of a group or array of Zarr unless it is whole; return its name then.
+
+    The numbers stay: whether they are right their checksums tell.
+    """
+    file = path / "zarr.json"
+    if not file.exists():
+        return []
+    with suppress(Exception):  # damaged data may raise anything in its reader
+        if is_whole():
+            return []
+    file.unlink()
+    return [str(file)]
+
+
+def opened(folder: str | Path, contents: Contents) -> tuple[Store, str]:
+    """Make or open the store of an ensemble; say what was damaged in it, and mended.
 
     Raises `InputError` for an unknown format, a missing package, a folder that cannot be written, and
     one that holds another ensemble.
@@ -226,31 +267,63 @@ def opened(folder: str | Path, contents: Contents) -> Store:
     path = Path(folder).absolute()
     with writing(path):
         (path / "manifest").mkdir(parents=True, exist_ok=True)
-        _claim(path, contents)
         store = kind(path, contents)
-        store.create()
-    return store
+        mended = [*_claim(store), *store.create()]
+    names = ", ".join(str(Path(m).relative_to(path)) for m in mended)
+    return store, f"damaged and written anew in the store: {names}" if names else ""
 
 
-def _claim(path: Path, contents: Contents) -> None:
-    """Write what the store is of, or compare with what is there."""
-    file = path / "ensemble.json"
-    ours = json.loads(json.dumps(asdict(contents)))
+def _claim(store: Store) -> list[str]:
+    """Write what the store is of, or compare with what is there; return its name if it was damaged."""
+    file = store.folder / "ensemble.json"
+    ours = json.loads(json.dumps(asdict(store.contents)))
+    text = json.dumps(ours, indent=1) + "\n"
     if not file.exists():
-        write_whole(file, json.dumps(ours, indent=1) + "\n")
-        return
-    try:
-        theirs = json.loads(file.read_text(encoding="utf-8"))
-    except ValueError:
-        theirs = {}
+        _refuse_other_chunks(store, "ensemble.json is missing")
+        write_whole(file, text)
+        return []
+    theirs, fault = _read(file)
+    if fault:
+        _refuse_other_chunks(store, f"ensemble.json is damaged: {fault}")
+        write_whole(file, text)
+        return [str(file)]
     if theirs != ours:
-        keys = [k for k in ours if not isinstance(theirs, dict) or theirs.get(k) != ours[k]]
-        raise InputError(
-            "the store holds another ensemble",
-            where=str(path),
-            got=f"{', '.join(keys)} differ",
-            hint="choose another folder, or repeat the call that made this one",
-        )
+        keys = [k for k in {**ours, **theirs} if theirs.get(k) != ours.get(k)]
+        raise _another(store.folder, f"{', '.join(keys)} differ")
+    return []
+
+
+def _read(file: Path) -> tuple[dict[str, Any], str]:
+    """Return what a store is of, as it is written there, and what is wrong with that, if anything."""
+    try:
+        found = json.loads(file.read_bytes().decode("utf-8"))
+    except (ValueError, RecursionError):
+        return {}, "no JSON" if file.stat().st_size else "empty"
+    if not isinstance(found, dict):
+        return {}, f"a {type(found).__name__} and no object"
+    if not isinstance(found.get("fingerprint"), str):
+        return {}, "no fingerprint"
+    return found, ""
+
+
+def _refuse_other_chunks(store: Store, fault: str) -> None:
+    """Raise `InputError` where a chunk is of another ensemble, which nothing else says any more."""
+    for record in sorted((store.folder / "manifest").glob("*.json")):
+        try:
+            found = json.loads(record.read_bytes())["fingerprint"]
+        except (OSError, ValueError, TypeError, KeyError, RecursionError):
+            continue  # a damaged record is that of a chunk to compute
+        if found != store.contents.fingerprint:
+            raise _another(store.folder, f"{fault}; {record.name} is of another ensemble")
+
+
+def _another(folder: Path, got: str) -> InputError:
+    return InputError(
+        "the store holds another ensemble",
+        where=str(folder),
+        got=got,
+        hint="choose another folder, or repeat the call that made this one",
+    )
 
 
 def work(store: Store, plan: Plan, some: Population, number: int) -> Piece:
@@ -299,10 +372,10 @@ def writing(folder: Path) -> Iterator[None]:
     """Turn failures of the disk into one clear error."""
     try:
         yield
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a name that no file has is a ValueError
         raise InputError(
             "the store cannot be written",
             where=str(folder),
-            got=error.strerror or str(error),
+            got=getattr(error, "strerror", None) or str(error),
             hint="make room or choose a folder that you can write; finished chunks are kept",
         ) from None

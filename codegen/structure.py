@@ -11,13 +11,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from codegen.attitude import moved
 from codegen.guard import Guard
 from codegen.interpret import interpret_exactly, random_point
 from codegen.layout import Layout, to_array
 from codegen.lower import RATES
-from codegen.massmatrix import SAME
 from codegen.passes import Slot, prune, substitute
 from codegen.program import Program
+from codegen.residues import vanishing
 from eom.errors import InputError, unknown_name
 from eom.system import System
 
@@ -135,6 +136,8 @@ def fit(program: Program, system: System, structure: Structure) -> tuple[Program
     }
     fitted = substitute(program, leaves)
     layout = Layout.of(system).without({*structure.parameters, *structure.equal})
+    kinds = ("state", "parameter", "input")
+    layout = replace(layout, attitudes=moved(layout.attitudes, leaves, kinds))
     if not structure.states and not structure.inputs:
         return fitted, layout
     return _without_held(fitted, system, layout, structure)
@@ -210,13 +213,12 @@ def _rate(system: System, k: int) -> str:
 
 
 def first_not_zero(program: Program, group: str) -> tuple[int, Any] | None:
-    """Return place and value of the first result that is not zero, in 50 digits, at random points.
+    """Return place of the first result that is not proved to be zero, and its value at some point.
 
-    What folds to zero is zero; the rest is evaluated at three points with slots in (1/2, 3/2).
+    What folds to zero is zero; the rest is decided modulo a prime (`codegen.residues`).
     """
-    for seed in range(3):
-        values = interpret_exactly(program, random_point(program, seed))[group]
-        for k, value in enumerate(values):
-            if not abs(value) <= SAME:
-                return k, value
-    return None
+    zero = vanishing(program, group)
+    if all(zero):
+        return None
+    k = zero.index(False)
+    return k, interpret_exactly(program, random_point(program, 0))[group][k]

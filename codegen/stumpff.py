@@ -11,7 +11,7 @@ less than half of the one before, so that the sum of moduli is at most three tim
 is not magnified more than that. Above it, a step of the recurrence to c_k magnifies the rounding of 1/k!
 by k (k - 1)/|z| < 2 and that of the step before by less than 3; the steps before it do less. The terms
 are as many as leave a remainder of 2^-55. Measured, in units in the last place: at most 1.3 below the
-cutoff; above it 1.1 for k <= 3, 3.1 for k = 8, 32 for k = 24, where z is negative and near the cutoff.
+cutoff; above it 1.1 for k <= 3, 3.1 for k = 8, 40 for k = 23, where z is negative and near the cutoff.
 """
 
 from __future__ import annotations
@@ -104,9 +104,9 @@ def slope(m: Context, k: Number, z: Number) -> Number:
 
 
 def scale(m: Context, value: Number, k: Number, z: Number) -> Number:
-    """Return what the rounding error is relative to: |c_k| + |z d c_k/dz|, times 1 + (k/8)^2.
+    """Return what the rounding error is relative to: |c_k| + |z d c_k/dz|, times 1 + (k/7)^2.
 
     The second term is what rounding of the root of z makes; it decides near the zeros of c_1 and c_2.
     The factor stands for the steps of the recurrence.
     """
-    return (abs(value) + abs(z * slope(m, k, z))) * (1 + (k / 8) ** 2)
+    return (abs(value) + abs(z * slope(m, k, z))) * (1 + (k / 7) ** 2)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from codegen.integrate.trajectory import Array
-from eom.errors import InputError
+from eom.errors import InputError, typed_fields
 
 BLOCK = 256
 """Trajectories of a leaf of the tree; parts of ensembles begin at whole multiples of it."""
@@ -157,6 +157,7 @@ def quantile(bins: Bins, row: int, share: float, moments: Moments) -> float:
     return float(np.clip(middle, moments.low[row], moments.high[row]))
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Statistics:
     """What to count of states and outputs ``names`` at each stored time.

@@ -6,7 +6,7 @@ package for the numerical integration of ODEs by means of high-order Taylor meth
 Mathematics 14 (2005), sect. 2; Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), table
 13.2). Some rules need a further value, their partner: the cosine for a sine, 1 + v^2 for a tangent.
 
-Rules are written over an `Order`, which gives coefficients and sums of products of them; `unrolled`
+Rules are written over an `Order`, which gives coefficients and sums of products of them; `codegen.unrolled`
 makes a program of all orders, `codegen.integrate.jets` a loop.
 """
 
@@ -19,12 +19,12 @@ from fractions import Fraction
 from typing import Any
 
 from codegen.branches import switches
+from codegen.fold import constant
 from codegen.layout import Layout
 from codegen.linsolve import Shape, whole
 from codegen.ops import OPS, TRUTH_VALUES, Instruction
 from codegen.passes import prune
 from codegen.program import Builder, Program
-from codegen.scalars import Scalar
 from codegen.targets.target import excerpt
 from eom.errors import InputError
 
@@ -42,6 +42,12 @@ Term = Any
 
 class Order(ABC):
     """Coefficients of lower orders, and sums over them, for the order that is made."""
+
+    prepared: Prepared
+
+    def moves(self, a: Series) -> bool:
+        """Tell whether a value has coefficients beyond order 0."""
+        return self.prepared.varies[a]
 
     @abstractmethod
     def now(self, a: Series) -> Term:
@@ -130,9 +136,14 @@ def _root_of_less(b: Builder, _: int, a: Sequence[int]) -> int:
 
 
 def _power(o: Order, v: Series, a: Sequence[Series], w: Series) -> Term:
-    """V' a = y v a' for a constant exponent y; otherwise the partner is y log(a), and v' = v w'."""
-    if w != v:
+    """V' a = y v a' for a constant exponent y; the partner is y log(a), and v' = v w', if y changes.
+
+    The partner of a whole power is that of products, which has a series at zero, too.
+    """
+    if o.moves(a[1]):
         return o.moment(w, v)
+    if w != v:
+        return o.now(w)
     total = o.first(a[1]) * o.moment(a[0], v) - o.moment(v, a[0], high=1)
     return total * o.inverse(a[0])
 
@@ -266,13 +277,26 @@ def _early_partner(
 ) -> int | None:
     """Return the partner of a norm or a power, whose own order k is needed: it comes before them."""
     args = [new[a] for a in instruction.args]
+    exponent = constant(b, args[1]) if instruction.op == "pow" else None
     partner = None
     if instruction.op == "hypot" and any(varies[a] for a in args):
         partner = _sum_of_squares(b, args)
     elif instruction.op == "pow" and varies[args[1]]:
         partner = b.add("mul", args[1], b.add("log", args[0]))
+    elif exponent is not None and exponent.denominator == 1 and exponent > 1 and varies[args[0]]:
+        partner = _whole_power(b, args[0], int(exponent))
     _extend(varies, b.instructions)
     return partner
+
+
+def _whole_power(b: Builder, base: int, exponent: int) -> int:
+    """Return a power as products, by squares: about twice the logarithm of the exponent."""
+    power = base
+    for digit in bin(exponent)[3:]:
+        power = b.add("mul", power, power)
+        if digit == "1":
+            power = b.add("mul", power, base)
+    return power
 
 
 def _extend(varies: list[bool], instructions: Sequence[Instruction]) -> None:
@@ -292,118 +316,6 @@ def _refusal(program: Program, layout: Layout | None, group: str, k: int) -> Inp
         expected="smooth functions, or values that do not change with time",
         hint="choose the method DOP853",
     )
-
-
-def unrolled(prepared: Prepared, group: str, order: int) -> Program:
-    """Return a program of all coefficients x_1 to x_order of the states, in the group `JET`.
-
-    ``group`` are the rates of the states, in order. Law: the results are the coefficients of the
-    solution through the states at the time t, which the program reads. Where there are switching
-    functions, the group `SWITCHES` has their coefficients of orders 0 to ``order`` - 1 likewise.
-    """
-    b = Builder(prepared.program.rules)
-    jet = _Unrolled(b, prepared)
-    rates = prepared.program.results[group]
-    states: list[list[Scalar]] = [[Scalar(b, b.leaf("state", i))] for i in range(len(rates))]
-    for k in range(order):
-        jet.advance(k, states)
-        for state, rate in zip(states, rates, strict=True):
-            state.append(_scaled(jet.series[rate][k], Fraction(1, k + 1)))
-    results = [states[i][k].number for k in range(1, order + 1) for i in range(len(rates))]
-    groups = {JET: results}
-    if prepared.switches:
-        groups[SWITCHES] = [
-            jet.series[m][k].number for k in range(order) for m in prepared.switches
-        ]
-    return prune(b.program(groups))
-
-
-def _scaled(a: Scalar, factor: Fraction) -> Any:
-    """Return a * factor; a constant factor of ``a`` is multiplied beforehand."""
-    op, args, _ = a.builder.instructions[a.number]
-    for k, other in (args, args[::-1]) if op == "mul" else ():
-        value = a.builder.instructions[k].value
-        if a.builder.instructions[k].op == "const" and isinstance(value, Fraction):
-            return Scalar(a.builder, other) * (value * factor)
-    return a * factor
-
-
-class _Unrolled(Order):
-    """All orders as instructions; what is zero is folded away by the builder."""
-
-    def __init__(self, b: Builder, prepared: Prepared) -> None:
-        self.b, self.prepared, self.k = b, prepared, 0
-        self.series: list[list[Scalar]] = [[] for _ in prepared.program.instructions]
-        self.zero = Scalar(b, b.const(0))
-
-    def advance(self, k: int, states: Sequence[Sequence[Scalar]]) -> None:
-        """Append the coefficient of order ``k`` of every value."""
-        self.k = k
-        for n, instruction in enumerate(self.prepared.program.instructions):
-            if instruction.op == "state":
-                term = states[instruction.slot][k]
-            elif k == 0:
-                args = {a: self.series[a][0].number for a in instruction.args}
-                term = Scalar(self.b, self.b.again(instruction, args))
-            elif instruction.op == "time":
-                term = Scalar(self.b, self.b.const(int(k == 1)))
-            elif not self.prepared.varies[n] or instruction.op == "factor":
-                term = self.zero
-            else:
-                term = self._coefficient(n, instruction)
-            self.series[n].append(term)
-
-    def _coefficient(self, n: int, instruction: Instruction) -> Scalar:
-        op, args, value = instruction
-        if op == "back":
-            return self._solve(n, args)
-        if op == "item":
-            return Scalar(
-                self.b, self.b.add("item", self.series[args[0]][self.k].number, value=value)
-            )
-        term: Scalar = RULES[op].coefficient(self, n, args, self.prepared.partner(n))
-        return term
-
-    def _solve(self, n: int, args: Sequence[int]) -> Scalar:
-        """A_0 x_k = f_k - sum of A_j x_(k-j): one factorisation serves all orders."""
-        right = residuals(self, self.prepared, n)
-        factor = self.series[args[0]][0].number
-        return Scalar(self.b, self.b.add("back", factor, *(r.number for r in right)))
-
-    def now(self, a: Series) -> Scalar:
-        return self.series[a][self.k]
-
-    def first(self, a: Series) -> Scalar:
-        return self.series[a][0]
-
-    def inverse(self, a: Series) -> Any:
-        return 1 / self.series[a][0]
-
-    def dot(self, a: Series, b: Series, low: int = 0, high: int = 0) -> Scalar:
-        k, one, other = self.k, self.series[a], self.series[b]
-        if a == b and low == high:
-            pairs = [(one[j] * (1 if 2 * j == k else 2), one[k - j], k - j)
-                     for j in range(low, k // 2 + 1)]  # fmt: skip
-        else:
-            pairs = [(one[j], other[k - j], max(j, k - j)) for j in range(low, k - high + 1)]
-        return self._total(pairs)
-
-    def moment(self, a: Series, b: Series, high: int = 0) -> Any:
-        k = self.k
-        pairs = [(self.series[a][j] * j, self.series[b][k - j], max(j, k - j))
-                 for j in range(1, k - high + 1)]  # fmt: skip
-        return self._total(pairs) * Fraction(1, k)
-
-    def _total(self, pairs: Sequence[tuple[Scalar, Scalar, int]]) -> Scalar:
-        """Add products, those with the latest coefficients last, so that little waits for these."""
-        total = self.zero
-        for one, other, _ in sorted(pairs, key=lambda pair: pair[2]):
-            total = total + one * other
-        return total
-
-    def choose(self, negative: Any, a: Any, b: Any) -> Scalar:
-        condition = negative < 0
-        return Scalar(self.b, self.b.add("select", condition.number, a.number, b.number))
 
 
 def residuals(o: Order, prepared: Prepared, back: int) -> list[Term]:

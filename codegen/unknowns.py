@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiled import Compiled
-from codegen.interpret import Point
+from codegen.interpret import UNIT_ROUNDOFF, Point, interpret_with_bound
 from codegen.layout import names_of
 from codegen.lower import INVARIANTS, OUTPUTS, RATES
 from codegen.ops import Instruction
+from codegen.passes import prune
+from codegen.program import Program
 from codegen.tangents import tangents
 
 Array = NDArray[np.float64]
@@ -54,6 +57,29 @@ class Equations:
             parts.append(self.compiled.functions[group](0.0, x, self.p, u)[places] - target)
         parts.append(np.array([(x[list(four)] ** 2).sum() - 1 for four in self.units]))
         return np.concatenate(parts)
+
+    def rates(self, x: Array, u: Array) -> Array:
+        """Return the derivatives of all rates by states, then inputs."""
+        point = Point(0.0, list(x), list(self.p), list(u))
+        found: Array = tangents(self.compiled.program, [RATES], leaves_of(x.size, u.size), point)[1]
+        return found
+
+    def rounding(self, x: Array, u: Array) -> Array:
+        """Return how much rounding may make of each equation, by a running error analysis.
+
+        States and inputs are taken to be rounded, but for zeros. See `codegen.interpret`.
+        """
+        point = Point(0.0, list(x), list(self.p), list(u))
+        found = interpret_with_bound(self._program, point)
+        own = [found[RATES][k].error for k in self.rows]
+        own += [found[group][k].error for group, _, places in self.held for k in places]
+        own += [4 * UNIT_ROUNDOFF] * len(self.units)
+        given = np.abs(self(x, u)[1]) @ np.abs(np.concatenate([x, u]))
+        return np.asarray(np.array(own) + UNIT_ROUNDOFF * given)
+
+    @cached_property
+    def _program(self) -> Program:
+        return prune(self.compiled.program, [RATES, *(group for group, _, _ in self.held)])
 
     def __call__(self, x: Array, u: Array) -> tuple[Array, Array]:
         """Return what should be zero, and its derivatives by states, then inputs."""

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from eom.spinning import SpinningSymmetricBody as SpinningSymmetricBody
     from eom.spinning import lecture_torque as lecture_torque
     from eom.system import Assumption as Assumption
+    from eom.system import BodyAttitude as BodyAttitude
     from eom.system import Definition as Definition
     from eom.system import Quantity as Quantity
     from eom.system import Singularity as Singularity
@@ -57,6 +58,7 @@ _HOME = {
     "SpinningSymmetricBody": "spinning",
     "lecture_torque": "spinning",
     "Assumption": "system",
+    "BodyAttitude": "system",
     "Definition": "system",
     "Quantity": "system",
     "Singularity": "system",

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from eom.description import inertia_values, principal_values
-from eom.errors import InputError, near_matches, unknown_name
+from eom.errors import InputError, near_matches, typed, unknown_name
 from eom.kinematics import SEQUENCES, attitude, quaternion_of_sequence
 from eom.rotations import (
     ALMOST,
@@ -147,6 +147,7 @@ BOOKS: dict[str, tuple[str, Convention]] = {
 """Conventions by name, each with the book or program that it is of."""
 
 
+@typed
 def book(name: str) -> Convention:
     """Return the convention of a book or program, by its ``name`` in `BOOKS`.
 
@@ -352,6 +353,7 @@ def _turned(omega: Sequence[float], convention: Convention) -> Row:
     return x, y, z
 
 
+@typed
 def changed(convention: Convention, choices: Mapping[str, str]) -> Convention:
     """Return a convention with some of its fields chosen anew: ``choices``, words by field.
 

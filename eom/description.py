@@ -115,12 +115,13 @@ class InitialAttitude(Part):
 
 
 class Integration(Part):
-    """End time (s), method, tolerances, number of output times, and of steps to try at most.
+    """End time (s), method, tolerances, number of output times, longest step, steps to try at most.
 
     ``t_end``: from 0; negative runs backwards. ``method``: one of `codegen.METHODS`. ``rtol``, ``atol``:
-    steps meet atol + rtol |x| (``atol``: rtol / 1000 unless given). ``points``: output times at equal
-    distances, ends included. ``max_steps``: when a run is given up. ``handover``: near the singularity
-    of Euler angles go on in quaternions (`eom.handover`).
+    steps meet atol + rtol |x| (``atol``: rtol / 1000 of the scale of each state unless given, see
+    `codegen.scales`). ``points``: output times at equal distances, ends included. ``max_step``: no step
+    is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a run
+    is given up. ``handover``: near the singularity of Euler angles go on in quaternions (`eom.handover`).
     """
 
     t_end: Number = 10.0
@@ -128,6 +129,7 @@ class Integration(Part):
     rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
     atol: Annotated[float, Field(gt=0)] | None = None
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
+    max_step: Annotated[float, Field(gt=0)] | None = None
     max_steps: Annotated[int, Field(ge=1)] = 10_000_000
     handover: bool = False
 

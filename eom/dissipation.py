@@ -30,6 +30,7 @@ from eom.rigidbody import (
     principal_inertia,
     rotation,
     scalar,
+    with_body,
     with_outputs,
 )
 from eom.steady import ROOT, VERDICTS, hurwitz_determinants, linearised, steady_values
@@ -104,7 +105,8 @@ def viscous_slug(attitude: Attitude | None = None) -> System:
         singularities=attitude.singularities if attitude else (),
         assumptions=(*_slug_assumptions(J), *rotation(attitude)),
     )
-    return with_outputs(system, _slug_outputs(J, attitude))
+    torque = SIGMA.scaled(DAMPING).components
+    return with_outputs(with_body(system, J, torque, attitude), _slug_outputs(J, attitude))
 
 
 def _slug_assumptions(J: Expr) -> tuple[Assumption, ...]:

@@ -28,6 +28,7 @@ from eom.rigidbody import (
     principal_inertia,
     rotation,
     scalar,
+    with_body,
     with_outputs,
 )
 from eom.system import Assumption, Definition, Quantity, System, as_expression
@@ -122,6 +123,11 @@ def rotor_momentum_rate(axial: Expr, omega_dot: Sequence[Expr], p_dot: Expr) -> 
     return first_derivative(h, OMEGA, moving)
 
 
+def _axial(rotor: Rotor) -> Expr:
+    """Return the rate of the axial momentum of a rotor."""
+    return _axial_rate(rotor.motor_torque)
+
+
 def _axial_rate(torque: Expr) -> Expr:
     """Solve the rotor's axial balance for the rate of its axial momentum."""
     p, p_dot = sp.symbols("p p_dot", real=True)
@@ -178,7 +184,6 @@ def gyrostat(
     h = momentum(J, rotors)
     mass, accelerations = _equations(h, rotors)
     free = [r for r in rotors if r.turns_freely]
-    axial = (_axial_rate(r.motor_torque) for r in free)
     states = (
         *(
             Quantity(w, "rad/s", f"angular velocity about b{k}", f"\\omega_{k}")
@@ -187,20 +192,21 @@ def gyrostat(
         *(r.momentum for r in free),
         *(attitude.coordinates if attitude else ()),
     )
-    inertias = (r.inertia for r in rotors if r.drive != "locked")
+    known = (r.inertia for r in rotors if r.drive != "locked")
     speeds = (r.speed for r in rotors if r.drive == "constant")
     system = System(
         name=name,
         title=title,
         states=states,
-        rates=(*accelerations, *axial, *(attitude.rates(OMEGA) if attitude else ())),
+        rates=(*accelerations, *map(_axial, free), *(attitude.rates(OMEGA) if attitude else ())),
         mass_matrix=mass and sp.ImmutableMatrix(sp.diag(mass, sp.eye(len(states) - 3))),
-        parameters=(*moments, *inertias, *speeds, *parameters),
+        parameters=(*moments, *known, *speeds, *parameters),
         inputs=tuple(r.torque for r in free if r.drive == "motor"),
         definitions=_definitions(h),
         singularities=attitude.singularities if attitude else (),
         assumptions=_assumptions(J, h, attitude),
     )
+    system = with_body(system, *_body(h, rotors), attitude)
     return with_outputs(system, _outputs(J, rotors, system, attitude))
 
 
@@ -246,12 +252,28 @@ def _is_one(square: Expr) -> bool:
 def _equations(h: Vector, rotors: Sequence[Rotor]) -> tuple[Expr | None, tuple[Expr, ...]]:
     """(Mass matrix or None, rates) of dh/dt = 0, with h named in omega x h."""
     moving = dict(zip(OMEGA.components, OMEGA_DOT, strict=True))
-    moving |= {r.momentum.symbol: _axial_rate(r.motor_torque) for r in rotors if r.turns_freely}
+    moving |= {r.momentum.symbol: _axial(r) for r in rotors if r.turns_freely}
     local = first_derivative(h, OMEGA, moving).local
     named = vector("B", (d.symbol for d in _definitions(h)))
     mass = local.column.jacobian(OMEGA_DOT)
     at_rest = local.map(lambda c: c.xreplace(dict.fromkeys(OMEGA_DOT, sp.Integer(0))))
     return explicit_rates(mass, (at_rest + OMEGA.cross(named)).scaled(-1).components)
+
+
+def _body(h: Vector, rotors: Sequence[Rotor]) -> tuple[Expr, tuple[Expr, ...]]:
+    """Return inertia and torque of the body in the rotors' momentum, which `_equations` balances.
+
+    h = K omega + p, with the axial momenta that are states in p: K d(omega)/dt + omega x K omega is
+    -omega x p less the motors' torques.
+    """
+    inertia = h.column.jacobian(OMEGA.components)
+    axial = h - vector("B", inertia * OMEGA.column)
+    moving = {r.momentum.symbol: _axial(r) for r in rotors if r.turns_freely}
+    rates = (
+        [axial.column.jacobian(list(moving)) * sp.Matrix(list(moving.values()))] if moving else []
+    )
+    motors = vector("B", sum(rates, sp.zeros(3, 1)))
+    return inertia, tuple(sp.expand(c) for c in (OMEGA.cross(axial) + motors).scaled(-1).components)
 
 
 def _definitions(h: Vector) -> tuple[Definition, ...]:

@@ -11,7 +11,7 @@ No ``simplify`` is involved and the time is linear in the size of the expression
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import sympy as sp
@@ -96,10 +96,19 @@ def equal(left: Expr, right: Expr, *, seed: int = 0) -> bool:
 
 
 class RandomPoint:
-    """Values modulo the prime, drawn on first use, of symbols, angles and unknown functions."""
+    """Values modulo the prime, drawn on first use, of symbols, angles and unknown functions.
 
-    def __init__(self, generator: random.Random) -> None:
-        self.generator = generator
+    ``definitions``: symbols that stand for expressions, and have their values. ``field``: with the prime.
+    """
+
+    def __init__(
+        self,
+        generator: random.Random,
+        definitions: Mapping[Expr, Expr] | None = None,
+        field: Field = _FIELD,
+    ) -> None:
+        self.generator, self.field, self.prime = generator, field, field.prime
+        self.definitions = definitions or {}
         self.memo: dict[Expr, int] = {}
         self.half_tangent: dict[Expr, int] = {}
 
@@ -111,35 +120,49 @@ class RandomPoint:
             if node in self.memo:
                 stack.pop()
                 continue
-            missing = [a for a in _operands(node) if a not in self.memo]
+            missing = [a for a in self._operands(node) if a not in self.memo]
             if missing:
                 stack.extend(missing)
                 continue
-            self.memo[node] = self._apply(node) % PRIME
+            self.memo[node] = self._apply(node) % self.prime
             stack.pop()
         return self.memo[expression]
 
+    def _operands(self, node: Expr) -> tuple[Expr, ...]:
+        """Children that must be known first; arguments of functions stay symbolic."""
+        if node in self.definitions:
+            return (self.definitions[node],)
+        if isinstance(node, sp.Pow):
+            return (node.as_base_exp()[0],)
+        return tuple(node.args) if isinstance(node, sp.Add | sp.Mul) else ()
+
     def _apply(self, node: Expr) -> int:
+        if node in self.definitions:
+            return self.memo[self.definitions[node]]
         for kind, rule in _RULES:
             if isinstance(node, kind):
                 return rule(self, node)
         return self._draw()
 
     def _draw(self) -> int:
-        return self.generator.randrange(1, PRIME)
+        return self.generator.randrange(1, self.prime)
+
+    def inverse(self, value: int) -> int:
+        """Return the reciprocal. Raises `Singular` for zero."""
+        return int(self.field.inverse(value))
 
     def rotation(self, angle: Expr) -> tuple[int, int]:
         """Return (cosine, sine) of an integer combination of angles, by addition theorems."""
-        cosine, sine = 1, 0
+        cosine, sine, p = 1, 0, self.prime
         for base, count in _angle_terms(angle):
             if base not in self.half_tangent:
                 self.half_tangent[base] = self._draw()
             tau = self.half_tangent[base]
-            scale = _inverse(1 + tau * tau)
-            c, s = (1 - tau * tau) * scale % PRIME, 2 * tau * scale % PRIME
+            scale = self.inverse(1 + tau * tau)
+            c, s = (1 - tau * tau) * scale % p, 2 * tau * scale % p
             s = s if count > 0 else -s
             for _ in range(abs(count)):
-                cosine, sine = (cosine * c - sine * s) % PRIME, (sine * c + cosine * s) % PRIME
+                cosine, sine = (cosine * c - sine * s) % p, (sine * c + cosine * s) % p
         return cosine, sine
 
     def power(self, node: Expr) -> int:
@@ -151,7 +174,7 @@ class RandomPoint:
         if exponent.is_Integer:
             value = self.memo[base]
             n = int(exponent)
-            return pow(value if n >= 0 else _inverse(value), abs(n), PRIME)
+            return pow(value if n >= 0 else self.inverse(value), abs(n), self.prime)
         return self._draw()
 
 
@@ -166,52 +189,40 @@ def _angle_terms(angle: Expr) -> list[tuple[Expr, int]]:
     return terms
 
 
-def _inverse(value: int) -> int:
-    return int(_FIELD.inverse(value))
-
-
-_TRIGONOMETRIC: dict[Any, Callable[[int, int], int]] = {
-    sp.sin: lambda c, s: s,
-    sp.cos: lambda c, s: c,
-    sp.tan: lambda c, s: s * _inverse(c),
-    sp.cot: lambda c, s: c * _inverse(s),
-    sp.sec: lambda c, s: _inverse(c),
-    sp.csc: lambda c, s: _inverse(s),
+_TRIGONOMETRIC: dict[Any, Callable[[RandomPoint, int, int], int]] = {
+    sp.sin: lambda p, c, s: s,
+    sp.cos: lambda p, c, s: c,
+    sp.tan: lambda p, c, s: s * p.inverse(c),
+    sp.cot: lambda p, c, s: c * p.inverse(s),
+    sp.sec: lambda p, c, s: p.inverse(c),
+    sp.csc: lambda p, c, s: p.inverse(s),
 }
 
 
-def _operands(node: Expr) -> tuple[Expr, ...]:
-    """Children that must be known first; arguments of functions stay symbolic."""
-    if isinstance(node, sp.Pow):
-        return (node.as_base_exp()[0],)
-    return tuple(node.args) if isinstance(node, sp.Add | sp.Mul) else ()
+def _rational(point: RandomPoint, node: Expr) -> int:
+    return int(node.p) * point.inverse(int(node.q))
 
 
-def _rational(_: RandomPoint, node: Expr) -> int:
-    return int(node.p) * _inverse(int(node.q))
-
-
-def _float(_: RandomPoint, node: Expr) -> int:
-    exact = sp.Rational(node)
-    return int(exact.p) * _inverse(int(exact.q))
+def _float(point: RandomPoint, node: Expr) -> int:
+    return _rational(point, sp.Rational(node))
 
 
 def _trigonometric(point: RandomPoint, node: Expr) -> int:
-    return _TRIGONOMETRIC[type(node)](*point.rotation(node.args[0]))
+    return _TRIGONOMETRIC[type(node)](point, *point.rotation(node.args[0]))
 
 
 _RULES: tuple[tuple[Any, Callable[[RandomPoint, Any], int]], ...] = (
     (sp.Rational, _rational),
     (sp.Float, _float),
     (sp.Add, lambda p, n: sum(p.memo[a] for a in n.args)),
-    (sp.Mul, lambda p, n: _product(p.memo[a] for a in n.args)),
+    (sp.Mul, lambda p, n: _product(p.prime, (p.memo[a] for a in n.args))),
     (sp.Pow, lambda p, n: p.power(n)),
     (tuple(_TRIGONOMETRIC), _trigonometric),
 )
 
 
-def _product(values: Any) -> int:
+def _product(prime: int, values: Any) -> int:
     result = 1
     for value in values:
-        result = result * value % PRIME
+        result = result * value % prime
     return result

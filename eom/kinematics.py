@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import sympy as sp
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, near_matches, typed
 from eom.frames import Vector, tilde, unit_vector, vector
 from eom.system import Quantity, Singularity
 
@@ -291,6 +291,7 @@ def direction_cosines() -> DirectionCosines:
     )
 
 
+@typed
 def attitude(name: str) -> Attitude:
     """Return attitude coordinates by ``name``: ``quaternion``, ``dcm`` or one of the 12 sequences.
 

@@ -25,6 +25,7 @@ def deadline(seconds: float, work: str) -> Iterator[None]:
 
     Raises `Overdue` from the first `check` after it.
     """
+    seconds = float(seconds)
     words = f"{work} takes more than {seconds:g} s"
     token = _END.set(min(_END.get(), (process_time() + seconds, words)))
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eom import catalogue
+from eom.errors import typed
 from eom.multibody.scene import TreeScene
 from eom.multibody.urdf import load_urdf
 from eom.scene import Scene
@@ -14,6 +15,7 @@ AnyScene = Scene | TreeScene
 """A scene of one body, or of many."""
 
 
+@typed
 def load_scene(name: str | Path) -> AnyScene:
     """Return a ready scene by its name, or one from a file: ``.toml``, or ``.urdf`` (extra ``urdf``).
 

@@ -15,7 +15,7 @@ import sympy as sp
 from eom import pages
 from eom.blocks import EQUALS, Block, Bullets, Display, Heading, Line
 from eom.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 from eom.markup import symbol_latex
 from eom.system import Definition, Quantity, System
 from eom.writing import expression_pieces
@@ -168,6 +168,7 @@ def markdown(system: System) -> str:
 FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "markdown": markdown}
 
 
+@typed
 def show(system: System, style: str = "text") -> str:
     """Return a system as a text, its ``style`` one of `FORMATS`: text, latex or markdown.
 

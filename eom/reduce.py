@@ -14,6 +14,8 @@ import sympy as sp
 
 from eom.algebra import operations
 from eom.identity import is_invariant
+from eom.proof import coupled
+from eom.structure import kept, substituted
 from eom.system import Assumption, Definition, Quantity, System, as_expression
 
 Expr = Any
@@ -86,6 +88,7 @@ def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
             )
             for a in system.assumptions
         ),
+        attitudes=substituted(system.attitudes, values),
     )
 
 
@@ -110,7 +113,7 @@ def constant_states(system: System) -> tuple[Quantity, ...]:
     constant = tuple(
         q
         for k, (q, rate) in enumerate(zip(system.states, system.rates, strict=True))
-        if system.expand(rate) == 0 and _coupled(system, k) == {k}
+        if system.expand(rate) == 0 and coupled(system.mass_matrix, k) == [k]
     )
     return constant if len(constant) < len(system.states) else ()
 
@@ -118,6 +121,8 @@ def constant_states(system: System) -> tuple[Quantity, ...]:
 def freeze(system: System, states: Iterable[Quantity]) -> System:
     """Turn states with zero rate into parameters: first integrals replace them."""
     frozen = tuple(states)
+    moving = _symbols(system.states) - _symbols(frozen)
+    known = {e for a in system.attitudes for v in a.expressions for e in v.free_symbols}
     keep = [k for k, q in enumerate(system.states) if q not in frozen]
     parameters = [replace(q, meaning=f"{q.meaning} (constant of the motion)") for q in frozen]
     assumptions = [
@@ -132,6 +137,7 @@ def freeze(system: System, states: Iterable[Quantity]) -> System:
         parameters=(*system.parameters, *parameters),
         invariants=(),
         assumptions=(*system.assumptions, *assumptions),
+        attitudes=kept(system.attitudes, moving, known),
     )
 
 
@@ -153,6 +159,7 @@ def prune(system: System, requested: Iterable[str]) -> System:
     used = _symbols(states).union(
         *(e.free_symbols for e in (*needed, *(d.expression for d in definitions)))
     )
+    known = {*used, system.time, *(d.symbol for d in definitions)}
     return replace(
         system,
         states=states,
@@ -164,6 +171,7 @@ def prune(system: System, requested: Iterable[str]) -> System:
         outputs=outputs,
         invariants=(),
         singularities=tuple(s for s in system.singularities if s.expression.free_symbols <= used),
+        attitudes=kept(system.attitudes, _symbols(states), known),
     )
 
 
@@ -196,22 +204,6 @@ def _symbols(quantities: Iterable[Quantity]) -> set[Expr]:
     return {q.symbol for q in quantities}
 
 
-def _coupled(system: System, k: int) -> set[int]:
-    """Indices of the states whose rates come from one solve with that of state ``k``."""
-    if system.mass_matrix is None:
-        return {k}
-    found, stack = {k}, [k]
-    while stack:
-        row = stack.pop()
-        for j in range(len(system.states)):
-            if j not in found and (
-                system.mass_matrix[row, j] != 0 or system.mass_matrix[j, row] != 0
-            ):
-                found.add(j)
-                stack.append(j)
-    return found
-
-
 def _closure(system: System, wanted: set[Expr]) -> list[int]:
     """Indices of the states that ``wanted`` symbols depend on through the rates."""
     index = {q.symbol: k for k, q in enumerate(system.states)}
@@ -222,7 +214,7 @@ def _closure(system: System, wanted: set[Expr]) -> list[int]:
         if k in found:
             continue
         found.add(k)
-        block = _coupled(system, k)
+        block = coupled(system.mass_matrix, k)
         symbols = set().union(*(system.expand(system.rates[j]).free_symbols for j in block))
         if system.mass_matrix is not None:
             symbols |= set().union(

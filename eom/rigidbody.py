@@ -14,12 +14,14 @@ import sympy as sp
 
 from eom import torques
 from eom.algebra import explicit_rates, gather
+from eom.errors import InputError, shown, typed
 from eom.frames import Vector, vector
 from eom.identity import is_invariant
 from eom.inertia import physical
 from eom.kinematics import Attitude, constraint_value
 from eom.kinematics import attitude as attitude_of_name
-from eom.system import Assumption, Definition, Quantity, System
+from eom.structure import NONE
+from eom.system import Assumption, BodyAttitude, Definition, Quantity, System, as_expression
 from eom.torques import Torque
 from eom.transport import FirstDerivative, first_derivative
 
@@ -92,6 +94,7 @@ def momentum_rate(J: Expr, omega: Vector, omega_dot: Sequence[Expr]) -> FirstDer
     return first_derivative(angular_momentum(J, omega), omega, rates)
 
 
+@typed
 def euler_equations(
     J: Expr, torque: Vector, omega: Vector = OMEGA, momentum: Vector | None = None
 ) -> tuple[Expr | None, tuple[Expr, ...]]:
@@ -102,13 +105,17 @@ def euler_equations(
     ``momentum``: symbols that name J omega (N m s), where the result shall use them.
 
     The mass matrix is 3 x 3, there are three rates. A full inertia matrix stays on the left and is never
-    inverted. Raises `InputError` for vectors in different frames.
+    inverted. Raises `InputError` for vectors in different frames, an inertia that is no 3 x 3 matrix, and
+    an angular velocity whose components are not three symbols.
     Source: lecture 002 eq. 3.22-3.27; Goldstein, Classical Mechanics (2002), sect. 5.5.
 
     >>> J, _ = principal_inertia()
     >>> euler_equations(J, vector("B", (0, 0, 0)))[1][0]
     omega_2*omega_3*(I2 - I3)/I1
     """
+    J = _inertia_matrix(J)
+    if len({c for c in omega.components if isinstance(c, sp.Symbol)}) != 3:
+        raise InputError("the angular velocity is not three symbols", got=omega.components)
     omega_dot = sp.symbols("omega_dot_1:4", real=True)
     rate = momentum_rate(J, omega, omega_dot)
     mass = rate.local.column.jacobian(omega_dot)
@@ -117,11 +124,19 @@ def euler_equations(
     return explicit_rates(mass, (gather(f, _variables(f, mass)) for f in forces))
 
 
+def _inertia_matrix(given: Any) -> Expr:
+    J = as_expression(given)
+    if not isinstance(J, sp.MatrixBase) or J.shape != (3, 3):
+        raise InputError("the inertia is not a matrix", got=shown(given), expected="3 x 3")
+    return J
+
+
 def _variables(force: Expr, mass: Expr) -> list[Expr]:
     """Whatever is not in the inertia matrix counts as variable, so that moments are gathered."""
     return sorted(force.free_symbols - mass.free_symbols, key=str)
 
 
+@typed
 def rigid_body(
     inertia: tuple[Expr, Sequence[Quantity]],
     torque: TorqueLaw,
@@ -138,7 +153,8 @@ def rigid_body(
     B), then the coordinates of ``attitude`` (of B in the reference frame A). Outputs and invariants
     hold everything that can be computed; `eom.scene` keeps what is asked for.
 
-    Raises `InputError` for a torque that is not in B, and as `System` does, for symbols of the torque
+    Raises `InputError` for a torque that is not in B, an inertia that is no 3 x 3 matrix, and as
+    `System` does, for symbols of the torque
     that are in none of its parameters and inputs.
     Source: lecture 002 eq. 3.22-3.27, 3.36; Hughes, Spacecraft Attitude Dynamics (1986), ch. 2 and 3.
 
@@ -148,9 +164,11 @@ def rigid_body(
     >>> rigid_body(principal_inertia(), lambda C, J: spun_up).rates[2]
     (M + omega_1*omega_2*(I1 - I2))/I3
     """
-    J, moments = inertia
+    J, moments = _inertia_matrix(inertia[0]), inertia[1]
     C = attitude.matrix if attitude else None
     law = torque(C, J)
+    if not isinstance(law, Torque):
+        raise InputError("the torque law returns no torque", got=shown(law), expected="a Torque")
     named_torque, torque_definitions = _name_components(law.components)
     named_h, h_definitions = _name_momentum(J)
     mass, rates = euler_equations(J, named_torque, momentum=named_h)
@@ -176,7 +194,39 @@ def rigid_body(
         assumptions=(*_assumptions(J, law), *rotation(attitude)),
     )
     outputs = _outputs(J, law, named_torque, attitude)
-    return with_outputs(system, outputs)
+    return with_outputs(_stated(system, J, law, attitude), outputs)
+
+
+def with_body(
+    system: System,
+    J: Expr,
+    torque: Sequence[Expr],
+    attitude: Attitude | None = None,
+    frame_rate: Sequence[Expr] = (0, 0, 0),
+) -> System:
+    """State of a system that it is a body whose angular velocity is `OMEGA`, and its attitude.
+
+    ``torque``: J d(omega)/dt + omega x J omega, in B; ``frame_rate``: of the frame A, components in A.
+    Raises `InputError` where that is not so.
+    """
+    body = BodyAttitude(
+        OMEGA.components,
+        attitude.name if attitude else NONE,
+        tuple(q.symbol for q in attitude.coordinates) if attitude else (),
+        tuple(frame_rate) if attitude else (0, 0, 0),
+        J,
+        tuple(torque),
+    )
+    return replace(system, attitudes=(body.over(system.expand),))
+
+
+def _stated(system: System, J: Expr, law: Torque, attitude: Attitude | None) -> System:
+    """State the body; its attitude only where the rate of the frame is known in the frame."""
+    turning = any(c != 0 for c in law.frame_rate.components)
+    if turning and law.frame_rate_in_A is None:
+        return with_body(system, J, law.components.components)
+    rate = law.frame_rate_in_A.components if law.frame_rate_in_A else (0, 0, 0)
+    return with_body(system, J, law.components.components, attitude, rate)
 
 
 def with_outputs(system: System, outputs: Sequence[Definition]) -> System:
@@ -291,6 +341,7 @@ def _with_unit(constraint: tuple[str, str, Expr]) -> tuple[str, Expr, str, str]:
     return name, expression, "1", meaning
 
 
+@typed
 def free_rigid_body(attitude: str | None = None) -> System:
     """Derive the torque-free body in principal axes, with its constants T and H.
 
@@ -314,6 +365,7 @@ def free_rigid_body(attitude: str | None = None) -> System:
     )
 
 
+@typed
 def heavy_top(attitude: str = "quaternion") -> System:
     """Derive a body with a fixed point and its centre of mass on b3, under its weight along -a3.
 
@@ -335,6 +387,7 @@ def heavy_top(attitude: str = "quaternion") -> System:
     )
 
 
+@typed
 def gravity_gradient_satellite(attitude: str = "quaternion") -> System:
     """Derive a satellite on a circular orbit; attitude is that in the orbit frame.
 

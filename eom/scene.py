@@ -17,7 +17,7 @@ from eom.description import Description, check
 from eom.errors import InputError, unknown_name
 from eom.kinematics import attitude
 from eom.reduce import Explanation
-from eom.scene_files import data_of, in_file, readable
+from eom.scene_files import data_of, in_file, limited, readable
 from eom.system import System
 
 
@@ -36,7 +36,7 @@ class Scene(Description):
 
     def __init__(self, /, **data: Any) -> None:
         try:
-            super().__init__(**data)
+            super().__init__(**limited(data))
         except pydantic.ValidationError as error:
             raise readable(error, Description) from None
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, get_args
 
 import pydantic
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, entries, near_matches, quoted
 
 MAX_FILE_BYTES = 1_000_000
 
@@ -57,6 +57,15 @@ def in_file(file: Path) -> Iterator[None]:
         ) from None
 
 
+def limited(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the parts of a scene, lists as lists. Raises `InputError` for what may have no end."""
+    kinds = (str, bytes, type, Mapping, pydantic.BaseModel)
+    return {
+        k: entries(v, k) if isinstance(v, Iterable) and not isinstance(v, kinds) else v
+        for k, v in data.items()
+    }
+
+
 def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -> InputError:
     """Turn the first finding about ``model`` into one error; count the others."""
     findings = error.errors(include_url=False)
@@ -79,7 +88,7 @@ def readable(error: pydantic.ValidationError, model: type[pydantic.BaseModel]) -
         return InputError(f"{what}{more}", where=place)
     expected = re.sub("^(Input should be|Value error, expected) ", "", first["msg"])
     return InputError(
-        f"unusable value{more}", where=place, got=repr(first["input"])[:200], expected=expected
+        f"unusable value{more}", where=place, got=quoted(first["input"]), expected=expected
     )
 
 

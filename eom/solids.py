@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.mass import MassProperties
 from eom.regions import Region, properties, simplex
 
@@ -200,6 +200,7 @@ and the base along b3; hemispheres bulge, and pyramids point, along b3.
 """
 
 
+@typed
 def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
     """Return moments of mass about a named ``point``, over the symbol ``mass`` and the sizes.
 
@@ -219,6 +220,7 @@ def mass_properties(name: str, point: str = CENTRE) -> MassProperties:
     return _about_origin(name).shifted(solid.points[point])
 
 
+@typed
 def inertia(name: str, point: str = CENTRE) -> Expr:
     """Return the inertia matrix about a named ``point``, over the symbol ``mass`` and the sizes.
 

@@ -15,10 +15,11 @@ from typing import Any
 import sympy as sp
 
 from eom.algebra import gather
+from eom.errors import typed_fields
 from eom.frames import Rotation, Vector, unit_vector
 from eom.kinematics import elementary
 from eom.rigidbody import angular_momentum, momentum_outputs, scalar, with_outputs
-from eom.system import Assumption, Quantity, Singularity, System, as_expression
+from eom.system import Assumption, BodyAttitude, Quantity, Singularity, System, as_expression
 from eom.transport import FirstDerivative, first_derivative, time_derivative
 
 Expr = Any
@@ -41,6 +42,7 @@ RATES = {
 }
 
 
+@typed_fields
 @dataclass(frozen=True)
 class SpinningSymmetricBody:
     """The derivation of lecture 001 for a torque given by its components in B.
@@ -51,7 +53,8 @@ class SpinningSymmetricBody:
 
     ``torque``: components (M1, M2, M3) (N m) along b1, b2, b3 about the centre of mass, expressions of
     parameters, inputs, time and the states theta, psi, phi, theta_dot, psi_dot, C, Omega.
-    ``parameters``, ``inputs``: the quantities in it. Source: lecture 001.
+    ``parameters``, ``inputs``: the quantities in it. Raises `InputError` for what is no expression.
+    Source: lecture 001.
 
     >>> SpinningSymmetricBody((0, 0, 0)).accelerations[1]
     (-C*I2*theta_dot + 2*I1*psi_dot*theta_dot*sin(theta))/(I1*cos(theta))
@@ -60,6 +63,9 @@ class SpinningSymmetricBody:
     torque: tuple[Expr, Expr, Expr]
     parameters: tuple[Quantity, ...] = ()
     inputs: tuple[Quantity, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "torque", tuple(map(as_expression, self.torque)))
 
     @property
     def C_AI(self) -> Rotation:
@@ -183,6 +189,7 @@ class SpinningSymmetricBody:
                 ),
             ),
             assumptions=self._assumptions(),
+            attitudes=(self._attitude,),
         )
         return with_outputs(system, self._outputs())
 
@@ -191,6 +198,18 @@ class SpinningSymmetricBody:
         """Triple product of the turn axes a3, b1, b2; psi, theta and phi fail where it is zero."""
         a3 = self.C_BA.apply(unit_vector("A", 3))
         return a3.dot(unit_vector("B", 1).cross(unit_vector("B", 2)))
+
+    @property
+    def _attitude(self) -> BodyAttitude:
+        """The body with components in B, in which its inertia is that of every spin angle."""
+        return BodyAttitude(
+            omega=self.omega_CI.map(self._over_spin).components,
+            kind="3-1-2",
+            coordinates=(PSI, THETA, PHI),
+            inertia=self.inertia,
+            torque=tuple(self._over_spin(m) for m in self.torque),
+            unspun=True,
+        )
 
     def _assumptions(self) -> tuple[Assumption, ...]:
         return (

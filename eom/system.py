@@ -8,33 +8,25 @@ A `System` holds plain SymPy symbols and expressions over them, no ``Function('x
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, entries, is_text, shown, typed, typed_fields
+from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
+from eom.structure import LARGE_PRIME, BodyAttitude, form_of
+
+__all__ = (
+    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
+    "Singularity", "System", "as_expression", "nodes",
+)  # fmt: skip
 
 Expr = Any  # a SymPy expression; SymPy ships no types
 
 TIME = sp.Symbol("t", real=True)
-
-
-def as_expression(value: Any) -> Expr:
-    """Return a number or SymPy expression as a SymPy expression; text is never read as one.
-
-    Raises `InputError` for everything else, strings above all.
-    """
-    try:
-        return sp.sympify(value, strict=True)
-    except sp.SympifyError:
-        raise InputError(
-            "not a number or a SymPy expression",
-            got=f"{type(value).__name__} {value!r}"[:200],
-            hint="build expressions from SymPy symbols; formulas as text belong in a scene",
-        ) from None
 
 
 @dataclass(frozen=True)
@@ -43,12 +35,24 @@ class Quantity:
 
     ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
     ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
+    Raises `InputError` for what is no symbol, and no text.
     """
 
     symbol: Expr
     unit: str = ""
     meaning: str = ""
     latex: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.symbol, sp.Symbol):
+            raise InputError("not a symbol", where="a quantity", got=shown(self.symbol),
+                             expected="a SymPy symbol")  # fmt: skip
+        if not (
+            isinstance(self.unit, str)
+            and isinstance(self.meaning, str)
+            and isinstance(self.latex, str)
+        ):
+            raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
 
     @property
     def name(self) -> str:
@@ -66,11 +70,18 @@ class Definition:
     """A named expression: an intermediate, an output or a constant of the motion.
 
     ``quantity``: the name, with its SI unit. ``expression``: over states, parameters, inputs, time and
-    definitions before it.
+    definitions before it. Raises `InputError` for what is no quantity, and no expression.
     """
 
     quantity: Quantity
     expression: Expr
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.quantity, Quantity):
+            raise InputError("not a quantity", where="a definition", got=shown(self.quantity),
+                             expected="a Quantity")  # fmt: skip
+        if not isinstance(self.expression, sp.Basic):
+            object.__setattr__(self, "expression", as_expression(self.expression))
 
     @property
     def name(self) -> str:
@@ -83,20 +94,26 @@ class Definition:
         return self.quantity.symbol
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Singularity:
     """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
 
     ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
     configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
-    rotation sequence). ``meaning``: what happens there.
+    rotation sequence). ``meaning``: what happens there. Raises `InputError` for what is no expression.
     """
 
     expression: Expr
     coordinate: Expr
     meaning: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "expression", as_expression(self.expression))
+        _symbol(self.coordinate, "coordinate of a singularity")
 
+
+@typed_fields
 @dataclass(frozen=True)
 class Assumption:
     """What was assumed, as data that can be tested on numbers.
@@ -104,7 +121,8 @@ class Assumption:
     Every expression of ``vanish`` is zero and every one of ``nonnegative`` is at least zero when
     the assumption holds. The expressions may use symbols that the system no longer has, so that
     values given for them can be tested against what was assumed. ``meaning``: in words. What has no
-    expressions is stated and not tested.
+    expressions is stated and not tested. Raises `InputError` for what is no expression, and a
+    tolerance below zero.
     """
 
     name: str
@@ -114,23 +132,32 @@ class Assumption:
     tolerance: float = 1e-9
     """How far from holding values may be, relative to the largest of them."""
 
+    def __post_init__(self) -> None:
+        for name in ("vanish", "nonnegative"):
+            object.__setattr__(self, name, _expressions(getattr(self, name), name))
+        if not self.tolerance >= 0:
+            raise InputError("the tolerance is negative", where=f"assumption {self.name!r}",
+                             got=self.tolerance)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class System:
     """Equations of motion: ``mass_matrix * d(states)/dt = rates``, or ``d(states)/dt = rates``.
 
-    ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values.
-    ``definitions``: named intermediates, each over the symbols before it.
+    ``states``, ``parameters``, ``inputs``: quantities, in the order of every array of values; a plain
+    symbol becomes a quantity without a unit. ``definitions``: named intermediates, each over the symbols
+    before it; these, ``outputs`` and ``invariants`` may be given as expressions by name.
     ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
-    integration brings the state back unless told otherwise. ``time``: the symbol of time. Units are SI;
-    angles are in radians.
+    integration brings the state back unless told otherwise. ``attitudes``: bodies among the states, see
+    `BodyAttitude`; each is proved. ``time``: the symbol of time. Units are SI; angles are in radians.
 
     Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
     by the meanings of the quantities. Two systems are equal if all but their titles are.
 
-    Raises `InputError` for repeated names, free symbols without a meaning, or wrong lengths.
+    Raises `InputError` for repeated names, free symbols without a meaning, wrong lengths, and attitudes
+    that are not so, with the equation that fails.
     """
 
     name: str
@@ -146,14 +173,19 @@ class System:
     singularities: tuple[Singularity, ...] = ()
     assumptions: tuple[Assumption, ...] = ()
     maintained: tuple[str, ...] = ()
+    attitudes: tuple[BodyAttitude, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
+        for name, made in _FIELDS.items():
+            object.__setattr__(self, name, made(getattr(self, name), f"{name} of a system"))
         _check_names(self)
         _check_shapes(self)
         _check_symbols(self)
+        _check_attitudes(self)
 
     @classmethod
+    @typed
     def from_rates(
         cls,
         name: str,
@@ -163,23 +195,28 @@ class System:
         time: Expr = TIME,
         outputs: Mapping[str, Expr] | None = None,
         invariants: Mapping[str, Expr] | None = None,
+        attitudes: Sequence[BodyAttitude] = (),
     ) -> System:
         """Return a system of ``{state symbol: rate}``; what else is free becomes a parameter.
 
         ``rates``: one expression a state, in the order of the states. ``inputs``: symbols of inputs.
         ``time``: the symbol of time, SymPy's real ``t``. ``outputs``, ``invariants``: expressions by name;
-        that an invariant is constant is not tested. Parameters are in the order of their names. Any
-        consistent units. Raises `InputError` for text in place of expressions, and as `System` does.
+        that an invariant is constant is not tested. ``attitudes``: bodies among the states, which closed
+        forms, methods on the group of rotations and unit quaternions need; nobody looks for them.
+        Parameters are in the order of their names. Any consistent units. Raises `InputError` for text in
+        place of expressions, and as `System` does.
 
         >>> y1, y2, k = sp.symbols("y1 y2 k")
         >>> System.from_rates("oscillator", {y1: y2, y2: -k * y1}).parameter_names
         ('k',)
         """
-        inputs = tuple(inputs)
+        inputs = tuple(q.symbol for q in _quantities(inputs, "inputs"))
+        _symbol(time, "time"), _quantities(rates, "states")
         named = [_named(group or {}) for group in (outputs, invariants)]
         expressions = [as_expression(rate) for rate in rates.values()]
         everything = [*expressions, *(d.expression for group in named for d in group)]
-        free = set().union(*(e.free_symbols for e in everything)) - {*rates, *inputs, time}
+        everything += [e for a in attitudes for e in a.expressions]
+        free = free_symbols(everything) - {*rates, *inputs, time}
         return cls(
             name=name,
             states=tuple(Quantity(s) for s in rates),
@@ -189,6 +226,7 @@ class System:
             time=time,
             outputs=named[0],
             invariants=named[1],
+            attitudes=tuple(attitudes),
         )
 
     def __repr__(self) -> str:
@@ -229,10 +267,26 @@ class System:
         return tuple(d.name for d in self.invariants)
 
     @cached_property
+    def cyclic(self) -> tuple[str, ...]:
+        """Names of the states on which no rate depends, by form."""
+        used: set[Expr] = set(self.mass_matrix.free_symbols if self.mass_matrix is not None else ())
+        used = used.union(*(rate.free_symbols for rate in self.rates))
+        for definition in reversed(self.definitions):
+            if definition.symbol in used:
+                used |= definition.expression.free_symbols
+        return tuple(q.name for q in self.states if q.symbol not in used)
+
+    @cached_property
+    def forms(self) -> tuple[str, ...]:
+        """What each rate is in the states, by form: polynomial, rational or other; mass matrix apart."""
+        states = {q.symbol for q in self.states}
+        return tuple(form_of(self.expand(rate), states) for rate in self.rates)
+
+    @cached_property
     def _full_definitions(self) -> dict[Expr, Expr]:
         full: dict[Expr, Expr] = {}
         for definition in self.definitions:
-            full[definition.symbol] = definition.expression.xreplace(full)
+            full[definition.symbol] = replaced(definition.expression, full)
         return full
 
     def expand(self, expression: Expr) -> Expr:
@@ -240,7 +294,7 @@ class System:
 
         Raises `InputError` for what is no expression, text above all.
         """
-        return as_expression(expression).xreplace(self._full_definitions)
+        return replaced(as_expression(expression), self._full_definitions)
 
     def rate_of(self, expression: Expr) -> Expr:
         """Return the time derivative of ``expression`` along the motion, by the chain rule.
@@ -250,6 +304,8 @@ class System:
         if self.mass_matrix is not None:
             raise InputError("rate_of needs explicit rates", where=self.name, got="a mass matrix")
         full = self.expand(expression)
+        if not isinstance(full, sp.Expr):
+            raise InputError("not an expression", where=self.name, got=shown(expression))
         terms = [
             full.diff(q.symbol) * self.expand(r)
             for q, r in zip(self.states, self.rates, strict=True)
@@ -281,9 +337,107 @@ class Charts:
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
-    return tuple(
-        Definition(Quantity(sp.Symbol(n, real=True)), as_expression(e)) for n, e in group.items()
-    )
+    return _definitions(group, "outputs or invariants")
+
+
+# -- fields as users write them ------------------------------------------------------------------
+
+
+def _symbol(value: Any, where: str) -> Expr:
+    """Return a symbol with a name that can be written. Raises `InputError` for anything else."""
+    if not isinstance(value, sp.Symbol) or not is_text(value.name):
+        raise InputError("not a symbol", where=where, got=shown(value), expected="a SymPy symbol")
+    return value
+
+
+def _quantity(value: Any, where: str) -> Quantity:
+    """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
+    if not isinstance(value, Quantity):
+        return Quantity(_symbol(value, where))
+    _symbol(value.symbol, where)
+    if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
+        raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
+    return value
+
+
+def _quantities(values: Any, where: str) -> tuple[Quantity, ...]:
+    return tuple(_quantity(v, where) for v in entries(values, where))
+
+
+def _expressions(values: Any, where: str) -> tuple[Expr, ...]:
+    rows = list(values) if isinstance(values, sp.MatrixBase) else entries(values, where)
+    return tuple(v if isinstance(v, sp.Basic) else as_expression(v) for v in rows)
+
+
+def _definition(value: Any, where: str) -> Definition:
+    """Return a definition as it is, or one of a pair of name and expression."""
+    if isinstance(value, Definition):
+        _quantity(value.quantity, where)
+        return value
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError("not a definition", where=where, got=shown(value),
+                         expected="a Definition, or a name and an expression")  # fmt: skip
+    name, expression = value
+    quantity = sp.Symbol(name, real=True) if is_text(name) else name
+    return Definition(_quantity(quantity, where), as_expression(expression))
+
+
+def _definitions(values: Any, where: str) -> tuple[Definition, ...]:
+    rows = list(values.items()) if isinstance(values, Mapping) else entries(values, where)
+    return tuple(_definition(v, where) for v in rows)
+
+
+def _all_of(kind: type) -> Callable[[Any, str], tuple[Any, ...]]:
+    """Return what makes a tuple of objects of one type, and raises `InputError` for others."""
+
+    def made(values: Any, where: str) -> tuple[Any, ...]:
+        rows = entries(values, where)
+        for value in rows:
+            if not (is_text(value) if kind is str else isinstance(value, kind)):
+                raise InputError("of the wrong type", where=where, got=shown(value),
+                                 expected="a text" if kind is str else kind.__name__)  # fmt: skip
+        return tuple(rows)
+
+    return made
+
+
+def _text(value: Any, where: str) -> str:
+    """Return a text that can be written. Raises `InputError` for anything else."""
+    if not is_text(value):
+        raise InputError("not a text", where=where, got=shown(value))
+    return str(value)
+
+
+def _matrix(value: Any, where: str) -> Expr | None:
+    """Return a matrix, also of rows, or None. Raises `InputError` for anything else."""
+    if value is None or isinstance(value, sp.MatrixBase):
+        return value
+    try:
+        return sp.Matrix([_expressions(row, where) for row in entries(value, where)])
+    except (TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("not a matrix", where=where, got=shown(value)) from None
+
+
+_FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
+    "name": _text,
+    "states": _quantities,
+    "rates": _expressions,
+    "parameters": _quantities,
+    "inputs": _quantities,
+    "time": _symbol,
+    "definitions": _definitions,
+    "mass_matrix": _matrix,
+    "outputs": _definitions,
+    "invariants": _definitions,
+    "singularities": _all_of(Singularity),
+    "assumptions": _all_of(Assumption),
+    "maintained": _all_of(str),
+    "attitudes": _all_of(BodyAttitude),
+    "title": _text,
+}
+"""What makes each field of a `System` of what a user gives: (value, where it is)."""
 
 
 def _check_names(system: System) -> None:
@@ -328,7 +482,7 @@ def _check_symbols(system: System) -> None:
     variables = [*system.states, *system.parameters, *system.inputs]
     known = {q.symbol for q in variables} | {system.time}
     for definition in system.definitions:
-        if not _meant(definition.expression, known):
+        if not is_over(definition.expression, known):
             _check_expression(system, f"definition {definition.name}", definition.expression, known)
         known.add(definition.symbol)
     named = [(f"rate of {q.name}", r) for q, r in zip(system.states, system.rates, strict=True)]
@@ -341,31 +495,22 @@ def _check_symbols(system: System) -> None:
         if not isinstance(expression, sp.Basic):
             _check_expression(system, where, expression, known)
     everything = nodes(expression for _, expression in named)
-    if any(isinstance(e, _UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
+    if any(isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in everything):
         for where, expression in named:
             _check_expression(system, where, expression, known)
 
 
-_UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
+def _check_attitudes(system: System) -> None:
+    """Every attitude that is stated is one."""
+    if system.attitudes:
+        from eom.proof import check  # it is about systems
 
-
-def _meant(expression: Expr, known: set[Expr]) -> bool:
-    """Tell quickly whether an expression is one, over known symbols; small ones are the rule."""
-    return isinstance(expression, sp.Basic) and not any(
-        isinstance(e, _UNUSABLE) or (e.is_Symbol and e not in known) for e in nodes((expression,))
-    )
-
-
-def nodes(expressions: Iterable[Expr]) -> Iterator[Expr]:
-    """Yield each distinct subexpression of some expressions once."""
-    stack = list(expressions)
-    seen = set(stack)
-    while stack:
-        node = stack.pop()
-        yield node
-        fresh = [a for a in node.args if a not in seen]
-        seen.update(fresh)
-        stack += fresh
+        known = {q.symbol for q in (*system.states, *system.parameters, *system.inputs)}
+        known |= {system.time, *(d.symbol for d in system.definitions)}
+        for stated in system.attitudes:
+            for expression in stated.expressions:
+                _check_expression(system, "attitude", expression, known)
+        check(system)
 
 
 def _check_expression(system: System, where: str, expression: Expr, known: set[Expr]) -> None:
@@ -373,7 +518,7 @@ def _check_expression(system: System, where: str, expression: Expr, known: set[E
         raise InputError(
             "not a SymPy expression", where=f"{system.name}: {where}", got=type(expression).__name__
         )
-    unknown = expression.free_symbols - known
+    unknown = free_symbols((expression,)) - known
     if unknown:
         raise InputError(
             "symbol without a meaning",
@@ -381,7 +526,7 @@ def _check_expression(system: System, where: str, expression: Expr, known: set[E
             got=", ".join(sorted(str(s) for s in unknown)),
             expected="states, parameters, inputs, time or a definition before it",
         )
-    if expression.atoms(*_UNUSABLE):
+    if any(isinstance(e, UNUSABLE) for e in nodes((expression,))):
         raise InputError(
             "function of time or derivative in an expression",
             where=f"{system.name}: {where}",

@@ -19,7 +19,7 @@ from typing import Any, Self
 
 import sympy as sp
 
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, entries, is_text, quoted, shown, unknown_name
 from eom.system import as_expression
 
 Expr = Any
@@ -30,6 +30,10 @@ OUTSIDE = {
     "hold": "the end values go on",
     "linear": "the end slopes go on",
 }
+
+
+MOST_DERIVATIVES = 100
+"""How often a table is differentiated at most; from the fourth time on it is zero."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +60,13 @@ class Table:
     order: int = 0
 
     def __post_init__(self) -> None:
+        if not is_text(self.name) or not self.name.strip():
+            raise InputError("a table needs a name", got=shown(self.name))
         where = f"table {self.name!r}"
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise InputError("a table needs a name", got=repr(self.name))
         for field in ("breakpoints", "values"):
             object.__setattr__(self, field, _numbers(getattr(self, field), field, where))
+        if not (isinstance(self.order, int) and 0 <= self.order <= MOST_DERIVATIVES):
+            raise InputError("a table has no such derivative", where=where, got=shown(self.order))
         _check(self, where)
 
     def __call__(self, argument: Any) -> Expr:
@@ -121,10 +127,10 @@ class Table:
 
 def _numbers(given: Any, field: str, where: str) -> tuple[float, ...]:
     try:
-        numbers = tuple(float(v) for v in given)
-    except (TypeError, ValueError, OverflowError):
+        numbers = tuple(float(v) for v in entries(given, where))
+    except (TypeError, ValueError, OverflowError):  # an `InputError` is a `ValueError`
         raise InputError(
-            f"{field} of a table are not numbers", where=where, got=str(given)[:200]
+            f"{field} of a table are not numbers", where=where, got=quoted(given)
         ) from None
     wrong = next((k for k, v in enumerate(numbers) if not isfinite(v)), None)
     if wrong is not None:
@@ -155,8 +161,8 @@ def _check(table: Table, where: str) -> None:
             hint="sort the pairs, and keep one of those with the same breakpoint",
         )
     for word, known, what in ((table.kind, _SLOPES, "kind"), (table.outside, OUTSIDE, "outside")):
-        if word not in known:
-            raise unknown_name(f"{what} of table", str(word), known, where)
+        if not isinstance(word, str) or word not in known:
+            raise unknown_name(f"{what} of table", word, known, where)
     try:
         _ = table.rows
     except OverflowError:

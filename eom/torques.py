@@ -29,9 +29,9 @@ class Torque:
 
     ``components``: of the torque (N m), in B. ``potential``: energy (J) whose loss is the work of the
     torque, or zero. ``frame_rate``: angular velocity (rad/s) in inertial space of the frame A that
-    attitude is measured from, in B. ``parameters``, ``inputs``: the quantities in it. ``directions``:
-    components in B of the axes of A that matter, as definitions. ``assumptions``: under which it holds.
-    ``reference_point``: what momentum and torque are about.
+    attitude is measured from, in B; ``frame_rate_in_A``: the same in A. ``parameters``, ``inputs``: the
+    quantities in it. ``directions``: components in B of the axes of A that matter, as definitions.
+    ``assumptions``: under which it holds. ``reference_point``: what momentum and torque are about.
     """
 
     components: Vector
@@ -42,6 +42,7 @@ class Torque:
     directions: tuple[Definition, ...] = ()
     assumptions: tuple[Assumption, ...] = ()
     reference_point: str = "centre of mass"
+    frame_rate_in_A: Vector | None = None
 
 
 def applied(
@@ -138,6 +139,7 @@ def gravity_gradient(C: Expr, J: Expr) -> Torque:
         components=torque.map(lambda c: c.xreplace(here)),
         potential=potential.xreplace(here),
         frame_rate=normal.scaled(n.symbol),
+        frame_rate_in_A=unit_vector("A", 3).scaled(n.symbol),
         parameters=(n,),
         directions=(*named_radial, *named_normal),
         assumptions=(

@@ -49,8 +49,18 @@ INNER = frozenset(
 )
 """Classes that users come to and need not know: how results are computed, written or verified."""
 
+OWN = "the quantities that it makes are its own, with names and units that fit"
 NEVER = {
     "eom.Scene.attitudes": "the name of the attitude was checked when the scene was made",
+    "eom.full_inertia": OWN,
+    "eom.principal_inertia": OWN,
+    "eom.lecture_torque": OWN,
+    "eom.torques.gravity_gradient": OWN,
+    "eom.torques.weight": OWN,
+    "eom.multibody.ClosedForm.system": OWN,
+    "eom.multibody.Joint.motors": OWN,
+    "eom.multibody.Rotor.states": OWN,
+    "eom.multibody.Rotor.motors": OWN,
 }
 """What raises nothing though what it calls may, and why."""
 
@@ -111,6 +121,7 @@ FACTS = {
     ),
     "eom.lecture_torque": (NONE, "(N m)", "torque -M1 b1", "lecture 001"),
     "eom.Assumption": (NONE, "relative to the largest", NONE, NONE),
+    "eom.BodyAttitude": ("(3 x 3", "(rad/s)", "components in B", "(1986)"),
     "eom.Definition": (NONE, "SI unit", NONE, NONE),
     "eom.Quantity": (NONE, "SI unit", NONE, NONE),
     "eom.Singularity": (NONE, "in its own unit", NONE, NONE),
@@ -342,6 +353,12 @@ FACTS = {
         NONE,
         "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993)",
     ),
+    "codegen.Accuracy": (
+        "``error`` (n, K)",
+        "Units are those of the system",
+        NONE,
+        "Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15 (1980) 9",
+    ),
     "codegen.Card": (
         NONE,
         "units in the last place (ulps)",
@@ -349,7 +366,12 @@ FACTS = {
         "Higham, Accuracy and Stability of Numerical Algorithms (2002)",
     ),
     "codegen.Compiled": ("(n,) or (n, N)", "Units are those of the system", NONE, NONE),
-    "codegen.Drift": ("(N,)", "in the unit of the invariant", "Value less first value", NONE),
+    "codegen.Drift": (
+        "(N,)",
+        "in the unit of the invariant",
+        "Value less first value",
+        "Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 4.2",
+    ),
     "codegen.Ensemble": ("``y`` (n, K, N)", "Units are those of the system", NONE, NONE),
     "codegen.Equilibrium": (NONE, "Units are those of the system", NONE, NONE),
     "codegen.Event": (NONE, "any consistent units", "in the direction of integration", NONE),
@@ -376,6 +398,7 @@ FACTS = {
         NONE,
         "Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. I.14",
     ),
+    "codegen.Signal": (NONE, "in the unit of the input", NONE, NONE),
     "codegen.SparseJacobian": (
         "(entries, N)",
         "Units are those of the results over those of the variables",

@@ -118,6 +118,18 @@ def test_simulate_as_json(tmp_path):
     assert found["drift"]["T"]["relative"] < 1e-12
 
 
+def test_the_longest_step_is_that_of_the_option_and_of_the_scene():
+    words = ("simulate", "t-handle", "--method", "DOP853", "--t-end", "1", "--json")
+    steps = [
+        json.loads(run(*words, *more).stdout)["steps"] for more in ((), ("--max-step", "0.01"))
+    ]
+    assert steps[0] < 50
+    assert 100 <= steps[1] <= 103
+    refused = run(*words, "--max-step", "0")
+    assert refused.exit_code == 2
+    assert "integration.max_step" in refused.stderr
+
+
 def test_a_run_that_stops_early_says_so_in_json():
     done = run("simulate", "t-handle", "--method", "DOP853", "--max-steps", "3", "--json")
     assert done.exit_code == 1

@@ -1,5 +1,6 @@
 """The command line where it reads tables: methods and integrators; what `eom generate` writes."""
 
+import json
 import shutil
 import subprocess
 
@@ -8,8 +9,10 @@ from click.testing import CliRunner
 
 from codegen import native
 from codegen.integrate import methods, written
+from eom import catalogue
 from eom.__main__ import main
 
+needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 needs_make = pytest.mark.skipif(
     not (native.compiler() and shutil.which("make")), reason="compiles C by make"
 )
@@ -116,6 +119,53 @@ def test_the_closing_table_says_why_and_what_was_left_out(run):
     assert "left out" not in handle
     named = rows_of(run("simulate", "t-handle", "--method", "scipy:DOP853"))
     assert "chosen because" not in named
+
+
+@needs_compiler
+def test_the_closing_table_says_how_good_the_run_is(run):
+    done = run("simulate", "t-handle", "--method", "DOP853", "--points", 40)
+    told = rows_of(done)
+    assert told["accuracy"].startswith("good to about ")
+    assert "by a second run with taylor" in " ".join(done.output.split())
+    assert told["errors grow"].endswith(" 1/s")
+    assert "notice" not in told
+    without = rows_of(run("simulate", "t-handle", "--method", "DOP853", "--no-accuracy"))
+    assert not {"accuracy", "errors grow", "notice"} & set(without)
+
+
+@needs_compiler
+def test_a_run_without_a_digit_says_so_in_colour_and_in_json(run, tmp_path, monkeypatch):
+    scene = tmp_path / "wild.toml"
+    text = catalogue.path_of("double-pendulum").read_text()
+    scene.write_text(text.replace("shoulder = 1.2", "shoulder = 2.0").replace("= -0.5", "= 2.5"))
+    words = ["simulate", scene, "--t-end", 60, "--points", 200]
+    plain = run(*words)
+    assert plain.exit_code == 0
+    told = rows_of(plain)
+    assert told["accuracy"].startswith("no digit is left after t = ")
+    assert told["notice"].startswith("after t = ")
+    assert "hardly drift proves nothing" in " ".join(plain.output.split())
+    assert float(told["drift of energy"].split()[0]) < 1e-8
+    data = json.loads(run(*words, "--json").stdout)["accuracy"]
+    assert 10 < data["horizon"] < 40
+    assert data["rate"] > 0.5
+    assert set(data["at_end"]) == {"q_shoulder", "q_elbow", "u_shoulder", "u_elbow"}
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b[1;31m" in run(*words).stdout
+
+
+def test_a_run_that_took_long_is_not_run_again(run, monkeypatch):
+    from eom.commands import simulating
+
+    monkeypatch.setattr(simulating, "LONGEST", -1.0)
+    told = rows_of(run("simulate", "t-handle"))
+    assert told["accuracy"].startswith("not estimated: the run took ")
+    data = json.loads(run("simulate", "t-handle", "--json").output)
+    assert set(data["accuracy"]) == {"told"}
+    assert (
+        json.loads(run("simulate", "t-handle", "--json", "--no-accuracy").output)["accuracy"]
+        is None
+    )
 
 
 def drift_in(done, name):

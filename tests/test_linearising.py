@@ -92,11 +92,33 @@ def test_held_values(plate):
     assert "rank 2 of 2" in held.output
 
 
+def test_held_values_are_formulas(plate):
+    assert "  omega_3 = 2" in run(plate, "--at", "omega_3 = M/k").output
+    found = json.loads(run("double-pendulum", "--at", "q_shoulder=-pi", "--json").output)
+    assert found["point"]["states"]["q_shoulder"] == -np.pi
+
+
+def test_a_state_that_has_to_run_is_named():
+    result = run("t-handle-in-angles", "--at", "omega_2=10")
+    assert isinstance(result.exception, InputError)
+    assert result.exception.hint.endswith("--cyclic psi")
+    assert run("t-handle-in-angles", "--at", "omega_2=10", "--cyclic", "psi").exit_code == 0
+
+
+def test_noise_is_printed_as_zero():
+    lines = run("gravity-gradient-satellite").output.splitlines()
+    assert {"  omega_1 = 0", "  omega_2 = 0", "  q1 = 0", "  q2 = 0", "  q3 = 0"} <= {*lines}
+    assert not [line for line in lines if "e-2" in line and "agreement" not in line]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["--at", "omega_3"], "not a value"),
-        (["--at", "omega_3=fast"], "not a value"),
+        (["--at", "omega_3=fast"], "'fast'"),
+        (["--at", "omega_3=1/0"], "omega_3=1/0"),
+        (["--at", "omega_3=sqrt(-1)"], "not real"),
+        (["--at", "omega_3=__import__('os')"], "cannot be read"),
         (["--at", "=1"], "not a value"),
         (["--at", "omega_9=1"], "cannot be held"),
         (["--at", "omega_3=1"], "no equilibrium"),

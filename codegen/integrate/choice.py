@@ -11,6 +11,9 @@ a state, excludes it for most problems (10 us for four states; all in all `auto`
 decides. A run that goes on looks again every
 `WATCH` steps, and is continued by a stiff method from where it is. See `codegen.integrate.stiffness`.
 
+A Taylor series that stops early since its coefficients overflow (those of 1/cosh(a)^2 far from its
+pulse), or since its steps vanish, is continued by DOP853 from there (`NEXT`), events and all.
+
 Rates with branches (sign, abs, select) go to DOP853, which finds a kink by rejecting steps of 12
 evaluations, where a series makes a new one or halves it many times: dry friction to 1e-9 takes 0.12 ms,
 and 0.21 ms by Taylor; a spring with |x| takes 0.10 and 0.18 ms with 4e-8 and 6e-7 of error.
@@ -18,9 +21,11 @@ and 0.21 ms by Taylor; a spring with |x| takes 0.10 and 0.18 ms with 4e-8 and 6e
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,10 +34,12 @@ from codegen import closed_forms, native
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
 from codegen.integrate import closed, stiffness, taylor
-from codegen.integrate.trajectory import Array, Problem, Trajectory
+from codegen.integrate.trajectory import Array, Found, Problem, Trajectory
+from codegen.interpret import Point
 from codegen.lower import RATES
 from codegen.taylor import prepare
 from codegen.taylor_cost import operations
+from codegen.trust import is_analytic
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,6 +51,8 @@ Prepare = Callable[["Task"], tuple[Integrator, str]]
 TRIAL = 256
 WATCH = {True: 20_000, False: 500}
 """Steps between two looks, in generated C and in Python: a look costs 0.1 ms, so many steps 3 ms."""
+CLOSED_FORM = "closed form"
+"""What stands among the names of methods for a closed form."""
 LEFT = "left"
 """Kind of stop of a run that another method goes on with."""
 
@@ -67,29 +76,32 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     found = None if task.signals is not None else closed_forms.find(task.compiled, task.problem)
     if found is not None:
         name = f"closed form: {found.name}"
-        return _told(lambda p: closed.integrate(task.compiled, found, p), name, found.meaning), name
+        evaluate = partial(closed.integrate, task.compiled, found)
+        return _told(evaluate, name, found.meaning, CLOSED_FORM), name
     stiff = _stiff_from_the_start(task, methods)
     if stiff is not None:
-        run, name = methods[_implicit(stiff, task)](task)
-        return _told(run, name, f"stiff: in a trial of {TRIAL} steps {stiff}"), name
+        implicit = _implicit(stiff, task)
+        run, name = methods[implicit](task)
+        return _told(run, name, f"stiff: in a trial of {TRIAL} steps {stiff}", implicit), name
     chosen = _explicit(task)
     try:
-        run, name = methods[chosen.method](task)
+        ready = methods[chosen.method](task)
     except native.CompilerError as error:
         chosen = Explicit("DOP853", f"{chosen.method}: {error.what}", stiffness.DOP853_REACH)
-        run, name = methods[chosen.method](task)
-    return _watched(task, methods, chosen, run, name), name
+        ready = methods[chosen.method](task)
+    return _going_on(task, methods, chosen, ready), ready[1]
 
 
 def _with_events(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, str]:
     """Return an explicit method: it finds events, which the closed forms and stiff methods do not."""
     chosen = _explicit(task)
-    run, name = methods[chosen.method](task)
-    return _told(run, name, f"events are looked for, by explicit methods alone; {chosen.why}"), name
+    why = f"events are looked for, by explicit methods alone; {chosen.why}"
+    ready = methods[chosen.method](task)
+    return _going_on(task, methods, replace(chosen, why=why), ready), ready[1]
 
 
-def _told(run: Integrator, name: str, why: str) -> Integrator:
-    return lambda problem: replace(run(problem), method=name, why=why)
+def _told(run: Integrator, name: str, why: str, method: str) -> Integrator:
+    return lambda problem: replace(run(problem), method=name, why=why, methods=(method,))
 
 
 def _implicit(stiff: stiffness.Stiff, task: Task) -> str:
@@ -164,42 +176,140 @@ def _against_series(key: SameObject[Compiled], order: int) -> str:
     return f"{count:,} operations in a row" if count > LONGEST else ""
 
 
+@lru_cache(maxsize=256)
+def series_cost(key: SameObject[Compiled], order: int) -> float:
+    """Return the operations of all coefficients of a series, infinity where there is none."""
+    try:
+        series = prepare(key.value.program, RATES, key.value.layout)
+    except InputError:
+        return math.inf
+    return operations(series, order)
+
+
 LONGEST = 64_000
 """Operations of all coefficients of a series."""
 
 
-def _watched(
-    task: Task, methods: Mapping[str, Prepare], chosen: Explicit, run: Integrator, name: str
+NEXT: Mapping[str, tuple[str, float]] = {"taylor": ("DOP853", stiffness.DOP853_REACH)}
+"""What goes on where an explicit method cannot, and the length of its stability region."""
+
+
+def _going_on(
+    task: Task, methods: Mapping[str, Prepare], chosen: Explicit, ready: tuple[Integrator, str]
 ) -> Integrator:
-    """Run an explicit method; go on with a stiff one from where it turns out to be limited."""
+    """Run an explicit method; go on with another one from where stability limits it, or it is stuck."""
+    run, name = ready
 
     def integrator(problem: Problem) -> Trajectory:
-        found: list[stiffness.Stiff] = []
-        worth = stiffness.WORTH[_is_native(task)]
-
-        def limited(t: float, x: Array, h: float) -> bool:
-            at, u = (t, x, h), _inputs(task, t)
-            stiff = stiffness.limited(task.compiled, problem, at, u, chosen.reach, worth)
-            found.extend([stiff] if stiff else [])
-            return stiff is not None
-
-        every = WATCH[_is_native(task)]
-        first = run(replace(problem, watch=limited, watch_every=every))
-        if not found or first.stop.kind != LEFT:
-            return replace(first, method=name, why=chosen.why)
-        rest = _rest(problem, first)
-        further, other = methods[_implicit(found[0], task)](replace(task, problem=rest))
-        both = joined(first, further(rest), problem)
-        t = f"t = {first.stop.t:.6g} s"
-        why = f"{chosen.why}; stiff from {t} on: {found[0]}"
-        return replace(both, method=f"{name} to {t}, then {other}", why=why)
+        look = _Look(task, problem, chosen)
+        made = run(problem if task.events else look.watching())
+        first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
+        if look.stiff is not None and first.stop.kind == LEFT:
+            return _implicitly(task, methods, problem, first, look.stiff)
+        if first.stop.kind == "step" or first.stop.overflows:
+            return _beyond(task, methods, problem, first)
+        return first
 
     return integrator
+
+
+class _Look:
+    """Whether stability limits a run, looked for now and then on the way."""
+
+    def __init__(self, task: Task, problem: Problem, chosen: Explicit) -> None:
+        self.task, self.problem, self.chosen = task, problem, chosen
+        self.native = _is_native(task)
+        self.stiff: stiffness.Stiff | None = None
+
+    def watching(self) -> Problem:
+        """Return the problem, watched."""
+        return replace(self.problem, watch=self._limited, watch_every=WATCH[self.native])
+
+    def _limited(self, t: float, x: Array, h: float) -> bool:
+        at, u = (t, x, h), _inputs(self.task, t)
+        reach, worth = self.chosen.reach, stiffness.WORTH[self.native]
+        self.stiff = stiffness.limited(self.task.compiled, self.problem, at, u, reach, worth)
+        return self.stiff is not None
+
+
+def _implicitly(
+    task: Task,
+    methods: Mapping[str, Prepare],
+    problem: Problem,
+    first: Trajectory,
+    stiff: stiffness.Stiff,
+) -> Trajectory:
+    """Go on with a stiff method."""
+    rest, implicit = _rest(problem, first), _implicit(stiff, task)
+    run, name = methods[implicit](replace(task, problem=rest))
+    second = replace(run(rest), method=name, methods=(implicit,))
+    return joined(first, second, problem, f"stiff from {_when(problem, first)} on: {stiff}")
+
+
+def _beyond(
+    task: Task, methods: Mapping[str, Prepare], problem: Problem, first: Trajectory
+) -> Trajectory:
+    """Go on with the next method where one is stuck; the first part alone where that does not help.
+
+    Where the rates are analytic and only numbers overflow nothing is wrong with the solution: as far as the
+    next method gets counts. Else a singularity may be the reason, so that the next method must get to an
+    end of the run, and a notice says what it passed.
+    """
+    method, reach = NEXT.get(first.methods[-1], ("", 0.0))
+    if not method:
+        return first
+    rest = _rest(problem, first)
+    further = replace(task, problem=rest)
+    ready = methods[method](further)
+    second = _going_on(further, methods, Explicit(method, "", reach), ready)(rest)
+    sure, why = _overflow(task, first), _stuck(problem, first)
+    if not second.steps or not (sure or second.stop.kind in ENDS):
+        return replace(
+            first, why=f"{first.why}; {why}, and {method} does not get to the end either"
+        )
+    both = joined(first, second, problem, why)
+    passed = f"{why}, and {method} went on: if the rates are singular there, the rest says nothing"
+    return both if sure else replace(both, notice=_told_also(both.notice, passed))
+
+
+def _overflow(task: Task, first: Trajectory) -> bool:
+    """Tell whether Taylor coefficients overflow where the rates are analytic."""
+    if not first.stop.overflows:
+        return False
+    problem, compiled = task.problem, task.compiled
+    values = (first.state_at_stop, problem.parameters, problem.inputs)
+    point = Point(first.stop.t, *(v.tolist() for v in values))
+    series = prepare(compiled.program, RATES, compiled.layout)
+    return is_analytic(series, taylor.order_of(problem.rtol), point)
+
+
+def _stuck(problem: Problem, first: Trajectory) -> str:
+    """Return what kept a method from going on, and when."""
+    what = (
+        "Taylor coefficients are not finite"
+        if first.stop.overflows
+        else "steps fall below the resolution of time"
+    )
+    return f"{what} at {_when(problem, first)}"
+
+
+def _told_also(*notices: str) -> str:
+    """Return texts as one."""
+    return "; ".join(n for n in notices if n)
+
+
+ENDS = frozenset({"end", "singular", "event"})
+"""Kinds of stops that are no failure."""
+
+
+def _when(problem: Problem, first: Trajectory) -> str:
+    return f"t = {problem.told(first.stop.t, 6)}"
 
 
 def _rest(problem: Problem, first: Trajectory) -> Problem:
     """Return what is left of a problem after a first part."""
     grid, t = problem.t_eval, first.stop.t
+    counted = Counter(() if first.found is None else _counted(problem, first, first.found))
     return replace(
         problem,
         x0=first.state_at_stop,
@@ -208,13 +318,23 @@ def _rest(problem: Problem, first: Trajectory) -> Problem:
         first_step=None,
         max_steps=max(1, problem.max_steps - first.steps - first.rejected),
         progress=lambda part: problem.report(t + part * (problem.t_span[1] - t)),
+        events=tuple(
+            replace(e, terminal=e.terminal and e.terminal - counted[k])
+            for k, e in enumerate(problem.events)
+        ),
     )
 
 
-def joined(first: Trajectory, second: Trajectory, problem: Problem) -> Trajectory:
+def _counted(problem: Problem, first: Trajectory, found: Found) -> list[int]:
+    """Return the numbers of the events that a first part has found; at the start they do not count."""
+    counts = (found.t != problem.t_span[0]) | (first.steps == 0)
+    return [int(k) for k in found.which[counts]]
+
+
+def joined(first: Trajectory, second: Trajectory, problem: Problem, why: str) -> Trajectory:
     """Return two trajectories, of which the second starts where the first stops, as one.
 
-    Where every step is stored the point that both have stands once.
+    Where every step is stored the point that both have stands once. ``why``: why the first was left.
     """
     again = int(problem.t_eval is None)
     solution = None
@@ -231,6 +351,33 @@ def joined(first: Trajectory, second: Trajectory, problem: Problem) -> Trajector
         steps=first.steps + second.steps,
         rejected=first.rejected + second.rejected,
         solution=solution,
+        seconds=None if None in {first.seconds, second.seconds} else _sum(first, second),
+        method=f"{first.method} to {_when(problem, first)}, then {second.method}",
+        why=_told_also(first.why, why, second.why),
+        methods=(*first.methods, *second.methods),
+        notice=_told_also(first.notice, second.notice),
+        found=_all_found(first, second),
+    )
+
+
+def _sum(first: Trajectory, second: Trajectory) -> float:
+    return (first.seconds or 0.0) + (second.seconds or 0.0)
+
+
+def _all_found(first: Trajectory, second: Trajectory) -> Found | None:
+    """Return the events of both parts; those where the second starts are the last of the first, if any.
+
+    A first part without a step has looked for none.
+    """
+    one, other = first.found, second.found
+    if one is None or other is None:
+        return one or other
+    new = (other.t != first.stop.t) | (first.steps == 0)
+    return Found(
+        np.concatenate([one.t, other.t[new]]),
+        np.concatenate([one.x, other.x[new]]),
+        np.concatenate([one.which, other.which[new]]),
+        np.concatenate([one.direction, other.direction[new]]),
     )
 
 

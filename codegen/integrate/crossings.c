@@ -7,6 +7,75 @@ static void event_point(const @PREFIX@ *s, double theta, const double *u, double
 @PROJECT_EVENT@    @NAME@_events(t, y, &s->constants, u, g);
 }
 
+#if @LOOKED@
+enum { SAMPLES = @EVENT_ROOM_DEGREE@ + 1 };
+
+@EVENT_BOX@
+/* Bounds of the states over a part of the last step: no polynomial of their degree leaves its values at
+ * Chebyshev's points by more than the constant of Lebesgue (Trefethen, Approximation Theory and
+ * Approximation Practice, theorem 15.2). */
+static void box_of_part(const @PREFIX@ *s, double from, double length, double *box) {
+    static const double sample[SAMPLES] = {@SAMPLES@};
+    double y[N];
+    for (int k = 0; k < SAMPLES; ++k) {
+        interpolate(s, from + sample[k] * length, y);
+        for (int i = 0; i < N; ++i) {
+            box[2 * i] = k == 0 || y[i] < box[2 * i] ? y[i] : box[2 * i];
+            box[2 * i + 1] = k == 0 || y[i] > box[2 * i + 1] ? y[i] : box[2 * i + 1];
+        }
+    }
+    for (int i = 0; i < N; ++i) {
+        const double middle = 0.5 * (box[2 * i] + box[2 * i + 1]);
+        const double half = @LEBESGUE@ * 0.5 * (box[2 * i + 1] - box[2 * i]);
+        box[2 * i] = middle - half, box[2 * i + 1] = middle + half;
+    }
+}
+
+/* Whether every operation of the events keeps its character over a part of the last step. */
+static int is_steady(const @PREFIX@ *s, double from, double length, const double *u) {
+    double box[2 * N + 2], holds;
+    if (length == 1.0) box_of_step(s, box);
+    else box_of_part(s, from, length, box);
+    const double one = s->t_old + from * s->h_old, other = s->t_old + (from + length) * s->h_old;
+    box[2 * N] = fmin(one, other), box[2 * N + 1] = fmax(one, other);
+    @PREFIX@_looks(0.0, box, 1, s->of_looks, NULL, u, 1, &holds, 1);
+    return holds != 0.0;
+}
+
+/* Whether all parts of the last step, which is halved so often, are so. */
+static int is_steady_in_parts(const @PREFIX@ *s, const double *u) {
+    double from = 0.0, length = 1.0;
+    while (from < 1.0) {
+        if (is_steady(s, from, length, u)) {
+            from += length;
+            while (fmod(from, 2.0 * length) == 0.0 && from < 1.0) length *= 2.0;
+        } else if (length < 1.5 / (1 << @EVENT_HALVES@)) return 0;
+        else length *= 0.5;
+    }
+    return 1;
+}
+
+/* Whether a step of length h must be made shorter for the events; one that is as short as can be is counted. */
+static int is_too_quick(@PREFIX@ *s, double h, const double *u) {
+    const double t_old = s->t_old, h_old = s->h_old;
+    double x_old[N];
+    for (int i = 0; i < N; ++i) x_old[i] = s->x_old[i], s->x_old[i] = s->x[i];
+    s->t_old = s->t, s->h_old = h;
+    const int steady = is_steady_in_parts(s, u);
+    for (int i = 0; i < N; ++i) s->x_old[i] = x_old[i];
+    s->t_old = t_old, s->h_old = h_old;
+    if (steady) return 0;
+    if (fabs(h) > 1e-9 * fabs(s->t_end - s->t) + 64.0 * spacing(s->t)) return 1;
+    if (s->quick++ == 0) s->quick_at = s->t;
+    return 0;
+}
+#else
+static int is_steady(const @PREFIX@ *s, double from, double length, const double *u) {
+    (void)s, (void)from, (void)length, (void)u;
+    return 1;
+}
+#endif
+
 /* A polynomial is right within this part of its largest value; at Chebyshev's points rounding alone is
  * @ROUNDING@ of it. */
 #define RIGHT 2e-12
@@ -94,6 +163,7 @@ static int through_values(const @PREFIX@ *s, double g[][2 * E], piece *p, const 
         for (int j = 0; j < @EVENT_POINTS@; ++j) {
             p[m].b[j] = 0.0;
             for (int k = 0; k < @EVENT_POINTS@; ++k) p[m].b[j] += matrix[j][k] * g[k][m];
+            size += 0.0 * p[m].b[j];
         }
         p[m].b[0] = g[0][m], p[m].b[@EVENT_POINTS@ - 1] = g[@EVENT_POINTS@ - 1][m];
         p[m].noise = RIGHT * size + 16.0 * DBL_EPSILON * terms;
@@ -120,14 +190,18 @@ static void roots_by_values(@PREFIX@ *s, const int *wanted, const double *end, s
         p->length = to - from;
         for (int m = 0; m < 2 * E; ++m) g[@EVENT_POINTS@ - 1][m] = after[top - 1][m];
         for (int k = 1; k < @EVENT_POINTS@ - 1; ++k) event_point(s, from + node[k] * p->length, u, y, g[k]);
-        if (!through_values(s, g, p, wanted, u) && p->length > 1.5 / (1 << HALVES)) {
+        const int is_finest = p->length < 1.5 / (1 << HALVES);
+        if (!is_finest && !(is_steady(s, from, p->length, u) && through_values(s, g, p, wanted, u))) {
             until[top] = from + node[@EVENT_POINTS@ / 2] * p->length;
             for (int m = 0; m < 2 * E; ++m) after[top][m] = g[@EVENT_POINTS@ / 2][m];
             ++top;
             continue;
         }
-        for (int m = 0; m < E; ++m)
+        if (is_finest) through_values(s, g, p, wanted, u);
+        for (int m = 0; m < E; ++m) {
             if (wanted[m] && isfinite(p[m].noise)) insert_roots(s, m, &p[m], first, u);
+            else if (wanted[m] && s->quick++ == 0) s->quick_at = s->t_old + from * s->h_old;
+        }
         for (int m = 0; m < 2 * E; ++m) g[0][m] = after[top - 1][m];
         p->from = to;
         --top;

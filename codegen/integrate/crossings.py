@@ -3,7 +3,10 @@
 In each step every expression is a polynomial. Method taylor has its Taylor coefficients, by the same
 recurrences as those of the states; where these converge too slowly, and for other methods, it goes
 through values at Chebyshev's points of the dense output, over halves of the step, and halves of these,
-until it is right between the points. All polynomials have the values of the expression itself at both
+until it is right between the points. What values at some points may hide, a wave or a pulse between them,
+is excluded by bounds: over each part the argument of every operation moves by its reach at most
+(`codegen.reach`, `narrow.steady`, from bounds of the states by intervals); a step whose parts are not that
+short is made shorter. All polynomials have the values of the expression itself at both
 ends, so that the step before and the step after agree about signs there, and nothing is lost or found
 twice. With method taylor most steps are left at once, since the coefficients bound the polynomial (as
 Biscani and Izzo do, Monthly Notices of the RAS 504 (2021)); the roots of the others are isolated in
@@ -14,18 +17,21 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codegen.integrate import lookout
 from codegen.integrate.trajectory import Array, Found, Problem
 from codegen.layout import Layout
 from codegen.names import comment, identifier
+from codegen.narrow import VERDICT, Steady, steady
+from codegen.program import Program
 
 GROUP = "events"
 """Group of results of a program: the expressions of the events, then the sizes of their terms."""
@@ -33,11 +39,15 @@ DEGREE = 10
 """Of the polynomials through values of the dense output; it is even, so that one is in the middle."""
 HALVES = 8
 """How often a step is halved at most where an expression varies too much for one polynomial."""
+FLAT = 128
+"""Functions within exp(-128) of a constant hide nothing: also where they are multiplied by 1e40."""
 NONE = dict.fromkeys(
     ("EVENT_STATUS", "EVENT_TYPE", "EVENT_FIELDS", "EVENT_USE", "EVENT_BEGIN", "CROSSINGS", "EVENT_START",
-     "EVENT_ROOM", "EVENT_JET", "EVENT_DENSE", "STOP_BEGIN", "STOP_END"),
+     "EVENT_ROOM", "EVENT_JET", "EVENT_DENSE", "STOP_BEGIN", "STOP_END", "QUICK_STEP", "QUICK_SERIES"),
     "",
-)  # fmt: skip
+) | {
+    "DENSE_LATER": "        if (needs_dense || possible) prepare_dense(s, k, h, x_new, u);\n"
+}  # fmt: skip
 """What stands in the templates of a loop without events; `STOPPED` is then a singularity."""
 
 
@@ -45,6 +55,50 @@ def count_of(layout: Layout) -> int:
     """Return the number of events of a layout."""
     names: tuple[str, ...] = layout.results.get(GROUP, ())
     return len(names) // 2
+
+
+def sizes(program: Program, layout: Layout) -> tuple[int, int]:
+    """Return the number of events, and of values that their bounds keep in the structure of a loop."""
+    looks = looks_of(program, layout).program
+    return count_of(layout), 0 if looks is None else _kernel(looks, "")[1]
+
+
+def _kernel(looks: Program, prefix: str) -> tuple[list[str], int]:
+    lines, constants = lookout.kernel(looks, VERDICT, f"{prefix}_looks")
+    return lines, max(1, constants)
+
+
+def looks_of(program: Program, layout: Layout) -> Steady:
+    """Return whether operations of the events keep their character, for the states and times of a box.
+
+    Where they do, a polynomial of degree `DEGREE` through values of an event is near it also between these,
+    or the further values that are looked at show that it is not.
+    """
+    values = program.results.get(GROUP, ())[: count_of(layout)]
+    return _looks_once(program, values, len(layout.states))
+
+
+@lru_cache(maxsize=64)
+def _looks_once(program: Program, values: tuple[int, ...], n: int) -> Steady:
+    return steady(program, values, n, DEGREE, FLAT)
+
+
+def told(program: Program, layout: Layout) -> Callable[[Any, Problem], str]:
+    """Return what tells of a run whose events may have zeros that are not found, and why."""
+    labels = layout.results.get(GROUP, ())[: count_of(layout)]
+    if not labels:
+        return lambda state, problem: ""
+    blind = [labels[m] for m in looks_of(program, layout).unbounded]
+    always = [
+        f"event {n} has no bounds between values: zeros in pairs may be missed" for n in blind
+    ]
+
+    def of_run(state: Any, problem: Problem) -> str:
+        when = f"at t = {problem.told(state.quick_at)}"
+        quick = f"events vary too quickly, or are not finite, {when}: zeros may be missed"
+        return "; ".join([*always, *([quick] if state.quick else [])])
+
+    return of_run
 
 
 def most(layout: Layout) -> int:
@@ -55,26 +109,35 @@ def most(layout: Layout) -> int:
 # --- texts -----------------------------------------------------------------------------------------
 
 
-def of_taylor(layout: Layout, prefix: str, order: int) -> dict[str, str]:
+def of_taylor(program: Program, layout: Layout, prefix: str, order: int) -> dict[str, str]:
     """Return what the templates of method taylor need."""
     own = {
         "EVENT_POLYNOMIAL": _template("crossings_taylor.c"),
+        "EVENT_BOX": _template("box_taylor.c"),
         "BINOMIALS": ", ".join(f"{math.comb(order, k)}.0" for k in range(order + 1)),
         "EVENT_OWN": f"    double event_jet[{order}][{count_of(layout)}]; /* Taylor coefficients */\n",
     }
-    return _texts(layout, prefix, max(order, DEGREE), own)
+    return _texts(program, layout, prefix, max(order, DEGREE), own)
 
 
-def of_values(layout: Layout, prefix: str) -> dict[str, str]:
+def of_values(program: Program, layout: Layout, prefix: str) -> dict[str, str]:
     """Return what the templates of methods with other dense output need."""
-    own = {"EVENT_POLYNOMIAL": _template("crossings_values.c"), "EVENT_OWN": ""}
-    return _texts(layout, prefix, DEGREE, own)
+    own = {
+        "EVENT_POLYNOMIAL": _template("crossings_values.c"),
+        "EVENT_BOX": _template("box_values.c"),
+        "EVENT_OWN": "",
+    }
+    return _texts(program, layout, prefix, DEGREE, own)
 
 
-def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> dict[str, str]:
+def _texts(
+    program: Program, layout: Layout, prefix: str, degree: int, own: Mapping[str, str]
+) -> dict[str, str]:
     if not count_of(layout):
         return {**NONE, "STOPPED": f"{prefix.upper()}_SINGULAR"}
     nodes, rows = interpolation(DEGREE)
+    looks = looks_of(program, layout).program
+    lines, constants = ([], 0) if looks is None else _kernel(looks, prefix)
     values = {
         **own,
         "NAME": identifier(layout.name),
@@ -93,10 +156,36 @@ def _texts(layout: Layout, prefix: str, degree: int, own: Mapping[str, str]) -> 
                                 enumerate(layout.results[GROUP][: count_of(layout)])),
         "PROJECT_EVENT": "    project_point(s, t, y, u);\n" if "projection" in layout.results else "",
         "ROOTS": _template("roots.c") + _template("touches.c"),
+        "LOOKED": str(int(looks is not None)),
+        "LOOKS": "\n".join(lines),
+        "LOOKS_FIELD": f"    double of_looks[{constants}];\n" if constants else "",
+        "SAMPLES": ", ".join(repr((1 - math.cos(math.pi * k / degree)) / 2) for k in range(degree + 1)),
+        "LEBESGUE": repr(round(1 + 2 / math.pi * math.log(degree + 1), 3)),
     }  # fmt: skip
-    return {key: _filled(text, values) for key, text in _PLACES.items()}
+    places = _PLACES | (_STILL if looks is None else _QUICK)
+    return {key: _filled(text, values) for key, text in places.items()}
 
 
+_QUICK = {
+    "QUICK_STEP": """\
+        prepare_dense(s, k, h, x_new, u);
+        if (is_too_quick(s, h, u)) {
+            s->h = 0.5 * fabs(h);
+            s->rejected += 1;
+            s->after_rejection = 1;
+            continue;
+        }
+""",
+    "DENSE_LATER": "        (void)needs_dense;\n",
+    "EVENT_START": """\
+    start_events(s, u);
+    @PREFIX@_looks_constants(p, 1, s->of_looks);
+""",
+    "QUICK_SERIES": "            if (shorter == 1.0 && is_too_quick(s, h, u)) shorter = 0.5;\n",
+}
+"""What makes a step shorter in which events vary too quickly for all its parts."""
+_STILL = {**{k: NONE[k] for k in _QUICK}, "EVENT_START": "    start_events(s, u);\n"}
+"""The same for events that are polynomials."""
 _PLACES = {
     "EVENT_STATUS": '    @UPPER@_EVENT = 5,           /* terminal event number "which" is at time t */\n',
     "EVENT_USE": """\
@@ -122,21 +211,22 @@ typedef struct {
     size_t found_room, found_count;
     long long event_stop[@EVENT_COUNT@];
     int event_direction[@EVENT_COUNT@];
-    int event_before[@EVENT_COUNT@], stopped;
+    int event_before[@EVENT_COUNT@], stopped, quick;
+    double quick_at; /* the first of "quick" times at which events vary too quickly or are not finite */
     double event_value[2 * @EVENT_COUNT@]; /* of the expressions, and sizes of terms, where a step starts */
-@EVENT_OWN@""",
+@LOOKS_FIELD@@EVENT_OWN@""",
     "EVENT_BEGIN": """\
 #define E @EVENT_COUNT@
 
-static void start_events(@PREFIX@ *s, const double *u) {
+@LOOKS@static void start_events(@PREFIX@ *s, const double *u) {
     @NAME@_events(s->t, s->x, &s->constants, u, s->event_value);
     for (int m = 0; m < E; ++m) s->event_before[m] = 0;
     s->stopped = @UPPER@_SINGULAR;
+    s->quick = 0;
 }
 
 """,
     "CROSSINGS": resources.files("codegen.integrate").joinpath("crossings.c").read_text("ascii"),
-    "EVENT_START": "    start_events(s, u);\n",
     "EVENT_ROOM": """\
         if (s->found_room - s->found_count < @UPPER@_EVENTS_A_STEP) return s->status = @UPPER@_FULL;
 """,
@@ -195,8 +285,9 @@ def _inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
 # --- calls from Python -----------------------------------------------------------------------------
 
 
-def fields(count: int, rows: int) -> list[tuple[str, Any]]:
-    """Mirror the fields of the structure; ``rows``: orders of Taylor coefficients that are kept."""
+def fields(events: tuple[int, int], rows: int) -> list[tuple[str, Any]]:
+    """Mirror the fields of the structure; ``events``: the `sizes`, ``rows``: orders of coefficients."""
+    count, looks = events
     if not count:
         return []
     double: Any = ctypes.c_double
@@ -209,7 +300,10 @@ def fields(count: int, rows: int) -> list[tuple[str, Any]]:
         ("event_direction", integer * count),
         ("event_before", integer * count),
         ("stopped", integer),
+        ("quick", integer),
+        ("quick_at", double),
         ("event_value", double * (2 * count)),
+        *([("of_looks", double * looks)] if looks else []),
         *([("event_jet", double * count * rows)] if rows else []),
     ]
 

@@ -34,8 +34,9 @@ static int by_coefficients(const @PREFIX@ *s, int m, const double *end, piece *p
 static void roots_in_step(@PREFIX@ *s, const double *end, size_t first, const double *u) {
     int wanted[E], any = 0;
     piece p;
+    const int steady = is_steady(s, 0.0, 1.0, u);
     for (int m = 0; m < E; ++m) {
-        const int found = by_coefficients(s, m, end, &p);
+        const int found = steady ? by_coefficients(s, m, end, &p) : -1;
         wanted[m] = found < 0;
         any |= wanted[m];
         if (found > 0) insert_roots(s, m, &p, first, u);

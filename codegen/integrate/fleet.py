@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import native
+from codegen import halting, native
 from codegen.compiled import Compiled
 from codegen.integrate import runge_kutta, scipy_, taylor, taylor_lanes
 from codegen.integrate.dop853 import DOP853
@@ -43,12 +43,16 @@ Integers = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Shared:
-    """What all trajectories have in common: times in s, tolerances, and where to stop."""
+    """What all trajectories have in common: times in s, tolerances, and where to stop.
+
+    ``atol``: absolute tolerances, (n,), or (n, N) where each trajectory has its own; None where they
+    follow from the scales of each trajectory, which only `codegen.chunks` knows.
+    """
 
     t_span: tuple[float, float]
     inputs: Array
     rtol: float
-    atol: Array
+    atol: Array | None
     margin: float
     t_eval: Array
     max_step: float
@@ -73,7 +77,9 @@ class Runs:
 
 
 Runner = Callable[[Shared, Array, Array], Runs]
-"""(shared, states (n, N), parameters (m,) or (m, N)); the lock of Python is released meanwhile."""
+"""(shared, states (n, N), parameters (m,) or (m, N)); the lock of Python is released meanwhile.
+
+Raises `Halt` where the thread is told to end on the way."""
 
 
 class _Job(ctypes.Structure):
@@ -84,9 +90,11 @@ class _Job(ctypes.Structure):
         *((f, ctypes.c_void_p) for f in ("atol", "u", "grid", "x", "p", "y", "t_stop", "x_stop")),
         *((f, ctypes.c_void_p) for f in ("room", "status", "which", "steps", "rejected")),
         *((f, ctypes.c_ssize_t) for f in ("x_row", "x_column", "p_row", "p_column")),
+        *((f, ctypes.c_ssize_t) for f in ("atol_row", "atol_column")),
         *((f, ctypes.c_ssize_t) for f in ("y_row", "y_time", "stop_row")),
         *((f, ctypes.c_size_t) for f in ("count", "grid_count")),
         ("max_steps", ctypes.c_longlong),
+        ("halt", ctypes.c_void_p),
     ]
 
 
@@ -99,23 +107,33 @@ def runner(function: Any) -> Runner:
         n, count = x.shape
         times = len(shared.t_eval)
         x, p = np.ascontiguousarray(x), np.ascontiguousarray(p)
+        shared = replace(shared, atol=_held(shared))
         runs = _empty(times, n, count)
         room = np.empty(times * (n + 1) + 1)
-        job = _job(shared, x, p, runs, room)
+        job, flag = _job(shared, x, p, runs, room), halting.flag()
+        job.halt = flag.address
         function(ctypes.addressof(job))
+        halting.check()
         return runs
 
     return run
 
 
+def _held(shared: Shared) -> Array:
+    """Return the absolute tolerances, as C reads them."""
+    assert shared.atol is not None
+    return np.ascontiguousarray(shared.atol)
+
+
 def _job(shared: Shared, x: Array, p: Array, runs: Runs, room: Array) -> _Job:
     """Return the job as C reads it; the arrays must live as long as it runs."""
     n, count = x.shape
+    atol = _held(shared)
     (start, end), times = shared.t_span, len(shared.t_eval)
     job = _Job(t=start, t_end=end, h_max=shared.max_step, rtol=shared.rtol, margin=shared.margin)
     job.max_steps, job.count, job.grid_count = shared.max_steps, count, times
     arrays: dict[str, NDArray[Any]] = {
-        "atol": shared.atol, "u": shared.inputs, "grid": shared.t_eval, "x": x, "p": p,
+        "atol": atol, "u": shared.inputs, "grid": shared.t_eval, "x": x, "p": p,
         "y": runs.y, "t_stop": runs.t_stop, "x_stop": runs.y_stop, "room": room,
         "status": runs.status, "which": runs.which, "steps": runs.steps,
         "rejected": runs.rejected,
@@ -124,6 +142,7 @@ def _job(shared: Shared, x: Array, p: Array, runs: Runs, room: Array) -> _Job:
         setattr(job, name, (array if array.size else room).ctypes.data)
     job.x_row, job.x_column = count, 1
     job.p_row, job.p_column = (count, 1) if p.ndim == 2 else (1, 0)
+    job.atol_row, job.atol_column = (count, 1) if atol.ndim == 2 else (1, 0)
     job.y_row, job.y_time, job.stop_row = count, n * count, count
     return job
 
@@ -180,7 +199,7 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
             text = taylor_lanes.single_text(prepared, program, layout, order)
             function, lanes = taylor_lanes.build(text, layout)
         except native.CompilerError as error:
-            reason = f"{error.what} ({error.got.splitlines()[0]})"
+            reason = error.brief
         else:
             name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
             return Built(runner(function), name, text)
@@ -237,6 +256,7 @@ def _by_scipy(compiled: Compiled) -> Runner:
     def run(shared: Shared, x: Array, p: Array) -> Runs:
         runs = _empty(len(shared.t_eval), *x.shape)
         for j in range(x.shape[1]):
+            halting.check()
             found = scipy_.integrate(
                 compiled, _problem(shared, x, p, j, singularities), "DOP853", None
             )
@@ -250,18 +270,20 @@ def _by_scipy(compiled: Compiled) -> Runner:
 
 
 def _problem(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
+    atol = _held(shared)
     return Problem(
         x0=np.ascontiguousarray(x[:, j]),
         t_span=shared.t_span,
         parameters=np.ascontiguousarray(p[:, j]) if p.ndim == 2 else p,
         inputs=shared.inputs,
         rtol=shared.rtol,
-        atol=shared.atol,
+        atol=np.ascontiguousarray(atol[:, j]) if atol.ndim == 2 else atol,
         margin=shared.margin,
         singularities=singularities,
         t_eval=shared.t_eval,
         max_step=shared.max_step,
         max_steps=shared.max_steps,
+        progress=lambda _: halting.check(),
     )
 
 

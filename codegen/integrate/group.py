@@ -29,16 +29,17 @@ Between = Callable[[Pointer, Pointer, int, int, int, int], None]
 """The function of the generated file that evaluates rows: parameters, inputs, count, theta, rows, x."""
 
 
-def variables_of(method: str, program: Program, layout: Layout) -> Variables:
-    """Return the variables of a system. Raises `InputError` unless one attitude is a quaternion."""
-    attitude = attitude_of(program, len(layout.states))
+def variables_of(method: str, layout: Layout) -> Variables:
+    """Return the variables of a system. Raises `InputError` unless it states one unit quaternion."""
+    attitude = attitude_of(layout.attitudes, len(layout.states))
     if attitude is None:
         raise InputError(
-            f"method {method} finds no unit quaternion, or more than one, among the states",
+            f"method {method} needs one unit quaternion that the system states, not none or several",
             where=layout.name,
             got=", ".join(names_of(layout.states)),
             expected="four states q, scalar first, with dq/dt = q (0, omega)/2",
-            hint='ask for attitude = "quaternion", or choose another method',
+            hint='ask for attitude = "quaternion", state attitudes=[BodyAttitude(...)] of a system from '
+            "elsewhere, or choose another method",
         )
     return Variables(attitude, len(layout.states))
 

@@ -14,5 +14,5 @@ enum {
     @UPPER@_SINGULAR = 1,        /* singularity number "which" is within the margin, at time t */
     @UPPER@_FULL = 2,
     @UPPER@_PAUSED = 3,
-@EVENT_STATUS@    @UPPER@_TOO_SMALL = 4        /* with a grid: fewer free places than grid points; nothing is done */
+@FURTHER_STATUS@@EVENT_STATUS@    @UPPER@_TOO_SMALL = 4        /* with a grid: fewer free places than grid points; nothing is done */
 };

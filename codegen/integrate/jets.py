@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, inverses, needed, summed
-from codegen.integrate.packs import WIDTH, Group, Pack, Sum, part_groups, steps, whole_group
-from codegen.integrate.products import Coefficient, forms, linear_in_time, wide
+from codegen.integrate.jet_text import DECLARATIONS, ZERO, Text, four, inverses, needed
+from codegen.integrate.jet_vectors import Vectors
+from codegen.integrate.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
+from codegen.integrate.products import forms, linear_in_time, wide
 from codegen.lower import RATES
 from codegen.ops import Instruction
 from codegen.program import Builder, Program
 from codegen.targets import c
 from codegen.taylor import RULES, Order, Prepared, Series, residuals
+from codegen.trust import Limit, built, limits, longest
 
 FEWEST_WHOLE = 2
 """Values in a whole group, at least: a vector with one costs more than it brings."""
-AT_ONCE = 8
-"""Sums of vectors that a loop makes at once, so that all stay in registers."""
 START = "start"
 
 
@@ -33,16 +33,18 @@ def series(
     ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``. The last
     ``further`` of the rates are those of no state: it has one more argument, where it puts their
     coefficients from 0 to ``order`` - 1. Switching functions likewise; ``head``_switches(t, x, c, u, g)
-    gives their values alone. ``rests``: whether 1/k is taken in two doubles. The error of one adds up, as
-    it is the same in every step; it is below tolerances that are not those of full precision.
+    gives their values alone. Where arguments have limits (`codegen.trust`), the last argument takes these
+    and the coefficients, as `limited` orders them. ``rests``: whether 1/k is taken in two doubles. The
+    error of one adds up, as it is the same in every step; it is below tolerances that are not those of full
+    precision.
     """
     found = forms(prepared)
     whole = [whole_group(some, [found[n] for n in some])
              for some in wide(prepared, WIDTH, FEWEST_WHOLE)]  # fmt: skip
-    rules = _Rules(prepared, whole, further, rests)
+    rules = _Rules(prepared, whole, order, further, rests)
     order_of_work = steps(prepared, whole)
     single = {n: rules.lines(n) for n in order_of_work if not isinstance(n, Group)}
-    vectors = _Vectors(rules, whole, part_groups(list(rules.sums)))
+    vectors = Vectors(rules, whole, part_groups(list(rules.sums)))
     body = [line for step in order_of_work
             for line in (vectors.whole(step) if isinstance(step, Group) else single[step])]  # fmt: skip
     lines = needed([
@@ -58,7 +60,8 @@ def series(
     ])  # fmt: skip
     texts, constants = c.kernels(rules.start(), START, f"{head}_start")
     texts = [text.replace(f"{head}_start_constants", f"{head}_constants") for text in texts]
-    more = (", double *e" if further else "") + (", double *g" if prepared.switches else "")
+    outputs = {"e": further, "g": prepared.switches, "q": rules.limits}
+    more = "".join(f", double *{name}" for name, wanted in outputs.items() if wanted)
     function = [
         *DECLARATIONS.splitlines(),
         "",
@@ -72,11 +75,27 @@ def series(
     return [*texts, *(line.replace("HEAD", head) for line in function)], constants
 
 
+def limited(prepared: Prepared, order: int) -> tuple[tuple[Limit, ...], tuple[Limit, ...]]:
+    """Return the limits of arguments that are linear in time, and those of others.
+
+    For the former the longest step stands in the output, if there are any; then of each of the latter the
+    limit and the coefficients of the orders 1 to ``order`` - 1.
+    """
+    linear, found = linear_in_time(prepared), limits(prepared, order)
+    straight = tuple(x for x in found if x.series in linear)
+    return straight, tuple(x for x in found if x.series not in linear)
+
+
 class _Rules(Order):
     """The rules as text of order k, and what they read: values of order 0, sums of lower orders."""
 
     def __init__(
-        self, prepared: Prepared, whole: Sequence[Group], further: int = 0, rests: bool = True
+        self,
+        prepared: Prepared,
+        whole: Sequence[Group],
+        order: int,
+        further: int = 0,
+        rests: bool = True,
     ) -> None:
         self.prepared, self.varies = prepared, prepared.varies
         self.instructions = prepared.program.instructions
@@ -84,6 +103,9 @@ class _Rules(Order):
         self.rates = values[: len(values) - further]
         self.further = values[len(self.rates) :]
         self.linear, self.rests = linear_in_time(prepared), rests
+        self.straight, self.curved = limited(prepared, order)
+        self.order, self.one = order, int(bool(self.straight))
+        self.limits = self.one + len(self.curved)
         self.places = {n: (g, place) for g, group in enumerate(whole)
                        for place, n in enumerate(group.values)}  # fmt: skip
         self.first_part = len(whole)
@@ -155,8 +177,27 @@ class _Rules(Order):
             )
         lines += [f"y[({len(self.rates)} * k + {i}) * ys] = x{i};" for i in range(len(self.rates))]
         others = {"e": self.further, "g": self.prepared.switches}
-        return lines + [f"{name}[{len(some)} * k + {m}] = {self.now(n)};"
-                        for name, some in others.items() for m, n in enumerate(some)]  # fmt: skip
+        lines += [f"{name}[{len(some)} * k + {m}] = {self.now(n)};"
+                  for name, some in others.items() for m, n in enumerate(some)]  # fmt: skip
+        return lines + self._moves()
+
+    def _moves(self) -> list[str]:
+        """Return the lines that store the coefficients of arguments that have limits."""
+        return [f"q[{self._row(m)} + k] = {self.now(x.series)};"
+                for m, x in enumerate(self.curved)]  # fmt: skip
+
+    def _row(self, m: int) -> int:
+        return self.one + self.order * m
+
+    def bounds(self) -> list[str]:
+        """Return the lines that store the limits themselves."""
+        places = [*[0] * self.one, *map(self._row, range(len(self.curved)))]
+        return [f"q[{place}] = f[{n}];" for n, place in enumerate(places)]
+
+    @property
+    def room(self) -> int:
+        """How many values of order 0 are read."""
+        return self.limits + len(self.slots)
 
     def switching(self) -> list[str]:
         """Return the lines of the function of the switching functions, if there are any."""
@@ -166,7 +207,7 @@ class _Rules(Order):
         return [
             "static void HEAD_switches(double t, const double *x, const double *c, const double *u,",
             "    double *g) {",
-            f"    double f[{len(self.slots)}];",
+            f"    double f[{self.room}];",
             "    HEAD_start(t, x, 1, c, NULL, u, 1, f, 1);",
             *values,
             "}",
@@ -174,7 +215,7 @@ class _Rules(Order):
         ]
 
     def start(self) -> Program:
-        """Return the program of the values of order 0 that are read."""
+        """Return the program of the values of order 0 that are read, limits first."""
         b = Builder(self.prepared.program.rules)
         new: list[int] = []
         for instruction in self.instructions:
@@ -182,7 +223,10 @@ class _Rules(Order):
         results = [
             b.add("div", b.const(1), new[k]) if inverted else new[k] for k, inverted in self.slots
         ]
-        return b.program({START: results})
+        bounds = built(b, new, self.prepared, self.curved, self.order)
+        if self.straight:
+            bounds.insert(0, longest(b, new, self.prepared, self.straight, self.order))
+        return b.program({START: [*bounds, *results]})
 
     def matrices(self) -> list[str]:
         """Return the lines that factor the matrices of linear systems at order 0."""
@@ -200,7 +244,7 @@ class _Rules(Order):
 
     def slot(self, a: Series, inverted: bool) -> Text:
         """Return where a value of order 0 stands, or its inverse."""
-        return Text(f"f[{self.slots.setdefault((a, inverted), len(self.slots))}]")
+        return Text(f"f[{self.slots.setdefault((a, inverted), self.room)}]")
 
     def now(self, a: Series) -> Text:
         return Text(f"v{a}") if self.varies[a] else ZERO
@@ -249,136 +293,3 @@ class _Rules(Order):
 
     def choose(self, negative: Text, a: Text, b: Text) -> Text:
         return Text(f"({negative} < 0.0 ? {a} : {b})")
-
-
-class _Vectors:
-    """The groups of sums, whole ones first, with their packs by number."""
-
-    def __init__(self, rules: _Rules, whole: Sequence[Group], parts: Sequence[Group]) -> None:
-        self.rules, self.groups = rules, [*whole, *parts]
-        packs = (pack for group in self.groups for pair in group.products for pack in pair)
-        self.numbers = {pack: number for number, pack in enumerate(dict.fromkeys(packs))}
-        pairs = (pair for group in whole for pair in group.products)
-        self.pairs = {pair: number for number, pair in enumerate(dict.fromkeys(pairs))}
-        added = (pack for group in whole for pack in group.added)
-        scaled = (pack.factors for pack in (*self.numbers, *added) if not pack.is_plain)
-        self.factors = {f: number for number, f in enumerate(dict.fromkeys(scaled))}
-        self.stores: set[Pack] = set()
-
-    def declarations(self, order: int) -> list[str]:
-        """Return the lines before the first order."""
-        rules = self.rules
-        lines = [
-            *rules.matrices(),
-            *(f"const HEAD_pack c{number} = {four(map(self._coefficient, factors))};"
-              for factors, number in self.factors.items()),
-            *(f"p[{number}][0] = {self._scaled(pack, self._first(pack))};"
-              for pack, number in self.numbers.items()),
-            *(f"const HEAD_pack e{number} = {self._scaled(left, f'p[{self.numbers[right]}][0]')};"
-              for (left, right), number in self.pairs.items()),
-            *(f"a[{row}][0] = {rules.first(n)};" for n, row in rules.kept.items()),
-            *rules.first_order(),
-        ]  # fmt: skip
-        return [
-            f"double f[{max(1, len(rules.slots))}], a[{max(1, len(rules.kept))}][{order}];",
-            f"HEAD_pack p[{max(1, len(self.numbers))}][{order}];",
-            "(void)p, (void)a;",
-            "HEAD_start(t, x, xs, c, w, u, us, f, 1);",
-            *lines,
-        ]
-
-    def sums(self) -> list[str]:
-        """Return the lines of m of each group: the terms from j = 1 to k - 1 of its sums.
-
-        Each product has its own chain of additions. The latest coefficients come last, so that little
-        waits for them.
-        """
-        chains = [(f"m{g}_{n}", *pair) for g, group in enumerate(self.groups)
-                  for n, pair in enumerate(group.products)]  # fmt: skip
-        parts = (chains[k : k + AT_ONCE] for k in range(0, len(chains), AT_ONCE))
-        totals = (" ".join(f"m{g}_{n}" for n in range(len(group.products)))
-                  for g, group in enumerate(self.groups))  # fmt: skip
-        return [
-            *(line for part in parts for line in self._chains(part)),
-            *(f"const HEAD_pack m{g} = {summed(names.split())};" for g, names in enumerate(totals)),
-        ]
-
-    def _chains(self, chains: Sequence[tuple[str, Pack, Pack]]) -> list[str]:
-        def more(left: str, right: str) -> list[str]:
-            terms = ((m, f"p[{self.numbers[a]}][{left}], p[{self.numbers[b]}][{right}]")
-                     for m, a, b in chains)  # fmt: skip
-            return [*(f"    {m} = HEAD_MORE({m}, {term});" for m, term in terms), "}"]
-
-        return [
-            *(f"HEAD_pack {m} = HEAD_PACK(0.0, 0.0, 0.0, 0.0);" for m, _, _ in chains),
-            "for (int j = 2; j < k - 1; ++j) {",
-            *more("j", "k - j"),
-            "if (k > 1) {",
-            *more("1", "k - 1"),
-            "if (k > 2) {",
-            *more("k - 1", "1"),
-        ]
-
-    def whole(self, group: Group) -> list[str]:
-        """Return the lines of a whole group: its values are its sums with what these lack."""
-        g = self.groups.index(group)
-        lines = [line for pair in group.products for pack in pair for line in self._store(pack)]
-        total = f"m{g}"
-        for left, right in group.products:
-            total = f"HEAD_MORE({total}, p[{self.numbers[left]}][0], b{self.numbers[right]})"
-        for pair in group.products:
-            total = f"HEAD_MORE({total}, e{self.pairs[pair]}, b{self.numbers[pair[0]]})"
-        for pack in group.added:
-            total = f"HEAD_PLUS({total}, {self._scaled(pack, self._now(pack))})"
-        places = (
-            f"const double v{n} = HEAD_PLACE(g{g}, {at});" for at, n in enumerate(group.values)
-        )
-        return [*lines, f"const HEAD_pack g{g} = {total};", *places]
-
-    def stored(self) -> list[str]:
-        """Return the lines that keep what later orders read."""
-        rows = (f"a[{row}][k] = {self.rules.now(n)};" for n, row in self.rules.kept.items())
-        return [*rows, *(line for pack in self.numbers for line in self._store(pack))]
-
-    def _store(self, pack: Pack) -> list[str]:
-        """Return the lines that make a vector, without its coefficients, and store it, once."""
-        if pack in self.stores:
-            return []
-        self.stores.add(pack)
-        bare = f"b{self.numbers[pack]}"
-        return [
-            f"const HEAD_pack {bare} = {self._now(pack)};",
-            f"p[{self.numbers[pack]}][k] = {self._scaled(pack, bare)};",
-        ]
-
-    def _scaled(self, pack: Pack, text: str) -> str:
-        return text if pack.is_plain else f"HEAD_TIMES({text}, c{self.factors[pack.factors]})"
-
-    def _first(self, pack: Pack) -> str:
-        """Return the values of order 0 of a pack; times the order, where it is weighted."""
-        pairs = zip(pack.places, pack.weighted, strict=True)
-        return four(
-            "0.0" if n is None or weighted else self.rules.first(n) for n, weighted in pairs
-        )
-
-    def _now(self, pack: Pack) -> str:
-        """Return the coefficients of order k: chosen from one or two vectors where these hold them."""
-        sources = [self.rules.source(n) for n in pack.places if n is not None]
-        held = [source for source in sources if source]
-        names = list(dict.fromkeys(name for name, _ in held))
-        if len(held) < len(sources) or any(pack.weighted) or len(names) > 2:
-            pairs = zip(pack.places, pack.weighted, strict=True)
-            texts = ("0.0" if n is None else ("k * " if w else "") + str(self.rules.now(n))
-                     for n, w in pairs)  # fmt: skip
-            return four(texts)
-        places = iter([place + WIDTH * names.index(name) for name, place in held])
-        wanted = [at if n is None else next(places) for at, n in enumerate(pack.places)]
-        if wanted == list(range(WIDTH)):
-            return names[0]
-        return f"HEAD_CHOSEN({names[0]}, {names[-1]}, {', '.join(map(str, wanted))})"
-
-    def _coefficient(self, given: Coefficient | None) -> str:
-        if given is None:
-            return "0.0"
-        factors = (str(self.rules.slot(*still)) for still in given.factors)
-        return " * ".join([repr(float(given.number)), *factors])

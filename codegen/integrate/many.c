@@ -3,9 +3,11 @@
 #include <string.h>
 
 @JOB@
+enum { BETWEEN_LOOKS = 100 }; /* steps between two looks at the flag */
+
 /* Integrate the trajectories of a job one after the other. */
 void @PREFIX@_many(const job_ *o) {
-    for (size_t j = 0; j < o->count; ++j) {
+    for (size_t j = 0; j < o->count && *o->halt == 0; ++j) {
         @PREFIX@ s;
         @PREFIX@_output stored;
         double p[@PARAMETERS@ + 1];
@@ -14,14 +16,17 @@ void @PREFIX@_many(const job_ *o) {
         s.t = o->t, s.t_end = o->t_end, s.h_max = o->h_max, s.rtol = o->rtol, s.margin = o->margin;
         for (int i = 0; i < N; ++i) {
             s.x[i] = o->x[i * o->x_row + (ptrdiff_t)j * o->x_column];
-            s.atol[i] = o->atol[i];
+            s.atol[i] = o->atol[i * o->atol_row + (ptrdiff_t)j * o->atol_column];
         }
         for (int i = 0; i < @PARAMETERS@; ++i) p[i] = o->p[i * o->p_row + (ptrdiff_t)j * o->p_column];
         stored.t = o->room, stored.x = o->room + o->grid_count, stored.grid = o->grid;
         stored.capacity = stored.grid_count = o->grid_count;
         int status = @PREFIX@_start(&s, p, o->u);
-        while (status == @UPPER@_PAUSED && s.steps + s.rejected < o->max_steps)
-            status = @PREFIX@_run(&s, o->u, &stored, o->max_steps - s.steps - s.rejected);
+        while (status == @UPPER@_PAUSED && *o->halt == 0) {
+            const long long left = o->max_steps - s.steps - s.rejected;
+            if (left <= 0) break;
+            status = @PREFIX@_run(&s, o->u, &stored, left < BETWEEN_LOOKS ? left : BETWEEN_LOOKS);
+        }
         for (size_t k = 0; k < stored.count; ++k)
             for (int i = 0; i < N; ++i)
                 o->y[(ptrdiff_t)k * o->y_time + i * o->y_row + (ptrdiff_t)j] = stored.x[k * N + (size_t)i];

@@ -20,6 +20,7 @@ from codegen.integrate import (
     sundials,
     taylor,
 )
+from codegen.integrate.crossings import GROUP
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.dp5 import DP5
 from codegen.integrate.projector import Projector, with_values
@@ -28,6 +29,7 @@ from codegen.integrate.trajectory import Problem, Trajectory
 from codegen.integrate.tsit5 import TSIT5
 from codegen.layout import Layout
 from codegen.program import Program
+from codegen.signals import Inputs
 from eom.errors import InputError, unknown_name
 
 Integrator = Callable[[Problem], Trajectory]
@@ -39,7 +41,7 @@ class Task:
 
     compiled: Compiled
     problem: Problem
-    signals: scipy_.Inputs | None
+    signals: Inputs | None
     events: tuple[events.Event, ...] = ()
 
 
@@ -64,8 +66,7 @@ Further = tuple[tuple[str, ...], tuple[events.Event, ...]]
 
 def _further(task: Task) -> Further:
     """Return that of a task; of its events what generated code depends on, the expressions."""
-    bare = tuple(events.Event(e.expression, name=e.label) for e in task.events)
-    return task.problem.project, bare
+    return task.problem.project, events.bare(task.events)
 
 
 @lru_cache(maxsize=64)
@@ -76,7 +77,9 @@ def _extended_once(key: SameObject[Compiled], further: Further) -> tuple[Program
     found = compiled.program, compiled.layout
     if names:
         found = projection.extended(*found, names, compiled.stable)
-    return events.extended(*found, compiled, looked_for) if looked_for else found
+    if not looked_for or GROUP in found[1].results:  # over time since a start: made there
+        return found
+    return events.extended(*found, compiled, looked_for)
 
 
 @lru_cache(maxsize=64)
@@ -208,7 +211,7 @@ ROWS: tuple[Method, ...] = (
     Method("taylor", "Taylor series, loop in C, order from the relative tolerance", _taylor,
            projects=True, finds=True),
     Method("rkmk", "Lie-group Runge-Kutta of order 8 for attitude as a quaternion", _rkmk),
-    Method("splitting", "symplectic: exact free-body turns and kicks of torque, fixed step", _splitting),
+    Method("splitting", "symplectic: exact free-body turns and kicks of torque, equal steps", _splitting),
     *(Method(f"scipy:{m}", f"{m} of SciPy over the compiled functions", _scipy(m),
              projects=m not in scipy_.MULTISTEP)
       for m in scipy_.METHODS),
@@ -222,7 +225,8 @@ METHODS = tuple(row.name for row in ROWS)
 
 ``auto`` chooses, and says why. DOP853, DP5, Tsit5 (explicit Runge-Kutta methods of orders 8, 5, 5) and
 taylor (Taylor series) run in generated C beside the target c; rkmk and splitting are for attitude as a
-quaternion; names with ``scipy:`` and ``sundials:`` are methods of these libraries over the compiled
+quaternion, their tolerance is an angle in rad and a part of the length of the angular momentum, not of each
+component; names with ``scipy:`` and ``sundials:`` are methods of these libraries over the compiled
 functions. `ROWS` says more. Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations
 I (1993); Jorba and Zou, Experimental Mathematics 14 (2005); Munthe-Kaas, Appl. Numer. Math. 29 (1999)
 115; Blanes and Moan, J. Comput. Appl. Math. 142 (2002) 313.

@@ -12,6 +12,7 @@
 #define D @LOCAL@  /* a and v */
 #define MOMENTUM @MOMENTUM@  /* of these are components of a vector */
 #define S @SINGULARITIES@
+#define ALLOWED_NOISE 1000.0 /* what rounding may do to a body rate, over the relative tolerance */
 #define CAUTION 0.1 /* the part of the tolerance that one step may use: momentum hides errors of body rates */
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
@@ -19,8 +20,8 @@ size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 @NUMBERS@@START@
 @QUATERNIONS@
 @KERNELS@
-static void slopes(const @PREFIX@ *s, double t, const double *y, const double *u, double *f) {
-    @PREFIX@_slopes(t, y, 1, s->of_slopes, NULL, u, 1, f, 1);
+@LOOKOUT@static void slopes(const @PREFIX@ *s, double t, const double *y, const double *u, double *f) {
+    @PREFIX@_@SLOPES@(t, y, 1, s->of_@SLOPES@, NULL, u, 1, f, 1);
 }
 
 /* exp(a/2) less one, a turn by |a| about a; and (1 - |a|/2 cot(|a|/2))/|a|^2, for `chart_rate`. */
@@ -52,11 +53,11 @@ static inline double point(const double *start, const double *a, double *y) {
 }
 
 static void stage(const @PREFIX@ *s, double t, const double *a, const double *u, double *k) {
-    double y[4 + M], f[D];
+    double y[4 + M], f[@WIDTH@];
     const double part = point(s->y, a, y);
     slopes(s, t, y, u, f);
     chart_rate(a, part, f, k);
-    for (int i = 3; i < D; ++i) k[i] = f[i];
+    for (int i = 3; i < @WIDTH@; ++i) k[i] = f[i];
 }
 
 /* What errors are compared with: a turn with 1, momentum with its length, others with their size. */
@@ -82,7 +83,7 @@ static double scaled_norm(const @PREFIX@ *s, const double *v) {
 /* Length of the first step (Hairer, Norsett and Wanner, sect. II.4); a quaternion has the size 1. */
 static double first_step(@PREFIX@ *s, const double *u, double direction) {
     const double span = fabs(s->t_end - s->t);
-    double a[D], f1[D];
+    double a[D], f1[@WIDTH@];
     for (int i = 0; i < 3; ++i) a[i] = 1.0;
     for (int i = 3; i < D; ++i) a[i] = s->y[i + 1];
     const double d0 = scaled_norm(s, a), d1 = scaled_norm(s, s->f);
@@ -107,7 +108,7 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
     @NAME@_prepare(p, &s->constants);
     @PREFIX@_slopes_constants(p, 1, s->of_slopes);
     @PREFIX@_states_constants(p, 1, s->of_states);
-    for (int i = 0; i < 4; ++i) unit += s->x[quaternion[i]] * s->x[quaternion[i]];
+@LOOKOUT_START@    for (int i = 0; i < 4; ++i) unit += s->x[quaternion[i]] * s->x[quaternion[i]];
     unit = 1.0 / sqrt(unit);
     for (int i = 0; i < 4 + M; ++i) s->y[i] = s->y_low[i] = 0.0;
     for (int i = 0; i < 4; ++i) s->y[i] = s->x[quaternion[i]] *= unit;
@@ -121,19 +122,19 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
 }
 
 /* Whether rounding of the momentum alone, in the body rate about an axis of small moment, is more than the
- * tolerance allows (and more than 1e-13 of the rates). */
-static int too_thin(const @PREFIX@ *s, const double *u) {
+ * tolerance allows (and more than 1e-13 of the rates, those that are no states among them: w has them all). */
+static int too_thin(const @PREFIX@ *s, const double *w, const double *u) {
     double length = 0.0, rate = 0.0, noise = 0.0, y[4 + M], x[N];
     for (int i = 0; i < MOMENTUM; ++i) {
         length += s->y[4 + i] * s->y[4 + i];
-        rate = fmax(rate, fabs(s->x[tolerance_of[3 + i]]));
+        rate = fmax(rate, fmax(fabs(w[i]), fabs(s->x[tolerance_of[3 + i]])));
     }
     for (int k = 0; k < MOMENTUM; ++k) {
         for (int i = 0; i < 4 + M; ++i) y[i] = i < 4 ? s->y[i] : (i == 4 + k ? sqrt(length) : 0.0);
         @PREFIX@_states(s->t, y, 1, s->of_states, NULL, u, 1, x, 1);
         for (int i = 0; i < MOMENTUM; ++i) noise = fmax(noise, DBL_EPSILON * fabs(x[tolerance_of[3 + i]]));
     }
-    return noise > rate * fmax(s->rtol, 1e-13) && noise > s->atol[tolerance_of[D - M]];
+    return noise > rate * ALLOWED_NOISE * fmax(s->rtol, 1e-14) && noise > s->atol[tolerance_of[D - M]];
 }
 
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
@@ -145,13 +146,13 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     s->which = first_bad(s->x);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     prepare(s, p, u);
-    if (too_thin(s, u)) return s->status = @UPPER@_STEP_TOO_SMALL;
     slopes(s, s->t, s->y, u, s->f);
     for (int i = 0; i < D; ++i)
         if (!isfinite(s->f[i])) {
             s->which = 0;
             return s->status = @UPPER@_NOT_FINITE;
         }
+    if (too_thin(s, s->f, u)) return s->status = @UPPER@_THIN;
     if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
     if (s->h <= 0.0) s->h = first_step(s, u, direction);
     return s->status = @UPPER@_PAUSED;
@@ -160,7 +161,7 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
 #define DENSE (4 + M) /* where the coefficients of the interpolant begin in a row */
 
 /* Start and coefficients of the interpolant of the last step; @DENSE_EVALUATIONS@ more evaluations. */
-static void prepare_dense(@PREFIX@ *s, double k[][D], double h, const double *change, const double *u) {
+static void prepare_dense(@PREFIX@ *s, double k[][@WIDTH@], double h, const double *change, const double *u) {
     double a[D];
 @DENSE_STAGES@
     s->evaluations += @DENSE_EVALUATIONS@;
@@ -197,17 +198,17 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
 
 @EVENTS@@STEPS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
-    double k[@ALL_STAGES@][D], a[D], y_new[4 + M], y_low[4 + M], f_new[D], x_new[N];
+    double k[@ALL_STAGES@][@WIDTH@], a[D], y_new[4 + M], y_low[4 + M], f_new[@WIDTH@], x_new[N];
     long long attempts = 0;
     const int state = ready(s, o, direction);
     if (state != @UPPER@_PAUSED) return state;
-    while (s->t != s->t_end) {
+    while (s->t != s->t_end || s->t_low != 0.0) {
         double h, t_new, t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
+@LOOK_AHEAD@        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
 
-        for (int i = 0; i < D; ++i) k[0][i] = s->f[i];
+        for (int i = 0; i < @WIDTH@; ++i) k[0][i] = s->f[i];
 @STAGES@
         s->evaluations += @EVALUATIONS@;
         for (int i = 0; i < D; ++i) a[i] = h * (@UPDATE@);
@@ -219,8 +220,8 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         for (int i = 4; i < 4 + M; ++i) y_new[i] = two_sum(s->y[i], a[i - 1] + s->y_low[i], &y_low[i]);
         slopes(s, t_new, y_new, u, f_new);
         chart_rate(a, part, f_new, k[@LAST@]);
-        for (int i = 3; i < D; ++i) k[@LAST@][i] = f_new[i];
-        double high = 0.0, low = 0.0, scale[D];
+        for (int i = 3; i < @WIDTH@; ++i) k[@LAST@][i] = f_new[i];
+@CUT@        double high = 0.0, low = 0.0, scale[D];
         scales(s, s->y, y_new, scale);
         for (int i = 0; i < D; ++i) {
             const double e_high = h * (@ERROR_HIGH@) / scale[i];
@@ -228,8 +229,8 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
             high += e_high * e_high;
             low += e_low * e_low;
         }
-        const double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * D) : high;
-        @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
+        double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * D) : high;
+@PASSES@        @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
         if (is_rejected(s, h, error, isfinite(error) ? -1 : first_bad(x_new), x_new)) continue;
         const double factor = growth(s, error);
 
@@ -242,9 +243,9 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         const double stop = place_of_stop(s, possible, after, u);
         const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < 4 + M; ++i) s->y[i] = y_new[i], s->y_low[i] = y_low[i];
-        for (int i = 0; i < D; ++i) s->f[i] = f_new[i];
+        for (int i = 0; i < @WIDTH@; ++i) s->f[i] = f_new[i];
         s->h = fabs(h) * factor;
-        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
+@AFTER_LOOK@@FORESEE@        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
     }
     return s->status = @UPPER@_DONE;

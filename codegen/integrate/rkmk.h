@@ -12,7 +12,7 @@ typedef struct {
     double t_low, t_old, h_old;
     double atol[@STATES@], x[@STATES@];
     double y[@POINT@], y_low[@POINT@]; /* q, then v, each as a sum of two */
-    double f[@LOCAL@];                 /* body rates of the quaternion, then rates of v */
+    double f[@RATES_ROOM@];                 /* body rates of the quaternion, then rates of v */
     double tolerance[@LOCAL@];         /* absolute, of a turn and of v */
     double row[@ROW@];                 /* the last step: q, v at its start, and the interpolant */
     double singular[@SINGULAR_ROOM@], closest[@SINGULAR_ROOM@];
@@ -20,7 +20,7 @@ typedef struct {
     int status, which, after_rejection;
     @NAME@_constants constants; /* what depends on the parameters alone, from here on */
     double of_slopes[@OF_SLOPES@], of_states[@OF_STATES@];
-} @PREFIX@;
+@LOOKOUT_FIELDS@} @PREFIX@;
 
 @OUTPUT@
 /* The states x[count][n] at parts theta, from 0 to 1, of steps whose rows were stored as dense. */

@@ -11,30 +11,34 @@ Dense output is the interpolant of a and of the others, of order 7, so that it i
 Errors are measured in the angle of the turn, relative to 1 rad, in momentum, relative to its length, and
 in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out
 as a first integral, it is kept to the tolerance, and so is H. A body rate follows from the momentum with
-the rounding error of H/J: where that is above the tolerance, as for a needle, the run ends at its start.
+the rounding error of H/J: where that is above the tolerance, as for a needle, the run ends at its start
+and says so.
 """
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 from codegen import native
-from codegen.integrate import group, runge_kutta
+from codegen.integrate import group, lookout, runge_kutta
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.tableau import Row, Tableau
 from codegen.layout import Layout
-from codegen.lower import SINGULARITIES
+from codegen.lower import RATES, SINGULARITIES
 from codegen.momentum import SIZES, SLOPES, START, STATES, Variables, local, start
 from codegen.names import identifier
 from codegen.program import Program
 from codegen.stages import by_parameters
 
 NAME = "rkmk"
+FURTHER_STATUS = """\
+    {name}_THIN = 7,     /* rounding of momentum alone is more than the tolerance of a body rate */
+"""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ def files(program: Program, layout: Layout, tableau: Tableau = DOP853) -> Mappin
 
     Raises `InputError` for systems without an attitude quaternion, or with several.
     """
-    filled, _, _ = _filled(program, layout, tableau)
+    filled, *_ = _filled(program, layout, tableau)
     return filled
 
 
@@ -75,14 +79,14 @@ def build(
 
     Raises `CompilerError` if that fails, and `InputError` as `files`.
     """
-    filled, shape, constants = _filled(program, layout, tableau)
+    filled, shape, constants, watch = _filled(program, layout, tableau)
     header, source = filled.values()
     text = group.single_text(program, layout, NAME, header, source)
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
     sizes = (of_rates, constants["slopes"], constants["states"])
-    state, output = _structures(prefix, shape, room, sizes)
+    state, output = _structures(prefix, shape, room, sizes, watch.fields, watch.width)
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     method = NativeMethod(shape.terms, group.unbound, begin, run, state, output, library)
@@ -91,19 +95,34 @@ def build(
 
 def _filled(
     program: Program, layout: Layout, tableau: Tableau
-) -> tuple[Mapping[str, str], _Shape, dict[str, int]]:
-    variables = group.variables_of(NAME, program, layout)
+) -> tuple[Mapping[str, str], _Shape, dict[str, int], lookout.Lookout]:
+    variables = group.variables_of(NAME, layout)
     shape = _Shape(variables, tableau, len(layout.states))
     values = group.values(layout, NAME)
     changed, begin = local(program, variables), start(program, variables)
     parts = [(changed, SLOPES, "slopes"), (changed, STATES, "states"), (changed, SIZES, "sizes")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
     values |= _of_variables(shape, made) | _of_tableau(tableau)
+    watch = lookout.of(
+        replace(changed, results={RATES: changed.results[SLOPES]}), values["PREFIX"], tableau
+    )
+    values |= _of_watch(shape, watch)
+    values["FURTHER_STATUS"] = FURTHER_STATUS.format(name=values["UPPER"])
     filled = {
         f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"rkmk.{kind}", values)
         for kind in ("h", "c")
     }
-    return filled, shape, made.constants
+    return filled, shape, made.constants, watch
+
+
+def _of_watch(shape: _Shape, watch: lookout.Lookout) -> dict[str, str]:
+    wide = watch.width > 0
+    return {
+        "WIDTH": "W" if wide else "D",
+        "SLOPES": "watched" if wide else "slopes",
+        "RATES_ROOM": str(shape.local + watch.width),
+        **watch.texts,
+    }
 
 
 def _of_variables(shape: _Shape, made: group.Functions) -> dict[str, str]:
@@ -168,14 +187,19 @@ def _stage(tableau: Tableau, s: int) -> str:
 
 @cache
 def _structures(
-    prefix: str, shape: _Shape, room: int, constants: tuple[int, int, int]
+    prefix: str,
+    shape: _Shape,
+    room: int,
+    constants: tuple[int, int, int],
+    watched: tuple[tuple[str, Any], ...],
+    width: int,
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of rkmk.h."""
     double: Any = ctypes.c_double
     names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
     lengths = (
         ("atol", shape.states), ("x", shape.states), ("y", shape.point), ("y_low", shape.point),
-        ("f", shape.local), ("tolerance", shape.local), ("row", shape.terms * shape.states),
+        ("f", shape.local + width), ("tolerance", shape.local), ("row", shape.terms * shape.states),
         ("singular", room), ("closest", room),
     )  # fmt: skip
     state: list[tuple[str, Any]] = [(f, double) for f in names]
@@ -184,4 +208,5 @@ def _structures(
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
     kept = zip(("constants", "of_slopes", "of_states"), constants, strict=True)
     state += [(f, double * length) for f, length in kept]
+    state += watched
     return runge_kutta.structures(prefix, state)

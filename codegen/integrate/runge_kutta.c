@@ -9,7 +9,7 @@
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
-@NUMBERS@@START@static double scaled_norm(const @PREFIX@ *s, const double *v) {
+@NUMBERS@@START@@LOOKOUT@static double scaled_norm(const @PREFIX@ *s, const double *v) {
     double sum = 0.0;
     for (int i = 0; i < N; ++i) {
         const double r = v[i] / (s->atol[i] + s->rtol * fabs(s->x[i]));
@@ -45,7 +45,7 @@ static double first_step(@PREFIX@ *s, const double *u, double direction) {
     s->which = -1;
     for (int i = 0; i < N; ++i) s->x_low[i] = 0.0;
     @NAME@_prepare(p, &s->constants);
-    @NAME@_rates(s->t, s->x, &s->constants, u, s->f);
+@LOOKOUT_START@    @RATES_AT@(s->t, s->x, @RATES_WITH@s->f@RATES_END@);
     s->which = first_bad(s->f);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
@@ -54,7 +54,7 @@ static double first_step(@PREFIX@ *s, const double *u, double direction) {
 }
 
 /* Coefficients of the interpolant of the last step; @DENSE_COST@. */
-static void prepare_dense(@PREFIX@ *s, double k[][N], double h, const double *x_new, const double *u) {
+static void prepare_dense(@PREFIX@ *s, double k[][@WIDTH@], double h, const double *x_new, const double *u) {
 @DENSE_STAGES@
     for (int i = 0; i < N; ++i) {
         const double change = x_new[i] - s->x[i];
@@ -76,49 +76,48 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
 
 @EVENTS@@STEPS@@CROSSINGS@int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
-    double k[@ALL_STAGES@][N], y[N], x_new[N], x_low[N];
+    double k[@ALL_STAGES@][@WIDTH@], y[N], x_new[N], x_low[N];
     long long attempts = 0;
     const int state = ready(s, o, direction);
     if (state != @UPPER@_PAUSED) return state;
-    while (s->t != s->t_end) {
+    while (s->t != s->t_end || s->t_low != 0.0) {
         double h, t_new, t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
 @EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
+@LOOK_AHEAD@        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
 
-        for (int i = 0; i < N; ++i) k[0][i] = s->f[i];
+        for (int i = 0; i < @WIDTH@; ++i) k[0][i] = s->f[i];
 @STAGES@
         s->evaluations += @EVALUATIONS@;
         for (int i = 0; i < N; ++i) {
             const double change = h * (@UPDATE@);
             x_new[i] = two_sum(s->x[i], change + s->x_low[i], &x_low[i]);
         }
-        @NAME@_rates(t_new, x_new, &s->constants, u, k[@LAST@]);
-        double @ERROR_SUMS@;
+        @RATES_AT@(t_new, x_new, @RATES_WITH@k[@LAST@]@RATES_END@);
+@CUT@        double @ERROR_SUMS@;
         for (int i = 0; i < N; ++i) {
             const double scale = 1.0 / (s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
 @ERROR_TERMS@
         }
-        const double error = @ERROR@;
-        const int bad = isfinite(error) ? -1 : first_bad(x_new);
+        double error = @ERROR@;
+@PASSES@        const int bad = isfinite(error) ? -1 : first_bad(x_new);
         if (is_rejected(s, h, error, bad >= 0 || isfinite(error) ? bad : first_bad(k[@LAST@]), x_new)) continue;
         const double factor = growth(s, error);
 @PROJECT@
-        const int needs_dense = @EVENT_DENSE@o->dense != NULL || wants_grid_point(o, t_new, direction);
+@QUICK_STEP@        const int needs_dense = @EVENT_DENSE@o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];
         s->t_old = s->t;
         s->h_old = h;
         double after[S + 1];
         const int possible = may_stop(s, t_new, x_new, u, after);
-        if (needs_dense || possible) prepare_dense(s, k, h, x_new, u);
-        const double stop = @STOP_BEGIN@place_of_stop(s, possible, after, u)@STOP_END@;
+@DENSE_LATER@        const double stop = @STOP_BEGIN@place_of_stop(s, possible, after, u)@STOP_END@;
         const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < N; ++i) {
             s->x_low[i] = stop <= 1.0 ? 0.0 : x_low[i];
             s->f[i] = k[@LAST@][i];
         }
-        s->h = fabs(h) * factor;
-        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, &s->dense[0][0], @DENSE_TERMS@ * N);
+@KEEP_WATCHED@        s->h = fabs(h) * factor;
+@AFTER_LOOK@@FORESEE@        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, &s->dense[0][0], @DENSE_TERMS@ * N);
         if (stop <= 1.0) return s->status = @STOPPED@;
     }
     return s->status = @UPPER@_DONE;

@@ -9,13 +9,13 @@
 @EVENT_TYPE@typedef struct {
     double t, t_end, h, h_max, rtol, margin;
     double t_low, t_old, h_old;
-    double atol[@STATES@], x[@STATES@], x_low[@STATES@], f[@STATES@], x_old[@STATES@];
+    double atol[@STATES@], x[@STATES@], x_low[@STATES@], f[@RATES_ROOM@], x_old[@STATES@];
     double dense[@DENSE_TERMS@][@STATES@];
     double singular[@SINGULAR_ROOM@], closest[@SINGULAR_ROOM@];
     long long steps, rejected, evaluations;
     int status, which, after_rejection;
     @NAME@_constants constants; /* what depends on the parameters alone */
-@EVENT_FIELDS@} @PREFIX@;
+@LOOKOUT_FIELDS@@EVENT_FIELDS@} @PREFIX@;
 
 @OUTPUT@
 #ifdef __cplusplus

@@ -8,13 +8,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from codegen import native
-from codegen.integrate import crossings, projection
+from codegen.integrate import crossings, lookout, projection
 from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
@@ -26,13 +26,20 @@ from codegen.stages import by_parameters
 from codegen.targets import c
 
 NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED, EVENT = -2, -1, 0, 1, 2, 3, 5
-STEPS_A_CALL = 50_000
+COARSE = 6
+"""Of a method with equal steps: they are too long, and the run begins again."""
+THIN = 7
+"""Of a method that moves momentum: it cannot tell a body rate about an axis of small moment."""
+STEPS_A_CALL, FIRST_CALL = 50_000, 50
+"""Steps that generated code makes in one call, at most and at first."""
+CALL_SECONDS = 0.05
+"""What a call takes, about: between two calls Python sees that the user has interrupted it."""
 FIRST_CAPACITY = 2_048
 
 
-def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
+def files(tableau: Tableau, program: Program, layout: Layout) -> Mapping[str, str]:
     """Return header and source of the integrator by file name."""
-    values = _values(tableau, layout)
+    values = _values(tableau, program, layout)
     return {
         f"{values['PREFIX']}.{kind}": fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
     }
@@ -41,7 +48,7 @@ def files(tableau: Tableau, layout: Layout) -> Mapping[str, str]:
 def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
     """Return functions and integrator as one text that compiles by itself."""
     name = identifier(layout.name)
-    header, source = files(tableau, layout).values()
+    header, source = files(tableau, program, layout).values()
     rest = (header + source).replace(f'#include "{name}.h"\n', "")
     return c.single_text(program, layout) + rest.replace(
         f'#include "{name}_{tableau.name}.h"\n', ""
@@ -63,18 +70,24 @@ def fill(template: str, values: Mapping[str, str]) -> str:
 
 
 def _without_events(values: Mapping[str, str]) -> dict[str, str]:
-    return {**crossings.NONE, "STOPPED": f"{values.get('UPPER', '')}_SINGULAR"}
+    return {
+        **crossings.NONE,
+        "FURTHER_STATUS": "",
+        "STOPPED": f"{values.get('UPPER', '')}_SINGULAR",
+    }
 
 
 def _template(name: str) -> str:
     return resources.files("codegen.integrate").joinpath(name).read_text(encoding="ascii")
 
 
-def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
+def _values(tableau: Tableau, program: Program, layout: Layout) -> dict[str, str]:
     name, last = identifier(layout.name), tableau.main_stages
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     prefix = f"{name}_{tableau.name}"
-    main = [_stage(tableau, name, s) for s in range(1, last)]
+    watch = lookout.of(program, prefix, tableau)
+    rates = _rates(name, prefix, watch)
+    main = [_stage(tableau, rates, s) for s in range(1, last)]
     dense = [
         f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
     ]
@@ -100,14 +113,42 @@ def _values(tableau: Tableau, layout: Layout) -> dict[str, str]:
         "DENSE_COEFFICIENTS": "\n".join(dense),
         "DENSE_FACTOR": "theta" if tableau.dense_terms % 2 else "(1.0 - theta)",
         "UPDATE": _sum(tableau.stages[last]),
-        "ROOT": "sqrt(sqrt(sqrt(error)))"
-        if tableau.order == 8
-        else f"pow(error, 1.0 / {tableau.order}.0)",
-        **_further_stages(tableau, name),
+        "ROOT": _root(tableau.order),
+        **_of_rates(rates, n, watch.width),
+        **_further_stages(tableau, rates),
         **_error(tableau),
         **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
-        **crossings.of_values(layout, prefix),
+        **crossings.of_values(program, layout, prefix),
+        **watch.texts,
     }
+
+
+def _root(order: int) -> str:
+    return "sqrt(sqrt(sqrt(error)))" if order == 8 else f"pow(error, 1.0 / {order}.0)"
+
+
+class _Rates(NamedTuple):
+    """How the rates are called: the function, its arguments before the array of results, and behind."""
+
+    name: str
+    before: str
+    after: str
+
+
+def _of_rates(rates: _Rates, n: int, width: int) -> dict[str, str]:
+    return {
+        "WIDTH": "W" if width else "N",
+        "RATES_ROOM": str(n + width),
+        "RATES_AT": rates.name,
+        "RATES_WITH": rates.before,
+        "RATES_END": rates.after,
+    }
+
+
+def _rates(name: str, prefix: str, watch: lookout.Lookout) -> _Rates:
+    if not watch.width:
+        return _Rates(f"{name}_rates", "&s->constants, u, ", "")
+    return _Rates(f"{prefix}_watched", "1, s->of_watched, NULL, u, 1, ", ", 1")
 
 
 _IN_WORDS = {
@@ -118,10 +159,10 @@ _IN_WORDS = {
 }
 
 
-def _further_stages(tableau: Tableau, name: str) -> dict[str, str]:
+def _further_stages(tableau: Tableau, rates: _Rates) -> dict[str, str]:
     """Return how the stages that dense output alone needs are computed, and what they cost."""
     further = range(tableau.main_stages + 1, len(tableau.stages))
-    lines = ["    double y[N];", *(_stage(tableau, name, s) for s in further)]
+    lines = ["    double y[N];", *(_stage(tableau, rates, s) for s in further)]
     lines += [f"    s->evaluations += {len(further)};"]
     none = "    (void)u; /* the stages of the step are enough */"
     return {
@@ -151,17 +192,24 @@ def _sum(row: Row) -> str:
     )
 
 
-def _stage(tableau: Tableau, name: str, s: int) -> str:
+def _stage(tableau: Tableau, rates: _Rates, s: int) -> str:
     indent = "        " if s < tableau.main_stages else "    "
     return (
         f"{indent}for (int i = 0; i < N; ++i) y[i] = s->x[i] + h * ({_sum(tableau.stages[s])});\n"
-        f"{indent}{name}_rates(s->t + {tableau.nodes[s]!r} * h, y, &s->constants, u, k[{s}]);"
+        f"{indent}{rates.name}(s->t + {tableau.nodes[s]!r} * h, y, {rates.before}k[{s}]{rates.after});"
     )
 
 
 @cache
 def _structures(
-    prefix: str, n: int, room: int, terms: int, constants: int, events: int
+    prefix: str,
+    n: int,
+    room: int,
+    terms: int,
+    constants: int,
+    events: tuple[int, int],
+    watched: tuple[tuple[str, Any], ...],
+    width: int,
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of runge_kutta.h."""
     double: Any = ctypes.c_double
@@ -170,11 +218,12 @@ def _structures(
         (f, double)
         for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
     ]
-    state += [(f, vector) for f in ("atol", "x", "x_low", "f", "x_old")]
+    state += [(f, vector) for f in ("atol", "x", "x_low")]
+    state += [("f", double * (n + width)), ("x_old", vector)]
     state += [("dense", vector * terms), ("singular", double * room), ("closest", double * room)]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
-    state += [("constants", double * constants)]
+    state += [("constants", double * constants), *watched]
     state += crossings.fields(events, 0)
     return structures(prefix, state)
 
@@ -209,6 +258,10 @@ class NativeMethod:
     library: ctypes.CDLL
     most_events: int = 0
     """What a step may find, where there are events."""
+    told: Callable[[Any, Problem], str] = lambda state, problem: ""
+    """What is to be told of a run, from the state of the integrator at its end."""
+    overflows: Callable[[Any], bool] = lambda state: False
+    """Whether Taylor coefficients where it stopped are not finite, those of the first order apart."""
 
 
 def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
@@ -218,11 +271,15 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     prefix = f"{identifier(layout.name)}_{tableau.name}"
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     constants = max(1, len(by_parameters(program, layout.sizes).values))
-    events, room = crossings.count_of(layout), crossings.most(layout)
+    events, room = crossings.sizes(program, layout), crossings.most(layout)
     terms = tableau.dense_terms
-    state, output = _structures(prefix, n, max(1, singular), terms, constants, events)
+    watch = lookout.of(program, prefix, tableau)
+    state, output = _structures(
+        prefix, n, max(1, singular), terms, constants, events, watch.fields, watch.width
+    )
     start, run, library = loaded(text, flags, prefix, state)
-    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room)
+    told = crossings.told(program, layout)
+    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room, told)
 
 
 def loaded(
@@ -252,6 +309,7 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
     status = clock.timed(method.start, ctypes.addressof(s), p, u)
     output = ctypes.addressof(store.output)
     look = problem.watch_every if problem.watch else problem.max_steps
+    most = min(FIRST_CALL, STEPS_A_CALL)
     while status in {PAUSED, FULL}:
         left = problem.max_steps - s.steps - s.rejected
         if left <= 0:
@@ -259,28 +317,39 @@ def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
         store.finder.empty(s)
         if not store.make_room():
             return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
-        attempts = min(STEPS_A_CALL, left, look - s.steps - s.rejected)
+        attempts = min(most, left, look - s.steps - s.rejected)
         status = clock.timed(method.run, ctypes.addressof(s), u, output, attempts)
+        most = _next_call(most, clock.last)
+        if status == COARSE and store.begins_again(s, problem):
+            status = clock.timed(method.start, ctypes.addressof(s), p, u)
         problem.report(s.t)
         if problem.watch and status == PAUSED and s.steps + s.rejected >= look:
             look += problem.watch_every
             if problem.watch(s.t, np.array(s.x[:]), s.h_old):
                 return store.trajectory(s, Stop("left", s.t), problem, clock.seconds)
-    return store.trajectory(s, Stop(_STOPS[status], s.t, s.which), problem, clock.seconds)
+    overflows = status in {NOT_FINITE, STEP_TOO_SMALL} and method.overflows(s)
+    stop = Stop(_STOPS[status], s.t, s.which, overflows)
+    return store.trajectory(s, stop, problem, clock.seconds)
 
 
 class _Clock:
-    """Seconds in generated code."""
+    """Seconds in generated code, in all and in the last call."""
 
     def __init__(self) -> None:
-        self.seconds = 0.0
+        self.seconds = self.last = 0.0
 
     def timed(self, function: Callable[..., int], *args: object) -> int:
         """Call a function and add its time."""
         began = time.perf_counter()
         status = function(*args)
-        self.seconds += time.perf_counter() - began
+        self.last = time.perf_counter() - began
+        self.seconds += self.last
         return status
+
+
+def _next_call(most: int, seconds: float) -> int:
+    """Return how many steps the next call may make; what is computed does not depend on it."""
+    return min(STEPS_A_CALL, 2 * most) if seconds < CALL_SECONDS else max(1, most // 2)
 
 
 _STOPS = {
@@ -289,6 +358,8 @@ _STOPS = {
     EVENT: "event",
     NOT_FINITE: "not finite",
     STEP_TOO_SMALL: "step",
+    COARSE: "coarse",
+    THIN: "thin",
     PAUSED: "max_steps",
     FULL: "max_steps",
 }
@@ -309,7 +380,7 @@ class _Store:
 
     def __init__(self, method: NativeMethod, problem: Problem) -> None:
         self.n, self.finder = len(problem.x0), crossings.Finder(problem)
-        self.terms, self.solution = method.terms, method.solution
+        self.terms, self.solution, self.told = method.terms, method.solution, method.told
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
         capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
@@ -340,6 +411,16 @@ class _Store:
         self.output.capacity = len(self.t)
         self._point()
         return True
+
+    def begins_again(self, s: Any, problem: Problem) -> bool:
+        """Forget a run whose equal steps were too long; True if the next ones are few enough.
+
+        C says the next length, with a minus, in ``h``.
+        """
+        self.output.count = self.output.next = 0
+        s.t, s.x[:], s.steps = problem.t_span[0], problem.x0.tolist(), 0
+        length = abs(problem.t_span[1] - problem.t_span[0])
+        return bool(length <= -s.h * (problem.max_steps - s.rejected))
 
     def trajectory(self, s: Any, stop: Stop, problem: Problem, seconds: float) -> Trajectory:
         """Return what was stored; without a grid the start is the first point."""
@@ -372,6 +453,7 @@ class _Store:
             solution=solution,
             seconds=seconds,
             found=self.finder.found() if problem.events else None,
+            notice=self.told(s, problem),
         )
 
 

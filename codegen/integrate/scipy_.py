@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -15,12 +15,18 @@ from codegen.integrate.projector import Projector
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.integrate.tsit5 import TSIT5
+from codegen.integrate.watching import Cut, Watcher
+from codegen.signals import Inputs
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 TABLEAUX = {"Tsit5": TSIT5}
 """Explicit methods that SciPy lacks and that its loop can run."""
 PARTS = 8
 REPORT_EVERY = 100
+ATTEMPTS = 12
+"""So many shorter and shorter steps, each a quarter of the one before, are tried where one overflows."""
+LEAST_RTOL = 100 * 2.0**-52
+"""SciPy's methods take no smaller relative tolerance; this one is taken then, and told."""
 
 SUNDIALS = {f"CVODE {kind}": kind for kind in sundials.KINDS}
 """Methods of SUNDIALS that this loop drives likewise."""
@@ -28,7 +34,6 @@ IMPLICIT = ("Radau", "BDF", "LSODA", *SUNDIALS)
 WITH_SPARSITY = ("Radau", "BDF", *SUNDIALS)
 MULTISTEP = ("BDF", "LSODA")
 """Methods of SciPy that carry values of earlier steps along, which a projection would contradict."""
-Inputs = Callable[[float], Array]
 
 
 def integrate(
@@ -104,9 +109,15 @@ class _Run:
         """Number of a rate that was not finite in the step that is tried, or -1."""
         self.steep = -1
         """Number of a rate whose derivatives were not finite when last computed, or -1."""
-        self.steps = 0
+        self.steps = self.rejected = self.attempts = 0
+        watcher = Watcher(compiled, problem, inputs)
+        self.watcher = None if watcher.is_idle else watcher
+        self.last = self.usual = 0.0
+        """Lengths of the last step, and of the last that no bound made shorter."""
         self.times = [problem.t_span[0]]
         self.points = [problem.x0]
+        self.here = problem.t_span[0], problem.x0
+        """Where the next step starts."""
         self.interpolants: list[Any] = []
         self.grid_values: list[Array] = []
         self.next = 0
@@ -161,34 +172,34 @@ class _Run:
             return self._finish(Stop("singular", start, int(np.argmin(self.closest))), problem.x0)
         self._store_grid(start, None)
         with np.errstate(all="ignore"):
-            solver = self._solver()
-            while solver.status == "running":
-                stop = self._step(solver)
+            self.solver = self._solver(start, problem.x0, problem.first_step)
+            while self.solver.status == "running":
+                stop = self._step(self.solver)
                 if stop is not None:
                     return self._finish(stop, self.points[-1])
         return self._finish(Stop("end", end), self.points[-1])
 
-    def _solver(self) -> Any:
-        problem = self.problem
+    def _solver(self, t: float, x: Array, step: float | None) -> Any:
+        """Return a solver that starts at time ``t`` in the state ``x``, with a first step if given."""
+        problem, end = self.problem, self.problem.t_span[1]
         options: dict[str, Any] = {
-            "rtol": problem.rtol,
+            "rtol": max(problem.rtol, 0.0 if self.method in SUNDIALS else LEAST_RTOL),
             "atol": problem.atol,
             "max_step": problem.max_step,
         }
-        if problem.first_step:
-            span = abs(problem.t_span[1] - problem.t_span[0])
-            options["first_step"] = min(problem.first_step, span)
+        if self.inputs is not None:
+            options["max_step"] = min(problem.max_step, self.inputs.max_step)
+        if step:
+            options["first_step"] = min(step, abs(end - t))
         if self.method in SUNDIALS:
-            return self._sundials(options)
+            return self._sundials(t, x, options)
         if self.jacobian is not None:
             options["jac"] = self._derivatives
         elif self.sparsity is not None:
             options["jac_sparsity"] = self.sparsity
-        return _solver_class(self.method)(
-            self._slope, problem.t_span[0], problem.x0, problem.t_span[1], **options
-        )
+        return _solver_class(self.method)(self._slope, t, x, end, **options)
 
-    def _sundials(self, options: dict[str, Any]) -> sundials.Solver:
+    def _sundials(self, t: float, x: Array, options: dict[str, Any]) -> sundials.Solver:
         problem, known, n = self.problem, self.jacobian, len(self.problem.x0)
         pattern = self.sparsity if n >= sundials.SPARSE_FROM else None
         if known is not None:
@@ -201,23 +212,39 @@ class _Run:
             options |= sundials.sparse_options(sundials.by_columns(rows, columns, n), n)
         kind = SUNDIALS[self.method]
         return sundials.Solver(
-            kind, self._slope, problem.t_span, problem.x0, problem.dense_output, **options
+            kind, self._slope, (t, problem.t_span[1]), x, problem.dense_output, **options
         )
 
     def _step(self, solver: Any) -> Stop | None:
         """Take one step; return why the run has to stop, if it has to."""
-        if self.steps >= self.problem.max_steps:
+        if self.steps + self.rejected >= self.problem.max_steps:
             return Stop("max_steps", solver.t)
+        at_knot = self._look_ahead(solver)
         if not self._advances(solver):
-            return self._failure(solver)
+            return self._failure(solver) if self._gives_up() else None
+        dense = self._interpolant(solver)
+        if self.broken >= 0:
+            shorter = 0.25 * abs(solver.t - solver.t_old)
+            return None if self._tries(shorter) else self._failure(solver)
+        self.attempts = 0
+        cut = self._cut(solver, dense)
+        if cut is not None:
+            self._begin_again(cut)
+            return None
+        stop = self._taken(solver, dense)
+        if stop is None:
+            self._go_on(solver, at_knot)
+        return stop
+
+    def _taken(self, solver: Any, dense: Any) -> Stop | None:
+        """Keep what a step brought; return why the run has to stop, if it has to."""
         self.steps += 1
         if self.steps % REPORT_EVERY == 0:
             self.problem.report(solver.t)
-        dense = solver.dense_output()
         if self.projector is not None:
             dense = self._projected(solver, dense)
         where = self._find_singular(solver, dense)
-        t, x = (solver.t, solver.y.copy()) if where is None else self._at(where[0], dense)
+        t, x = (float(solver.t), solver.y.copy()) if where is None else self._at(where[0], dense)
         if where is not None:
             self.closest = np.minimum(self.closest, np.abs(self._singularities(t, x)))
         self._store_grid(t, dense)
@@ -228,17 +255,98 @@ class _Run:
         self.points.append(x)
         if self.problem.dense_output:
             self.interpolants.append(dense)
+        self.here = t, x
         if where is None and self._is_left(solver):
             return Stop("left", t)
         return None if where is None else Stop("singular", t, where[1])
+
+    def _look_ahead(self, solver: Any) -> bool:
+        """Bound the step by what time alone brings; return whether it ends where a piece changes."""
+        if self.watcher is None:
+            return False
+        length, at_knot = self.watcher.clear(solver.t, self.last)
+        self._bound(solver, solver.t + solver.direction * length)
+        return at_knot
+
+    def _bound(self, solver: Any, t: float) -> None:
+        """Let no step of a solver go beyond ``t``, nor beyond the end."""
+        end = self.problem.t_span[1]
+        solver.t_bound = end if solver.direction * (end - t) <= 4 * math.ulp(end) else t
+        if self.method == "LSODA":
+            solver._lsoda_solver._integrator.rwork[0] = solver.t_bound
+
+    def _cut(self, solver: Any, dense: Any) -> Cut | None:
+        if self.watcher is None:
+            return None
+        return self.watcher.cut(solver.t_old, solver.t, (self.here[1], solver.y), dense)
+
+    def _gives_up(self) -> bool:
+        """Tell whether a step that failed is final.
+
+        Where values are watched, numbers that overflow beyond a wall are first avoided by shorter steps.
+        """
+        if self.watcher is None or self.broken < 0:
+            return True
+        usual = self.last or 1e-3 * self.watcher.span
+        return not self._tries(usual * 0.25 ** (self.attempts + 1))
+
+    def _tries(self, length: float) -> bool:
+        """Begin the step again with a shorter one (s); tell whether there were not too many already."""
+        if self.attempts >= ATTEMPTS:
+            return False
+        self.attempts += 1
+        self._begin_again(Cut(length))
+        return True
+
+    def _interpolant(self, solver: Any) -> Any:
+        """Return the polynomial of the last step; ``broken`` tells where it is not finite.
+
+        Methods of high order call the rates inside the step for it, where they need not be finite though
+        both ends are.
+        """
+        self.broken = -1
+        return solver.dense_output()
+
+    def _begin_again(self, cut: Cut) -> None:
+        """Start anew where the last step did, with a shorter one, or behind a change of piece."""
+        t, x = self.here
+        self.rejected += 1
+        if not cut.passage:
+            self.solver = self._solver(t, x, cut.length)
+            return
+        along = self.solver.direction * cut.length
+        x = x + along * self._slope(t, x)
+        self._restart(t + along, x, self.usual)
+
+    def _restart(self, t: float, x: Array, step: float) -> None:
+        """Go on from another time, a few units in its last place or a passage away."""
+        end = self.problem.t_span[1]
+        if self.solver.direction * (end - t) <= 0:
+            return
+        self.here = t, x
+        self.solver = self._solver(t, x, step)
+
+    def _go_on(self, solver: Any, at_knot: bool) -> None:
+        """After a step: the solver knows of the end again, and starts anew behind a change of piece."""
+        if self.watcher is None:
+            return
+        end = self.problem.t_span[1]
+        at_bound = solver.t == solver.t_bound != end
+        self.last = abs(solver.t - solver.t_old)
+        self.usual = self.last if not at_bound else max(self.usual, self.last)
+        if at_bound and at_knot:
+            behind = solver.t + solver.direction * 8 * self.watcher.unit(solver.t)
+            self._restart(behind, solver.y.copy(), min(self.usual, abs(end - solver.t)))
+        elif at_bound:
+            solver.status = "running"
 
     def _advances(self, solver: Any) -> bool:
         self.broken = -1
         try:
             solver.step()
-        except ValueError:  # implicit methods refuse a matrix that is not finite
-            if max(self.broken, self.steep) < 0:
-                raise
+        except (
+            ValueError
+        ):  # implicit methods refuse a matrix that is not finite: of rates, or of a tiny step
             return False
         except RuntimeError:  # a sparse matrix without an inverse
             return False
@@ -358,6 +466,12 @@ class _Run:
             closest=tuple(float(v) for v in self.closest),
             evaluations=self.evaluations,
             steps=self.steps,
-            rejected=0,
+            rejected=self.rejected,
             solution=solution,
+            notice=self._told(),
         )
+
+    def _told(self) -> str:
+        if self.method in SUNDIALS or self.problem.rtol >= LEAST_RTOL:
+            return ""
+        return f"SciPy's methods take no rtol below {LEAST_RTOL:.2g}: that was taken"

@@ -11,6 +11,7 @@
 #define S @SINGULARITIES@
 #define STAGES @STAGES@ /* torque-free turns of a step */
 #define ORDER @ORDER@
+#define SMALL 0.01 /* distance, in radians, up to which two steps and one differ as the order says */
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
@@ -18,7 +19,7 @@ size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 @QUATERNIONS@
 @FREE_TURN@
 @KERNELS@
-static const double kicks[STAGES + 1] = {@KICKS@};
+@LOOKOUT@static const double kicks[STAGES + 1] = {@KICKS@};
 static const double drifts[STAGES] = {@DRIFTS@};
 
 /* The states that are the quaternion, and the body rates, -1 for those that are constant. */
@@ -160,7 +161,7 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
     double of_constants[@OF_CONSTANTS@], c[12], y[4] = {1.0, 0.0, 0.0, 0.0};
     @NAME@_prepare(p, &s->constants);
     @PREFIX@_kick_constants(p, 1, s->of_kick);
-    @PREFIX@_known_constants(p, 1, of_constants);
+@LOOKOUT_START@    @PREFIX@_known_constants(p, 1, of_constants);
     @PREFIX@_known(0.0, y, 1, of_constants, NULL, u, 1, c, 1);
     double J[3][3] = {{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}};
     principal(J, s->moments, s->axes);
@@ -188,27 +189,41 @@ static Point current(const @PREFIX@ *s) {
     return at;
 }
 
-/* The local error of a step of the length h at the start: one step against two halves, in turn and momentum. */
+/* How far two ends are apart, in turn (rad) and in momentum over size; omega goes with momentum. */
+static double apart(const Point *one, const Point *other, double size) {
+    double turn = 0.0, momentum = 0.0;
+    for (int i = 0; i < 7; ++i) {
+        const double change = one->y[i] - other->y[i];
+        if (i < 4) turn += change * change;
+        else momentum += change * change;
+    }
+    return larger(2.0 * sqrt(turn), size > 0.0 ? sqrt(momentum) / size : 0.0);
+}
+
+static double length_of_momentum(const Point *at) {
+    return sqrt(at->y[4] * at->y[4] + at->y[5] * at->y[5] + at->y[6] * at->y[6]);
+}
+
+/* The local error of a step of the length h at the start: one step against two halves. */
 static double first_error(const @PREFIX@ *s, double h, const double *u) {
     Point one = current(s), two = one;
     advance(s, s->t, h, u, &one);
     advance(s, s->t, 0.5 * h, u, &two);
     advance(s, s->t + 0.5 * h, 0.5 * h, u, &two);
-    double turn = 0.0, momentum = 0.0, size = 0.0;
-    for (int i = 0; i < 7; ++i) { /* omega goes with pi */
-        const double change = one.y[i] - two.y[i];
-        if (i < 4) turn += change * change;
-        else momentum += change * change, size += two.y[i] * two.y[i];
-    }
-    return larger(2.0 * sqrt(turn), size > 0.0 ? sqrt(momentum / size) : 0.0);
+    return apart(&one, &two, larger(s->size, length_of_momentum(&two)));
 }
 
-/* The step: a part of it times the fastest rate is at most 1, and the local error at the start meets rtol. */
-static double first_step(const @PREFIX@ *s, const double *u) {
-    const double span = fabs(s->t_end - s->t), direction = s->t_end >= s->t ? 1.0 : -1.0, rate = fastest(s);
+/* The fastest rate times the longest part of a step. */
+static double pace(const @PREFIX@ *s, double h) {
     double longest = 0.0;
     for (int k = 0; k < STAGES; ++k) longest = larger(longest, fabs(drifts[k]));
-    const double most = rate * longest * span > 1.0 ? 1.0 / (rate * longest) : span;
+    return fastest(s) * longest * fabs(h);
+}
+
+/* A step to begin with: its pace is at most 1, and the local error at the start meets rtol. */
+static double first_step(const @PREFIX@ *s, const double *u) {
+    const double span = fabs(s->t_end - s->t), direction = s->t_end >= s->t ? 1.0 : -1.0, whole = pace(s, span);
+    const double most = whole > 1.0 ? span / whole : span;
     double h = most;
     for (int trial = 0; trial < 6; ++trial) {
         const double error = first_error(s, h * direction, u);
@@ -219,11 +234,25 @@ static double first_step(const @PREFIX@ *s, const double *u) {
     return h;
 }
 
+/* A chosen step is too long by this factor: the run begins again with a shorter one. */
+static int coarse(@PREFIX@ *s, double factor) {
+    s->h = -s->h * fmin(0.8, larger(0.1, factor));
+    s->rejected += s->steps + 1;
+    return s->status = @UPPER@_COARSE;
+}
+
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     double unit = 0.0, constants[@OF_BEGIN@];
-    s->t_low = 0.0;
-    s->steps = s->rejected = 0;
-    s->evaluations = 1;
+    s->t_low = s->error = 0.0;
+    s->chosen = !(s->h > 0.0);
+    if (s->h >= 0.0) {
+        s->rejected = s->evaluations = 0;
+        s->vain = 0;
+        s->excess = 0.0;
+    }
+    s->steps = 0;
+    s->second = 0;
+    s->evaluations += 1;
     s->which = first_bad(s->x);
     if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
     prepare(s, p, u);
@@ -243,9 +272,11 @@ int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
             return s->status = @UPPER@_NOT_FINITE;
         }
     if (starts_singular(s, u)) return s->status = @UPPER@_SINGULAR;
-    const double span = fabs(s->t_end - s->t);
-    const double h = fmin(s->h_max, s->h > 0.0 ? s->h : first_step(s, u));
-    s->h = span / larger(1.0, ceil(span / h * (1.0 - 1e-12)));
+    const Point at = current(s);
+    s->size = length_of_momentum(&at);
+    const double span = fabs(s->t_end - s->t), whole = s->chosen ? 0.5 * span : span; /* pairs of steps are compared */
+    const double h = fmin(s->h_max, s->h == 0.0 ? first_step(s, u) : fabs(s->h));
+    s->h = span / (span / whole * larger(1.0, ceil(whole / h * (1.0 - 1e-12))));
     return s->status = @UPPER@_PAUSED;
 }
 
@@ -255,15 +286,50 @@ static void keep(@PREFIX@ *s, double h) {
     for (int i = 0; i < 6; ++i) s->row[20 + i] = s->torque[i];
     s->row[26] = s->t;
     s->row[27] = h;
+    if (!s->second)
+        for (int i = 0; i < 28; ++i) s->pair[i] = s->row[i];
+}
+
+static Point start_of(const double *row) {
+    Point at;
+    for (int i = 0; i < 10; ++i) at.y[i] = row[i], at.low[i] = row[10 + i];
+    for (int i = 0; i < 6; ++i) at.torque[i] = row[20 + i];
+    return at;
 }
 
 /* The states at a part of a step: a step of that length from its start. */
 static void between(const @PREFIX@ *s, const double *row, double theta, const double *u, double *x) {
-    Point at;
-    for (int i = 0; i < 10; ++i) at.y[i] = row[i], at.low[i] = row[10 + i];
-    for (int i = 0; i < 6; ++i) at.torque[i] = row[20 + i];
+    Point at = start_of(row);
     advance(s, row[26], theta * row[27], u, &at);
     states(s, at.y, x);
+}
+
+/* The error of two steps, the second of length h, that end at a point, over what is allowed. That of one is
+ * their distance from one step of the length 2 h, over 2^(p + 1) - 2 (Hairer, Norsett and Wanner, sect. II.4);
+ * that holds while the distance is small. 0 after the first of two. */
+static double exceeds(@PREFIX@ *s, double h, const Point *at, const double *u) {
+    if (!s->second) return 0.0;
+    const double share = (double)((1 << (ORDER + 1)) - 2), allowed = fmin(s->rtol * share, SMALL);
+    Point one = start_of(s->pair);
+    advance(s, s->pair[26], s->pair[27] + h, u, &one);
+    s->evaluations += STAGES;
+    s->size = larger(s->size, length_of_momentum(at));
+    const double distance = apart(&one, at, s->size);
+    s->error = larger(s->error, distance / share);
+    return distance / allowed;
+}
+
+/* What follows from an error that is too large: a shorter step, or an end where shorter ones have not helped
+ * three times in a row at one place, with a gain of less than order 1/2, as at a pole of the torque. */
+static int too_large(@PREFIX@ *s, double excess) {
+    const double before = s->excess, ratio = s->h / s->h_tried, apart_by = fabs(s->t - s->t_tried);
+    const int in_vain = before > 0.0 && apart_by <= 4.0 * s->h_tried && !(excess <= before * sqrt(ratio));
+    s->vain = in_vain ? s->vain + 1 : 0;
+    s->excess = isfinite(excess) ? excess : HUGE_VAL;
+    s->h_tried = s->h;
+    s->t_tried = s->t;
+    if (s->vain == 3) return s->status = @UPPER@_STEP_TOO_SMALL;
+    return coarse(s, 0.95 * pow(s->excess, -1.0 / (ORDER + 1)));
 }
 
 void @PREFIX@_between(const double *p, const double *u, size_t count, const double *theta, const double *rows, double *x) {
@@ -280,16 +346,20 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
     long long attempts = 0;
     const int state = ready(s, o, direction);
     if (state != @UPPER@_PAUSED) return state;
-    while (s->t != s->t_end) {
+    while (s->t != s->t_end || s->t_low != 0.0) {
         const double rest = (s->t_end - s->t) - s->t_low;
         double t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        const int last = s->h >= fabs(rest) * (1.0 - 1e-9);
+        const double equal = s->h;
+        int ahead = 0;
+@LOOK_AHEAD@        const int last = s->h >= fabs(rest) * (1.0 - 1e-9);
         if (!last && s->h < 10.0 * spacing(s->t)) return s->status = @UPPER@_STEP_TOO_SMALL;
         const double h = last ? rest : s->h * direction;
         const double t_new = last ? s->t_end : two_sum(s->t, h + s->t_low, &t_low);
         if (last) t_low = 0.0;
+        const double quick = pace(s, h);
+        if (s->chosen && quick > 2.0) return coarse(s, 0.7 / quick);
         Point at = current(s);
         keep(s, h);
         advance(s, s->t, h, u, &at);
@@ -297,6 +367,8 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
         s->evaluations += STAGES;
         s->which = first_bad(x_new);
         if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
+        const double excess = ahead == 2 ? 0.0 : exceeds(s, h, &at, u);
+        if (s->chosen && !(excess <= 1.0)) return too_large(s, excess);
         s->t_old = s->t;
         s->h_old = h;
         double after[S + 1];
@@ -306,6 +378,8 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
         for (int i = 0; i < 10; ++i) s->y[i] = at.y[i], s->y_low[i] = at.low[i];
         for (int i = 0; i < 6; ++i) s->torque[i] = at.torque[i];
         end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
+        s->h = equal;
+        s->second = ahead != 2 && !s->second;
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;
     }
     return s->status = @UPPER@_DONE;

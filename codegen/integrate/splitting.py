@@ -4,11 +4,21 @@ The motion is split into torque alone, which changes the momentum at constant at
 motion, which changes the attitude at constant momentum; both flows are exact, and a symmetric
 composition of them has the order of its coefficients. The torque-free energy is quadratic in the
 momentum, so that compositions for Runge-Kutta-Nystroem problems serve (Blanes and Moan, J. Comput. Appl.
-Math. 142 (2002) 313). The step stays the same: that is why energy does not drift. It is ``first_step``
-where that is given, and at most ``max_step``; else it is such that the local error at the start, one
-step against two halves, in the angle and relative to the momentum, is the relative tolerance, and the
-fastest rate of body, frame and torque times the longest part of the step is at most 1. Errors are not
-looked at again: a torque that grows later, or changes fast with time, needs a step that is given.
+Math. 142 (2002) 313).
+
+All steps of a run are equal: that is why energy does not drift (Hairer, Lubich and Wanner, Geometric
+Numerical Integration, 2nd ed. (2006), sect. IX.8; steps that follow the motion lose it unless they are
+chosen reversibly, sect. VIII.3, and then energy is bounded for reversible motions alone, which a torque
+that changes with time does not make). How long they are is found by the run itself: every two of them
+are compared with one of twice the length from the same start, which costs half as much again, and by
+their order that gives the local error of one (Hairer, Norsett and Wanner, Solving Ordinary Differential
+Equations I (1993), sect. II.4). Where it exceeds the relative tolerance, in the angle of the turn and
+relative to the largest momentum so far, or where the fastest rate of body, frame and torque times the
+longest part of a step is more than 2, the run begins again with shorter steps; what was done counts as
+rejected. So the tolerance holds for each step of the run that is handed out. If that takes more than
+``max_steps`` steps the run is refused, and it ends at a place where shorter steps do not help, as a pole
+of the torque is. A step that is given by ``first_step`` stays as it is, and the
+largest local error is told where it exceeds the tolerance. Absolute tolerances are not used.
 
 The torque-free turn of a body with two equal moments is elementary; else it is a Taylor series in parts
 of at most half a radian, of so many terms that the rest is lost in rounding (`free_turn.c`). Constants of
@@ -23,6 +33,7 @@ rounding goes. A state between two steps is a step of a part of the length.
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -30,12 +41,14 @@ from importlib import resources
 from typing import Any
 
 from codegen import native
-from codegen.integrate import group, runge_kutta
+from codegen.integrate import group, lookout, runge_kutta
 from codegen.integrate.runge_kutta import NativeMethod
+from codegen.integrate.trajectory import Problem
 from codegen.layout import Layout
 from codegen.lower import SINGULARITIES
 from codegen.momentum import CONSTANTS, KICK, START, Variables, kicks, start
 from codegen.names import identifier
+from codegen.narrow import narrow
 from codegen.program import Program
 from codegen.stages import by_parameters
 from eom.errors import InputError
@@ -101,6 +114,7 @@ RKN6 = symmetric(
     ),
 )
 METHOD = RKN6
+FURTHER_STATUS = "    {name}_COARSE = 6,   /* the chosen step is too long: begin again */\n"
 
 
 def files(program: Program, layout: Layout, method: Composition = METHOD) -> Mapping[str, str]:
@@ -109,7 +123,7 @@ def files(program: Program, layout: Layout, method: Composition = METHOD) -> Map
     Raises `InputError` for what is not one rigid body with a quaternion, and for a torque that depends
     on the body rates.
     """
-    filled, _ = _filled(program, layout, method)
+    filled, _, _ = _filled(program, layout, method)
     return filled
 
 
@@ -120,27 +134,42 @@ def build(
 
     Raises `CompilerError` if that fails, and `InputError` as `files`.
     """
-    filled, constants = _filled(program, layout, method)
+    filled, constants, watch = _filled(program, layout, method)
     header, source = filled.values()
     text = group.single_text(program, layout, NAME, header, source)
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
     sizes = (of_rates, constants["kick"])
-    state, output = _structures(prefix, len(layout.states), room, sizes)
+    state, output = _structures(prefix, len(layout.states), room, sizes, watch.fields)
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     terms = _terms(len(layout.states))
-    made = NativeMethod(terms, group.unbound, begin, run, state, output, library)
+    made = NativeMethod(terms, group.unbound, begin, run, state, output, library, told=_told)
     return made, group.between(library, prefix)
+
+
+def _told(state: Any, problem: Problem) -> str:
+    """Return what is to be told of a run with a given step: its error, and what it passes over."""
+    if problem.first_step is None or not state.error > problem.rtol:
+        return ""
+    if math.isinf(state.error):
+        return (
+            f"steps of {abs(state.h):.3g} s, as given, pass over something narrow in the torque; leave "
+            "first_step out, or give a shorter one"
+        )
+    return (
+        f"steps of {abs(state.h):.3g} s, as given, have local errors of up to {state.error:.1e}, "
+        f"more than rtol = {problem.rtol:.1e}; leave first_step out, or give a shorter one"
+    )
 
 
 def _terms(states: int) -> int:
     return -(-ROW // states)
 
 
-def _body(program: Program, layout: Layout) -> Variables:
-    variables = group.variables_of(NAME, program, layout)
+def _body(layout: Layout) -> Variables:
+    variables = group.variables_of(NAME, layout)
     body, others = variables.attitude.body, variables.attitude.others
     hint = "choose method rkmk, which also keeps the quaternion of unit length"
     if body is None:
@@ -168,10 +197,12 @@ def _body(program: Program, layout: Layout) -> Variables:
 
 def _filled(
     program: Program, layout: Layout, method: Composition
-) -> tuple[Mapping[str, str], dict[str, int]]:
-    variables = _body(program, layout)
+) -> tuple[Mapping[str, str], dict[str, int], lookout.Lookout]:
+    variables = _body(layout)
+    _check_sight(program, layout)
     rates = variables.attitude.body.rates if variables.attitude.body else ()
     values = group.values(layout, NAME)
+    watch = lookout.of_time(program, values["PREFIX"])
     kicked, begin = kicks(program, variables), start(program, variables)
     parts = [(kicked, KICK, "kick"), (kicked, CONSTANTS, "known")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
@@ -192,30 +223,70 @@ def _filled(
         "OF_CONSTANTS": str(made.constants["known"]),
         "OF_BEGIN": str(made.constants["begin"]),
         "STACK": "about 3000",
+        **_of_watch(watch),
+        "FURTHER_STATUS": FURTHER_STATUS.format(name=values["UPPER"]),
     }
     filled = {
         f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"splitting.{kind}", values)
         for kind in ("h", "c")
     }
-    return filled, made.constants
+    return filled, made.constants, watch
+
+
+def _check_sight(program: Program, layout: Layout) -> None:
+    """Raise `InputError` for torques that equal steps could pass over something of, unseen."""
+    found = narrow(program)
+    if found.watched is not None:
+        raise InputError(
+            f"method {NAME} makes equal steps, which may pass over what is narrow in the torque",
+            where=layout.name,
+            got="operations on the attitude that have pieces or a scale of their own",
+            hint="choose method rkmk, which looks between its stages and ends steps where pieces change",
+        )
+
+
+_PASSED_OVER = """\
+        ahead = look_ahead(s, u, direction);
+        if (ahead == 1) {
+            const double part = s->h / equal;
+            s->h = equal;
+            if (s->chosen) return coarse(s, part);
+            s->error = HUGE_VAL;
+        }
+"""
+
+
+def _of_watch(watch: lookout.Lookout) -> dict[str, str]:
+    """Return texts for the template: what is narrow in time asks for shorter steps all the way."""
+    ahead = _PASSED_OVER if watch.texts["LOOK_AHEAD"] else ""
+    return {**watch.texts, "LOOK_AHEAD": ahead}
 
 
 @cache
 def _structures(
-    prefix: str, states: int, room: int, constants: tuple[int, int]
+    prefix: str,
+    states: int,
+    room: int,
+    constants: tuple[int, int],
+    watched: tuple[tuple[str, Any], ...],
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of splitting.h."""
     double: Any = ctypes.c_double
-    names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+    names = (
+        "t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old", "error", "size",
+        "excess", "h_tried", "t_tried",
+    )  # fmt: skip
     lengths = (
         ("atol", states), ("x", states), ("y", 10), ("y_low", 10), ("torque", 6), ("moments", 3),
         ("ratios", 3), ("axes", 9), ("frame", 3), ("constant", 3), ("row", _terms(states) * states),
+        ("pair", _terms(states) * states),
         ("singular", room), ("closest", room),
     )  # fmt: skip
     state: list[tuple[str, Any]] = [(f, double) for f in names]
     state += [(f, double * length) for f, length in lengths]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
-    state += [(f, ctypes.c_int) for f in ("status", "which")]
+    state += [(f, ctypes.c_int) for f in ("status", "which", "chosen", "vain", "second")]
     kept = zip(("constants", "of_kick"), constants, strict=True)
     state += [(f, double * length) for f, length in kept]
+    state += watched
     return runge_kutta.structures(prefix, state)

@@ -17,7 +17,9 @@ from functools import cache
 import numpy as np
 
 from codegen.compiled import Compiled
+from codegen.integrate.projection import units
 from codegen.integrate.trajectory import Array, Problem
+from codegen.scales import PART
 
 DOP853_REACH = 6.1
 """S of DOP853: Hairer and Wanner II, sect. IV.2."""
@@ -109,7 +111,7 @@ def _differences(
 ) -> tuple[Array, Array]:
     """Return by how much each state is moved, about 1e-8 of its size, and in rows how the rates change."""
     rates, p, n = compiled.rhs, problem.parameters, len(x)
-    moved = x + ROOT * np.maximum(np.abs(x), problem.atol / problem.rtol)
+    moved = x + ROOT * np.maximum(np.abs(x), _least(compiled, problem, x))
     point, slopes, here = x.copy(), np.empty((n, n)), rates(t, x, p, u)
     for j in range(n):
         point[j] = moved[j]
@@ -118,6 +120,18 @@ def _differences(
     with np.errstate(invalid="ignore"):  # rates that overflow; the caller looks for them
         slopes -= here
     return moved - x, slopes
+
+
+def _least(compiled: Compiled, problem: Problem, x: Array) -> Array:
+    """Return for each state the size below which it is moved as one of that size.
+
+    What counts as zero by the tolerances, or a part of the largest state of its unit: beside that a
+    change of 1e-8 of a much smaller state is lost in rounding.
+    """
+    known = np.array(units(compiled.layout))
+    largest = np.zeros(known.max(initial=0) + 1)
+    np.maximum.at(largest, known, np.abs(x))
+    return np.asarray(np.maximum(problem.atol / problem.rtol, PART * largest[known]))
 
 
 def _worst(J: Array, direction: float) -> complex | None:

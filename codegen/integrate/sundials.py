@@ -153,7 +153,9 @@ class Solver:
         """Return the polynomial of the last step; valid until the next one unless ``keep``."""
         return self._sampled() if self.keep else self._at
 
-    def _at(self, t: float) -> Array:
+    def _at(self, t: Any) -> Array:
+        if np.ndim(t):
+            return np.column_stack([self._at(float(one)) for one in t])
         if t == self.t:
             return self.y.copy()
         found = self._cvode.step(float(t), method="normal", tstop=self.t_bound)

@@ -84,7 +84,7 @@ static int fits(const @PREFIX@ *s, double h, double t_new, const double *x_new, 
     double f[N];
     @NAME@_rates(t_new, x_new, &s->constants, u, f);
     for (int i = 0; i < N; ++i) {
-        const double allowed = 100.0 * s->rtol * (s->floor[i] + larger(s->size[i], fabs(x_new[i])));
+        const double allowed = 100.0 * @CHECK@ * (s->floor[i] + larger(s->size[i], fabs(x_new[i])));
         const double rounding = 64.0 * DBL_EPSILON * (fabs(x_new[i]) + fabs(h * f[i]));
         if (!(fabs(h * (f[i] - slope(s, i, h))) <= allowed + rounding)) return 0;
     }
@@ -100,10 +100,10 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
     return s->status = s->which >= 0 ? @UPPER@_NOT_FINITE : @UPPER@_STEP_TOO_SMALL;
 }
 
-@EVENTS@@EVENT_BEGIN@@CROSSINGS@@SWITCHING@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
+@REACHES@@EVENTS@@EVENT_BEGIN@@CROSSINGS@@SWITCHING@int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
     double f[N];
     s->t_low = 0.0;
-@SWITCH_START@    s->steps = s->rejected = 0;
+@SWITCH_START@@REACH_START@    s->steps = s->rejected = 0;
     s->evaluations = 1;
     s->t_old = s->t;
     s->h_old = 0.0;
@@ -125,19 +125,19 @@ static int stuck(@PREFIX@ *s, double ahead, const double *u) {
 int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max_steps) {
     const double direction = s->t_end >= s->t ? 1.0 : -1.0;
     double x_new[N], x_low[N];
-    long long attempts = 0;
+@REACH_ROOM@    const long long before = s->steps + s->rejected;
     const int state = ready(s, o, direction);
     if (state != @UPPER@_PAUSED) return state;
-    while (s->t != s->t_end) {
+    while (s->t != s->t_end || s->t_low != 0.0) {
         const double smallest = 10.0 * spacing(s->t), rest = (s->t_end - s->t) - s->t_low;
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
-@EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
-        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1@EVENT_JET@@SWITCH_JET@);
+@EVENT_ROOM@        if (s->steps + s->rejected - before >= max_steps) return s->status = @UPPER@_PAUSED;
+        @PREFIX@_series(s->t, s->x, 1, s->series_constants, NULL, u, 1, &s->jet[0][0], 1@EVENT_JET@@SWITCH_JET@@REACH_JET@);
         s->evaluations += P;
         double h_abs = smaller(step_length(s), s->h_max);
         if (s->steps == 0 && s->h > 0.0) h_abs = smaller(h_abs, larger(s->h, smallest));
         if (@STUCK@h_abs < smallest && fabs(rest) > smallest@STUCK_END@) return stuck(s, 100.0 * smallest * direction, u);
-        const int in_doubt = BRANCHES || s->steps == 0 || h_abs > 2.0 * fabs(s->h_old);
+@REACH_STEP@        const int in_doubt = @CHECKED@BRANCHES || s->steps == 0 || h_abs > 2.0 * fabs(s->h_old);
 @SWITCH_AHEAD@        double h, t_new, t_low;
         for (;;) {
             const int last = h_abs >= fabs(rest) * (1.0 - 1e-12);
@@ -152,7 +152,7 @@ int @PREFIX@_run(@PREFIX@ *s, const double *u, @PREFIX@_output *o, long long max
             const double turn = largest_turn(s, x_new);
             if (turn > 1.0) shorter = smaller(shorter, 0.7 / turn); /* nothing is to be jumped over */
 #endif
-            if (shorter == 1.0 || fabs(h) <= smallest) break;
+@QUICK_SERIES@            if (shorter == 1.0 || fabs(h) <= smallest) break;
             h_abs = larger(shorter * fabs(h), smallest);
             s->rejected += 1;
         }

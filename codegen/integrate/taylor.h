@@ -18,7 +18,7 @@
     int status, which;
     @NAME@_constants constants; /* what depends on the parameters alone, for the rates */
     double series_constants[@SERIES_CONSTANTS@];
-@SWITCH_FIELDS@@EVENT_FIELDS@} @PREFIX@;
+@SWITCH_FIELDS@@REACH_FIELDS@@EVENT_FIELDS@} @PREFIX@;
 
 @OUTPUT@
 #ifdef __cplusplus

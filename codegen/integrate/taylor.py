@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.integrate import crossings, projection, runge_kutta, switches
-from codegen.integrate.jets import series
+from codegen.integrate import crossings, projection, reaches, runge_kutta, switches
+from codegen.integrate.jets import limited, series
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.trajectory import Array
@@ -56,7 +56,10 @@ def files(program: Program, layout: Layout, order: int) -> Mapping[str, str]:
     Raises `InputError` for a value that changes with time and has no Taylor series.
     """
     prepared = _prepared(program, layout)
-    values = _values(prepared, layout, order)
+    values = {
+        **_values(prepared, layout, order),
+        **crossings.of_taylor(program, layout, f"{identifier(layout.name)}_taylor", order),
+    }
     return {
         f"{values['PREFIX']}.{kind}": runge_kutta.fill(f"taylor.{kind}", values)
         for kind in ("h", "c")
@@ -106,8 +109,8 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "SERIES_CONSTANTS": str(max(1, constants)),
         "SERIES": "\n".join(functions),
         **projection.texts(layout, prefix, projection.TAYLOR),
-        **crossings.of_taylor(layout, prefix, order),
         **switches.of_one(prepared, prefix, order, bool(further)),
+        **reaches.of_one(prepared, order),
     }
 
 
@@ -118,8 +121,9 @@ def _structures(
     room: int,
     order: int,
     constants: tuple[int, int],
-    events: int,
+    events: tuple[int, int],
     branches: int,
+    limits: int,
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
     """Mirror the two structures of taylor.h."""
     double: Any = ctypes.c_double
@@ -134,6 +138,7 @@ def _structures(
     state += [(f, ctypes.c_int) for f in ("status", "which")]
     state += [("constants", double * constants[0]), ("series_constants", double * constants[1])]
     state += switches.fields(branches, order)
+    state += reaches.fields(limits)
     state += crossings.fields(events, order)
     return runge_kutta.structures(prefix, state)
 
@@ -152,10 +157,29 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     constants = (max(1, of_rates), max(1, of_series))
     n, singular = len(layout.states), len(layout.results[SINGULARITIES])
     branches = len(prepared.switches)
-    state, output = _structures(prefix, n, max(1, singular), order, constants, events, branches)
+    limits = sum(map(len, limited(prepared, order)))
+    state, output = _structures(
+        prefix,
+        n,
+        max(1, singular),
+        order,
+        constants,
+        crossings.sizes(program, layout),
+        branches,
+        limits,
+    )
     start, run, library = runge_kutta.loaded(text, FLAGS, prefix, state)
     room = crossings.most(layout)
-    return NativeMethod(order, TaylorSolution, start, run, state, output, library, room)
+    return NativeMethod(
+        order, TaylorSolution, start, run, state, output, library, room,
+        told=crossings.told(program, layout), overflows=_overflows,
+    )  # fmt: skip
+
+
+def _overflows(state: Any) -> bool:
+    """Tell whether the rates are finite where a run stopped, and further coefficients are not."""
+    jet = np.ctypeslib.as_array(state.jet)
+    return bool(np.isfinite(jet[0]).all() and not np.isfinite(jet).all())
 
 
 class TaylorSolution(Stepwise):

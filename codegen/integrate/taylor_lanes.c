@@ -28,8 +28,8 @@ typedef struct {
     lane_ singular[S + 1];
     lane_ constants[@CONSTANTS@], of_series[@SERIES_CONSTANTS@];
     mask_ active;
-@SWITCH_FIELDS@    double p[(@PARAMETERS@ + 1) * LANES_], u[(@INPUTS@ + 1) * LANES_];
-    double floor[N];
+@SWITCH_FIELDS@@REACH_FIELDS@    double p[(@PARAMETERS@ + 1) * LANES_], u[(@INPUTS@ + 1) * LANES_];
+    lane_ floor[N];
     ptrdiff_t index[LANES_];
     size_t point[LANES_], taken;
     double direction, reach;
@@ -38,7 +38,7 @@ typedef struct {
 /* A step of every lane: how long it is, its end, and what rounding lost there. */
 typedef struct {
     lane_ h, t, t_low, x[N], x_low[N], size[N];
-@SWITCH_STEP@} step_;
+@SWITCH_STEP@@REACH_FURTHER@} step_;
 
 INLINE_ lane_ larger_(lane_ a, lane_ b) {
 #if defined(__AVX512F__) && LANES_ == 8
@@ -140,7 +140,7 @@ APART_ mask_ fits_(const run_ *r, const job_ *o, lane_ h, lane_ t, const lane_ *
     mask_ all = ~lanes_bits_(0);
     rates_(r, t, x, f);
     for (int i = 0; i < N; ++i) {
-        const lane_ allowed = 100.0 * o->rtol * (r->floor[i] + larger_(size[i], lanes_abs_(x[i])));
+        const lane_ allowed = 100.0 * @CHECK@ * (r->floor[i] + larger_(size[i], lanes_abs_(x[i])));
         const lane_ rounding = 64.0 * DBL_EPSILON * (lanes_abs_(x[i]) + lanes_abs_(h * f[i]));
         all &= (mask_)(lanes_abs_(h * (f[i] - slope_(r, i, h))) <= allowed + rounding);
     }
@@ -148,7 +148,7 @@ APART_ mask_ fits_(const run_ *r, const job_ *o, lane_ h, lane_ t, const lane_ *
 }
 
 @LANES_EVENTS@
-@SWITCHING@static int first_bad_(const lane_ *x, int lane) {
+@REACHES@@SWITCHING@static int first_bad_(const lane_ *x, int lane) {
     for (int i = 0; i < N; ++i)
         if (!isfinite(x[i][lane])) return i;
     return -1;
@@ -187,8 +187,9 @@ APART_ void enter_(run_ *r, const job_ *o, int lane) {
         r->t[lane] = o->t;
         r->t_low[lane] = r->h_old[lane] = r->steps[lane] = r->rejected[lane] = 0.0;
         r->point[lane] = 0;
-@SWITCH_ENTER@        for (int i = 0; i < N; ++i) {
+@SWITCH_ENTER@@REACH_ENTER@        for (int i = 0; i < N; ++i) {
             r->x[i][lane] = o->x[i * o->x_row + j * o->x_column];
+            r->floor[i][lane] = o->atol[i * o->atol_row + j * o->atol_column] / o->rtol;
             r->x_low[i][lane] = r->size[i][lane] = 0.0;
         }
         if (o->p_column != 0) {
@@ -237,9 +238,9 @@ APART_ void stuck_(run_ *r, const job_ *o, mask_ stuck, lane_ smallest) {
 INLINE_ mask_ try_(run_ *r, const job_ *o, step_ *s, lane_ smallest) {
     const lane_ rest = (o->t_end - r->t) - r->t_low, far = lanes_abs_(rest);
     lane_ h_abs = smaller_(step_length_(r, s->size), lanes_all_(o->h_max));
-    const mask_ stuck = r->active & @SWITCH_STUCK@(mask_)(h_abs < smallest) & (mask_)(far > smallest)@SWITCH_STUCK_END@;
+    const mask_ stuck = r->active & @REACH_STUCK@@SWITCH_STUCK@(mask_)(h_abs < smallest) & (mask_)(far > smallest)@SWITCH_STUCK_END@@REACH_STUCK_END@;
     if (__builtin_expect(any_(stuck), 0)) return stuck;
-    const mask_ doubt = r->active & (BRANCHES ? ~lanes_bits_(0) : (mask_)(r->steps == 0.0) | (mask_)(h_abs > 2.0 * lanes_abs_(r->h_old)));
+@REACH_STEP@    const mask_ doubt = r->active & (@CHECKED@BRANCHES ? ~lanes_bits_(0) : (mask_)(r->steps == 0.0) | (mask_)(h_abs > 2.0 * lanes_abs_(r->h_old)));
 @SWITCH_AHEAD@    for (;;) {
         const mask_ last = (mask_)(h_abs >= far * (1.0 - 1e-12));
         s->h = lanes_choose_(last, rest, h_abs * r->direction);
@@ -275,7 +276,7 @@ APART_ void settle_(run_ *r, const job_ *o, step_ *s, mask_ need, mask_ bad, con
             ended[k] = SINGULAR;
             s->t[k] = r->t[k] + (*stop)[k] * h;
             for (int i = 0; i < N; ++i) s->x[i][k] = r->x[i][k] + increment_in_(r, k, i, (*stop)[k] * h);
-        } else if (s->t[k] == o->t_end) {
+        } else if (s->t[k] == o->t_end && s->t_low[k] == 0.0) {
             ended[k] = DONE;
         } else if ((long long)(r->steps[k] + r->rejected[k]) + 1 >= o->max_steps) {
             ended[k] = PAUSED;
@@ -298,15 +299,14 @@ void @PREFIX@_run(const job_ *o) {
     memset(r, 0, sizeof *r);
     r->direction = o->t_end >= o->t ? 1.0 : -1.0;
     r->reach = log2(fmax(o->rtol * @CAUTION@, DBL_EPSILON)) / P;
-    for (int i = 0; i < N; ++i) r->floor[i] = o->atol[i] / o->rtol;
     EACH(k) {
         for (int i = 0; i < @PARAMETERS@; ++i) r->p[i * LANES_ + k] = o->p[i * o->p_row];
         for (int i = 0; i < @INPUTS@; ++i) r->u[i * LANES_ + k] = o->u[i];
-        for (int i = 0; i < N; ++i) r->x[i][k] = o->x[i * o->x_row];
+        for (int i = 0; i < N; ++i) r->x[i][k] = o->x[i * o->x_row], r->floor[i][k] = o->atol[i * o->atol_row] / o->rtol;
     }
     prepare_(r);
     EACH(k) enter_(r, o, k);
-    while (any_(r->active)) {
+    while (any_(r->active) && *o->halt == 0) {
         @PREFIX@_s_jet((const double *)&r->t, (const double *)r->x, LANES_, r->of_series, NULL, r->u, LANES_, (double *)r->jet, LANES_);
         const lane_ smallest = 10.0 * larger_(DBL_EPSILON * lanes_abs_(r->t), lanes_all_(DBL_MIN));
         const mask_ stuck = try_(r, o, &step, smallest);
@@ -314,13 +314,13 @@ void @PREFIX@_run(const job_ *o) {
             stuck_(r, o, stuck, smallest);
             continue;
         }
-@SWITCH_PASSED@        lane_ sum = lanes_all_(0.0);
+@REACH_PASSED@@SWITCH_PASSED@        lane_ sum = lanes_all_(0.0);
         for (int i = 0; i < N; ++i) sum += step.x[i] - step.x[i]; /* zero, or NaN where one is not finite */
         const mask_ bad = ~(mask_)(sum == 0.0);
         const lane_ stop = stop_(r, o, &step, ~bad, which);
         const mask_ passed = (mask_)(r->direction * (r->next - step.t) <= 0.0);
         const mask_ worn = (mask_)(r->steps + r->rejected + 1.0 >= (double)o->max_steps);
-        const mask_ need = r->active & (bad | passed | worn | (mask_)(step.t == o->t_end) | (mask_)(stop <= 1.0));
+        const mask_ need = r->active & (bad | passed | worn | ((mask_)(step.t == o->t_end) & (mask_)(step.t_low == 0.0)) | (mask_)(stop <= 1.0));
         if (any_(need)) settle_(r, o, &step, need, bad, &stop, which);
         else commit_(r, &step);
     }

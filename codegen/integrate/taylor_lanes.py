@@ -6,21 +6,28 @@ rule of the step is that of `codegen.integrate.taylor`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from codegen import native
-from codegen.integrate import switches, taylor
+from codegen.integrate import reaches, switches, taylor
+from codegen.integrate.jets import limited
 from codegen.integrate.runge_kutta import fill
 from codegen.layout import Layout
 from codegen.lower import RATES, SINGULARITIES
 from codegen.names import comment, identifier
 from codegen.passes import prune
-from codegen.program import Program
+from codegen.program import Builder, Program
+from codegen.scalars import Scalar
 from codegen.targets.lanes_kernels import kernels
-from codegen.taylor import JET, SWITCHES, Prepared, unrolled
+from codegen.taylor import JET, SWITCHES, Prepared
+from codegen.trust import built, longest
+from codegen.unrolled import unrolled
 
 FLAGS = ("-O2", "-ffp-contract=fast", "-fno-tree-vectorize")
+MOVES = "moves"
+"""Group of results: limits of arguments and their coefficients."""
 CAUTION = taylor.CAUTION / 2
 """The largest of many errors is what counts: half of what one trajectory is allowed."""
 
@@ -50,21 +57,40 @@ def single_text(prepared: Prepared, program: Program, layout: Layout, order: int
         "CAUTION": repr(CAUTION),
         "CONSTANTS": str(max(1, counts[f"{prefix}_f"])),
         "SERIES_CONSTANTS": str(max(1, counts[f"{prefix}_s"])),
-        "JET": "P * N + P * SWITCHES" if prepared.switches else "P * N",
+        "JET": _room(prepared, order),
         **switches.of_lanes(prepared, prefix, order),
+        **reaches.of_lanes(prepared, order),
     }
     events = fill("lanes_events.c", values)
     return fill("taylor_lanes.c", {"LANES_EVENTS": events, "JOB": fill("job.c", {}), **values})
 
 
+def _room(prepared: Prepared, order: int) -> str:
+    """Return how many coefficients there are, as C."""
+    straight, curved = limited(prepared, order)
+    counts = ["N", *["SWITCHES"] * bool(prepared.switches), *[str(len(curved))] * bool(curved)]
+    return " + ".join([*(f"P * {count}" for count in counts), *["1"] * bool(straight)])
+
+
 def _series(prepared: Prepared, order: int) -> Program:
-    """Return all coefficients, those of the switching functions last, and their values alone."""
-    found = unrolled(prepared, RATES, order)
-    if not prepared.switches:
-        return found
-    both = found.results
-    first = both[SWITCHES][: len(prepared.switches)]
-    return replace(found, results={JET: (*both[JET], *both[SWITCHES]), "values": first})
+    """Return all coefficients, of switching functions and of arguments with limits behind the states'.
+
+    The latter stand as `codegen.integrate.jets.limited` says. Values of switching functions alone follow.
+    """
+    straight, curved = limited(prepared, order)
+
+    def moves(b: Builder, series: Sequence[Sequence[Scalar]]) -> Mapping[str, Sequence[int]]:
+        new = [row[0].number for row in series]
+        found = [longest(b, new, prepared, straight, order)] if straight else []
+        for bound, x in zip(built(b, new, prepared, curved, order), curved, strict=True):
+            found += [bound, *(term.number for term in series[x.series][1:order])]
+        return {MOVES: found}
+
+    program = unrolled(prepared, RATES, order, moves if straight or curved else None)
+    groups = program.results
+    both = [n for group in (JET, SWITCHES, MOVES) for n in groups.get(group, ())]
+    first = groups.get(SWITCHES, ())[: len(prepared.switches)]
+    return replace(program, results={JET: tuple(both), **({"values": first} if first else {})})
 
 
 def build(text: str, layout: Layout) -> tuple[Any, int]:

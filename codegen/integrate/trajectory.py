@@ -71,6 +71,12 @@ class Problem:
     watch_every: int = 1
     events: tuple[Filter, ...] = ()
     """What is looked for at zeros of expressions: by number, as their loop has them."""
+    start: float = 0.0
+    """Time that is told for zero: all times are since then."""
+
+    def told(self, t: float, digits: int = 9) -> str:
+        """Return a time as it is told, with its unit: all digits where the run starts late."""
+        return f"{self.start + t!r} s" if self.start else f"{t:.{digits}g} s"
 
     def report(self, t: float) -> None:
         """Tell the progress at time ``t``."""
@@ -81,16 +87,19 @@ class Problem:
 
 @dataclass(frozen=True)
 class Stop:
-    """Why and when a run stopped: end, singular, event, not finite, step, max_steps, memory, left.
+    """Why and when a run stopped.
 
-    ``kind``: one of these words; ``t``: the time, in the unit of the system (s).
+    ``kind``: end, singular, event, not finite, step, coarse, thin, max_steps, memory, left.
+    ``t``: the time, in the unit of the system (s).
     ``which``: number of the singularity, of the event, or of the state that is not finite; -1 for none.
-    A run is left where its ``watch`` says so.
+    A run is left where its ``watch`` says so. ``overflows``: whether the rates are finite there, and
+    further Taylor coefficients are not, so that no series says how the solution goes on.
     """
 
     kind: str
     t: float
     which: int = -1
+    overflows: bool = False
 
 
 @dataclass(frozen=True)
@@ -115,5 +124,9 @@ class Trajectory:
     """What integrated, where that was found out on the way."""
     why: str = ""
     """Why that was chosen."""
+    notice: str = ""
+    """What the user should know of the run."""
+    methods: tuple[str, ...] = ()
+    """Names of the methods that were chosen, in order."""
     found: Found | None = None
     """Events, where a problem has some."""

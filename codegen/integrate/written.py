@@ -37,7 +37,7 @@ class Written:
 
 def _runge_kutta(tableau: Tableau, meaning: str) -> Written:
     return Written(
-        tableau.name, meaning, lambda p, layout, rtol: runge_kutta.files(tableau, layout)
+        tableau.name, meaning, lambda p, layout, rtol: runge_kutta.files(tableau, p, layout)
     )
 
 

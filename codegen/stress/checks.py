@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from codegen.stress.angles import near_singular_angles
+from codegen.stress.estimates import accuracy_estimate
 from codegen.stress.extremes import extreme_bodies
+from codegen.stress.forms import perturbed_forms
 from codegen.stress.growth import long_run
+from codegen.stress.hostile import hostile
 from codegen.stress.memory import memory
 from codegen.stress.record import Check
 from codegen.stress.scenes import random_scenes
@@ -75,12 +78,38 @@ CHECKS = (
         random_scenes,
     ),
     Check(
+        "accuracy-estimate",
+        "the estimate of a run's error is right within a factor of ten, and never ten times too small",
+        "nine trials in ten within a factor of 10, at the end and at its largest; none below a tenth",
+        "errors of thirty runs by all kinds of methods against solutions of 30 digits, over the estimates",
+        "expressions in elementary functions, or Taylor series whose last digits a second one confirms",
+        accuracy_estimate,
+    ),
+    Check(
+        "hostile",
+        "no method is far off a hostile system without saying so: friction, contacts, pulses, walls, tops",
+        "1,000 x rtol x growth of the problem, where the status is at least 0 and the run has no notice",
+        "references in quadruple precision, confirmed by SciPy, by `benchmarks.hostile_references`; "
+        "rtol 1e-6, 1e-9, 1e-12",
+        "growth: derivatives of the end by states on the way, along the reference",
+        hostile,
+    ),
+    Check(
         "memory",
         "memory of a long run is bounded by the times that are asked for",
         "2 MB of growth of the peak; three stored times",
         "peak of a process before and after a run with so many steps that storing them would show",
         "nothing else is asked for; pages of the allocator",
         memory,
+    ),
+    Check(
+        "closed-forms",
+        "closed forms are found where they were, and none is taken of a system with a term more",
+        "none lost, none taken wrongly",
+        "2,000 terms (--quick: 200) of 1e-300 to 1e300 in any rate: powers, pulses, windows, exponentials, "
+        "stops, of time, states and parameters; all of them state the body that they are not",
+        "no term is one that a closed form has room for",
+        perturbed_forms,
     ),
 )
 NAMES = tuple(check.name for check in CHECKS)

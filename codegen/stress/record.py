@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import sympy as sp
+
 from codegen.integrate.methods import METHODS
 from codegen.workprecision.case import Case
 from eom.errors import unknown_name
@@ -67,7 +69,8 @@ def _share(figure: Figure) -> float:
 class Size:
     """How much is measured. ``share``: of the end times of the problems that are swept.
 
-    ``limit``: seconds of processor time after which one run is given up.
+    ``limit``: seconds of processor time after which one run is given up. ``trials``: of the estimate.
+    ``apart``: of the hostile systems every so-many-th of each family is taken.
     """
 
     name: str
@@ -79,14 +82,17 @@ class Size:
     scenes: int
     kinds: int
     steps: int
+    trials: int = 30
+    apart: int = 5
 
 
 SIZES: Mapping[str, Size] = {
     size.name: size
     for size in (
-        Size("quick", 1e3, 24, (1e-3, 1e-6, 1e-9, EPSILON), 0.05, 0.2, 20, 3, 20_000),
+        Size("quick", 1e3, 24, (1e-3, 1e-6, 1e-9, EPSILON), 0.05, 0.2, 20, 3, 20_000, 10, 20),
         Size("default", 3e4, 24, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, EPSILON), 0.25, 0.5, 100, 10, 30_000),
-        Size("full", 1e6, 12, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, EPSILON), 1.0, 2.0, 1000, 30, 100_000),
+        Size("full", 1e6, 12, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, EPSILON),
+             1.0, 2.0, 1000, 30, 100_000, 30, 1),
     )
 }  # fmt: skip
 Progress = Callable[[float], None]
@@ -107,6 +113,16 @@ class Plan:
 
 
 @dataclass(frozen=True)
+class Trial:
+    """A case, how it is run, and its states as expressions in the time where these are known."""
+
+    case: Case
+    method: str
+    rtol: float
+    solution: Mapping[str, sp.Expr]
+
+
+@dataclass(frozen=True)
 class Material:
     """What is measured on, derived elsewhere.
 
@@ -114,6 +130,8 @@ class Material:
     invariants T, H, H_1, H_2, H_3. ``in_angles``: the same body with three angles, by the name of
     the sequence. ``problems``: to be swept; ``scenes``: ready ones. ``draw(seed, number, kinds)``
     returns a random scene; it is called in another process, and is a function of a module.
+    ``trials()``: with known solutions, the quick ones first. ``closed``: one system of each kind that
+    has a closed form.
     """
 
     free_body: System
@@ -121,6 +139,8 @@ class Material:
     problems: tuple[Case, ...]
     scenes: tuple[Case, ...]
     draw: Callable[[int, int, int], Case]
+    trials: Callable[[], tuple[Trial, ...]] = tuple
+    closed: tuple[Case, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -199,7 +199,7 @@ def _drift(
         compiled, x[:, 1], p, u, error * gain.sizes
     )
     drift = np.array([result.drift[n].largest for n in compiled.layout.results[INVARIANTS]])
-    scale = np.array([abs(result.drift[n].start) for n in compiled.layout.results[INVARIANTS]])
+    scale = np.array([result.drift[n].size for n in compiled.layout.results[INVARIANTS]])
     share = drift / (allowed + 2 * ROUNDING * scale + 1e-300)
     return float(np.max(share))
 

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
+import signal
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any, Self
+
+from codegen import children
 
 READY_SECONDS = 300.0
 """A new process that has not even begun by then counts as dead."""
@@ -59,7 +64,8 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs, self.work), daemon=True)
-        self.process.start()
+        with children.not_interrupted():
+            self.process.start()
         theirs.close()
         self.connection = ours
         if ours.poll(READY_SECONDS):
@@ -69,13 +75,27 @@ class Worker:
     def _end(self) -> None:
         if self.connection is not None:
             self.connection.close()
-            self.process.kill()
-            self.process.join()
+            _end(self.process)
         self.connection = None
 
 
+def _end(process: Any) -> None:
+    """End a process, by an interruption where it heeds one, so that it ends its own children."""
+    if process.is_alive():
+        os.kill(process.pid, signal.SIGINT)
+    process.join(children.PATIENCE_SECONDS)
+    process.kill()
+    process.join()
+
+
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
-    """Answer until the other side closes; an exception is an answer."""
+    """Answer until the other side closes, or an interruption; an exception is an answer."""
+    with suppress(KeyboardInterrupt):
+        children.interruptible()
+        _answers(connection, work)
+
+
+def _answers(connection: Connection, work: Callable[[Any], Any]) -> None:
     connection.send("ready")
     while True:
         try:

@@ -108,6 +108,7 @@ def _other_rate(system: System, left: Expr, right: Expr) -> Iterator[System]:
             system,
             rates=(*system.rates[:place], value, *system.rates[place + 1 :]),
             invariants=(),
+            attitudes=(),  # what holds of the bodies need not with the writer's rate
         )
 
 
@@ -131,5 +132,11 @@ def _renamed(system: System, left: Expr, right: Expr) -> Iterator[System]:
                 for rows in named
             ]
             with suppress(InputError):  # a value in quantities that are defined behind it
-                made = replace(system, definitions=own[0], outputs=own[1], invariants=own[2])
-                yield made
+                definitions, outputs, invariants = own
+                yield replace(
+                    system,
+                    definitions=definitions,
+                    outputs=outputs,
+                    invariants=invariants,
+                    attitudes=(),
+                )

@@ -29,7 +29,7 @@ from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.checker.systems import covered
 from eom.checker.values import ILL_FORMED
 from eom.checker.verdicts import GRAVE, NONE, Judged, Verdict, verdict
-from eom.errors import InputError
+from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds import closure
 
@@ -55,6 +55,7 @@ Pass = Callable[[Sequence[Found], Settings], Sequence[Found]]
 """Adds to the findings of a note; formulas and verdicts stay, in number and order."""
 
 
+@typed
 def check(
     note: str | Path,
     *,

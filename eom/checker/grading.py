@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import multiprocessing as mp
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from time import monotonic
@@ -20,7 +22,7 @@ from eom.checker.graded import Graded
 from eom.checker.inputs import Note, name_of, note_of, notes_of
 from eom.checker.places import printable
 from eom.checker.settings import Settings
-from eom.errors import InputError
+from eom.errors import InputError, typed
 from eom.worlds import closure
 
 GRACE_SECONDS = 5.0
@@ -32,6 +34,7 @@ MEMORY = 4 * 2**30
 Progress = Callable[[float], None]
 
 
+@typed
 def check_files(
     notes: Iterable[str | Path],
     settings: Settings | None = None,
@@ -43,7 +46,7 @@ def check_files(
     ``notes``: as `eom.check` takes them. ``workers``: processes, 0 for as many as there are cores.
     ``progress`` is told the fraction done. A note that cannot be read has an error in place of a report.
     Raises `InputError` for settings that cannot be used, a folder with too many notes, and where no worker
-    can be started.
+    can be started, and for fewer workers than none.
 
     >>> graded = check_files([r"\vec H_C = I_C \vec\omega"], Settings("arrow-tilde"), workers=1)
     >>> [(one.status, one.report.counts) for one in graded]
@@ -57,6 +60,8 @@ def check_notes(
 ) -> tuple[Graded, ...]:
     """Return what became of each note, as `check_files`."""
     closure(settings.given)
+    if workers < 0:
+        raise InputError("unusable number of workers", got=workers, expected="0 or more")
     jobs = notes_of(notes)
     count = min(workers or os.cpu_count() or 1, len(jobs))
     results: dict[int, Graded] = {}
@@ -90,9 +95,24 @@ def _started(settings: Settings) -> _Worker:
     context = mp.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_work, args=(theirs, settings), daemon=True)
-    process.start()
+    with _not_interrupted():
+        process.start()
     theirs.close()
     return _Worker(process, ours)
+
+
+@contextmanager
+def _not_interrupted() -> Iterator[None]:
+    """Let a process that is started inside not be interrupted from the keyboard: it is ended from here."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # which lets interruptions through when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _stopped(worker: _Worker) -> None:
@@ -106,7 +126,9 @@ def _crew(count: int, settings: Settings) -> Iterator[list[_Worker]]:
     """Give workers, and end whichever are there afterwards."""
     crew: list[_Worker] = []
     try:
-        crew += [_started(settings) for _ in range(count)]
+        with _not_interrupted():  # one that is started is among those that are ended
+            for _ in range(count):
+                crew.append(_started(settings))  # noqa: PERF401 - each at once
         yield crew
     finally:
         for worker in crew:

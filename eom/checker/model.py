@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from eom import catalogue
 from eom.checker.solid_models import SPELLINGS, solid_system
 from eom.dissipation import viscous_slug
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude as attitude_of
 from eom.markup import symbol_latex
@@ -217,6 +217,7 @@ def printed(q: Quantity) -> str:
 # -- by name -----------------------------------------------------------------------------------------
 
 
+@typed
 def model_from(system: str | System | AnyScene | Model) -> Model:
     """Return the model of a system, a scene, the name of one, or a scene file (it ends in .toml)."""
     if not isinstance(system, str):

@@ -6,7 +6,6 @@ import datetime
 import io
 import json
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
     from codegen.workprecision.programs import Program
     from eom.problems import Problem
 
+FIRST_SECONDS = 600.0
+"""For a first result, in a process of its own."""
 WIDTH = 120
 """Columns of the table at least: no cell is cut."""
 
@@ -136,6 +137,7 @@ def _first_results(
     problem: Problem, measured: list[Program], progress: Callable[[float], None]
 ) -> dict[str, dict[str, float]]:
     """Return seconds by stage in new processes, with an empty cache and with what it then holds."""
+    from codegen import children
     from codegen.native import CACHE_VARIABLE
 
     others = "heyoka" if any(p.name == "heyoka" for p in measured) else "none"
@@ -143,13 +145,8 @@ def _first_results(
     found = {}
     with tempfile.TemporaryDirectory() as cache:
         for k, kind in enumerate(("uncached", "cached")):
-            done = subprocess.run(  # noqa: S603 - this package, no shell
-                command,
-                env={**os.environ, CACHE_VARIABLE: cache},
-                capture_output=True,
-                text=True,
-                check=False,
-            )
+            environment = {**os.environ, CACHE_VARIABLE: cache}
+            done = children.finished(command, seconds=FIRST_SECONDS, environment=environment)
             if done.returncode != 0:
                 reason = next(iter(done.stderr.strip().splitlines()[-1:]), "no message")
                 click.echo(f"note: no time to a first result: {reason}", err=True)

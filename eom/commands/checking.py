@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from eom.commands.shared import Rows, WithTable, progress_of, waiting_for
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -252,7 +252,7 @@ def _write_table(graded: Sequence[Graded], file: Path) -> None:
     as_json = file.suffix.lower() == ".json"
     text = to_table_json(graded) if as_json else to_csv(graded)
     file.write_text(text, encoding="utf-8", newline="")
-    click.echo(f"wrote {file}", err=True)
+    click.echo(f"wrote {printable(file)}", err=True)
 
 
 def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, kind: str) -> None:
@@ -280,7 +280,7 @@ def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, ki
     for file, text in texts.items():
         (path / file if several else path).write_text(text, encoding="utf-8")
     if texts:
-        click.echo(f"wrote {path / 'index.html' if several else path}", err=True)
+        click.echo(f"wrote {printable(path / 'index.html' if several else path)}", err=True)
 
 
 def _status(graded: Sequence[Graded]) -> int:

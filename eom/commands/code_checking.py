@@ -14,15 +14,16 @@ import json
 import os
 import re
 import signal
+import stat
 import struct
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eom.checker.places import printable
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,7 +31,13 @@ if TYPE_CHECKING:
     from eom.checker.model import Model
 
 SECONDS = 20
-MAX_SOURCE = 1_000_000
+PLACE = "namespace"
+"""Where the warden of foreign code stands, where the system allows it: see `black_box`."""
+GRACE, END_SECONDS = 10, 0.4
+"""Seconds that the warden may take beyond those of the code; what it gets to end all when it is told to."""
+MEMORY, COMPILER_MEMORY = 4_000_000_000, 1_500_000_000
+"""Bytes of a process of the code, and of one of the compiler."""
+MAX_SOURCE, MAX_RESULT = 1_000_000, 16_000_000
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,63}")
 _ENVIRONMENT = ("PATH", "LANG", "LC_ALL", "SYSTEMROOT")
 
@@ -149,58 +156,154 @@ def _from_python(
     with tempfile.TemporaryDirectory(prefix="eom-code-") as folder:
         source, target = Path(folder, "points.json"), Path(folder, "rows.json")
         source.write_text(json.dumps([[p.time, p.states, p.parameters] for p in at]))
-        _run(["python", str(seconds), str(file), name, str(source), str(target)], folder, seconds)
-        if not target.is_file():
-            raise InputError("the code ended without a result", where=str(file), got=name)
-        found = json.loads(target.read_text(encoding="utf-8"))
-    if "error" in found:
-        raise InputError("the code cannot be run", where=str(file), got=found["error"])
-    failed = next((r for r in found["rows"] if isinstance(r, str)), None)
+        _run(["python", str(file), name, str(source), str(target)], folder, seconds)
+        found = _answer(_read(target), len(at))
+    if found is None:
+        raise InputError("the code ended without a result", where=str(file), got=name)
+    if isinstance(found, str):
+        raise InputError("the code cannot be run", where=str(file), got=found)
+    failed = next((r for r in found[0] if isinstance(r, str)), None)
     if failed is not None:
         hint = "f(t, y, p) or f(t, y), which returns one rate a state"
         raise InputError(
             "the code fails at a point", where=f"{file}: {name}", got=failed, hint=hint
         )
-    return found["rows"], found["arguments"]
+    return [row for row in found[0] if not isinstance(row, str)], found[1]
+
+
+def _read(file: Path, most: int = MAX_RESULT) -> bytes:
+    """Return what foreign code left in a file, nothing where it is none or longer than ``most`` bytes.
+
+    It may have put something else in its place: a link, a pipe that nobody writes to, a folder.
+    """
+    flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
+    try:
+        number = os.open(file, flags)
+    except OSError:
+        return b""
+    try:
+        status = os.fstat(number)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > most:
+            return b""
+        with os.fdopen(number, "rb", closefd=False) as opened:
+            return opened.read(most)
+    finally:
+        os.close(number)
+
+
+Answer = tuple[list[list[float] | str], int]
+
+
+def _answer(data: bytes, points: int) -> Answer | str | None:
+    """Return rows and number of arguments, the error in words, or None: what comes back proves nothing.
+
+    The code runs in the process that writes it, and may have written it itself.
+    """
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict):
+        return None
+    if isinstance(found.get("error"), str):
+        return _printable(found["error"])
+    rows, arguments = found.get("rows"), found.get("arguments")
+    if not isinstance(rows, list) or len(rows) != points or type(arguments) is not int:
+        return None
+    checked = [_row(row) for row in rows]
+    return (
+        None
+        if any(row is None for row in checked)
+        else ([r for r in checked if r is not None], arguments)
+    )
+
+
+def _row(row: object) -> list[float] | str | None:
+    """Return a row of numbers, or the words in place of one; None for anything else."""
+    if isinstance(row, str):
+        return _printable(row)
+    if not isinstance(row, list) or any(type(v) not in {int, float} for v in row):
+        return None
+    try:
+        return [float(v) for v in row]
+    except OverflowError:
+        return None
+
+
+def _printable(text: str) -> str:
+    """Return text of foreign code without what could steer a terminal, at most 300 characters of it."""
+    return printable(text)[:300]
+
+
+_VERDICT = ("exit", "signal", "late", "crowd")
+ENDED = {
+    "late": "the code takes too long",
+    "crowd": "the code starts too many processes",
+    "": "the code ended its warden",
+}
+"""What is said where code was ended, or ended what watches it."""
 
 
 def _run(arguments: list[str], folder: str, seconds: int) -> None:
-    """Run the black box in a process group of its own; what takes too long is ended with its children."""
-    command = [sys.executable, "-I", str(Path(__file__).with_name("black_box.py")), *arguments]
+    """Run the black box, and raise `InputError` unless what it guards ends well, in time and alone."""
+    kind, value = _guarded(arguments, folder, seconds, MEMORY, os.devnull)
+    if kind in ENDED:
+        expected = f"at most {seconds} s" if kind == "late" else ""
+        raise InputError(ENDED[kind], expected=expected)
+    if value:
+        raise InputError("the code ended with an error", got=_ending(kind, value))
+
+
+def _guarded(
+    arguments: list[str], folder: str, seconds: int, memory: int, output: str
+) -> tuple[str, int]:
+    """Run the black box; return how what it guards ended: a word of its verdict, and a number.
+
+    Nothing that it started is left, also where this is interrupted.
+    """
+    box = str(Path(__file__).with_name("black_box.py"))
     process = subprocess.Popen(  # noqa: S603 - our own file; no shell
-        command,
+        [sys.executable, "-I", box, PLACE, str(seconds), str(memory), output, *arguments],
         cwd=folder,
         env=_environment(folder),
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
+    with process:
+        try:
+            told, _ = process.communicate(timeout=seconds + GRACE)
+        except BaseException as error:
+            _end(process)
+            if not isinstance(error, subprocess.TimeoutExpired):
+                raise
+            return "", 0
+    return _verdict(told)
+
+
+def _verdict(told: bytes) -> tuple[str, int]:
+    """Return the word and the number of a verdict; no word where it is none."""
     try:
-        in_time = _ends(process, seconds)
-    finally:
+        ((kind, value),) = json.loads(told[:100]).items()
+    except (ValueError, AttributeError, RecursionError):
+        return "", 0
+    is_one = kind in _VERDICT and type(value) is int and 0 <= value < 256
+    return (kind, value) if is_one else ("", 0)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End the warden, who then ends what it guards; its number is taken until it is waited for."""
+    for number in (signal.SIGTERM, signal.SIGKILL):
         with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)  # with its children, before its number is free
-        process.wait()
-    if not in_time:
-        raise InputError("the code takes too long", expected=f"at most {seconds} s")
-    if process.returncode:
-        raise InputError("the code ended with an error", got=_ending(process.returncode))
+            os.killpg(process.pid, number)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(END_SECONDS)
 
 
-def _ends(process: subprocess.Popen[bytes], seconds: int) -> bool:
-    """Tell whether a process ends in time; its number stays taken."""
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        state = os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG)
-        if state is not None:
-            return True
-        time.sleep(0.005)
-    return False
-
-
-def _ending(status: int) -> str:
-    return signal.Signals(-status).name if status < 0 else f"exit status {status}"
+def _ending(kind: str, value: int) -> str:
+    known = kind == "signal" and value in {s.value for s in signal.Signals}
+    return signal.Signals(value).name if known else f"{kind} status {value}"
 
 
 def _environment(folder: str) -> dict[str, str]:
@@ -219,9 +322,9 @@ def _from_c(file: Path, name: str, at: Sequence[Point], seconds: int) -> list[li
         source, target = Path(folder, "points.bin"), Path(folder, "rows.bin")
         numbers = [v for p in at for v in (p.time, *p.states, *p.parameters)]
         source.write_bytes(struct.pack(f"{len(numbers)}d", *numbers))
-        program = _compiled(file, name, n, m, folder)
-        _run(["program", str(seconds), program, str(source), str(target)], folder, seconds)
-        data = target.read_bytes() if target.is_file() else b""
+        program = _compiled(file, name, n, m, folder, seconds)
+        _run(["program", program, str(source), str(target)], folder, seconds)
+        data = _read(target)
     values = struct.unpack(f"{len(data) // 8}d", data[: len(data) // 8 * 8])
     if len(values) != n * len(at):
         raise InputError("the code ended without a result", where=str(file), got=name)
@@ -232,27 +335,24 @@ def _rows(values: Sequence[float], n: int) -> Iterator[Sequence[float]]:
     yield from (values[k : k + n] for k in range(0, len(values), n))
 
 
-def _compiled(file: Path, name: str, n: int, m: int, folder: str) -> str:
+def _compiled(file: Path, name: str, n: int, m: int, folder: str, seconds: int) -> str:
+    """Compile a function and what calls it, within limits too: a text may make a compiler work for ever."""
     from codegen.native import require_compiler
 
     driver, program = Path(folder, "driver.c"), str(Path(folder, "program"))
     text = _DRIVER.replace("@NAME@", name).replace("@N@", str(n)).replace("@M@", str(m))
     driver.write_text(text, encoding="ascii")
     command = [*require_compiler(), "-O1", "-w", "-o", program, str(driver), str(file), "-lm"]
-    try:
-        done = subprocess.run(  # noqa: S603 - the system's compiler; no shell
-            command,
-            cwd=folder,
-            env=_environment(folder),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
+    said = Path(folder, "messages")
+    kind, value = _guarded(["program", *command], folder, seconds, COMPILER_MEMORY, str(said))
+    if kind in ENDED:
+        raise InputError(
+            "the compiler takes too long" if kind == "late" else "the compiler was ended",
+            where=str(file),
+            expected=f"at most {seconds} s",
         )
-    except subprocess.TimeoutExpired:
-        raise InputError("the compiler takes too long", where=str(file)) from None
-    if done.returncode:
-        message = done.stderr.replace(folder, "").strip()[:1000]
-        raise InputError("the code does not compile", where=str(file), got=message)
+    if value or not Path(program).is_file():
+        message = _read(said).decode("utf-8", "replace").replace(folder, "").strip()
+        got = "\n".join(map(printable, message[:1000].splitlines())) or _ending(kind, value)
+        raise InputError("the code does not compile", where=str(file), got=got)
     return program

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import multiprocessing
 import sys
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,12 +23,14 @@ from eom.commands.shared import (
     scene_argument,
     scene_of,
 )
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Ensemble, Sampler, Summary
     from eom.opening import AnyScene
 
+MOST_POINTS = 1_000_000
+"""Of times at which is counted."""
 STOPPED = 1
 """Exit status where a trajectory ended before its time."""
 LOCAL = "local"
@@ -196,29 +199,42 @@ def _run(
 ) -> Ensemble:
     import codegen
 
-    if points < 1:
-        raise InputError("no time to count at", where="--points", got=points, expected="1 or more")
     compiled = compiled_of(scene, "auto")
     names = _counted(scene) if statistics is None else tuple(statistics.split(","))
     sampler, parameters = _samples(scene, plan)
     end, settings = scene.integration.t_end, scene.integration
     with _client(cluster) as client, progress_of("integrating") as progress:
-        return codegen.ensemble(
+        found = codegen.ensemble(
             compiled,
             sampler,
             (0.0, end),
             parameters,
             rtol=settings.rtol,
             atol=settings.atol,
-            t_eval=[end * k / points for k in range(1, points + 1)],
+            t_eval=_times(end, points),
             inputs=scene.input_values(),
             statistics=codegen.Statistics(names, quantiles),
             keep=False,
+            max_step=settings.max_step or math.inf,
             max_steps=settings.max_steps,
             client=client,
             progress=progress,
             **options,
         )
+    if notice := found.notice.removeprefix(compiled.notice).removeprefix("; "):
+        click.echo(f"note: {notice}", err=True)
+    return found
+
+
+def _times(end: float, points: int) -> list[float]:
+    if not 1 <= points <= MOST_POINTS:
+        raise InputError(
+            "number of times does not fit",
+            where="--points",
+            got=points,
+            expected=f"1 to {MOST_POINTS:,}",
+        )
+    return [end * k / points for k in range(1, points + 1)]
 
 
 def _counted(scene: AnyScene) -> tuple[str, ...]:
@@ -278,7 +294,17 @@ def _client(cluster: str | None) -> Iterator[Any]:
             expected="local, or tcp://HOST:PORT",
         ) from None
     with client:
-        yield client
+        try:
+            yield client
+        except KeyboardInterrupt:
+            _end_workers()
+            raise
+
+
+def _end_workers() -> None:
+    """End the processes of a cluster on this machine: one that is at work in C would not listen."""
+    for process in multiprocessing.active_children():
+        process.kill()
 
 
 def _columns(summary: Summary, shares: Sequence[float]) -> dict[str, Any]:
@@ -302,7 +328,7 @@ def _print(found: Ensemble, shares: Sequence[float]) -> None:
     for name, drift in found.drift.items():
         about.add_row(f"drift of {name}", f"at most {drift.maximum[0]:.2e} relative")
     if found.store:
-        about.add_row("trajectories in", str(found.store))
+        about.add_row("trajectories in", printable(found.store))
     headings = ["mean", "deviation", "least", *(f"{s:g}" for s in shares), "greatest"]
     table = Table(box=None, pad_edge=False)
     table.add_column("")
@@ -341,5 +367,5 @@ def _data(found: Ensemble, plan: _Plan, shares: Sequence[float]) -> dict[str, An
         "t": found.t.tolist(),
         "statistics": {n: summarised(s) for n, s in found.statistics.items()},
         "drift": {n: listed(d.maximum)[0] for n, d in found.drift.items()},
-        "store": None if found.store is None else str(found.store),
+        "store": None if found.store is None else printable(found.store),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -87,6 +88,7 @@ def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tupl
             plan.atol,
             _times(scene),
             inputs=scene.input_values(),
+            max_step=plan.max_step or math.inf,
             max_steps=plan.max_steps,
             project=EVERY in project or project or None,
             events=found,
@@ -127,6 +129,7 @@ def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
             plan.atol,
             _times(scene),
             inputs={n: v.value for n, v in scene.inputs.items() if n in found.first.input_names},
+            max_step=plan.max_step or math.inf,
             max_steps=plan.max_steps,
             progress=progress,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     "held",
     multiple=True,
     metavar="NAME=VALUE",
-    help="A value that a state, an output or a constant of the motion must have.  [default: free]",
+    help="A value that a state, an output or a constant of the motion must have: a number or a formula "
+    "over parameters, such as pi/2.  [default: free]",
 )
 @click.option("--cyclic", multiple=True, metavar="STATE", help="A state that may run.")
 @click.option("--free", multiple=True, metavar="INPUT", help="An input that is looked for (trim).")
@@ -54,7 +55,7 @@ def linearise(
 
     opened = scene_of(scene)
     guess, parameters = opened.initial_values(), opened.parameter_values()
-    fixed = dict(map(_value, held))
+    fixed = dict(_value(given, parameters) for given in held)
     with waiting_for("deriving, compiling, looking for the point"):
         compiled = codegen.compile(opened.derive(), target)
         point = codegen.equilibrium(
@@ -68,15 +69,22 @@ def linearise(
         click.echo(text(near))
 
 
-def _value(given: str) -> tuple[str, float]:
-    name, sign, number = given.partition("=")
-    try:
-        if not sign or not name.strip():
-            raise ValueError
-        return name.strip(), float(number)
-    except ValueError:
-        raise InputError("not a value of a name", where=f"--at {given!r}",
-                         expected='as "omega_3=20"') from None  # fmt: skip
+def _value(given: str, parameters: Mapping[str, float]) -> tuple[str, float]:
+    """Return a name and its value, a formula over the parameters."""
+    import sympy as sp
+
+    from eom.parse import parse
+
+    name, sign, formula = (part.strip() for part in given.partition("="))
+    where = f"--at {given!r}"
+    if not sign or not name or not formula:
+        raise InputError("not a value of a name", where=where, expected='as "omega_3=20"')
+    symbols = {n: sp.Symbol(n, real=True) for n in parameters}
+    found = parse(formula, symbols, where)
+    value = found.subs({symbols[n]: sp.Rational(v) for n, v in parameters.items()}).evalf(30)
+    if not value.is_real or not value.is_finite:
+        raise InputError("a formula has no finite value", where=where, got=str(value))
+    return name, float(value)
 
 
 def data(near: LinearMotion, name: str) -> dict[str, Any]:
@@ -126,7 +134,7 @@ def text(near: LinearMotion) -> str:
             parts.append(_matrix(letter, getattr(near, letter), rows, columns))
     for name, others in near.eliminated.items():
         parts.append(f"{name} = " + (" + ".join(f"{f:.6g} {n}" for n, f in others.items()) or "0"))
-    shown = (f"  {v.real:+.10g}" + f" {v.imag:+.10g}i" * bool(v.imag) for v in near.eigenvalues)
+    shown = map(_eigenvalue, near.eigenvalues, near.errors)
     parts += ["eigenvalues (1/s)", *shown]
     parts.append(
         f"{verdict.kind}: largest real part {verdict.growth:.3g} 1/s, known to {verdict.error:.1g}"
@@ -135,6 +143,13 @@ def text(near: LinearMotion) -> str:
         parts.append(f"no derivative there (a corner?): {', '.join(near.doubtful)}")
     parts.append(f"agreement with a complex step of 50 digits: {near.agreement:.1e}")
     return "\n".join(parts)
+
+
+def _eigenvalue(value: complex, error: float) -> str:
+    """Return an eigenvalue; a part that is less than what is known of it is zero."""
+    known = error if error < float("inf") else 0.0
+    real, imaginary = (0.0 if abs(part) <= known else part for part in (value.real, value.imag))
+    return f"  {real:+.10g}" + f" {imaginary:+.10g}i" * bool(imaginary)
 
 
 def _values(title: str, values: Any) -> str:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from eom.errors import printable
+
 if TYPE_CHECKING:
     from codegen import Compiled
     from eom.opening import AnyScene
@@ -157,7 +159,7 @@ def waiting_for(work: str) -> Iterator[None]:
 def report_files(files: list[Path], *, err: bool = False) -> None:
     """Print what was written; to standard error where the other stream holds JSON."""
     for file in files:
-        click.echo(f"wrote {file} ({file.stat().st_size:,} bytes)", err=err)
+        click.echo(f"wrote {printable(file)} ({file.stat().st_size:,} bytes)", err=err)
 
 
 def finite(values: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,19 +24,36 @@ from eom.commands.shared import (
     scene_argument,
     scene_of,
     target_option,
+    waiting_for,
 )
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from codegen import Result
-    from codegen.simulation import Drift
+    from rich.table import Table
+
+    from codegen import Accuracy, Result
+    from codegen.drift import Drift
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
 REACHED, AT_EVENT = 0, 2
 """Of `codegen.Result.status`: what counts as done."""
+CANCELS = 2.0
+"""Size of the terms of a constant of the motion over its value from which on it is told."""
+ALARM = "bold red"
+"""Colour of what is printed where no digit is left."""
+LONGEST = 30.0
+"""Seconds of a run from which on its error is not estimated: a second may take several times as long."""
 MOST_CHANGES = 6
 """Times of changes of chart that are told."""
+
+
+accuracy_option = click.option(
+    "--accuracy/--no-accuracy",
+    "estimated",
+    default=True,
+    help="Estimate the error of every state by a second run of another kind.",
+)
 
 
 @click.command(cls=WithTable, title="Methods", rows=methods)
@@ -51,6 +69,13 @@ MOST_CHANGES = 6
 )
 @click.option(
     "--points", type=int, default=None, help="Number of stored times.  [default: the scene's]"
+)
+@click.option(
+    "--max-step",
+    type=float,
+    default=None,
+    help="Longest step in seconds: a pulse or another narrow feature of the rates may be stepped over "
+    "unless this is shorter.  [default: the scene's, else any]",
 )
 @click.option(
     "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
@@ -72,6 +97,7 @@ MOST_CHANGES = 6
     default=None,
     help="Draw to FILE.png, .svg or .pdf, or to FILE.html to turn by hand.",
 )
+@accuracy_option
 @click.option(
     "--json", "as_json", is_flag=True, help="Print the trajectory and all that is told as JSON."
 )
@@ -83,12 +109,14 @@ def simulate(
     project: tuple[str, ...],
     events: tuple[str, ...],
     as_json: bool,
+    estimated: bool,
     **options: Any,
 ) -> None:
-    """Integrate SCENE; print steps, time, drift of the constants and distance from singularities.
+    """Integrate SCENE; print steps, time, accuracy, drift of the constants and distance from singularities.
 
-    A run that ends at an event of the kind stop ends as it should, with exit status 0. With --out, events
-    are saved to FILE.events.csv: number of the event, direction, time and states.
+    The accuracy is an estimate of the error of all states, relative to the size of those of one
+    unit. A run that ends at an event of the kind stop ends as it should, with exit status 0. With
+    --out, events are saved to FILE.events.csv: number of the event, direction, time and states.
     """
     from codegen import export
 
@@ -100,10 +128,11 @@ def simulate(
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
     _save(job, result, file, plot, err=as_json)
+    accuracy = _accuracy(result, estimated)
     if as_json:
-        click.echo(json.dumps(data(job, result), indent=1, allow_nan=False))
+        click.echo(json.dumps(data(job, result, accuracy), indent=1, allow_nan=False))
     else:
-        _closing(job, result)
+        _closing(job, result, accuracy)
     _end(result)
 
 
@@ -114,9 +143,15 @@ def simulate(
 )
 @project_option
 @handover_option
+@accuracy_option
 @target_option
 def run(
-    scene: str, folder: Path, target: str, project: tuple[str, ...], handover: bool | None
+    scene: str,
+    folder: Path,
+    target: str,
+    project: tuple[str, ...],
+    handover: bool | None,
+    estimated: bool,
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen.compiled import write_files
@@ -133,8 +168,19 @@ def run(
     _save(job, result, folder / "trajectory.npz", picture if drawn else None)
     if not drawn:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
-    _closing(job, result)
+    _closing(job, result, _accuracy(result, estimated))
     _end(result)
+
+
+def _accuracy(result: Result, estimated: bool) -> Accuracy | str:
+    """Return the estimate of a run's error, or why there is none; nothing where it is not wanted."""
+    if not estimated:
+        return ""
+    if result.seconds > LONGEST:
+        took = f"{result.seconds:.3g} s"
+        return f"not estimated: the run took {took}, a second one may take several times that"
+    with waiting_for("estimating the error"):
+        return result.accuracy()
 
 
 def _simulate(job: Job) -> Result:
@@ -184,7 +230,7 @@ def _changes(result: Result) -> str:
     return f"{len(result.changes):,}, at t = {times}{more} s" if times else "none"
 
 
-def _closing(job: Job, result: Result) -> None:
+def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
     """Print the closing table."""
     from rich.console import Console
     from rich.markup import escape
@@ -203,17 +249,37 @@ def _closing(job: Job, result: Result) -> None:
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )
     table.add_row("time", f"{1e3 * result.seconds:.3g} ms")
+    warning = "" if isinstance(accuracy, str) else accuracy.warning
+    _add_accuracy(table, accuracy)
     for name, times in rows(result):
         table.add_row(escape(name), times)
     for name, drift in result.drift.items():
-        kind = "relative" if drift.scale == abs(drift.start) else "absolute"
-        table.add_row(f"drift of {name}", f"{drift.relative:.2e} {kind}, from {drift.start:.6g}")
+        table.add_row(f"drift of {name}", _told(drift))
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
+    if warning:
+        table.add_row("notice", escape(warning), style=ALARM)
     Console(soft_wrap=True).print(table)
 
 
-def data(job: Job, result: Result) -> dict[str, Any]:
+def _add_accuracy(table: Table, accuracy: Accuracy | str) -> None:
+    """Say how good the run is, against what, and how errors grow."""
+    from rich.markup import escape
+
+    if isinstance(accuracy, str):
+        if accuracy:
+            table.add_row("accuracy", accuracy)
+        return
+    against = f", by a second run with {accuracy.second}" if accuracy.second else ""
+    table.add_row(
+        "accuracy", escape(f"{accuracy}{against}"), style=ALARM if accuracy.warning else ""
+    )
+    if accuracy.growth.size and math.isfinite(accuracy.rate):
+        grown = f"{accuracy.growth[-1]:.2g} times from start to end, {accuracy.rate:.2g} 1/s"
+        table.add_row("errors grow", grown)
+
+
+def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, Any]:
     """Return a trajectory and what is told of it as JSON has it; what is not finite is null."""
     rows = zip(result.names, result.y.tolist(), strict=True)
     return {
@@ -228,6 +294,7 @@ def data(job: Job, result: Result) -> dict[str, Any]:
         "seconds": result.seconds,
         "left_out": [*job.not_needed(), *result.left_out],
         "changes_of_chart": finite(result.changes),
+        "accuracy": _judged(accuracy),
         "drift": {n: _drift(d) for n, d in result.drift.items()},
         "margin": {n: finite(m) for n, m in result.margin.items()},
         "events": {n: finite(e.t.tolist()) for n, e in result.events.items()},
@@ -237,8 +304,36 @@ def data(job: Job, result: Result) -> dict[str, Any]:
     }
 
 
+def _judged(accuracy: Accuracy | str) -> dict[str, Any] | None:
+    """Return an estimate as JSON has it; null where there is none."""
+    if isinstance(accuracy, str):
+        return {"told": accuracy} if accuracy else None
+    grown = float(accuracy.growth[-1]) if accuracy.growth.size else math.nan
+    return {
+        "told": str(accuracy),
+        "at_end": {n: finite(e) for n, e in accuracy.at_end.items()},
+        "largest": {n: finite(e) for n, e in accuracy.largest.items()},
+        "horizon": accuracy.horizon,
+        "growth": finite(grown),
+        "rate": finite(accuracy.rate),
+        "lost": list(accuracy.lost),
+        "second": accuracy.second,
+    }
+
+
+def _told(drift: Drift) -> str:
+    """Say how far a constant wandered; where it is small beside its terms also their size."""
+    of = f", of terms of {drift.size:.3g}" if drift.size > CANCELS * abs(drift.start) else ""
+    return f"{drift.relative:.2e} {drift.kind}, from {drift.start:.6g}{of}"
+
+
 def _drift(drift: Drift) -> dict[str, float | None]:
-    numbers = {"start": drift.start, "largest": drift.largest, "relative": drift.relative}
+    numbers = {
+        "start": drift.start,
+        "largest": drift.largest,
+        "size": drift.size,
+        "relative": drift.relative,
+    }
     return {name: finite(number) for name, number in numbers.items()}
 
 

@@ -16,9 +16,12 @@ from eom.commands.shared import Rows, WithTable, progress_of, report_files
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from codegen.stress.record import Check, Material, Plan
+    from collections.abc import Iterator
+
+    from codegen.stress.record import Check, Material, Plan, Trial
     from codegen.stress.showing import Outcome
     from codegen.workprecision.case import Case
+    from eom.problems import Problem
 
 FAILED = 1
 """Exit status where a check fails or cannot be measured."""
@@ -104,14 +107,63 @@ def _material() -> Material:
         problems=tuple(_case(n) for n in problems.names() if n not in ready),
         scenes=tuple(_case(n) for n in scenes),
         draw=draw_scene,
+        trials=_trials,
+        closed=tuple(_closed()),
     )
 
 
-def _case(name: str) -> Case:
+def _trials() -> tuple[Trial, ...]:
+    from codegen.stress.record import Trial
+    from eom.trials import TRIALS
+
+    return tuple(Trial(_case_of(t.problem), t.method, t.rtol, t.solution) for t in TRIALS)
+
+
+def _closed() -> Iterator[Case]:
+    """Yield every kind of system that has a closed form, by kind of attitude and what is left out."""
     from codegen.workprecision.case import Case
+    from eom import reduce
+    from eom.rigidbody import free_rigid_body, full_inertia, heavy_top, rigid_body
+    from eom.spinning import SpinningSymmetricBody
+    from eom.torques import applied
+
+    moments = {"I1": 1.25, "I2": 1.25, "I3": 2.0}
+    matrix = {"J11": 2.0, "J12": 0.25, "J13": -0.125, "J22": 2.5, "J23": 0.0625, "J33": 1.75}
+    weight = {**moments, "m": 3.0, "g": 9.81, "r3": 0.2}
+    still = rigid_body(full_inertia(), lambda C, J: applied((0, 0, 0)))
+    spinner = SpinningSymmetricBody((0, 0, 0)).system()
+    I1, I2 = (q.symbol for q in heavy_top().parameters[:2])
+    equal = [reduce.substitute(s, {I2: I1}) for s in (free_rigid_body(), heavy_top())]
+    for name in ("quaternion", "dcm", "3-1-3", "3-2-1"):
+        yield Case(f"free body, {name}", "", free_rigid_body(name), {}, moments, {}, 1.0)
+        yield Case(f"top, {name}", "", heavy_top(name), {}, weight, {}, 1.0)
+    yield Case("full inertia", "", still, {}, matrix, {}, 1.0)
+    yield Case("spinner", "", spinner, {}, {"I1": 0.25, "I2": 0.5}, {}, 1.0)
+    yield Case(
+        "spinner, tilt alone",
+        "",
+        reduce.prune(spinner, ["theta"]),
+        {},
+        {"I1": 0.25, "I2": 0.5},
+        {},
+        1.0,
+    )
+    for system in equal:
+        spun = reduce.freeze(system, reduce.constant_states(system))
+        yield Case(
+            f"{system.name} with constant spin", "", spun, {}, {**weight, "omega_3": 3.0}, {}, 1.0
+        )
+
+
+def _case(name: str) -> Case:
     from eom import problems
 
-    p = problems.ready(name)
+    return _case_of(problems.ready(name))
+
+
+def _case_of(p: Problem) -> Case:
+    from codegen.workprecision.case import Case
+
     numbers = (p.start, p.parameters, p.inputs)
     return Case(p.name, p.title, p.system, *numbers, p.end, p.stiff)
 

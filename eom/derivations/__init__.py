@@ -10,7 +10,7 @@ import importlib
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 
 if TYPE_CHECKING:
     from eom.derivation import Derivation
@@ -112,7 +112,7 @@ def names() -> list[str]:
     return [*_MAKERS, *_solid_names()]
 
 
-@lru_cache(maxsize=64)
+@typed
 def derive(name: str) -> Derivation:
     """Return a derivation by its ``name``, every step verified when it is made.
 
@@ -123,6 +123,11 @@ def derive(name: str) -> Derivation:
     >>> derive("point-mass")["newton"].reason
     "Newton's second law"
     """
+    return _derived(name)
+
+
+@lru_cache(maxsize=64)
+def _derived(name: str) -> Derivation:
     solids = _solid_names()
     if name in solids:
         module = importlib.import_module("eom.derivations.solids")

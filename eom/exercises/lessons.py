@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from eom import derivations
 from eom.checker.derived import front_matter
 from eom.derivation import Derivation, Step
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 from eom.exercises.solids import front_matter_of, legend, solid_of, told
 from eom.notation import NOTATIONS, Notation
 from eom.showing import Item, only_names, symbols
@@ -43,6 +43,7 @@ def topics() -> dict[str, dict[str, str]]:
     return derivations.titles()
 
 
+@typed
 def lesson(topic: str) -> Lesson:
     """Return a ``topic`` by its name, one of `topics`. Raises `InputError` for others.
 

@@ -16,7 +16,7 @@ import eom.checker.checking as checker
 from eom.checker.explanation import Counterexample
 from eom.checker.report import FAULTS, Finding
 from eom.derivation import Derivation, Step
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.exercises import page, slips
 from eom.exercises.lessons import Lesson, lesson
 from eom.exercises.slips import Planted
@@ -100,6 +100,7 @@ class Exercise(Sheet):
         return self.finding.explanation.counterexample
 
 
+@typed
 def exercise(
     topic: str, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
 ) -> Exercise:
@@ -114,6 +115,7 @@ def exercise(
     return planted_in(lesson(topic), seed, notation=notation, lines=lines, slip=slip)
 
 
+@typed
 def planted_in(
     about: Lesson, seed: int = 0, *, notation: str = "arrow", lines: int = LINES, slip: str = ""
 ) -> Exercise:
@@ -218,6 +220,7 @@ def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
     return False
 
 
+@typed
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 

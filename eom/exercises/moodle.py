@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from eom.errors import typed
 from eom.exercises import maxima
 from eom.exercises.page import (
     DISPLAY,
@@ -135,6 +136,7 @@ def _text(parent: ET.Element, tag: str, text: str, style: str = "") -> ET.Elemen
     return made
 
 
+@typed
 def moodle(exercises: Sequence[Exercise]) -> str:
     """Return ``exercises`` as one file in Moodle's XML.
 

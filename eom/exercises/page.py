@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from eom import pages
 from eom.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.derivation import Derivation, Step, meaning_of
+from eom.errors import typed
 from eom.notation import Notation, notation_named, write
 from eom.showing import separate
 from eom.terms import Term
@@ -124,6 +125,7 @@ def _numbers(exercise: Exercise) -> Iterator[Said]:
 # -- Markdown -----------------------------------------------------------------------------------------
 
 
+@typed
 def student(exercise: Sheet, lexicon: bool = True) -> str:
     """Return the page of an ``exercise`` for the student as Markdown.
 
@@ -147,6 +149,7 @@ def _student(exercise: Sheet) -> Iterator[Block]:
     yield from steps(exercise.wrong, notation)
 
 
+@typed
 def marker(exercise: Exercise) -> str:
     """Return the key of an exercise as Markdown: which line, what should stand there, and numbers.
 

@@ -7,13 +7,14 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, entries, shown, typed_fields
 from eom.multibody import checks, values
 from eom.multibody.spatial import ZERO
 from eom.multibody.values import Value
 from eom.system import TIME, Quantity
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Rotor:
     """A body of revolution that spins in bearings of a ``body``: a reaction wheel, a gyroscope, a motor.
@@ -76,6 +77,7 @@ class Rotor:
         )
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Spring:
     """A spring and damper between a point of one body and one of another, or of the ground.
@@ -97,10 +99,10 @@ class Spring:
         where = f"spring {self.name!r}"
         checks.name(self.name, where)
         keep = object.__setattr__
-        for name in ("bodies", "points"):
-            if len(tuple(getattr(self, name))) != 2:
-                raise InputError(f"not two {name}", where=where, got=getattr(self, name))
+        points = entries(self.points, f"{where}: points")
+        if len(points) != 2:
+            raise InputError("not two points", where=where, got=shown(self.points))
         keep(self, "bodies", tuple(self.bodies))
-        keep(self, "points", tuple(values.triple(p, f"{where}: point") for p in self.points))
+        keep(self, "points", tuple(values.triple(p, f"{where}: point") for p in points))
         for name in ("stiffness", "length", "damping"):
             keep(self, name, values.value(getattr(self, name), f"{where}: {name}"))

@@ -17,7 +17,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, typed
 from eom.multibody.geometry import orthonormal, symbols_of
 from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Body, Tree
@@ -69,6 +69,7 @@ class BaseParameters:
         return tuple(e.xreplace(known) for e in self.combinations.values())
 
 
+@typed
 def base_parameters(
     tree: Tree, *, armature: bool = False, damping: bool = False, seed: int = 0
 ) -> BaseParameters:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.multibody.configurations import (
     Closed,
     Geometry,
@@ -52,6 +52,7 @@ class Assembly:
         return {name: self.values[name] for name in system.state_names}
 
 
+@typed
 def assemble(
     tree: Tree,
     values: Mapping[str, float],

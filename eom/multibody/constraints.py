@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields
 from eom.multibody import checks, values
 from eom.multibody.joints import KINDS, Kind
 from eom.multibody.model import GROUND, HERE, Constraint, Placement, Tree
@@ -55,6 +55,7 @@ def _without_motion(constraint: Constraint, tree: Tree) -> None:
             )
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Loop(Constraint):
     """A loop closed by a joint from ``first`` to ``second`` (bodies, or the ground), which was cut.
@@ -115,6 +116,7 @@ class Loop(Constraint):
         _without_motion(self, tree)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Distance(Constraint):
     """Two points at a constant distance (m): a rod without mass between two balls.
@@ -179,6 +181,7 @@ class _Expressed(Constraint):
         yield self.expression
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Equation(_Expressed):
     """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
@@ -195,6 +198,7 @@ class Equation(_Expressed):
         _none_of(self, {i.symbol for i in tree.inputs}, "inputs", "prescribe the motion of a joint")
 
 
+@typed_fields
 @dataclass(frozen=True)
 class SpeedEquation(_Expressed):
     """An equation between speeds: ``expression`` = 0, linear in them, over all else that moves.
@@ -216,6 +220,7 @@ class SpeedEquation(_Expressed):
                 )
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Coupling(Constraint):
     """Gears: the sum of ratio times rate is zero over some joints of one speed each.
@@ -230,7 +235,13 @@ class Coupling(Constraint):
 
     def __post_init__(self) -> None:
         checks.name(self.name, self.where)
-        given = self.ratios.items() if isinstance(self.ratios, Mapping) else self.ratios
+        pairs = self.ratios.items() if isinstance(self.ratios, Mapping) else self.ratios
+        given = entries(pairs, f"{self.where}: ratios")
+        if not all(isinstance(g, tuple | list) and len(g) == 2 and is_text(g[0]) for g in given):
+            raise InputError(
+                "ratios are a number a joint", where=self.where, got=shown(self.ratios),
+                expected='for example {"first": 1, "second": -2}',
+            )  # fmt: skip
         rows = tuple((j, values.value(x, f"{self.where}: ratio of {j}")) for j, x in given)
         if len({j for j, _ in rows}) < max(2, len(rows)) or any(is_zero(x) for _, x in rows):
             raise InputError(
@@ -263,6 +274,7 @@ class Coupling(Constraint):
         _without_motion(self, tree)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Rolling(Constraint):
     """A wheel or ball rolls on a plane of the ground without slip.
@@ -320,6 +332,7 @@ class Rolling(Constraint):
         _without_motion(self, tree)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Skate(Constraint):
     """A knife edge: a point of a body has no velocity along a direction of the body.

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, near_matches, typed
 from eom.multibody.configurations import Closed, Geometry, Row, closed, random_values, solved
 from eom.multibody.equations import Component
 from eom.multibody.model import Tree
@@ -82,6 +82,7 @@ class Examination:
         )
 
 
+@typed
 def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination:
     """Return which components of a tree's constraints are independent.
 

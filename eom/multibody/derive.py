@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from eom.errors import typed
+from eom.multibody import possible
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.binding import Plan, bind, plan
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import Joint, Tree
 from eom.multibody.motion import coordinate_rates, motion, places
 from eom.multibody.names import (
+    attitudes_of,
     inputs_of,
     named_of,
     parameters_of,
@@ -26,6 +29,7 @@ from eom.multibody.values import is_number
 from eom.system import Definition, Expr, Quantity, System
 
 
+@typed
 def derive(
     tree: Tree,
     outputs: Iterable[str | Reaction | Point] = (),
@@ -180,9 +184,10 @@ def _system(
         *(d.expression for d in (*outputs, *invariants)),
         *(s.expression for s in found),
     ]
+    states = states_of(tree, binding.plan.dependent or ())
     return System(
         name=tree.name,
-        states=states_of(tree, binding.plan.dependent or ()),
+        states=states,
         rates=tuple(rates),
         parameters=parameters_of(tree),
         inputs=inputs_of(tree),
@@ -190,6 +195,7 @@ def _system(
         outputs=tuple(outputs),
         invariants=tuple(invariants),
         singularities=found,
-        assumptions=binding.assumptions(held),
+        assumptions=(*possible.assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
+        attitudes=attitudes_of(tree, states),
     )

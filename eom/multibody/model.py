@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, entries, near_matches, typed_fields
 from eom.kinematics import SEQUENCES
 from eom.multibody import checks, values
 from eom.multibody.attachments import Rotor, Spring
@@ -27,6 +27,7 @@ GROUND = "ground"
 CENTRE, ORIGIN = "centre", "origin"
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Body:
     """A rigid body with axes of its own.
@@ -58,7 +59,7 @@ class Body:
         keep(self, "centre", values.triple(self.centre, f"{where}: centre"))
         keep(self, "inertia", values.symmetric(self.inertia, f"{where}: inertia"))
         keep(self, "axes", values.rotation(self.axes, f"{where}: axes"))
-        if self.about not in {CENTRE, ORIGIN}:
+        if not (isinstance(self.about, str) and self.about in {CENTRE, ORIGIN}):
             keep(self, "about", values.triple(self.about, f"{where}: about"))
         checks.body(self.mass, self.central_inertia, where)
 
@@ -77,6 +78,7 @@ class Body:
         return checks.central(self.inertia, self.axes, self.mass, self.centre, self._point)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Placement:
     """Where a joint's frame is on a body.
@@ -113,8 +115,9 @@ class Motion:
         keep = object.__setattr__
         for name in ("position", "rate", "acceleration"):
             given = getattr(self, name)
-            if given is not None:
-                parts = given if isinstance(given, Sequence) else (given,)
+            if given is not None or name == "position":
+                is_list = isinstance(given, Sequence) and not isinstance(given, str | bytes)
+                parts = entries(given, f"{name} of a motion") if is_list else (given,)
                 keep(self, name, tuple(values.value(p, "prescribed motion") for p in parts))
         if self.rate is None:
             keep(self, "rate", _derivatives(self.position))
@@ -127,6 +130,7 @@ def _derivatives(expressions: Iterable[Value]) -> tuple[Value, ...]:
     return tuple(values.value(e, "prescribed motion") for e in found)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Joint:
     """A joint from a ``parent`` (a body, or the ground) to its ``child``.
@@ -254,6 +258,7 @@ def _each(given: Any, size: int, where: str) -> tuple[Value, ...]:
     return tuple(values.value(p, where) for p in parts)
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Load:
     """A force (N) that acts at a ``point`` of a body, and a torque (N m) on it.
@@ -306,6 +311,7 @@ class Constraint:
         raise NotImplementedError
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Tree:
     """Bodies joined to the ground without loops, and constraints on them, which may close loops.

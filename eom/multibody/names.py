@@ -9,7 +9,8 @@ from eom.kinematics import rotation_sequence
 from eom.multibody.joints import QUATERNION
 from eom.multibody.model import Tree
 from eom.multibody.values import is_number
-from eom.system import TIME, Expr, Quantity, Singularity
+from eom.structure import COUNTS
+from eom.system import TIME, BodyAttitude, Expr, Quantity, Singularity
 
 
 def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
@@ -20,6 +21,22 @@ def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]
     kept = (s for j in free for s in j.speeds if s not in followed)
     rotors = (s for r in tree.rotors for s in r.states)
     return (*(c for j in free for c in j.coordinates), *kept, *rotors)
+
+
+def attitudes_of(tree: Tree, states: Iterable[Quantity]) -> tuple[BodyAttitude, ...]:
+    """Return the attitudes of bodies on their parents, whose coordinates and speeds are ``states``."""
+    moving = {q.symbol for q in states}
+    found = []
+    for joint in tree.ordered:
+        if not joint.row.attitude:
+            continue
+        count = COUNTS.get(joint.attitude, 3)
+        turned = tuple(c.symbol for c in joint.coordinates[-count:])
+        omega = tuple(s.symbol for s in joint.speeds[:3])
+        if {*turned, *omega} <= moving:
+            a, b, c = omega
+            found.append(BodyAttitude((a, b, c), joint.attitude, turned, body=joint.child))
+    return tuple(found)
 
 
 def inputs_of(tree: Tree) -> tuple[Quantity, ...]:

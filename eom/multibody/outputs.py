@@ -13,6 +13,7 @@ from eom.multibody.points import Point
 from eom.multibody.reactions import Reaction, drives_of, of_all
 from eom.multibody.tally import Savings
 from eom.multibody.told import OUTPUTS
+from eom.structure import kept as kept_attitudes
 from eom.system import Definition, System
 
 GROUPS: dict[str, tuple[str, ...]] = {
@@ -150,6 +151,7 @@ def _restricted(
     free = set().union(
         *(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular)
     )
+    known = {*free, *states, *(d.symbol for d in definitions)}
     return replace(
         system,
         states=tuple(system.states[k] for k in kept),
@@ -161,6 +163,7 @@ def _restricted(
         invariants=invariants,
         singularities=singular,
         maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+        attitudes=kept_attitudes(system.attitudes, states, known),
     )
 
 

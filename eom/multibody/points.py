@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from eom.errors import InputError, near_matches
+from eom.errors import InputError, near_matches, typed_fields
 from eom.multibody import checks, values
 from eom.multibody.motion import Scalars, motion
 from eom.multibody.quantities import Flow
@@ -23,6 +23,7 @@ QUANTITIES = {
 """What can be told of a point: letter and unit."""
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Point:
     """A point of a body that is told: outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.

@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, near_matches, unknown_name
+from eom.errors import InputError, near_matches, typed, typed_fields, unknown_name
 from eom.multibody import checks, values
 from eom.multibody.light import plain
 from eom.multibody.model import CENTRE, GROUND, ORIGIN, Joint, Tree
@@ -40,6 +40,7 @@ from eom.system import Definition, Quantity
 JOINT = "joint"
 
 
+@typed_fields
 @dataclass(frozen=True)
 class Reaction:
     """The force (N) and the torque (N m) that the parent of a joint exerts on its child.
@@ -94,6 +95,7 @@ class Reaction:
 _POINTS = (JOINT, CENTRE, ORIGIN)
 
 
+@typed
 def reaction(
     joint: Joint | str, point: Any = JOINT, *, body: str = "", axes: str = GROUND, name: str = ""
 ) -> Reaction:

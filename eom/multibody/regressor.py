@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, typed
 from eom.multibody.light import Naming, plain, used
 from eom.multibody.model import Body, Tree
 from eom.multibody.motion import (
@@ -133,6 +133,7 @@ def about_origin(body: Body) -> tuple[list[list[Value]], list[Value]]:
     return [[entry(i, j) for j in range(3)] for i in range(3)], [mul(body.mass, x) for x in c]
 
 
+@typed
 def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> Regressor:
     """Return Y of a tree as a system to compile; masses and inertias of the tree do not matter.
 

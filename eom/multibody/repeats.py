@@ -51,9 +51,9 @@ def _table(value: Any, counts: Mapping[str, int], place: str) -> Any:
         return [v for item in value for v in _items(item, counts, place)]
     if not isinstance(value, Mapping):
         return value
-    found = {k: v for k, v in value.items() if not _INDEX.search(k)}
+    found = {k: v for k, v in value.items() if not _INDEX.search(str(k))}
     for key, item in value.items():
-        if _INDEX.search(key):
+        if _INDEX.search(str(key)):
             for number in _numbers(key, counts, place):
                 found.setdefault(_put(key, number, place), _put(item, number, f"{place}.{key}"))
     if len(found) > MOST_PARTS:

@@ -23,7 +23,7 @@ from eom.multibody.repeats import written_out
 from eom.multibody.sections import Reading, check_used, points_of, tree_of
 from eom.multibody.starting import quaternions, start_values
 from eom.multibody.tally import savings
-from eom.scene_files import data_of, in_file, readable
+from eom.scene_files import data_of, in_file, limited, readable
 from eom.start import pick
 from eom.system import System
 
@@ -47,7 +47,7 @@ class TreeScene(TreeDescription):
 
     def __init__(self, /, **data: Any) -> None:
         try:
-            super().__init__(**written_out(data))
+            super().__init__(**written_out(limited(data)))
         except pydantic.ValidationError as error:
             raise readable(error, TreeDescription) from None
 

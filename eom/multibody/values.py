@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, entries
 from eom.identity import vanishes
 from eom.system import as_expression
 
@@ -87,7 +87,7 @@ def matrix(given: Any, where: str) -> tuple[tuple[Value, ...], ...]:
 def _items(given: Any, where: str) -> list[Any]:
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise InputError("not a list of numbers", where=where, got=given)
-    return list(given)
+    return entries(given, where)
 
 
 def symmetric(given: Any, where: str) -> tuple[tuple[Value, ...], ...]:

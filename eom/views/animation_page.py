@@ -7,11 +7,10 @@ hashes alone; what a scene brings along is escaped. The same animation gives the
 from __future__ import annotations
 
 import base64
-import hashlib
 import html
 import json
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -22,6 +21,7 @@ from numpy.typing import ArrayLike
 from eom.views.animation import Animation
 from eom.views.equivalents import Shape
 from eom.views.figures import Figure
+from eom.views.policy import hashed, policy
 from eom.views.solid_meshes import Mesh
 from eom.views.tracks import Track
 
@@ -50,7 +50,7 @@ def page(animation: Animation) -> str:
         "title": html.escape(title),
         "words": f"<p>{html.escape(words)}</p>" if words else "",
         "style": style,
-        "policy": html.escape(_policy(scripts, style)),
+        "policy": html.escape(policy(scripts, hashed(style))),
         "notes": "".join(f"<li>{html.escape(n)}</li>" for n in animation.notes),
         "data": _json(data(animation)),
         "scripts": "\n".join(f"<script>{s}</script>" for s in scripts),
@@ -61,20 +61,6 @@ def page(animation: Animation) -> str:
 @cache
 def _web(name: str) -> str:
     return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
-
-
-def _policy(scripts: Iterable[str], style: str) -> str:
-    """Return the Content-Security-Policy: these scripts and this style, nothing else."""
-    allowed = " ".join(f"'{_hash(s)}'" for s in scripts)
-    return (
-        f"default-src 'none'; script-src {allowed}; style-src '{_hash(style)}'; "
-        "base-uri 'none'; form-action 'none'"
-    )
-
-
-def _hash(text: str) -> str:
-    digest = hashlib.sha256(text.encode("utf-8")).digest()
-    return f"sha256-{base64.b64encode(digest).decode('ascii')}"
 
 
 def _json(value: Any) -> str:

@@ -16,7 +16,7 @@ from eom.views.thinning import thinned
 
 if TYPE_CHECKING:
     from codegen import Result
-    from codegen.simulation import Drift
+    from codegen.drift import Drift
     from eom.opening import AnyScene
     from eom.system import Quantity, System
 
@@ -55,8 +55,8 @@ def histories(
     ``result``: of `codegen.simulate`; ``known``: the quantities of `quantities`, for their units.
     ``names``: which to draw, in panels of eight curves at most; without them all, but eight a unit, and
     the caption says how many are left out. The lowest panel has the drift of the invariants, value less
-    first value, on a logarithmic scale; it says whether drift is relative (over the first value) or
-    absolute (in the invariant's unit, where the first value is zero but for rounding). Values that are no
+    first value, on a logarithmic scale; it says whether drift is relative (over the size of the terms that
+    the invariant is made of) or absolute (in its unit, where all terms are zero). Values that are no
     numbers leave gaps.
 
     Raises `InputError` for unknown names, for fewer than two times, and for a quantity without numbers.
@@ -170,7 +170,7 @@ def _drifts(result: Result, notes: list[str]) -> Panel:
     shown = [n for n in result.drift if n in order[:MOST]]
     if len(order) > MOST:
         notes.append(f"{len(order) - MOST} more constants of the motion drift less.")
-    kinds = {n: _kind(result.drift[n]) for n in shown}
+    kinds = {n: result.drift[n].kind for n in shown}
     same = len(set(kinds.values())) == 1
     items: list[Item] = []
     for n, (colour, dash) in zip(shown, _looks(), strict=False):
@@ -198,10 +198,6 @@ def _sizes(t: Floats, drift: Drift) -> Floats:
 
 def _largest(drift: Drift) -> float:
     return drift.relative if math.isfinite(drift.relative) else math.inf
-
-
-def _kind(drift: Drift) -> str:
-    return "relative" if drift.scale == abs(drift.start) else "absolute"
 
 
 def _timed(panels: Sequence[Panel], result: Result) -> Iterator[Panel]:

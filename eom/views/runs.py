@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,6 +45,7 @@ def integrated(scene: AnyScene, t: Floats) -> Result:
         plan.atol,
         t,
         inputs=scene.input_values(),
+        max_step=plan.max_step or math.inf,
         max_steps=plan.max_steps,
     )
 
@@ -68,6 +70,7 @@ def _handed_over(scene: Scene, t: Floats) -> tuple[Result, System]:
         plan.atol,
         t,
         inputs=held,
+        max_step=plan.max_step or math.inf,
         max_steps=plan.max_steps,
     )
     return result, found.first

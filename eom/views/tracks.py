@@ -7,6 +7,7 @@ be interpolated.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from eom.errors import InputError
 from eom.kinematics import quaternion_of_sequence
 from eom.opening import AnyScene
 from eom.scene import Scene
+from eom.structure import DCM, QUATERNION, BodyAttitude
 
 if TYPE_CHECKING:
     from codegen import Result
@@ -112,10 +114,12 @@ def _of_body(scene: Scene, result: Result) -> Tracks:
     def triple(letter: str) -> Floats:
         return np.stack([series(f"{letter}_{k}") for k in (1, 2, 3)], axis=-1)
 
-    quaternions, still = _quaternions(scene, series), np.zeros((len(result.t), 3))
+    (stated,) = scene.full_system.attitudes
+    quaternions, still = _quaternions(stated, series), np.zeros((len(result.t), 3))
     frame, omega = quaternions, None
-    if scene.model == "spinner":
-        frame = _sequence("3-1-2", series, ("psi", "theta", None))
+    if stated.unspun:
+        names = [c.name for c in stated.coordinates if c is not None]
+        frame = _sequence(stated.kind, series, [*names[:-1], None])
         omega = triple("h") / np.array(principal_values(scene))
     h, torque = (turned(frame, triple(letter)) for letter in ("h", "torque"))
     omega = turned(frame, triple("omega") if omega is None else omega)
@@ -123,20 +127,19 @@ def _of_body(scene: Scene, result: Result) -> Tracks:
     return Tracks(result.t, (body,), h, still, torque)
 
 
-def _quaternions(scene: Scene, series: Any) -> Floats:
-    if scene.model == "spinner":
-        return _sequence("3-1-2", series, ("psi", "theta", "phi"))
-    if scene.attitude == "quaternion":
-        return continuous(np.stack([series(f"q{k}") for k in range(4)], axis=-1))
-    if scene.attitude == "dcm":
-        entries = [series(f"C{i}{j}") for i in (1, 2, 3) for j in (1, 2, 3)]
-        return of_matrices(np.stack(entries, axis=-1).reshape(-1, 3, 3))
-    return _sequence(scene.attitude, series, ("psi", "theta", "phi"))
+def _quaternions(stated: BodyAttitude, series: Any) -> Floats:
+    names = [c.name for c in stated.coordinates if c is not None]
+    if stated.kind == QUATERNION:
+        return continuous(np.stack([series(n) for n in names], axis=-1))
+    if stated.kind == DCM:
+        return of_matrices(np.stack([series(n) for n in names], axis=-1).reshape(-1, 3, 3))
+    return _sequence(stated.kind, series, names)
 
 
-def _sequence(sequence: str, series: Any, names: tuple[str | None, ...]) -> Floats:
+def _sequence(sequence: str, series: Any, names: Sequence[str | None]) -> Floats:
     """Return quaternions of angles; one without a name is zero."""
-    angles = [series(n) if n else np.zeros_like(series("psi")) for n in names]
+    still = np.zeros_like(series(str(names[0])))
+    angles = [series(n) if n else still for n in names]
     rows = zip(*(a.tolist() for a in angles), strict=True)
     return continuous(np.array([quaternion_of_sequence(sequence, row) for row in rows]))
 

@@ -1,6 +1,7 @@
 """One HTML page with a picture to turn by hand, that needs no network.
 
-It holds plotly.js itself (some 4.8 MB); the data of the picture are small beside it. The page follows the
+It holds plotly.js itself (some 4.8 MB); the data of the picture are small beside it. Its two scripts are
+allowed by their hashes alone; the library writes its own styles and images. The page follows the
 reader's choice of a light or dark theme.
 """
 
@@ -13,6 +14,7 @@ from functools import lru_cache
 from eom.views import formulas
 from eom.views.extras import require
 from eom.views.picture import Picture
+from eom.views.policy import INLINE, policy
 from eom.views.printed import height_of
 from eom.views.turned import INCH, described
 
@@ -21,6 +23,7 @@ PAGE = """\
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
 <style>
@@ -41,27 +44,28 @@ p {{ margin: 0; padding: 0.5rem 1.5rem 1rem; max-width: 60rem; align-self: cente
 <div id="picture" role="group" aria-label="{words}"></div>
 {caption}</main>
 <script type="application/json" id="data">{data}</script>
-<script>
-"use strict";
-(() => {{
-  const media = matchMedia("(prefers-color-scheme: dark)");
-  const swapped = {{
-    "#ffffff": "#14171c", "#222222": "#e8e8e8", "#000000": "#f2f2f2", "#dddddd": "#3a3f48",
-    "#777777": "#9aa0a8", "#0072b2": "#4aa8e0",
-  }};
-  const words = new Set(["text", "name", "legendgroup"]);
-  const text = document.getElementById("data").textContent;
-  const draw = () => {{
-    const given = JSON.parse(text, (key, value) =>
-      media.matches && !words.has(key) && Object.hasOwn(swapped, value) ? swapped[value] : value);
-    Plotly.react("picture", given.data, given.layout, {{ responsive: true, displaylogo: false }});
-  }};
-  draw();
-  media.addEventListener("change", draw);
-}})();
-</script>
+<script>{script}</script>
 </body>
 </html>
+"""
+SCRIPT = """
+"use strict";
+(() => {
+  const media = matchMedia("(prefers-color-scheme: dark)");
+  const swapped = {
+    "#ffffff": "#14171c", "#222222": "#e8e8e8", "#000000": "#f2f2f2", "#dddddd": "#3a3f48",
+    "#777777": "#9aa0a8", "#0072b2": "#4aa8e0",
+  };
+  const words = new Set(["text", "name", "legendgroup"]);
+  const text = document.getElementById("data").textContent;
+  const draw = () => {
+    const given = JSON.parse(text, (key, value) =>
+      media.matches && !words.has(key) && Object.hasOwn(swapped, value) ? swapped[value] : value);
+    Plotly.react("picture", given.data, given.layout, { responsive: true, displaylogo: false });
+  };
+  draw();
+  media.addEventListener("change", draw);
+})();
 """
 
 
@@ -82,7 +86,9 @@ def page(picture: Picture, size: tuple[float, float] | None = None) -> str:
         words=html.escape(words or title),
         caption=f"<p>{html.escape(words)}</p>\n" if words else "",
         height=made["layout"].get("height", usual) / INCH,
+        policy=html.escape(policy([library(), SCRIPT], INLINE, "data: blob:")),
         library=library(),
+        script=SCRIPT,
         data=data,
     )
 

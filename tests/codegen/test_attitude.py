@@ -1,4 +1,4 @@
-"""Quaternions and rigid bodies found in programs, and the change to momentum in the reference frame."""
+"""Quaternions and rigid bodies that systems state, in programs, and the change to momentum."""
 
 from fractions import Fraction
 
@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eom
-from codegen.attitude import INERTIA, attitude_of
+from codegen.attitude import FRAME, INERTIA, attitude_of
 from codegen.compiled import compile as compile_system
 from codegen.interpret import Point, interpret, random_point
 from codegen.momentum import (
@@ -25,9 +25,8 @@ from codegen.momentum import (
     start,
 )
 from codegen.program import Builder
-from codegen.quaternions import FRAME
-from codegen.residues import PRIME, RandomPoint, Unlucky, null_vector, rational, residue
-from eom import torques
+from codegen.residues import LARGEST, PRIME, RandomPoint, Unlucky, degree, residue
+from eom import BodyAttitude, InputError, torques
 from eom.kinematics import attitude, quaternion_product
 from eom.rigidbody import (
     full_inertia,
@@ -44,7 +43,7 @@ def compiled(system, **options):
 
 def attitude_in(system, **options):
     c = compiled(system, **options)
-    return attitude_of(c.program, len(c.layout.states)), c
+    return attitude_of(c.layout.attitudes, len(c.layout.states)), c
 
 
 def inertia_of(body, p):
@@ -58,24 +57,40 @@ def full_body(torque=lambda C, J: torques.weight(C, (True, True, True))):
 # --- residues ------------------------------------------------------------------------------------
 
 
-@given(st.integers(-(2**200), 2**200), st.integers(1, 2**200))
-def test_rationals_are_read_off_their_residues(numerator, denominator):
-    number = Fraction(numerator, denominator)
-    assert rational(residue(number)) == number
+def test_no_number_that_people_write_is_zero_in_the_field():
+    """Doubles of every size, and one less or more than powers of two and ten."""
+    exponents = range(-1074, 1024)
+    powers = [Fraction(2) ** k for k in exponents] + [Fraction(10) ** k for k in range(-320, 320)]
+    residues = {residue(v) for v in powers}
+    assert len(residues) == len(set(powers))
+    assert 0 not in {residue(v + s) for v in powers for s in (0, 1, -1) if v + s}
 
 
-def test_a_random_residue_is_no_small_rational():
-    found = rational(RandomPoint(1).draw())
-    assert found is None or max(abs(found.numerator), found.denominator) > 2**100
+def test_sines_and_cosines_lie_on_the_circle_and_double():
+    point = RandomPoint(5)
+    angle = residue(Fraction(3, 7))
+    order = [2, 1, Fraction(1, 2), 4, -1, Fraction(1, 4)]
+    found = {f: point.circle(angle * residue(Fraction(f)) % PRIME) for f in order}
+    assert all((c * c + s * s - 1) % PRIME == 0 for c, s in found.values())
+    for half, double in ((1, 2), (2, 4), (Fraction(1, 2), 1), (Fraction(1, 4), Fraction(1, 2))):
+        (c, s), (d, t) = found[half], found[double]
+        assert (d - c * c + s * s) % PRIME == (t - 2 * c * s) % PRIME == 0
+    (c, s), (d, t) = found[1], found[-1]
+    assert (c - d) % PRIME == (s + t) % PRIME == 0
+    assert point.circle(0) == (1, 0)
 
 
-def test_null_vectors_annihilate_their_rows_and_are_alone():
-    rows = [[1, 2, 3], [4, 5, 6]]
-    vector = null_vector(rows)
-    assert all(sum(a * b for a, b in zip(row, vector, strict=True)) % PRIME == 0 for row in rows)
-    assert any(vector)
-    assert null_vector([[1, 2, 3]]) is None
-    assert null_vector([[1, 0], [0, 1]]) is None
+def test_the_degree_of_a_program_is_bounded():
+    """x^401 is of degree 401; squares of squares soon are of a degree that nothing is proved of."""
+    b = Builder()
+    x = b.leaf("state", 0)
+    value = x
+    for _ in range(400):
+        value = b.add("mul", value, x)
+    assert 401 <= degree(b.program({"f": [value]})) <= LARGEST
+    for _ in range(200):
+        value = b.add("mul", value, value)
+    assert degree(b.program({"f": [value]})) > LARGEST
 
 
 def test_unknown_functions_depend_on_their_arguments_alone():
@@ -165,26 +180,25 @@ def equations(torque=(0, 0, 0), extra=None, rate=w, moments=(A, B, C)):
     gyroscopic = sp.Matrix(w).cross(J * sp.Matrix(w))
     turn = quaternion_product(q, (0, *rate))
     rates = {w[i]: (torque[i] - gyroscopic[i]) / moments[i] for i in range(3)}
-    return {**rates, **{q[i]: turn[i] / 2 for i in range(4)}, **(extra or {})}
+    rates = {**rates, **{q[i]: turn[i] / 2 for i in range(4)}, **(extra or {})}
+    return rates, BodyAttitude(w, "quaternion", q, inertia=J, torque=torque)
 
 
-def system(rates, order=None):
+def system(given, order=None, attitudes=None):
+    rates, stated = given
     names = list(rates) if order is None else [list(rates)[i] for i in order]
-    return System.from_rates("body", {n: rates[n] for n in names})
+    attitudes = [stated] if attitudes is None else attitudes
+    return System.from_rates("body", {n: rates[n] for n in names}, attitudes=attitudes)
 
 
 @settings(max_examples=12)
 @given(st.permutations(range(8)))
 def test_no_name_and_no_order_matters(order):
-    """Cyclic relabellings of the axes are the same attitude; the scalar part is not to be missed."""
     extra = {wheel: -wheel + w[0]}
     found, c = attitude_in(system(equations((k * q[1], 0, 0), extra), order))
     names = [c.layout.states[s].name for s in found.quaternion]
-    axes = names[1:]
-    assert names[0] == "e"
-    assert axes in (["f1", "g1", "h1"], ["g1", "h1", "f1"], ["h1", "f1", "g1"])
-    rates = dict(zip(("f1", "g1", "h1"), ("alpha", "beta", "gamma"), strict=True))
-    assert [c.layout.states[s].name for s in found.body.rates] == [rates[a] for a in axes]
+    assert names == ["e", "f1", "g1", "h1"]
+    assert [c.layout.states[s].name for s in found.body.rates] == ["alpha", "beta", "gamma"]
     assert [c.layout.states[s].name for s in found.others] == ["wheel"]
 
 
@@ -196,15 +210,18 @@ def test_damping_and_a_wheel_leave_the_body_and_are_told():
     assert found.others == (7,)
 
 
-def test_drag_quadratic_in_the_rates_leaves_a_quaternion_without_a_body():
+def test_drag_quadratic_in_the_rates_is_told():
     found, _ = attitude_in(system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))))
     assert found.quaternion == (3, 4, 5, 6)
-    assert found.body is None
-    assert found.others == (0, 1, 2)
+    assert found.body.of_rates == (True, False, False)
+    assert found.body.zero == (False, True, True)
 
 
 def test_moments_that_change_with_time_are_no_body():
-    assert attitude_in(system(equations(moments=(A * (2 + sp.sin(TIME)), B, C))))[0].body is None
+    """The statement holds; what is kept with the parameters does not."""
+    found, _ = attitude_in(system(equations(moments=(A * (2 + sp.sin(TIME)), B, C))))
+    assert found.quaternion == (3, 4, 5, 6)
+    assert found.body is None
 
 
 def test_moments_may_be_expressions_of_parameters():
@@ -215,22 +232,28 @@ def test_moments_may_be_expressions_of_parameters():
     np.testing.assert_allclose(J / J[0], np.array([4.5, 0, 0, 4.5, 0, 9.5]) / 4.5, rtol=1e-15)
 
 
-def test_the_opposite_convention_is_a_unit_quaternion_but_of_no_body():
-    """dq/dt = -(0, omega) q/2, of the inverse turn: another order of the same four, with -omega."""
+def opposite(torque=(0, 0, 0)):
+    """dq/dt = -(0, omega) q/2, of the inverse turn: the conjugate is the body's."""
     turn = quaternion_product((0, *w), q)
-    rates = {**equations(), **{q[i]: -turn[i] / 2 for i in range(4)}}
-    found, _ = attitude_in(system(rates))
-    assert sorted(found.quaternion) == [3, 4, 5, 6]
-    assert found.body is None
+    rates, stated = equations(torque)
+    return {**rates, **{q[i]: -turn[i] / 2 for i in range(4)}}, stated
 
 
-def test_other_attitudes_and_two_quaternions_are_not_found():
+def test_the_opposite_convention_is_refused():
+    with pytest.raises(InputError, match=r"stated, but not so: d\(e\)/dt by the kinematics"):
+        system(opposite())
+
+
+def test_other_attitudes_and_two_quaternions_are_not_taken():
     for name in (None, "3-1-2", "dcm"):
         assert attitude_in(eom.free_rigid_body(name))[0] is None
     more = sp.symbols("z0:4", real=True)
     turn = quaternion_product(more, (0, *w))
-    both = equations(extra={more[i]: turn[i] / 2 for i in range(4)})
-    assert attitude_in(system(both))[0] is None
+    rates, stated = equations(extra={more[i]: turn[i] / 2 for i in range(4)})
+    both = [stated, BodyAttitude(w, "quaternion", more)]
+    assert attitude_in(system((rates, stated), attitudes=both))[0] is None
+    assert attitude_in(system((rates, stated)))[0].others == (7, 8, 9, 10)
+    assert attitude_in(system((rates, stated), attitudes=[]))[0] is None
 
 
 def test_a_rate_that_became_a_number_is_found():
@@ -243,17 +266,21 @@ def test_a_rate_that_became_a_number_is_found():
     assert found.body.of_rates == (False, False, False)
 
 
-def test_a_rate_that_is_led_is_no_number():
+def led(*rate):
+    turn = quaternion_product(q, (0, *rate))
+    rates = {q[i]: turn[i] / 2 for i in range(4)}
+    return {s: sp.Integer(0) for s in w if s in rate} | rates, BodyAttitude(rate, "quaternion", q)
+
+
+def test_a_rate_that_is_led_is_of_no_body():
     """A sphere, for which every inertia would do, turned about b3 by a clock."""
-    turn = quaternion_product(q, (0, w[0], w[1], sp.cos(TIME)))
-    rates = {w[0]: 0, w[1]: 0, **{q[i]: turn[i] / 2 for i in range(4)}}
-    found, _ = attitude_in(system(rates))
+    found, _ = attitude_in(system(led(w[0], w[1], sp.cos(TIME))))
     assert found.body is None
+    assert found.others == (0, 1)
 
 
 def test_prescribed_rates_are_a_quaternion_alone():
-    turn = quaternion_product(q, (0, sp.cos(TIME), k, sp.sin(2 * TIME)))
-    found, _ = attitude_in(system({q[i]: turn[i] / 2 for i in range(4)}))
+    found, _ = attitude_in(system(led(sp.cos(TIME), k, sp.sin(2 * TIME))))
     assert found.quaternion == (0, 1, 2, 3)
     assert found.body is None
 
@@ -268,11 +295,10 @@ SYSTEMS = {
     "full inertia": full_body(),
     "free": eom.free_rigid_body("quaternion"),
     "damped, with a wheel": system(equations((-k * w[0], f * q[1], wheel), {wheel: -wheel + w[0]})),
-    "opposite convention": system(
-        {**equations((f * q[1], 0, 0)),
-         **{q[i]: -r / 2 for i, r in enumerate(quaternion_product((0, *w), q))}}
+    "drag": system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))),
+    "without a body": system(
+        (equations((f * q[1], 0, 0))[0], None), attitudes=[BodyAttitude(w, "quaternion", q)]
     ),
-    "without a body": system(equations((-k * w[0] * sp.Abs(w[0]), 0, 0))),
 }  # fmt: skip
 
 
@@ -285,7 +311,7 @@ def test_the_new_variables_move_as_the_system_says(name, seed):
     )
     c = compiled(SYSTEMS[name], parameters=fixed)
     n = len(c.layout.states)
-    variables = Variables(attitude_of(c.program, n), n)
+    variables = Variables(attitude_of(c.layout.attitudes, n), n)
     changed, begin = local(c.program, variables), start(c.program, variables)
     point = random_point(c.program, seed)
     x, quaternion = np.array(point.x), list(variables.attitude.quaternion)
@@ -312,7 +338,7 @@ def test_the_new_variables_move_as_the_system_says(name, seed):
 
 def test_without_torque_the_momentum_does_not_move_at_all():
     c = compiled(SYSTEMS["free"])
-    variables = Variables(attitude_of(c.program, 7), 7)
+    variables = Variables(attitude_of(c.layout.attitudes, 7), 7)
     changed = local(c.program, variables)
     rates = [changed.instructions[r] for r in changed.results[SLOPES][3:]]
     assert [(i.op, i.value) for i in rates] == [("const", 0)] * 3
@@ -320,7 +346,7 @@ def test_without_torque_the_momentum_does_not_move_at_all():
 
 def test_kicks_are_the_torque_in_both_frames():
     c = compiled(heavy_top())
-    variables = Variables(attitude_of(c.program, 7), 7)
+    variables = Variables(attitude_of(c.layout.attitudes, 7), 7)
     program = kicks(c.program, variables)
     p = [1.0, 1.5, 2.0, 3.0, 9.81, 0.2]
     assert [s.name for s in c.layout.parameters] == ["I1", "I2", "I3", "m", "g", "r3"]

@@ -10,8 +10,12 @@ import eom
 from codegen import closed_forms, native, simulate
 from codegen import compile as compile_system
 from codegen.closed_forms import Closed
+from codegen.events import Event
 from codegen.integrate import choice, stiffness, taylor
 from codegen.integrate.trajectory import Problem
+from codegen.interpret import Point
+from codegen.taylor import prepare
+from codegen.trust import is_analytic
 from eom.dissipation import viscous_slug
 from eom.system import TIME, System
 
@@ -305,3 +309,99 @@ def test_the_form_is_asked_with_the_problem(monkeypatch):
     assert compiled.layout.name == "spring"
     assert problem.parameters.tolist() == [4.0]
     assert TIME not in compiled.system.parameters
+
+
+# --- what goes on where a series cannot -----------------------------------------------------------
+
+PULSE = System.from_rates("pulse", {x: v, v: -x + 5 / sp.cosh(1000 * (TIME - 4)) ** 2})
+BUMP = System.from_rates("bump", {x: v, v: -x + 3 / sp.cosh(400 * x) ** 2})
+
+
+@needs_compiler
+@pytest.mark.parametrize("rtol", [1e-6, 1e-12])
+def test_a_series_that_overflows_at_the_start_is_continued_by_runge_kutta(in_c, rtol):
+    grid = np.linspace(0, 8, 33)
+    found = simulate(in_c(PULSE), (1.0, 0.0), (0, 8), None, "auto", rtol, t_eval=grid)
+    other = simulate(in_c(PULSE), (1.0, 0.0), (0, 8), None, "DOP853", rtol, t_eval=grid)
+    assert "to t = 0 s, then DOP853" in found.method
+    assert "Taylor coefficients are not finite at t = 0 s" in found.why
+    assert found.notice == ""
+    assert (found.steps, found.rejected) == (other.steps, other.rejected)
+    assert found.nfev - other.nfev == taylor.order_of(rtol) + 1
+    assert found.t.tolist() == grid.tolist()
+    np.testing.assert_array_equal(found.y, other.y)
+    kick = 2 * 5 / 1000 * np.array([np.sin(4.0), np.cos(4.0)])
+    exact = np.array([np.cos(8.0), -np.sin(8.0)]) + kick
+    assert np.abs(found.y[:, -1] - exact).max() < 1e3 * rtol + 1e-7
+
+
+@needs_compiler
+def test_a_series_that_is_asked_for_stops_where_it_overflows(in_c):
+    found = simulate(in_c(PULSE), (1.0, 0.0), (0, 8), None, "taylor")
+    assert (found.status, found.t_stop, found.steps) == (-1, 0.0, 0)
+    assert found.message.startswith("stopped at t = 0 s")
+
+
+@needs_compiler
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_run_that_is_continued_on_the_way_has_events_points_and_dense_output(in_c, backwards):
+    """Far from the bump its series overflows; what is found of the motion is that of one method alone."""
+    span, start = (0, -12.0) if backwards else (0, 12.0), (-0.1, -2.0 if backwards else 2.0)
+    grid = np.linspace(*span, 49)
+    plan = in_c(BUMP), start, span
+    watched = {"middle": x, "turn": v}
+    found = simulate(*plan, t_eval=grid, dense_output=True, events=watched)
+    other = simulate(*plan, None, "DOP853", t_eval=grid, dense_output=True, events=watched)
+    assert found.status == other.status == 0
+    assert found.method.count("then") == 1
+    assert found.t.tolist() == grid.tolist()
+    for name in watched:
+        assert len(found.events[name]) == len(other.events[name]) > 2
+        np.testing.assert_allclose(found.events[name].t, other.events[name].t, atol=1e-6)
+    np.testing.assert_allclose(found.y, other.y, atol=1e-5)
+    np.testing.assert_allclose(found.sol(grid), found.y, atol=1e-9)
+    steps = simulate(*plan)
+    assert len(steps.t) == steps.steps + 1
+    assert np.all(np.diff(steps.t) * span[1] > 0)
+
+
+@needs_compiler
+def test_events_of_both_parts_count_towards_the_last(in_c):
+    plan = in_c(BUMP), (-0.1, 2.0), (0, 40.0)
+    for number in (1, 3, 4):
+        event = Event(x, terminal=number, name="middle")
+        found, other = (simulate(*plan, None, m, events=event) for m in ("auto", "DOP853"))
+        assert (found.status, len(found.events["middle"])) == (2, number)
+        assert found.t_stop == pytest.approx(other.t_stop, abs=1e-6)
+
+
+@needs_compiler
+def test_how_good_a_continued_run_is_is_known_by_a_third_method(in_c):
+    estimate = simulate(in_c(PULSE), (1.0, 0.0), (0, 8)).accuracy()
+    assert estimate.second not in {"taylor", "DOP853", ""}
+
+
+@needs_compiler
+def test_at_a_pole_nothing_goes_on_and_the_first_message_stays(in_c):
+    pole = System.from_rates("pole", {x: x**2})
+    found, other = (simulate(in_c(pole), (1.0,), (0, 3), None, m) for m in ("auto", "taylor"))
+    assert (found.status, found.message, found.steps) == (-1, other.message, other.steps)
+    assert "DOP853 does not get to the end either" in found.why
+
+
+@needs_compiler
+def test_what_may_be_a_singularity_is_not_passed_in_silence(in_c):
+    """x' = sqrt(x) from zero has many solutions; a branch point is no overflow."""
+    root = System.from_rates("root", {x: sp.sqrt(x)})
+    found = simulate(in_c(root), (0.0,), (0, 3), atol=1e-9)
+    assert found.status == 0
+    assert "if the rates are singular there" in found.notice
+
+
+def test_what_is_analytic_is_known_at_each_point():
+    compiled = compile_system(
+        System.from_rates("s", {x: sp.sqrt(x) + 1 / sp.cosh(x) ** 2}), "numpy"
+    )
+    series = prepare(compiled.program, "rates", compiled.layout)
+    for at, expected in ((0.0, False), (1e-300, True), (1e4, True)):
+        assert is_analytic(series, 16, Point(0.0, [at])) == expected

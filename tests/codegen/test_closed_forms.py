@@ -7,6 +7,7 @@ torque-free body of `codegen.exact`, which has tests of its own.
 import math
 import pickle
 import re
+from dataclasses import replace
 from fractions import Fraction
 
 import mpmath
@@ -29,7 +30,7 @@ from codegen.exact import CHUNK
 from codegen.heavy_top import Top, roots_of
 from codegen.integrate.trajectory import Problem
 from codegen.interpret import Point, interpret
-from codegen.layout import names_of, to_array
+from codegen.layout import Layout, names_of, to_array
 from codegen.phases import Pair, parity, reduced
 from codegen.tracing import traced
 from eom.errors import InputError
@@ -52,6 +53,13 @@ def problem(compiled, start, parameters=None, inputs=None):
 def found(system, start, parameters=None, inputs=None):
     compiled = codegen.compile(system, "numpy")
     return find(compiled, problem(compiled, start, parameters, inputs))
+
+
+def found_where(system, truth, start, parameters=None):
+    """Of a system that would state what is true of another: its own proof is what must refuse it."""
+    compiled = codegen.compile(replace(system, attitudes=()), "numpy")
+    layout = replace(compiled.layout, attitudes=Layout.of(truth).attitudes)
+    return find(replace(compiled, layout=layout), problem(compiled, start, parameters))
 
 
 def unit(q):
@@ -222,21 +230,25 @@ def test_no_spin_about_the_axis_of_symmetry(axis, attitude, tmp_path):
     assert np.abs(closed.states(run.t) - run.y).max() <= 1e-10
 
 
-def renamed_body(order, torque=0, kinematics=1, damping=0):
+H, Q = sp.symbols("h2o mass g", real=True), sp.symbols("psi omega_3 t1 I1", real=True)
+MOMENTS = (sp.Integer(1), sp.Rational(8, 5), sp.Integer(2))
+STATED = eom.BodyAttitude(H, "quaternion", Q, inertia=sp.diag(*MOMENTS), torque=(0, 0, 0))
+
+
+def renamed_body(order, torque=0, kinematics=1, damping=0, attitudes=(STATED,)):
     """A body and its quaternion, states of any names in any order; I = 1, 1.6, 2."""
-    w = sp.symbols("h2o mass g", real=True)
-    q = sp.symbols("psi omega_3 t1 I1", real=True)
-    I = (sp.Integer(1), sp.Rational(8, 5), sp.Integer(2))
-    rates = {w[k]: (I[k - 2] - I[k - 1]) / I[k] * w[k - 2] * w[k - 1] for k in range(3)}
-    rates[w[0]] += torque - damping * w[0]
-    a, b, c, d = q
-    rates[a] = -(b * w[0] + c * w[1] + d * w[2]) / 2
-    rates[b] = (a * w[0] + c * w[2] - d * w[1]) / 2
-    rates[c] = (a * w[1] + d * w[0] - b * w[2]) / 2
-    rates[d] = kinematics * (a * w[2] + b * w[1] - c * w[0]) / 2
-    symbols = [*w, *q]
+    I = MOMENTS
+    rates = {H[k]: (I[k - 2] - I[k - 1]) / I[k] * H[k - 2] * H[k - 1] for k in range(3)}
+    rates[H[0]] += torque - damping * H[0]
+    a, b, c, d = Q
+    rates[a] = -(b * H[0] + c * H[1] + d * H[2]) / 2
+    rates[b] = (a * H[0] + c * H[2] - d * H[1]) / 2
+    rates[c] = (a * H[1] + d * H[0] - b * H[2]) / 2
+    rates[d] = kinematics * (a * H[2] + b * H[1] - c * H[0]) / 2
+    symbols = [*H, *Q]
     start = dict(zip(map(str, symbols), (0.7, -1.1, 2.3, *unit(ATTITUDE)), strict=True))
-    return eom.System.from_rates("x", {symbols[k]: rates[symbols[k]] for k in order}), start
+    rates = {symbols[k]: rates[symbols[k]] for k in order}
+    return eom.System.from_rates("x", rates, attitudes=attitudes), start
 
 
 @settings(max_examples=15)
@@ -262,7 +274,17 @@ NEAR_MISSES = {
 
 @pytest.mark.parametrize("name", NEAR_MISSES)
 def test_near_misses_are_not_taken(name):
-    system, start = renamed_body(range(7), **NEAR_MISSES[name])
+    """Neither by the system, which refuses to state it, nor by the proof of the program that is run."""
+    with pytest.raises(InputError, match="stated, but not so"):
+        renamed_body(range(7), **NEAR_MISSES[name])
+    system, start = renamed_body(range(7), **NEAR_MISSES[name], attitudes=())
+    truth, _ = renamed_body(range(7))
+    assert found_where(system, truth, start) is None
+    assert found_where(truth, truth, start).name == "free body"
+
+
+def test_what_is_not_stated_is_not_looked_for():
+    system, start = renamed_body(range(7), attitudes=())
     assert found(system, start) is None
 
 
@@ -835,7 +857,7 @@ LOW, HIGH = (sp.Symbol(n, real=True) for n in ("low", "high"))
      eom.Table("edge", [-50, 0, 50, 60], [0, 0, 0, 1], kind="linear")(LOW)],
 )  # fmt: skip
 def test_rates_that_are_another_formula_far_away_have_no_closed_form(torque):
-    """Near the points that are looked at these are a body without torque."""
+    """Near the start these are a body without torque."""
     other = sp.Symbol("other", real=True)
     rates = {LOW: HIGH * other, HIGH: -LOW * other, other: -HIGH * LOW / 2 + torque}
     assert found(eom.System.from_rates("pieces", rates), [0.1, 0.2, 0.3]) is None

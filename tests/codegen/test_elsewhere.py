@@ -13,8 +13,10 @@ from sympy.physics.mechanics import (
 from sympy.physics.mechanics.models import multi_mass_spring_damper, n_link_pendulum_on_cart
 
 import codegen
+import eom
 from codegen.elsewhere import as_system
 from eom.errors import InputError
+from eom.kinematics import quaternion_product
 
 q, u = dynamicsymbols("q u")
 m, g, l = sp.symbols("m g l", positive=True)
@@ -142,3 +144,33 @@ def test_kanes_method_without_equations_is_refused():
     bare = KanesMethod(N, [q], [u], kd_eqs=[q.diff() - u])
     with pytest.raises(InputError, match="kanes_equations"):
         codegen.compile(bare)
+
+
+def quaternion_kane(slip=0):
+    """A free body by Kane's method, its quaternion and body rates functions of time."""
+    e, w = dynamicsymbols("e0:4"), dynamicsymbols("w1:4")
+    A, B, C = sp.symbols("A B C", positive=True)
+    turn = quaternion_product(e, (0, *w))
+    J = sp.diag(A, B, C)
+    spin = -sp.Matrix(w).cross(J * sp.Matrix(w))
+    mass = sp.diag(sp.eye(4), J)
+    stated = eom.BodyAttitude(w, "quaternion", e, inertia=J, torque=(slip, 0, 0))
+    return ([*e, *w], mass, [*(r / 2 for r in turn), *spin]), stated
+
+
+def test_attitudes_are_stated_over_functions_of_time():
+    given, stated = quaternion_kane()
+    compiled = codegen.compile(given, "numpy", attitudes=[stated])
+    start = dict(zip(compiled.system.state_names, (1, 0, 0, 0, 0.1, 0.2, 1.0), strict=True))
+    result = codegen.simulate(compiled, start, (0, 3), {"A": 1.0, "B": 2.0, "C": 4.0})
+    assert result.method == "closed form: free body"
+    bare = codegen.compile(given, "numpy")
+    assert bare.layout.attitudes == ()
+    again = codegen.compile(bare.system, "numpy", attitudes=compiled.system.attitudes)
+    assert again.system == compiled.system
+
+
+def test_false_attitudes_are_refused():
+    given, stated = quaternion_kane(slip=1)
+    with pytest.raises(InputError, match="component 1"):
+        codegen.compile(given, "numpy", attitudes=[stated])

@@ -364,10 +364,11 @@ BAD = {
     "t_eval": ((np.ones((2, 3)), (0, 1), [1.0]), {"t_eval": [2.0]}, "t_eval does not fit"),
     "statistics": ((np.ones((2, 3)), (0, 1), [1.0]), {"statistics": ["y9"]}, "unknown state or output"),
     "threads": ((np.ones((2, 3)), (0, 1), [1.0]), {"threads": 0}, "threads is not"),
-    "chunk": ((np.ones((2, 3)), (0, 1), [1.0]), {"chunk": 1.5}, "chunk is not"),
+    "chunk": ((np.ones((2, 3)), (0, 1), [1.0]), {"chunk": 1.5}, "chunk is of the wrong type"),
+    "no chunk": ((np.ones((2, 3)), (0, 1), [1.0]), {"chunk": 0}, "chunk is not"),
     "client": ((np.ones((2, 3)), (0, 1), [1.0]), {"client": "me"}, "client|dask"),
     "input": ((np.ones((2, 3)), (0, 1), [1.0]), {"inputs": {"u": 1.0}}, "unknown input"),
-    "rtol": ((np.ones((2, 3)), (0, 1), [1.0]), {"rtol": -1.0}, "rtol is not positive"),
+    "rtol": ((np.ones((2, 3)), (0, 1), [1.0]), {"rtol": -1.0}, "rtol does not fit"),
 }  # fmt: skip
 
 

@@ -145,10 +145,6 @@ def test_a_store_of_another_ensemble_is_refused_and_left_alone(compiled, kind, t
     seeded = Sampler(SAMPLER.values, SAMPLER.count, seed=5)
     with pytest.raises(InputError, match="holds another ensemble"):
         codegen.ensemble(compiled, seeded, (0, 3), store=tmp_path, store_format=kind, **ASKED)
-    (tmp_path / "ensemble.json").write_text("{", encoding="utf-8")
-    with pytest.raises(InputError, match="holds another ensemble"):
-        run(compiled, store=tmp_path, store_format=kind)
-    (tmp_path / "ensemble.json").write_bytes(before[tmp_path / "ensemble.json"])
     assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
 
 
@@ -234,3 +230,73 @@ def test_a_killed_worker_costs_nothing_but_time(compiled, expected, tmp_path):
 def test_a_store_and_its_manifest_have_no_rests_of_writing(compiled, kind, tmp_path):
     run(compiled, store=tmp_path, store_format=kind)
     assert not [p for p in Path(tmp_path).rglob("*") if p.name.endswith(".tmp")]
+
+
+DAMAGES = {
+    "empty": "", "cut": '{"fingerprint": "ab', "no JSON": "\x00\xff", "a list": "[1, 2]", "null": "null",
+    "deep": "[" * 100_000, "another kind": '{"zarr_format": 3, "node_type": "spaceship"}',
+    "another version": '{"zarr_format": 99, "node_type": "array"}', "no object": '"text"',
+}  # fmt: skip
+"""What a file of JSON may have become."""
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_description_is_told_and_mended_by_running_again(
+    compiled, expected, kind, tmp_path, damage
+):
+    """Numbers with the right checksum are not computed again: no description is needed to trust them."""
+    run(compiled, store=tmp_path, store_format=kind)
+    files = [tmp_path / "ensemble.json"]
+    if kind == "zarr":
+        files += [tmp_path / "data.zarr" / p / "zarr.json" for p in ("", "y", "status")]
+    for file in files:
+        whole = file.read_bytes()
+        file.write_text(DAMAGES[damage], encoding="latin-1")
+        found = run(compiled, store=tmp_path, store_format=kind, keep=True)
+        assert found.notice.endswith(
+            f"damaged and written anew in the store: {file.relative_to(tmp_path)}"
+        )
+        assert found.computed == 0
+        same(found, expected)
+        assert file.read_bytes() == whole
+    assert "damaged" not in run(compiled, store=tmp_path, store_format=kind).notice
+
+
+def test_an_array_of_another_shape_is_no_array_of_this_store(compiled, expected, tmp_path):
+    pytest.importorskip("zarr")
+    run(compiled, store=tmp_path)
+    file = tmp_path / "data.zarr" / "y" / "zarr.json"
+    told = json.loads(file.read_text())
+    told["chunk_grid"]["configuration"]["chunk_shape"][-1] = 500
+    file.write_text(json.dumps(told))
+    found = run(compiled, store=tmp_path, keep=True)
+    assert "data.zarr/y/zarr.json" in found.notice
+    same(found, expected)
+
+
+def test_chunks_of_another_ensemble_are_not_taken_where_nothing_else_says_whose_they_are(
+    compiled, kind, tmp_path
+):
+    """Their checksums are right; their records say of which ensemble they are."""
+    run(compiled, store=tmp_path, store_format=kind)
+    for damage in (Path.unlink, lambda file: file.write_text("{")):
+        damage(tmp_path / "ensemble.json")
+        before = {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
+        with pytest.raises(InputError, match="another ensemble") as caught:
+            run(compiled, store=tmp_path, store_format=kind, rtol=1e-7)
+        assert "ensemble.json is" in caught.value.got
+        assert {p: p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == before
+
+
+@pytest.mark.parametrize("place", ["", "manifest", "ensemble.json", "manifest/000000001.json"])
+def test_a_file_where_a_folder_is_wanted_and_the_other_way_round(compiled, kind, tmp_path, place):
+    folder = tmp_path / "runs"
+    path = folder / place
+    if path.suffix == ".json":
+        path.mkdir(parents=True)
+    else:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("")
+    with pytest.raises(InputError) as caught:
+        run(compiled, store=folder, store_format=kind)
+    assert str(folder) in caught.value.where

@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.spatial.transform import Rotation
 
 import codegen
-from codegen import newton
+import eom
+from codegen import balance, newton
 from codegen.equilibria import equilibria, equilibrium
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Tree, derive
@@ -219,3 +221,68 @@ def test_what_depends_on_time_is_refused():
     with pytest.raises(InputError, match="depend on time"):
         equilibrium(codegen.compile(system, "numpy"))
     assert replace(system, rates=(u, -q)).time == TIME
+
+
+def satellite():
+    scene = eom.load_scene("gravity-gradient-satellite")
+    return codegen.compile(scene.derive(), "numpy"), scene.parameter_values()
+
+
+@pytest.mark.parametrize("degrees", [3.0, 10.0])
+def test_a_satellite_finds_the_equilibrium_beside_it(degrees):
+    """The 24 attitudes with axes along those of the orbit, each from some degrees beside it."""
+    compiled, values = satellite()
+    draw, n = np.random.default_rng(1), values["n"]
+    for rest in Rotation.create_group("O")[::3]:
+        axis = draw.normal(size=3)
+        turned = rest * Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis))
+        omega = turned.inv().apply([0, 0, n]) * (1 + 0.02 * draw.normal(size=3))
+        x, y, z, w = turned.as_quat()
+        guess = dict(zip(compiled.layout.results["rates"], (*omega, w, x, y, z), strict=True))
+        found = equilibrium(compiled, guess, values).states
+        there = Rotation.from_quat([found[k] for k in ("q1", "q2", "q3", "q0")])
+        assert np.degrees((turned.inv() * there).magnitude()) < 1.01 * degrees
+        assert found["q0"] * w + found["q1"] * x + found["q2"] * y + found["q3"] * z > 0
+
+
+def test_values_that_rounding_hides_are_zero():
+    compiled, values = satellite()
+    scene = eom.load_scene("gravity-gradient-satellite")
+    found = equilibrium(compiled, scene.initial_values(), values)
+    still = {k: v for k, v in found.states.items() if k not in {"omega_3", "q0"}}
+    assert still == dict.fromkeys(still, 0.0)
+    assert found.isolated
+    tiny = of({q: u, u: -q + sp.Rational(1, 10**12) - u})  # small, and not hidden
+    assert equilibrium(tiny, {"q": 0.5}).states == {"q": pytest.approx(1e-12, rel=1e-12), "u": 0.0}
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_near_does_not_depend_on_units(unit):
+    """Wells 1 apart, whose speeds are fast or slow: the one in whose neighbourhood the search begins."""
+    w = sp.Float(unit, 60)
+    compiled = of({q: u, u: -(w**2) * sp.sin(2 * sp.pi * q) - w * u})
+    for start in (-2.1, 0.2, 3.15):
+        found = equilibrium(compiled, {"q": start, "u": 0.1 * unit})
+        assert found.states["q"] == pytest.approx(round(start), abs=1e-9)
+
+
+def test_a_balanced_matrix_has_equal_sums_and_no_units():
+    draw = np.random.default_rng(3)
+    A = draw.normal(size=(5, 5))
+    units = 10.0 ** np.array([-9, 0, 4, 7, -3])
+    d, other = balance.balanced(A), balance.balanced(units[:, None] * A / units)
+    assert other / units / (other[0] / units[0]) == pytest.approx(d / d[0], rel=1e-2)
+    size = np.abs(A) * d / d[:, None]
+    np.fill_diagonal(size, 0)
+    assert size.sum(axis=0) == pytest.approx(size.sum(axis=1), rel=1e-2)
+
+
+def test_where_a_cyclic_state_must_run_that_is_said():
+    spin = sp.Symbol("spin", real=True)
+    compiled = of({q: 3 + u, u: -u, spin: sp.Integer(2)}, outputs={"o": q})
+    with pytest.raises(InputError, match="no equilibrium") as told:
+        equilibrium(compiled)
+    assert "--cyclic q --cyclic spin" in told.value.hint
+    with pytest.raises(InputError) as told:
+        equilibrium(of({q: u, u: 1 + u**2}))  # no state that runs would help
+    assert "--cyclic" not in told.value.hint

@@ -239,12 +239,37 @@ def test_simultaneous_events_are_all_reported_also_where_the_run_ends(turn, meth
 
 @runs_c
 def test_trajectories_do_not_depend_on_events(oscillator, method):
+    """DOP853 makes the same steps with any; taylor with those whose series is seen as far as the motion."""
+    events = [x, x * v, sp.sin(v)] + [sp.sin(9 * v)] * (method != "taylor")
     without = codegen.simulate(oscillator, [0.0, 1.0], (0, 50), None, method)
-    with_some = codegen.simulate(
-        oscillator, [0.0, 1.0], (0, 50), None, method, events=[x, sp.sin(9 * v)]
-    )
+    with_some = codegen.simulate(oscillator, [0.0, 1.0], (0, 50), None, method, events=events)
     assert np.array_equal(without.t, with_some.t)
     assert np.max(np.abs(without.y - with_some.y)) < 1e-13
+
+
+@runs_c
+def test_events_that_vary_more_quickly_than_the_motion_shorten_steps_of_taylor_alone(oscillator):
+    grid, rtol = np.linspace(0, 50, 101), 2.0**-52
+    without, with_some = (
+        codegen.simulate(oscillator, [0.0, 1.0], (0, 50), None, "taylor", rtol, t_eval=grid, **more)
+        for more in ({}, {"events": [sp.sin(9 * v)]})
+    )
+    assert with_some.steps > without.steps
+    assert np.max(np.abs(without.y - with_some.y)) < 1e-13
+
+
+@runs_c
+def test_events_on_a_pulse_that_is_over_within_a_plain_step(oscillator):
+    """exp(-1e6 (x - 0.3)^2) = 1/2 at two places of every passage; a plain step has some 4000 widths."""
+    level = sp.Rational(3, 10)
+    pulse = sp.exp(-((1000 * (x - level)) ** 2)) - sp.Rational(1, 2)
+    found = times(oscillator, [0.0, 1.0], (0, 100), [pulse])
+    width = np.sqrt(np.log(2)) / 1000
+    up = np.arcsin([0.3 - width, 0.3 + width])
+    turns = 2 * np.pi * np.arange(16)[:, None]
+    exact = np.sort(np.concatenate([turns + up, turns + np.pi - up]).ravel())
+    assert len(found) == len(exact)
+    assert np.max(np.abs(found - exact)) < 1e-9
 
 
 @runs_c
@@ -450,9 +475,16 @@ def test_bad_events_are_refused_by_one_message(events, what):
         extended(compiled.program, compiled.layout, compiled, checked(events))
 
 
-@pytest.mark.parametrize("more", [{"direction": 2}, {"terminal": -1}, {"terminal": 0.5}])
-def test_bad_filters_are_refused(more):
-    with pytest.raises(InputError, match="an event"):
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [
+        ({"direction": 2}, "an event has no such direction"),
+        ({"terminal": -1}, "an event cannot end a run so"),
+        ({"terminal": 0.5}, "terminal is of the wrong type"),
+    ],
+)
+def test_bad_filters_are_refused(more, told):
+    with pytest.raises(InputError, match=told):
         Event(x, **more)
 
 

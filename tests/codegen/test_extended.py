@@ -1,5 +1,6 @@
 """Solutions with many digits against closed forms, and the reference problems as data."""
 
+import sys
 from fractions import Fraction
 
 import mpmath
@@ -14,6 +15,7 @@ from eom import problems
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System
 from tests.codegen.scenes import SCENES
+from tests.conftest import TARGETS
 
 x, y, z = sp.symbols("x y z", real=True)
 
@@ -79,6 +81,71 @@ def test_digits_are_what_a_step_keeps(digits):
     with mpmath.workdps(40):
         error = abs(number(solution.end[0]) - mpmath.sin(30))
     assert 0 < error < 10.0 ** (1 - digits)
+
+
+def _factor(compiled, base, n):
+    """base^-n, of which the part that is no power of two is rounded to a double, where there is one."""
+    known = [mpmath.mpf(k) for k in constants(compiled.program).values() if k != n]
+    sizes = [k for k in known if sys.float_info.min <= abs(k) < mpmath.inf]
+    scales = [k for k in sizes if mpmath.frexp(abs(k))[0] == 0.5]
+    rest = [k for k in sizes if k not in scales]
+    factor = base**-n
+    for rounded in rest:
+        exact = factor / (scales[0] ** n if scales else 1)
+        assert abs(abs(rounded) / exact - 1) < 2.0**-53
+        factor *= abs(rounded) / exact
+    return factor
+
+
+HIGH = {
+    "a small constant": (sp.Integer(5), 401),
+    "a constant below all doubles": (sp.Integer(7), 401),
+    "a large constant": (sp.Rational(1, 5), 401),
+    "a constant above all doubles": (sp.Rational(1, 7), 401),
+}
+
+
+@pytest.mark.parametrize("case", HIGH)
+def test_constants_have_all_their_digits_whatever_their_size(case):
+    """x' = -(x/a)^n from a: (x/a)^(1 - n) = 1 + (n - 1) t/a."""
+    a, n = HIGH[case]
+    rate = -((x / a) ** n)
+    solution, compiled = end_of(System.from_rates("s", {x: rate}), (float(a),), float(a) / 64)
+    with mpmath.workdps(60):
+        start, factor = mpmath.mpf(float(a)), _factor(compiled, mpmath.mpf(a.p) / a.q, n)
+        power = start ** (1 - n) + (n - 1) * factor * mpmath.mpf(float(a) / 64)
+        exact = power ** (mpmath.mpf(1) / (1 - n))
+        assert abs(number(solution.end[0]) / exact - 1) < 1e-21
+        assert abs(exact / start - 1) > 1e-3
+
+
+def test_a_start_and_a_parameter_that_are_tiny_keep_their_digits():
+    k = sp.Symbol("k", real=True)
+    system = System.from_rates("s", {x: k * x, y: k})
+    compiled = codegen.compile(system, "numpy")
+    values = extended.Values((1e-150, 0.0), (1e-200,), ())
+    found = extended.integrate(compiled.program, compiled.layout, values, (0, 2e200), 24, 1000).end
+    with mpmath.workdps(60):
+        turn = mpmath.mpf(1e-200) * mpmath.mpf(2e200)
+        assert abs(number(found[0]) / (mpmath.mpf(1e-150) * mpmath.exp(turn)) - 1) < 1e-20
+        assert abs(number(found[1]) / turn - 1) < 1e-20
+
+
+def test_numbers_that_are_too_far_apart_are_refused():
+    with pytest.raises(InputError, match="too far apart"):
+        end_of(System.from_rates("s", {x: x / sp.Integer(7) ** 20_001}), (7.0,), 0.1)
+
+
+@pytest.mark.parametrize("target", [*TARGETS, "python"])
+def test_numbers_beyond_doubles_go_into_the_powers_that_they_multiply(target):
+    rates = {x: -((x / 7) ** 401) + (7 / x) ** 401, y: (x / 7) ** 401 * (3 * y) ** 350}
+    compiled = codegen.compile(System.from_rates("s", rates), target)
+    for at in (6.0, 7.0, 7.25):
+        found = compiled.rhs(0.0, np.array([at, 1 / 3]), [], [])
+        with mpmath.workdps(40):
+            ratio, third = (mpmath.mpf(at) / 7) ** 401, (3 * mpmath.mpf(1 / 3)) ** 350
+            exact = [float(1 / ratio - ratio), float(ratio * third)]
+        np.testing.assert_allclose(found, exact, rtol=1e-12)
 
 
 def test_what_has_no_solution_is_refused():

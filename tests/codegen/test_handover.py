@@ -457,7 +457,7 @@ def counted(monkeypatch):
 
     def counting(compiled, *words, **options):
         result = before(compiled, *words, **options)
-        dense = 0 if result.sol is None else len(result.sol.ts)
+        dense = 0 if not result.sol else len(result.sol.ts)
         found.append((compiled.layout.name.endswith("quaternion"), len(result.t), dense))
         return result
 
@@ -478,7 +478,7 @@ def test_no_more_is_stored_than_asked_for(made, monkeypatch):
     assert sum(points for _, points, _ in found) == len(grid)
     assert max(dense for second, _, dense in found if second) == 3
     assert not any(dense for second, _, dense in found if not second)
-    assert result.sol is None
+    assert not result.sol
     assert len(result.changes) == len(whole.changes) > 30
     np.testing.assert_allclose(result.changes, whole.changes, rtol=0, atol=1e-7)
     np.testing.assert_allclose(result.y, whole.y, rtol=0, atol=1e-6)
@@ -643,3 +643,21 @@ def test_inputs_in_c_are_those_of_the_first_chart(made, tmp_path):
     assert (status, changes) == (0, len(expected.changes))
     assert changes >= 2
     np.testing.assert_allclose(y, expected.y, rtol=0, atol=1e-6)
+
+
+@pytest.mark.skipif(not native.compiler(), reason="needs a C compiler")
+def test_the_error_of_a_run_in_two_charts_is_estimated_by_another_method():
+    scene = eom.load_scene("t-handle-in-angles")
+    found = charts(scene)
+    start, values = numbers(scene, found)
+    made, times = compile_charts(found), np.linspace(0, 0.2, 70)
+    run = handover.simulate(made, start, (0, 0.2), values, "DOP853", rtol=1e-7, t_eval=times)
+    exact = handover.simulate(made, start, (0, 0.2), values, "taylor", rtol=1e-12)
+    assert run.changes
+    accuracy = run.accuracy()
+    assert accuracy.second == "taylor"
+    true = abs(run.y_stop - exact.y_stop)
+    estimate = np.array(list(accuracy.at_end.values()))
+    assert (estimate < 3 * true + 1e-13).all()
+    assert (true < 3 * estimate + 1e-13).all()
+    assert np.isnan(accuracy.rate)

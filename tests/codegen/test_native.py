@@ -1,6 +1,7 @@
 """The edge to the compiler: without one, with one that fails, with a damaged or open cache."""
 
 import ctypes
+import errno
 import os
 import stat
 import subprocess
@@ -102,7 +103,7 @@ def test_a_compiler_that_makes_no_file_has_failed(cache, tmp_path, monkeypatch):
 def test_a_compiler_that_hangs_is_stopped(cache, tmp_path, monkeypatch):
     monkeypatch.setattr(native, "TIMEOUT_SECONDS", 0.2)
     monkeypatch.setenv("CC", script(tmp_path / "cc", "while :; do :; done"))
-    with pytest.raises(native.CompilerError, match="timed out"):
+    with pytest.raises(native.CompilerError, match="stopped after"):
         native.compile_library(SOURCE)
     assert libraries(cache) == []
 
@@ -246,13 +247,72 @@ def test_a_cache_of_another_user_is_refused(cache, monkeypatch):
         native.cache_folder()
 
 
-def test_a_cache_below_a_regular_file_is_refused(tmp_path, monkeypatch):
+@pytest.fixture(
+    params=["a file", "below a file", "nowhere", "not allowed", "full", "cannot be read"]
+)
+def useless(request, cache, tmp_path, monkeypatch):
+    """A cache that cannot be made, written or read, and what the system says of it."""
     (tmp_path / "file").write_text("mine")
-    for path in (tmp_path / "file", tmp_path / "file" / "below"):
-        monkeypatch.setenv(native.CACHE_VARIABLE, str(path))
-        with pytest.raises(InputError, match="cache folder cannot be made") as error:
-            native.cache_folder()
-        assert native.CACHE_VARIABLE in error.value.hint
+    paths = {"a file": tmp_path / "file", "below a file": tmp_path / "file" / "below"}
+    monkeypatch.setenv(native.CACHE_VARIABLE, str(paths.get(request.param, cache)))
+    if request.param == "nowhere":
+        monkeypatch.setenv(native.CACHE_VARIABLE, "/proc/nowhere")
+    if request.param == "not allowed":
+        monkeypatch.setattr(os, "access", lambda path, mode: False)
+    number, call = {
+        "full": (errno.ENOSPC, "write_text"),
+        "cannot be read": (errno.EIO, "glob"),
+    }.get(request.param, (0, ""))
+    if call:
+
+        def fails(path, *_, **__):
+            raise OSError(number, os.strerror(number), str(path))
+
+        monkeypatch.setattr(native.Path, call, fails)
+    return cache
+
+
+@needs_compiler
+def test_where_the_cache_is_useless_c_is_refused_and_auto_takes_numpy(useless):
+    with pytest.raises(native.CacheError, match="cannot be kept") as error:
+        compile_system(eom.free_rigid_body(), "c")
+    assert native.CACHE_VARIABLE in error.value.hint
+    compiled = compile_system(eom.free_rigid_body())
+    assert compiled.target == "numpy"
+    assert error.value.brief in compiled.notice
+    assert "\n" not in compiled.notice
+    result = simulate(compiled, (1.0, 2.0, 3.0), (0, 1), (1.0, 1.2, 1.5))
+    assert result.success
+    assert result.notice == compiled.notice
+    assert libraries(useless) == []
+
+
+@pytest.mark.parametrize("command", ["gcc 'x", '"', "gcc -DX='a b"])
+def test_a_command_whose_quote_is_not_closed_is_told(cache, monkeypatch, command):
+    monkeypatch.setenv("CC", command)
+    assert native.compiler() == ()
+    with pytest.raises(native.CompilerError, match="a quote is not closed") as error:
+        compile_system(eom.free_rigid_body(), "c")
+    assert error.value.got == f"CC={command}"
+    compiled = compile_system(eom.free_rigid_body())
+    assert compiled.target == "numpy"
+    assert "a quote is not closed" in compiled.notice
+
+
+def test_a_compiler_that_crashes_is_told_by_its_signal_and_output(cache, tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "echo half >&2; kill -SEGV $$"))
+    with pytest.raises(native.CompilerError, match="ended by signal 11") as error:
+        native.compile_library(SOURCE)
+    assert "half" in error.value.got
+    assert "SIGSEGV" in compile_system(eom.free_rigid_body()).notice
+
+
+def test_a_compiler_that_hangs_is_quoted(cache, tmp_path, monkeypatch):
+    monkeypatch.setattr(native, "TIMEOUT_SECONDS", 0.3)
+    monkeypatch.setenv("CC", script(tmp_path / "cc", "echo so far >&2; while :; do :; done"))
+    with pytest.raises(native.CompilerError) as error:
+        native.compile_library(SOURCE)
+    assert "so far" in error.value.got
 
 
 def test_a_cache_is_made_private(tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ import sympy as sp
 from codegen import compile, simulate
 from codegen.integrate import derivatives
 from eom import dissipation
-from eom.system import System
+from eom.system import TIME, System
 
 CELLS = 60
 
@@ -130,3 +130,31 @@ def test_large_programs_are_differentiated_on_demand_alone(rod, monkeypatch):
         run = simulate(fresh, start, (0, 0.1), values, "scipy:Radau", 1e-8)
         np.testing.assert_allclose(run.y_stop, plain.y_stop, rtol=1e-7)
         assert run.nfev < plain.nfev
+
+
+def test_rates_that_are_not_finite_within_a_step_leave_no_hole_in_it():
+    """DOP853 of SciPy calls the rates at a tenth of a step for its polynomial alone: there is none here."""
+    gap = System.from_rates(
+        "gap", {y1: sp.sqrt((TIME - sp.Rational(1, 10)) ** 2 - sp.Rational(1, 10**16))}
+    )
+    times = np.linspace(0, 2, 41)
+    for more in ({"t_eval": times}, {"dense_output": True}):
+        run = simulate(
+            compile(gap, "numpy"),
+            (1.0,),
+            (0, 2),
+            None,
+            "scipy:DOP853",
+            1e-2,
+            1.0,
+            first_step=1.0,
+            **more,
+        )
+        kept = run.y if "t_eval" in more else run.sol(times)
+        assert run.rejected == 1
+        np.testing.assert_allclose(kept[0], 1 + _parabola(times), rtol=1e-2)
+
+
+def _parabola(t):
+    """Return the integral of |t - 0.1| from 0."""
+    return 0.005 + 0.5 * (t - 0.1) * np.abs(t - 0.1)

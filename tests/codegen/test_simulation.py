@@ -520,9 +520,9 @@ MOMENTS = {"I1": 1.0, "I2": 1.2, "I3": 1.5}
         ({**START, "omega_4": 1.0}, MOMENTS, InputError, ["omega_4", "did you mean omega_"]),
         ({**START, "omega_1": math.nan}, MOMENTS, InputError, ["omega_1 is not finite", "nan"]),
         ({**START, "omega_1": math.inf}, MOMENTS, InputError, ["omega_1 is not finite"]),
-        ({**START, "omega_1": "fast"}, MOMENTS, InputError, ["not numbers"]),
+        ({**START, "omega_1": "fast"}, MOMENTS, InputError, ["initial is", "'fast'", "float"]),
         ([1.0, 2.0], MOMENTS, InputError, ["wrong number", "omega_1, omega_2, omega_3"]),
-        ([[1.0, 2.0, 3.0]], MOMENTS, InputError, ["wrong number"]),
+        ([[1.0, 2.0, 3.0]], MOMENTS, InputError, ["initial is", "[[1.0", "Sequence[float]"]),
         (None, MOMENTS, InputError, ["omega_1"]),
         (START, {"I1": 1.0, "I2": 1.2}, InputError, ["missing", "I3"]),
         (START, None, InputError, ["I1, I2, I3"]),
@@ -727,15 +727,15 @@ def test_an_invariant_that_is_lost_shows_a_drift_beyond_one():
     assert result.drift["T"].relative == pytest.approx(lost)
 
 
-def test_a_constant_that_starts_at_zero_but_for_rounding_drifts_absolutely():
+def test_a_constant_that_is_a_small_difference_is_measured_by_its_terms():
     a, b = sp.symbols("a b", real=True)
     radius = {"zero": a**2 + b**2 - sp.Rational(1, 4)}
     system = System.from_rates("circle", {a: b, b: -a}, invariants=radius)
     result = simulate(system, [0.3, 0.4], (0, 10))
     drift = result.drift["zero"]
     assert abs(drift.start) < 1e-16
-    assert drift.scale == 1.0
-    assert drift.relative == drift.largest < 1e-7
+    assert drift.scale == pytest.approx(0.5, rel=1e-7)
+    assert drift.relative == drift.largest / drift.scale < 1e-7
 
 
 @pytest.mark.parametrize("options", [{}, {"first_step": 1e-7}])
@@ -763,5 +763,7 @@ def test_a_start_that_is_no_rotation_is_refused(attitude):
 
 
 def test_a_scene_is_no_system():
-    with pytest.raises(InputError, match="not a system of equations"):
+    with pytest.raises(
+        InputError, match=r"system is of the wrong type[\s\S]*derive\(\) of a scene"
+    ):
         simulate(eom.Scene.ready("t-handle"), [1, 0, 0], (0, 1))

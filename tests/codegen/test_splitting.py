@@ -22,7 +22,7 @@ from eom import torques
 from eom.errors import InputError
 from eom.kinematics import attitude, quaternion_product
 from eom.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
-from eom.system import TIME, Singularity, System
+from eom.system import TIME, BodyAttitude, Singularity, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 
@@ -229,7 +229,9 @@ def driven(torque, name="driven", D=D):
     turn = quaternion_product(q, (0, *w))
     rates = {w[i]: (torque[i] - gyroscopic[i]) / D[i] for i in range(3)}
     rates |= {q[i]: turn[i] / 2 for i in range(4)}
-    return System.from_rates(name, rates, inputs=[u] if u in sp.Matrix(torque).free_symbols else [])
+    stated = BodyAttitude(w, "quaternion", q, inertia=sp.diag(*D), torque=torque)
+    inputs = [u] if u in sp.Matrix(torque).free_symbols else []
+    return System.from_rates(name, rates, inputs=inputs, attitudes=[stated])
 
 
 TORQUE = (f * MATRIX[0, 2] + sp.sin(3 * TIME), g * MATRIX[1, 0] + u, -g * MATRIX[2, 1])
@@ -275,6 +277,113 @@ def test_the_step_follows_the_tolerance_and_stays(top):
     assert run(top, FAST, (0, 20), TOP, rtol=1e-7, max_step=0.01).steps == 2000
 
 
+UPRIGHT = [0, 0, 1e-3, np.cos(5e-4), np.sin(5e-4), 0, 0]
+"""A top that spins too slowly to stay up: nothing happens at first, and then it falls."""
+
+
+def test_the_tolerance_is_looked_at_all_the_way(top):
+    """Errors at the start alone, which are none, gave 15 steps at every tolerance, and errors of 0.9."""
+    exact = simulate(top, UPRIGHT, (0, 8), TOP, "taylor", 1e-15).y_stop
+    growth, steps = 2e3, []
+    for rtol in (1e-3, 1e-6, 1e-9, 1e-12):
+        end = run(top, UPRIGHT, (0, 8), TOP, rtol=rtol)
+        assert end.status == 0
+        assert not end.notice
+        assert np.ptp(np.diff(end.t)) < 1e-13
+        assert np.abs(end.y_stop - exact).max() < 100 * growth * rtol
+        steps.append(end.steps)
+    assert all(after > 1.5 * before for before, after in pairwise(steps[1:])), steps
+
+
+def test_what_was_begun_with_too_long_steps_leaves_nothing_behind(top, monkeypatch):
+    """The run that is handed out is that of its step, on a grid and off it, in any number of calls."""
+    grid = np.linspace(0, 8, 33)
+    found = run(top, UPRIGHT, (0, 8), TOP, rtol=1e-9)
+    assert found.rejected > 0
+    h = 8 / found.steps
+    alone = run(top, UPRIGHT, (0, 8), TOP, h, rtol=1e-9)
+    np.testing.assert_array_equal(found.y, alone.y)
+    np.testing.assert_array_equal(found.t, alone.t)
+    monkeypatch.setattr(runge_kutta, "STEPS_A_CALL", 3)
+    monkeypatch.setattr(runge_kutta, "FIRST_CAPACITY", 2)
+    on_grid = run(top, UPRIGHT, (0, 8), TOP, rtol=1e-9, t_eval=grid)
+    np.testing.assert_array_equal(on_grid.t, grid)
+    np.testing.assert_array_equal(on_grid.y_stop, alone.y_stop)
+    dense = run(top, UPRIGHT, (0, 8), TOP, rtol=1e-9, dense_output=True)
+    np.testing.assert_array_equal(dense.y, alone.y)
+    np.testing.assert_allclose(dense.sol(grid), on_grid.y, rtol=0, atol=1e-13)
+
+
+def test_a_tolerance_that_takes_too_many_steps_is_refused(top):
+    for most in (5, 60):
+        end = run(top, UPRIGHT, (0, 8), TOP, rtol=1e-12, max_steps=most)
+        assert end.status == -1
+        assert end.steps + end.rejected <= most + 1
+    assert (
+        "equal steps that keep the relative tolerance are more than max_steps = 60" in end.message
+    )
+    assert end.t_stop == 0
+    np.testing.assert_array_equal(end.y_stop, UPRIGHT)
+
+
+def test_a_given_step_stays_and_its_error_is_told(top):
+    end = run(top, FAST, (0, 4), TOP, 0.2, rtol=1e-12)
+    assert end.steps == 20
+    assert "steps of 0.2 s, as given, have local errors of up to" in end.notice
+    exact = simulate(top, FAST, (0, 4), TOP, "taylor", 1e-15)
+    local = float(end.notice.split("up to ")[1].split(",")[0])
+    error = np.abs(end.y_stop - exact.y_stop).max()
+    assert 0.02 < error / (end.steps * local) < 50
+    assert not run(top, FAST, (0, 4), TOP, 0.01, rtol=1e-12).notice
+
+
+def test_pulses_and_kinks_of_the_torque_shorten_the_steps_and_poles_end_the_run():
+    x0, p = [0.1, 0.2, 0.3, 1, 0, 0, 0], {"D1": 1.0, "D2": 1.4, "D3": 2.0}
+    torques = {
+        "pulse": 10 * sp.exp(-(((TIME - 1) / sp.Rational(1, 20)) ** 2)),
+        "kink": sp.Abs(TIME - sp.Rational(11, 10)),
+        "pole": 1 / (1 - TIME),
+    }
+    for name, torque in torques.items():
+        compiled = compile_system(driven((torque, 0, 0), name), "c")
+        end = run(compiled, x0, (0, 2), p, rtol=1e-6)
+        if name == "pole":
+            assert end.status == -1
+            assert end.t_stop <= 1
+            continue
+        exact = simulate(compiled, x0, (0, 2), p, "DOP853", 1e-12, max_step=0.01).y_stop
+        assert end.status == 0
+        assert np.abs(end.y_stop - exact).max() < 1e-4
+
+
+def test_no_step_passes_over_a_pulse_or_a_window_in_time():
+    """A pulse makes all steps short; two of them end at the edges of a window, and the others stay."""
+    x0, p = [0.1, 0.2, 0.3, 1, 0, 0, 0], {"D1": 1.0, "D2": 1.4, "D3": 2.0}
+    window = sp.Gt(TIME, 4) & sp.Lt(TIME, sp.Rational(401, 100))
+    torques = {
+        "pulse": 50 * sp.exp(-((100 * (TIME - 4)) ** 2)),
+        "window": sp.Piecewise((50, window), (0, True)),
+    }
+    steps = {}
+    for name, torque in torques.items():
+        compiled = compile_system(driven((torque, 0, 0), name), "c")
+        end = run(compiled, x0, (0, 6), p, rtol=1e-8)
+        exact = simulate(compiled, x0, (0, 6), p, "DOP853", 1e-12).y_stop
+        assert end.status == 0
+        assert np.abs(end.y_stop - exact).max() < 1e-6
+        steps[name] = end.steps
+        if name == "pulse":
+            given = simulate(compiled, x0, (0, 6), p, "splitting", 1e-8, first_step=1.5)
+            assert "pass over something narrow" in given.notice
+    assert steps["window"] < 50 < steps["pulse"]
+
+
+def test_what_is_narrow_in_the_attitude_is_refused():
+    sharp = driven((sp.exp(-((100 * (q[1] - sp.Rational(1, 4))) ** 2)), 0, 0), "sharp")
+    with pytest.raises(InputError, match="what is narrow in the torque"):
+        run(compile_system(sharp, "c"), [0.1, 0.2, 0.3, *START], (0, 1), (1, 1.4, 2))
+
+
 def test_a_top_at_rest_falls(top):
     x0 = [0, 0, 0, np.cos(0.3), np.sin(0.3), 0, 0]
     end = run(top, x0, (0, 2), TOP, rtol=1e-10)
@@ -317,7 +426,11 @@ REFUSED = {
     "no quaternion": (eom.free_rigid_body("dcm"), "unit quaternion"),
     "no attitude": (eom.free_rigid_body(), "unit quaternion"),
     "prescribed rates": (
-        System.from_rates("led", {a: r / 2 for a, r in zip(q, PRESCRIBED, strict=True)}),
+        System.from_rates(
+            "led",
+            {a: r / 2 for a, r in zip(q, PRESCRIBED, strict=True)},
+            attitudes=[BodyAttitude((sp.cos(TIME), 1, g), "quaternion", q)],
+        ),
         "no rigid body",
     ),
 }  # fmt: skip

@@ -15,8 +15,10 @@ from codegen import compile as compile_system
 from codegen import native, simulate, taylor
 from codegen.integrate import taylor as method
 from codegen.interpret import Point, interpret_exactly
-from codegen.lower import RATES
+from codegen.lower import RATES, lower_system
 from codegen.program import Builder
+from codegen.trust import limits
+from codegen.unrolled import unrolled
 from eom.errors import InputError
 from eom.system import TIME, System
 from tests.codegen.scenes import SCENES
@@ -44,7 +46,7 @@ def series_of(op, first, second, at, order=ORDER):
     c = b.add("add", b.const(second), b.add("mul", b.const(0.25), b.add("mul", t, b.add("cos", t))))
     arity = taylor.OPS[op].arity
     value = b.add(op, *(a, c)[:arity])
-    jet = taylor.unrolled(taylor.prepare(b.program({RATES: [value]}), RATES), RATES, order)
+    jet = unrolled(taylor.prepare(b.program({RATES: [value]}), RATES), RATES, order)
     ours = interpret_exactly(jet, Point(0.0, [0.0]))[taylor.JET]
     with mpmath.workdps(60):
         exact = taylor.OPS[op].exact
@@ -86,7 +88,7 @@ def test_a_constant_exponent_and_a_selection(at, branch):
     piece = sp.Piecewise((sp.sin(TIME), TIME < 1), (TIME**2, True))
     system = System.from_rates("s", {y1: (2 + sp.cos(TIME)) ** k + piece})
     prepared = taylor.prepare(compile_system(system, "numpy").program, RATES)
-    jet = taylor.unrolled(prepared, RATES, ORDER)
+    jet = unrolled(prepared, RATES, ORDER)
     ours = interpret_exactly(jet, Point(at, [0.0], [1.7]))[taylor.JET]
     with mpmath.workdps(60):
         theirs = mpmath.taylor(lambda t: (2 + mpmath.cos(t)) ** 1.7 + branch(t), at, ORDER - 1)
@@ -110,7 +112,7 @@ def test_solutions_of_linear_systems_are_differentiated():
         program = b.program(
             {RATES: [b.add("item", back, value=1)]}
         )  # the other entry is needed too
-        jet = taylor.unrolled(taylor.prepare(program, RATES), RATES, 12)
+        jet = unrolled(taylor.prepare(program, RATES), RATES, 12)
         ours = interpret_exactly(jet, Point(0.0, [0.0]))[taylor.JET]
 
         def exact(t, symmetric=symmetric):
@@ -125,9 +127,7 @@ def test_solutions_of_linear_systems_are_differentiated():
 
 def test_a_product_with_a_constant_costs_one_multiplication_an_order():
     system = System.from_rates("s", {y1: k * u * y1}, inputs=[u])
-    jet = taylor.unrolled(
-        taylor.prepare(compile_system(system, "numpy").program, RATES), RATES, ORDER
-    )
+    jet = unrolled(taylor.prepare(compile_system(system, "numpy").program, RATES), RATES, ORDER)
     assert jet.counts().get("add", 0) == 0
     assert jet.counts()["mul"] <= 2 * ORDER + 1
 
@@ -309,3 +309,36 @@ def test_the_length_of_the_text_does_not_depend_on_the_order():
         for order in (20, 24)
     ]
     assert abs(lengths[0] - lengths[1]) < 200
+
+
+def test_the_limit_of_a_divisor_includes_that_of_its_angle() -> None:
+    """Where cos z stays within 3/4 of cos x, z is nearer to x than sines allow from order 7 on."""
+    turn, draw = np.exp(2j * np.pi * np.linspace(0, 1, 400)), np.random.default_rng(1)
+    for x in draw.uniform(-np.pi / 2, np.pi / 2, 200):
+        for part in (0.1, 0.5, 0.75):
+            inside = np.arccos(np.cos(x) * (1 + part * turn))
+            assert np.all(np.abs(inside.real) <= np.pi / 2)
+            assert max(np.max(np.abs(inside - x)), np.max(np.abs(-inside - x))) < 7 / 2
+
+
+@pytest.mark.parametrize(
+    ("rate", "wanted"),
+    [
+        (k * y2 / sp.cos(y1), ["div"]),
+        (y2 * sp.sin(y1) / (-3 * sp.cos(y1) / k), ["div"]),
+        (sp.log(k * sp.sin(y1)), ["log"]),
+        (1 / (y2 * sp.cos(y1)), ["angle", "div"]),
+        (1 / (2 + sp.cos(y1)), ["angle", "div"]),
+        (sp.sin(y2) / sp.cos(y1), ["angle", "div"]),
+    ],
+)
+def test_angles_have_no_limit_beside_that_of_a_multiple_of_their_sine(
+    rate: sp.Expr, wanted: list[str]
+) -> None:
+    """Only where the other factor stands still is the sine kept from zero; low orders allow less."""
+    system = System.from_rates("angle", {y1: y2, y2: rate})
+    prepared = taylor.prepare(lower_system(system), RATES)
+    names = {"sin": "angle", "cos": "angle"}
+    assert sorted(names.get(m.op, m.op) for m in limits(prepared, 12)) == wanted
+    angles = {prepared.program.instructions[m.series].op for m in limits(prepared, 6)} & {"state"}
+    assert angles

@@ -69,7 +69,6 @@ def test_rate_of_needs_explicit_rates():
         ({"mass_matrix": sp.eye(3)}, "mass matrix", "(3, 3)"),
         ({"rates": (y, sp.Symbol("nobody"))}, "without a meaning", "nobody"),
         ({"mass_matrix": sp.diag(1, sp.Symbol("nobody"))}, "without a meaning", "nobody"),
-        ({"rates": (y, 1.0)}, "not a SymPy expression", "float"),
         ({"rates": (y, sp.Function("f")(x))}, "", ""),
         ({"rates": (y, sp.Derivative(sp.Function("f")(x), x))}, "", ""),
         ({"definitions": (Definition(Quantity(d), e), Definition(Quantity(e), k))}, "meaning", "e"),

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from eom.errors import typed
 from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
 from eom.multibody.closed.polynomials import Scalar
 from eom.multibody.model import Tree
@@ -16,6 +17,7 @@ from eom.multibody.spatial import Vector, times, transposed
 Expr = Any
 
 
+@typed
 def absolute_angles(tree: Tree) -> dict[Expr, Expr]:
     """Return coordinates that measure revolute joints with parallel axes against the ground.
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, unknown_name
+from eom.errors import InputError, typed, unknown_name
 from eom.identity import equal
 from eom.multibody.closed.angles import runs
 from eom.multibody.closed.contributions import Contribution
@@ -229,6 +229,7 @@ class Comparison:
         return self.show("markdown")
 
 
+@typed
 def closed_form(
     tree: Tree, method: str = "lagrange", *, coordinates: Mapping[Expr, Expr] | None = None
 ) -> ClosedForm:
@@ -251,6 +252,7 @@ def closed_form(
     return _forms(tree, (method,), coordinates)[0]
 
 
+@typed
 def compare(
     tree: Tree,
     methods: Iterable[str] = tuple(METHODS),
@@ -273,9 +275,11 @@ def compare(
 
 
 def _forms(
-    tree: Tree, methods: Iterable[str], coordinates: Mapping[Expr, Expr] | None
+    tree: Tree, methods: Sequence[str], coordinates: Mapping[Expr, Expr] | None
 ) -> tuple[ClosedForm, ...]:
     """Return closed forms over the same geometry, written in the same way."""
+    if not methods:
+        raise InputError("no method is named", got="()", expected=", ".join(METHODS))
     for method in methods:
         if method not in METHODS:
             raise unknown_name("method", method, METHODS, f"tree {tree.name!r}")

@@ -22,7 +22,7 @@ from eom.blocks import (
     broken,
 )
 from eom.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symbol
-from eom.errors import unknown_name
+from eom.errors import typed, unknown_name
 from eom.markup import render
 from eom.multibody.closed.coordinates import dotted
 from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
@@ -43,6 +43,7 @@ def show(given: ClosedForm | Comparison, style: str = "text") -> str:
     return FORMATS[style](list(blocks(given)))
 
 
+@typed
 def tree_page(
     tree: Tree,
     method: str = "all",

@@ -6,8 +6,6 @@ scene brings along (titles, names, meanings) is escaped here, or set as text by 
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import html
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -20,6 +18,7 @@ from eom.opening import AnyScene
 from eom.system import Definition
 from eom.views.live import code, equations, single, trees
 from eom.views.live.subject import Choice, Knob, Subject, Switch
+from eom.views.policy import hashed, policy
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0
@@ -69,7 +68,7 @@ def written(subject: Subject, speed: float = 1.0) -> str:
     scripts = [code.web("three.js"), code.web("viewer.js"), core, code.web("live.js")]
     style = code.web("live.css")
     return code.web("live.html").format(
-        policy=_policy(scripts, style),
+        policy=policy(scripts, hashed(style), "data: blob:"),
         style=style,
         title=html.escape(subject.title),
         words="\n".join(
@@ -97,17 +96,6 @@ def subject_of(scene: AnyScene) -> Subject:
             "a live page runs forward in time", where=scene.name, got=scene.integration.t_end
         )
     return trees.subject(scene) if isinstance(scene, TreeScene) else single.subject(scene)
-
-
-def _policy(scripts: list[str], style: str) -> str:
-    def digest(text: str) -> str:
-        made = hashlib.sha256(text.encode()).digest()
-        return f"'sha256-{base64.b64encode(made).decode()}'"
-
-    return (
-        f"default-src 'none'; script-src {' '.join(map(digest, scripts))}; style-src {digest(style)}; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'"
-    )
 
 
 def speed_of(t_end: float) -> float:

@@ -8,7 +8,8 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.simulation import Drift, Result
+from codegen.drift import Drift
+from codegen.simulation import Result
 from eom.errors import InputError
 from eom.scene import Scene
 from eom.system import Quantity
@@ -40,9 +41,9 @@ def panels(picture):
     return [panel for (panel,) in picture.rows]
 
 
-def change(start, over_time, floor=1e-12):
+def change(start, over_time):
     over_time = np.asarray(over_time, dtype=float)
-    return Drift(start, float(np.max(np.abs(over_time))), floor, over_time)
+    return Drift(start, float(np.max(np.abs(over_time))), over_time)
 
 
 def test_quantities_of_one_unit_stand_together_with_the_unit_on_the_axis():

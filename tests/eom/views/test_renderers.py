@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import html
 import json
 import re
 import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -313,3 +316,42 @@ def test_pictures_that_cannot_be_drawn(tmp_path):
             draw(Picture(()))
     empty = Panel((), (Axis(), Axis(), Axis()))
     assert save(Picture(((empty,),)), tmp_path / "a.svg").stat().st_size > 0
+
+
+class _Page(HTMLParser):
+    """The policy of a page, and what its scripts hold as a browser reads them: lines end with LF."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.policy, self.scripts, self._inside = "", [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        named = dict(attributes)
+        if named.get("http-equiv") == "Content-Security-Policy":
+            assert self.scripts == []  # what stands before it is not held by it
+            self.policy = named["content"]
+        self._inside = tag == "script" and "type" not in named
+        assert not [name for name in named if name.startswith("on") or name in {"src", "href"}]
+
+    def handle_endtag(self, tag):
+        self._inside = False
+
+    def handle_data(self, data):
+        if self._inside:
+            self.scripts.append(data.replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def test_a_page_to_turn_may_run_its_own_scripts_and_ask_for_nothing(tmp_path):
+    pytest.importorskip("plotly")
+    file = save(sample("some words", "a title"), tmp_path / "page.html")
+    page = _Page(file.read_bytes().decode("utf-8"))
+    allowed = dict(part.partition(" ")[::2] for part in page.policy.split("; "))
+    assert allowed["default-src"] == allowed["base-uri"] == allowed["form-action"] == "'none'"
+    digests = [hashlib.sha256(s.encode()).digest() for s in page.scripts]
+    assert allowed["script-src"].split() == [
+        f"'sha256-{base64.b64encode(d).decode()}'" for d in digests
+    ]
+    assert len(digests) == 2
+    assert "connect-src" not in allowed  # as default-src: nothing
+    assert "unsafe" not in allowed["script-src"]

@@ -1,0 +1,84 @@
+"""Child processes that end with what they started: none outlives a command that is interrupted.
+
+A compiler is a driver with children of its own. To end the driver alone leaves them at work, so each child
+gets a process group, and the group is ended.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
+
+PATIENCE_SECONDS = 0.3
+"""What an interrupted process gets to end by itself."""
+
+
+def finished(
+    command: Sequence[str], *, seconds: float, environment: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a command, a list that no shell reads, to its end; return its status and what it printed.
+
+    Bytes that are no UTF-8 are replaced. Raises `OSError` where it cannot be started and
+    `subprocess.TimeoutExpired` after ``seconds``; then, and at an interruption, it and its children are
+    ended.
+    """
+    process = subprocess.Popen(  # noqa: S603 - a list, no shell
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        env=None if environment is None else dict(environment),
+        start_new_session=True,
+    )
+    with process:
+        try:
+            out, err = process.communicate(timeout=seconds)
+        except BaseException:
+            _end(process)
+            raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a process and its group: first as an interruption does, so that it ends its own children.
+
+    Its number is taken until it is waited for.
+    """
+    if hasattr(os, "killpg"):
+        for number in (signal.SIGINT, signal.SIGKILL):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, number)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE_SECONDS)
+    process.kill()
+
+
+@contextmanager
+def not_interrupted() -> Iterator[None]:
+    """Let processes that are started inside not be interrupted: whoever started them ends them.
+
+    An interruption from the keyboard goes to all processes of the terminal; one that is still loading its
+    modules would print a traceback. Here it arrives at the end of the block.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # which lets interruptions through when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def interruptible() -> None:
+    """Let this process be interrupted again, which `not_interrupted` started."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

@@ -1,0 +1,177 @@
+"""Narrow features in the generated loops of Runge-Kutta methods: what their templates need.
+
+`codegen.narrow` says what is watched; ``ahead.c`` looks ahead in time, ``narrow.c`` at the stages. A
+program of which nothing is watched leaves the templates as they are.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import re
+from dataclasses import dataclass
+from importlib import resources
+from itertools import pairwise
+from typing import Any
+
+from codegen.integrate.tableau import Tableau
+from codegen.lower import RATES
+from codegen.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow
+from codegen.program import Program
+from codegen.targets import c
+from codegen.targets.c_helpers import table_function
+from codegen.targets.render import table_names
+
+APART = 0.08
+"""Stages are looked at that are so far apart at least, in steps: low-order values of others would show
+as movement."""
+CROWDED = 16
+"""So many passages of a change of piece at one place, one after the other: rates on both sides lead back
+to it. The estimate of the error alone then chooses the steps, until one leaves the place."""
+
+NONE = dict.fromkeys(
+    ("LOOKOUT", "LOOKOUT_FIELDS", "LOOKOUT_START", "LOOK_AHEAD", "AFTER_LOOK", "PASSES", "CUT",
+     "FORESEE", "KEEP_WATCHED"),
+    "",
+)  # fmt: skip
+"""What stands in the templates where nothing is watched."""
+
+_LOOK_AHEAD = """\
+        const double proposed = s->h;
+        const int ahead = look_ahead(s, u, direction);
+"""
+_PASSES = """\
+        if (ahead == 2 && is_shortest(s, h) && isfinite(error)) error = fmin(error, 0.5);
+"""
+_AFTER_LOOK = """\
+        if (ahead == 2) s->h = fmax(s->h, proposed);
+"""
+
+
+@dataclass(frozen=True)
+class Lookout:
+    """Texts for the templates, and the fields of the structure that they add."""
+
+    texts: dict[str, str]
+    fields: tuple[tuple[str, Any], ...] = ()
+    width: int = 0
+    """Number of values at each stage that are watched beside the rates."""
+
+
+def of_time(program: Program, prefix: str) -> Lookout:
+    """Return what looks ahead in time alone, for any loop that proposes its steps so."""
+    found = narrow(program)
+    if found.ahead is None:
+        return Lookout(dict(NONE))
+    lines, constants = kernel(found.ahead, AHEAD, f"{prefix}_ahead")
+    room = max(1, constants)
+    text = "\n".join([*lines, _filled("ahead.c", prefix)])
+    texts = {
+        "LOOKOUT": text,
+        "LOOKOUT_FIELDS": f"    double of_ahead[{room}];\n",
+        "LOOKOUT_START": f"    {prefix}_ahead_constants(p, 1, s->of_ahead);\n",
+        "LOOK_AHEAD": _LOOK_AHEAD,
+        "AFTER_LOOK": _AFTER_LOOK,
+        "PASSES": _PASSES,
+    }
+    return Lookout(NONE | texts, (("of_ahead", ctypes.c_double * room),))
+
+
+def of(program: Program, prefix: str, tableau: Tableau) -> Lookout:
+    """Return what looks ahead, and watches the stages of a method, for the rates of a program."""
+    ahead, found = of_time(program, prefix), narrow(program)
+    if found.watched is None or found.verdict is None:
+        return ahead
+    watched, constants = kernel(found.watched, WATCHED, f"{prefix}_watched")
+    verdict, _ = kernel(found.verdict, VERDICT, f"{prefix}_verdict")
+    room, texts = max(1, constants), ahead.texts
+    further = _filled("narrow.c", prefix, **_numbers(found, len(program.results[RATES]), tableau))
+    head = [*watched, *verdict, further]
+    double, integer = ctypes.c_double, ctypes.c_int
+    fields: tuple[tuple[str, Any], ...] = (
+        ("of_watched", double * room), ("wanted", double), ("passed", double),
+        ("passing", integer), ("crowded", integer), ("tries", integer),
+    )  # fmt: skip
+    own = {
+        "LOOKOUT": texts["LOOKOUT"] + "\n".join(head),
+        "LOOKOUT_FIELDS": texts["LOOKOUT_FIELDS"] + _FIELDS.format(room=room),
+        "LOOKOUT_START": texts["LOOKOUT_START"] + _START.format(prefix=prefix),
+        "CUT": "        if (is_cut(s, k, h)) continue;\n",
+        "FORESEE": "        foresee(s, k, h);\n",
+        "KEEP_WATCHED": _KEEP.format(last=tableau.main_stages),
+    }
+    return Lookout(texts | own, (*ahead.fields, *fields), found.columns)
+
+
+_KEEP = """\
+        for (int i = FIRST; i < W; ++i) s->f[i] = k[{last}][i];
+"""
+_FIELDS = """\
+    double of_watched[{room}], wanted, passed; /* the step before a change of piece, and where that was */
+    int passing, crowded, tries;
+"""
+_START = """\
+    s->wanted = 0.0, s->passed = -HUGE_VAL;
+    s->passing = s->crowded = s->tries = 0;
+    {prefix}_watched_constants(p, 1, s->of_watched);
+"""
+
+
+def _numbers(found: Narrow, rates: int, tableau: Tableau) -> dict[str, str]:
+    stages = apart(tableau)
+    nodes = [*tableau.nodes[: tableau.main_stages], 1.0]
+    places = [float(nodes[k]) for k in stages]
+    return {
+        "RATES": str(rates),
+        "WATCHED": str(rates + found.columns),
+        "COLUMNS": str(found.columns),
+        "GUARDED": str(found.guarded),
+        "GUARDS": str(found.guards),
+        "PIECES": str(found.pieces),
+        "SEEN_COUNT": str(len(stages)),
+        "SEEN": ", ".join(map(str, stages)),
+        "PLACES": ", ".join(map(repr, places)),
+        "NEARNESS": ", ".join(repr(1 / (b - a)) for a, b in pairwise(places)),
+        "CROWDED": str(CROWDED),
+        "SOON_SHARES": ", ".join(repr(share) for share, _ in found.soon),
+        "SOON_LENGTHS": ", ".join(repr(length) for _, length in found.soon),
+        "TO_ZERO": ", ".join(str(int(one_sided)) for one_sided in found.to_zero),
+        "BEYOND": repr(_beyond(places)),
+    }
+
+
+def _beyond(places: list[float]) -> float:
+    """Return how far bounds between stages reach beyond all stages, over the range of what was seen there.
+
+    The steepest slope is at most that range over the shortest distance of two stages.
+    """
+    gaps = [b - a for a, b in pairwise(places)]
+    return math.ceil(50 * max(gaps) / min(gaps)) / 100
+
+
+def apart(tableau: Tableau) -> list[int]:
+    """Return the stages of a method in order of time that stand apart, its end the last."""
+    nodes = [*tableau.nodes[: tableau.main_stages], 1.0]
+    found = [0]
+    for k in sorted(range(1, tableau.main_stages), key=lambda k: (float(nodes[k]), k)):
+        if nodes[k] - nodes[found[-1]] >= APART and 1 - nodes[k] >= APART:
+            found.append(k)
+    return [*found, tableau.main_stages]
+
+
+def kernel(program: Program, group: str, head: str) -> tuple[list[str], int]:
+    """Return static functions of a group, its tables among them, and the number of their constants."""
+    lines, constants = c.kernels(program, group, head)
+    names = table_names(program)
+    tables = [f"{table_function(n, table)}\n" for table, n in names.items()]
+    texts = [*tables, *lines]
+    for n in names.values():
+        texts = [re.sub(rf"\b{n}\(", f"{head}_{n}(", text) for text in texts]
+    return texts, constants
+
+
+def _filled(template: str, prefix: str, **values: str) -> str:
+    text = resources.files("codegen.integrate").joinpath(template).read_text("ascii")
+    for key, value in {"PREFIX": prefix, "DEPTH": f"{MARGIN}.0", **values}.items():
+        text = text.replace(f"@{key}@", value)
+    return text

@@ -1,0 +1,107 @@
+"""What counts as an expression, and its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError, shown
+
+Expr = Any  # a SymPy expression; SymPy ships no types
+
+
+def as_expression(value: Any) -> Expr:
+    """Return a number or SymPy expression as a SymPy expression; text is never read as one.
+
+    Raises `InputError` for everything else, strings above all.
+    """
+    try:
+        if isinstance(value, str | bytes | Mapping):
+            raise TypeError
+        return sp.sympify(value, strict=True)
+    except (sp.SympifyError, TypeError, ValueError, AttributeError):
+        raise InputError(
+            "not a number or a SymPy expression",
+            got=shown(value),
+            hint="build expressions from SymPy symbols; formulas as text belong in a scene",
+        ) from None
+
+
+def nodes(expressions: Iterable[Expr]) -> Iterator[Expr]:
+    """Yield each distinct subexpression of some expressions once."""
+    stack = list(expressions)
+    seen = set(stack)
+    while stack:
+        node = stack.pop()
+        yield node
+        fresh = [a for a in node.args if a not in seen]
+        seen.update(fresh)
+        stack += fresh
+
+
+UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
+
+
+def is_over(expression: Expr, known: set[Expr]) -> bool:
+    """Tell quickly whether an expression is one, over known symbols, with no function of time in it."""
+    return isinstance(expression, sp.Basic) and not any(
+        isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in nodes((expression,))
+    )
+
+
+def free_symbols(expressions: Iterable[Expr]) -> set[Expr]:
+    """Return the free symbols of some expressions, however deep they nest: SymPy's own walk recurses.
+
+    What has a rule of its own (an integral, a sum over an index) is asked itself.
+    """
+    found: set[Expr] = set()
+    stack = list(expressions)
+    seen = set(stack)
+    while stack:
+        node = stack.pop()
+        kind: Any = type(node)
+        if not node.args or _binds(kind):
+            found |= node.free_symbols
+            continue
+        fresh = [a for a in node.args if a not in seen]
+        seen.update(fresh)
+        stack += fresh
+    return found
+
+
+@cache
+def _binds(kind: type) -> bool:
+    """Tell whether expressions of a type have a rule of their own for their free symbols."""
+    own = next(vars(c)["free_symbols"] for c in kind.__mro__ if "free_symbols" in vars(c))
+    return own is not vars(sp.Basic)["free_symbols"]
+
+
+def replaced(expression: Expr, rule: Mapping[Expr, Expr]) -> Expr:
+    """Return an expression with some of its parts replaced, each distinct part once.
+
+    Law: what ``expression.xreplace(rule)`` gives, without its recursion and without walking again
+    through what occurs twice.
+    """
+    if not rule:
+        return expression
+    new: dict[Expr, Expr] = dict(rule)
+    stack = [expression]
+    while stack:
+        node = stack[-1]
+        waiting = [a for a in node.args if isinstance(a, sp.Basic) and a not in new]
+        if node in new or not waiting:
+            stack.pop()
+            new.setdefault(node, _with_arguments(node, new))
+        else:
+            stack += waiting
+    return new[expression]
+
+
+def _with_arguments(node: Expr, new: Mapping[Expr, Expr]) -> Expr:
+    """Return a node over the replacements of its arguments; the node itself where none changes."""
+    arguments = [new.get(a, a) for a in node.args]
+    same = all(x is y for x, y in zip(arguments, node.args, strict=True))
+    return node if same else node.func(*arguments)
