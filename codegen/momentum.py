@@ -12,6 +12,7 @@ quaternion without a body keeps the other states as they are, and w is the vecto
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from codegen.attitude import CONSTANT_RATES, FRAME, INERTIA, TORQUE, Attitude, Body, body_rates
 from codegen.columns import (
@@ -30,8 +31,8 @@ from codegen.passes import prune
 from codegen.pipeline import optimise
 from codegen.program import Builder, Program
 
-SLOPES, STATES, START, SIZES, KICK, CONSTANTS = (
-    "slopes", "states", "start", "sizes", "kick", "constants"
+SLOPES, STATES, ERRORS, ROUNDING, START, FIXED, KICK, CONSTANTS = (
+    "slopes", "states", "errors", "rounding", "start", "fixed", "kick", "constants"
 )  # fmt: skip
 
 
@@ -54,20 +55,19 @@ class Variables:
         return self.momentum + len(self.attitude.others)
 
     @property
-    def tolerances(self) -> list[int]:
-        """For each variable the state whose absolute tolerance is its own."""
+    def compared(self) -> list[int]:
+        """The states whose errors count: q, the body rates (-1 for one that is none), the others."""
         body = self.attitude.body
-        shared = next(s for s in body.rates if s >= 0) if body else -1
-        own = [s if s >= 0 else shared for s in body.rates] if body else []
-        return own + list(self.attitude.others)
+        return [*self.attitude.quaternion, *(body.rates if body else ()), *self.attitude.others]
 
 
 def local(program: Program, variables: Variables) -> Program:
-    """Return `SLOPES`, (w, dv/dt), and `STATES` of the system over slots (q, v); `SIZES`.
+    """Return `SLOPES`, (w, dv/dt), and `STATES` of the system over slots (q, v); `ERRORS`, `ROUNDING`.
 
     Law: along every solution of the system with |q| = 1, q and v that `start` gives satisfy
-    dq/dt = q (0, w)/2 and the rates of v, and `STATES` gives back the states. `SIZES`, of parameters
-    alone, say what one unit of each state of `Variables.tolerances` is in v.
+    dq/dt = q (0, w)/2 and the rates of v, and `STATES` gives back the states. `ERRORS`, over slots
+    (q, v, a, e), are those of `Variables.compared` where q is off by the turn a and v by e, to first
+    order. `ROUNDING`: what an error of |pi| in each component of pi makes of the body rates, at most.
     """
     b = Builder(program.rules)
     slots, states, turn = _changed(b, variables)
@@ -81,8 +81,16 @@ def local(program: Program, variables: Variables) -> Program:
     else:
         w, momentum = turn, _momentum_rate(b, body, states, slots)
     others = [slopes[s] for s in variables.attitude.others]
-    groups = {SLOPES: [*w, *momentum, *others], STATES: states, SIZES: _sizes(b, variables)}
-    return optimise(b.program(groups))
+    return optimise(
+        b.program(
+            {
+                SLOPES: [*w, *momentum, *others],
+                STATES: states,
+                ERRORS: _errors(b, variables, slots),
+                ROUNDING: _rounding(b, body, slots) if body else [],
+            }
+        )
+    )
 
 
 def kicks(program: Program, variables: Variables) -> Program:
@@ -109,10 +117,11 @@ def kicks(program: Program, variables: Variables) -> Program:
 
 
 def start(program: Program, variables: Variables) -> Program:
-    """Return the variables v over the slots of the system, group `START`."""
+    """Return the variables v over the slots of the system, `START`; the rates that are none, `FIXED`."""
     b = Builder(program.rules)
     body = variables.attitude.body
     momentum: list[int] = []
+    constants: list[int] = []
     if body is not None:
         values = copied(b, body.values, {})
         J = symmetric([values[k] for k in body.values.results[INERTIA]])
@@ -121,7 +130,7 @@ def start(program: Program, variables: Variables) -> Program:
         C = rotation(b, [b.leaf("state", s) for s in variables.attitude.quaternion])
         momentum = transposed_times(b, C, times(b, J, omega))
     others = [b.leaf("state", s) for s in variables.attitude.others]
-    return optimise(b.program({START: [*momentum, *others]}))
+    return optimise(b.program({START: [*momentum, *others], FIXED: constants}))
 
 
 def _changed(b: Builder, variables: Variables) -> tuple[list[int], list[int], list[int]]:
@@ -172,13 +181,36 @@ def _turn_rate(b: Builder, q: Numbers, slopes: Numbers) -> list[int]:
     return rate
 
 
-def _sizes(b: Builder, variables: Variables) -> list[int]:
-    """Return the sum of the moments of inertia for each component of pi, 1 for other states."""
-    body = variables.attitude.body
-    sizes = [b.const(1)] * len(variables.attitude.others)
-    if body is None:
-        return sizes
+def _inertia(b: Builder, body: Body) -> list[list[int]]:
     values = copied(b, body.values, {})
-    J = symmetric([values[k] for k in body.values.results[INERTIA]])
-    moments = total(b, ((J[k][k], b.const(1)) for k in range(3)))
-    return [moments] * 3 + sizes
+    return symmetric([values[k] for k in body.values.results[INERTIA]])
+
+
+def _errors(b: Builder, variables: Variables, slots: Numbers) -> list[int]:
+    """Return q (0, a)/2, J^-1 (C e + (C pi) x a), and e of the others."""
+    D, q = 4 + variables.number, slots[:4]
+    turn = [b.leaf("state", D + k) for k in range(3)]
+    off = [b.leaf("state", D + 3 + k) for k in range(variables.number)]
+    half = [b.add("mul", b.const(Fraction(1, 2)), a) for a in turn]
+    scalar = b.add("neg", total(b, zip(q[1:], half, strict=True)))
+    vector = [
+        b.add("add", b.add("mul", q[0], h), c)
+        for h, c in zip(half, cross(b, q[1:], half), strict=True)
+    ]
+    body = variables.attitude.body
+    if body is None:
+        return [scalar, *vector, *off]
+    C = rotation(b, q)
+    turned = cross(b, times(b, C, slots[4:7]), turn)
+    moved = times(b, C, off[:3])
+    sums = [b.add("add", m, t) for m, t in zip(moved, turned, strict=True)]
+    return [scalar, *vector, *inverse_times(b, _inertia(b, body), sums), *off[3:]]
+
+
+def _rounding(b: Builder, body: Body, slots: Numbers) -> list[int]:
+    J, pi = _inertia(b, body), slots[4:7]
+    length = b.add("sqrt", total(b, zip(pi, pi, strict=True)))
+    units = [[b.const(int(i == k)) for i in range(3)] for k in range(3)]
+    inverse = [[b.add("abs", v) for v in inverse_times(b, J, unit)] for unit in units]
+    rows = [b.add("add", b.add("add", x, y), z) for x, y, z in zip(*inverse, strict=True)]
+    return [b.add("mul", length, row) for row in rows]

@@ -102,6 +102,8 @@ class Result:
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
     origin: object = field(default=None, repr=False, compare=False)
     """What it came from, for `accuracy`; it stays behind when a result is pickled."""
+    estimate: Accuracy | None = field(default=None, repr=False, compare=False)
+    """What `with_accuracy` found."""
 
     @typed
     def accuracy(self, limit: float | None = None) -> Accuracy:
@@ -115,7 +117,17 @@ class Result:
         """
         from codegen.run_accuracy import accuracy_of
 
-        return accuracy_of(self, limit)
+        return self.estimate or accuracy_of(self, limit)
+
+    @typed
+    def with_accuracy(self, limit: float | None = None) -> Result:
+        """Return the same with the estimate of `accuracy`, whose warning then is in ``notice``.
+
+        ``limit`` and what is raised: as for `accuracy`.
+        """
+        found = self.accuracy(limit)
+        told = "" if self.estimate else found.warning
+        return replace(self, estimate=found, notice=_joined(self.notice, told))
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle and copy what was found, not what it came from."""
@@ -185,6 +197,7 @@ def simulate(
     project: bool | str | Sequence[str] | None = None,
     events: Given = None,
     epoch: float = 0.0,
+    accuracy: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
@@ -213,6 +226,8 @@ def simulate(
     ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are
     given or returned are since then, with digits of their own. A run that starts late without one keeps
     its digits too (`codegen.epoch`), but its times are then rounded where they are stored.
+    ``accuracy``: whether the error is estimated by a second run, so that ``notice`` says where no digit
+    is left (`Result.accuracy`, which by itself tells the same afterwards).
 
     Never raises for what happens on the way: it keeps what it has and says in ``status`` and
     ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
@@ -246,7 +261,8 @@ def simulate(
     result = _run(
         part, problem, method, signals, found, clock_of(part.compiled, span, since, found)
     )
-    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+    told = replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+    return told.with_accuracy() if accuracy else told
 
 
 def _smallest(

@@ -96,9 +96,9 @@ MADE = {
 
 METHODS = (
     "System.from_rates", "System.expand", "System.rate_of", "Table.__call__", "Compiled.rates",
-    "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "FreeMotion.__call__",
-    "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix", "SparseJacobian.__call__",
-    "SparseJacobian.dense",
+    "Compiled.jacobian", "Compiled.batch", "Result.accuracy", "Result.with_accuracy",
+    "FreeMotion.__call__", "Sampler.sample", "Sensitivities.initial", "Sensitivities.matrix",
+    "SparseJacobian.__call__", "SparseJacobian.dense",
 )  # fmt: skip
 
 
@@ -123,7 +123,7 @@ def _codegen():
         "simulate": (codegen.simulate, {
             "system": compiled, **run, "method": "scipy:RK45", "outputs": ["E"], "dense_output": False,
             "first_step": 0.1, "max_steps": 10, "project": None, "events": None, "epoch": 0.0,
-            "progress": None,
+            "accuracy": False, "progress": None,
         }),
         "ensemble": (codegen.ensemble, {
             "system": compiled, **run, "method": "auto", "statistics": ["y"], "keep": True, "store": None,
@@ -332,6 +332,7 @@ def _methods():
         "Compiled.jacobian": (compiled.jacobian, {"wrt": "states", "of": "rates"}),
         "Compiled.batch": (compiled.batch, {"group": "rates", "threads": 1}),
         "Result.accuracy": (run.accuracy, {"limit": 1.0}),
+        "Result.with_accuracy": (run.with_accuracy, {"limit": 1.0}),
         "FreeMotion.__call__": (free, {"t": 0.5}),
         "Sampler.sample": (sampler.sample, {"first": 0, "last": 2}),
         "Sensitivities.initial": (sensitive.initial, {"values": start, "slopes": None}),

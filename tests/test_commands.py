@@ -146,12 +146,28 @@ def test_a_run_without_a_digit_says_so_in_colour_and_in_json(run, tmp_path, monk
     assert told["notice"].startswith("after t = ")
     assert "hardly drift proves nothing" in " ".join(plain.output.split())
     assert float(told["drift of energy"].split()[0]) < 1e-8
-    data = json.loads(run(*words, "--json").stdout)["accuracy"]
+    whole = json.loads(run(*words, "--json").stdout)
+    assert whole["notice"].startswith("after t = ")
+    data = whole["accuracy"]
     assert 10 < data["horizon"] < 40
     assert data["rate"] > 0.5
     assert set(data["at_end"]) == {"q_shoulder", "q_elbow", "u_shoulder", "u_elbow"}
     monkeypatch.setenv("FORCE_COLOR", "1")
     assert "\x1b[1;31m" in run(*words).stdout
+
+
+@needs_compiler
+def test_the_notice_of_a_run_is_told_without_an_estimate_too(run, tmp_path):
+    """What rkmk cannot resolve: rates of 1e-7 rad/s beside a spin of 10."""
+    scene = tmp_path / "steady.toml"
+    lines = catalogue.path_of("t-handle").read_text().replace("0.05", "1e-7").splitlines()
+    kept = "\n".join(line for line in lines if not line.startswith("outputs"))
+    kept = kept.replace("[initial]", "[initial]\nq0 = 1\nq1 = 0\nq2 = 0\nq3 = 0")
+    scene.write_text(f'attitude = "quaternion"\n{kept}')
+    words = ["simulate", scene, "--method", "rkmk", "--rtol", 1e-13, "--t-end", 0.1]
+    words += ["--no-accuracy"]
+    assert rows_of(run(*words))["notice"].startswith("rounding of the momentum is ")
+    assert json.loads(run(*words, "--json").stdout)["notice"].startswith("rounding of")
 
 
 def test_a_run_that_took_long_is_not_run_again(run, monkeypatch):

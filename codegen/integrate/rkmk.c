@@ -13,7 +13,9 @@
 #define MOMENTUM @MOMENTUM@  /* of these are components of a vector */
 #define S @SINGULARITIES@
 #define ALLOWED_NOISE 1000.0 /* what rounding may do to a body rate, over the relative tolerance */
-#define CAUTION 0.1 /* the part of the tolerance that one step may use: momentum hides errors of body rates */
+#define MEMORY 0.8 /* what a step leaves of a size: a state that passes zero stays as large as it was about */
+#define NOISE 10.0 /* rounding errors in an estimate of the error */
+#define CAUTION 0.1 /* the part of the tolerance that one step may use */
 
 size_t @PREFIX@_size(void) { return sizeof(@PREFIX@); }
 
@@ -60,40 +62,56 @@ static void stage(const @PREFIX@ *s, double t, const double *a, const double *u,
     for (int i = 3; i < @WIDTH@; ++i) k[i] = f[i];
 }
 
-/* What errors are compared with: a turn with 1, momentum with its length, others with their size. */
-static inline void scales(const @PREFIX@ *s, const double *one, const double *other, double *scale) {
-    double size = 0.0, size_other = 0.0;
-    for (int i = 0; i < MOMENTUM; ++i) size += one[4 + i] * one[4 + i], size_other += other[4 + i] * other[4 + i];
-    size = sqrt(larger(size, size_other));
-    for (int i = 0; i < 3; ++i) scale[i] = CAUTION * (s->tolerance[i] + s->rtol);
-    for (int i = 3; i < D; ++i)
-        scale[i] = CAUTION * (s->tolerance[i] + s->rtol * (i < 3 + MOMENTUM ? size : larger(fabs(one[i + 1]), fabs(other[i + 1]))));
+/* Of q, the body rates and the others: the state, -1 for a rate that is none; whose tolerance is meant. */
+static const int state_of[4 + M] = {@STATE_OF@}, tolerance_of[4 + M] = {@TOLERANCE_OF@};
+
+/* What rounding of the momentum may do to the body rates; returns the largest. */
+static inline double rounding(const @PREFIX@ *s, const double *y, const double *u, double *noise) {
+    double most = 0.0;
+#if MOMENTUM
+    @PREFIX@_rounding(s->t, y, 1, s->of_rounding, NULL, u, 1, noise, 1);
+    for (int i = 0; i < 3; ++i) most = larger(most, noise[i] *= DBL_EPSILON);
+#else
+    (void)s, (void)y, (void)u, (void)noise;
+#endif
+    return most;
 }
 
-static double scaled_norm(const @PREFIX@ *s, const double *v) {
-    double sum = 0.0, scale[D];
-    scales(s, s->y, s->y, scale);
-    for (int i = 0; i < D; ++i) {
-        const double r = v[i] / scale[i];
-        sum += r * r;
+/* What errors of states are compared with, of a step of length h; below rounding nothing is asked for. */
+static inline void scales(const @PREFIX@ *s, const double *x, const double *noise, double turned, double *scale) {
+    for (int i = 0; i < 4 + M; ++i) {
+        const double size = state_of[i] < 0 ? s->size[i] : larger(s->size[i], fabs(x[state_of[i]]));
+        const double least = i < 4 ? turned : (i < 4 + MOMENTUM ? noise[i - 4] : 0.0);
+        scale[i] = larger(CAUTION * (s->atol[tolerance_of[i]] + s->rtol * size), NOISE * least);
     }
-    return sqrt(sum / D);
+}
+
+/* The sum of squares of the errors of states that those of the point y make, a turn and v. */
+static inline double squares(const @PREFIX@ *s, const double *y, const double *off, const double *u, const double *scale) {
+    double given[4 + M + D], error[4 + M], sum = 0.0;
+    for (int i = 0; i < 4 + M; ++i) given[i] = y[i];
+    for (int i = 0; i < D; ++i) given[4 + M + i] = off[i];
+    @PREFIX@_errors(s->t, given, 1, s->of_errors, NULL, u, 1, error, 1);
+    for (int i = 0; i < 4 + M; ++i) sum += (error[i] / scale[i]) * (error[i] / scale[i]);
+    return sum;
 }
 
 /* Length of the first step (Hairer, Norsett and Wanner, sect. II.4); a quaternion has the size 1. */
 static double first_step(@PREFIX@ *s, const double *u, double direction) {
     const double span = fabs(s->t_end - s->t);
-    double a[D], f1[@WIDTH@];
-    for (int i = 0; i < 3; ++i) a[i] = 1.0;
-    for (int i = 3; i < D; ++i) a[i] = s->y[i + 1];
-    const double d0 = scaled_norm(s, a), d1 = scaled_norm(s, s->f);
+    double a[D], f1[@WIDTH@], noise[3], scale[4 + M], d0 = 0.0;
+    const double most = rounding(s, s->y, u, noise);
+    scales(s, s->x, noise, 0.5 * span * most, scale);
+    for (int i = 0; i < 4 + M; ++i) d0 += s->size[i] / scale[i] * (s->size[i] / scale[i]);
+    d0 = sqrt(d0 / (4 + M));
+    const double d1 = sqrt(squares(s, s->y, s->f, u, scale) / (4 + M));
     double h0 = d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1;
     h0 = fmin(h0, span);
     for (int i = 0; i < D; ++i) a[i] = h0 * direction * s->f[i];
     stage(s, s->t + h0 * direction, a, u, f1);
     s->evaluations += 1;
     for (int i = 0; i < D; ++i) f1[i] -= s->f[i];
-    const double d2 = scaled_norm(s, f1) / h0;
+    const double d2 = sqrt(squares(s, s->y, f1, u, scale) / (4 + M)) / h0;
     const double largest = fmax(d1, d2);
     const double h1 = largest <= 1e-15 ? fmax(1e-6, h0 * 1e-3) : pow(0.01 / largest, 1.0 / @ORDER@.0);
     const double h = fmin(fmin(100.0 * h0, h1), span);
@@ -101,13 +119,16 @@ static double first_step(@PREFIX@ *s, const double *u, double direction) {
 }
 
 static const int quaternion[4] = {@QUATERNION@};
-static const int tolerance_of[D] = {@TOLERANCE_OF@};
 
 static void prepare(@PREFIX@ *s, const double *p, const double *u) {
-    double unit = 0.0, constants[@OF_START@], sizes[D];
+    double unit = 0.0, constants[@OF_START@];
     @NAME@_prepare(p, &s->constants);
     @PREFIX@_slopes_constants(p, 1, s->of_slopes);
     @PREFIX@_states_constants(p, 1, s->of_states);
+    @PREFIX@_errors_constants(p, 1, s->of_errors);
+#if MOMENTUM
+    @PREFIX@_rounding_constants(p, 1, s->of_rounding);
+#endif
 @LOOKOUT_START@    for (int i = 0; i < 4; ++i) unit += s->x[quaternion[i]] * s->x[quaternion[i]];
     unit = 1.0 / sqrt(unit);
     for (int i = 0; i < 4 + M; ++i) s->y[i] = s->y_low[i] = 0.0;
@@ -115,26 +136,23 @@ static void prepare(@PREFIX@ *s, const double *p, const double *u) {
     add_to_unit(s->y, s->y_low, s->y_low);
     @PREFIX@_begin_constants(p, 1, constants);
     @PREFIX@_begin(s->t, s->x, 1, constants, NULL, u, 1, s->y + 4, 1);
-    @PREFIX@_sizes_constants(p, 1, constants);
-    @PREFIX@_sizes(s->t, s->y, 1, constants, NULL, u, 1, sizes + 3, 1);
-    for (int i = 0; i < 3; ++i) sizes[i] = 1.0;
-    for (int i = 0; i < D; ++i) s->tolerance[i] = s->atol[tolerance_of[i]] * sizes[i];
+#if MOMENTUM
+    double fixed[3];
+    @PREFIX@_fixed_constants(p, 1, constants);
+    @PREFIX@_fixed(s->t, s->x, 1, constants, NULL, u, 1, fixed, 1);
+    for (int i = 0; i < 3; ++i) s->size[4 + i] = fabs(fixed[i]), s->largest[i] = s->noise[i] = 0.0;
+#endif
+    for (int i = 0; i < 4 + M; ++i)
+        if (state_of[i] >= 0) s->size[i] = fabs(s->x[state_of[i]]);
 }
 
 /* Whether rounding of the momentum alone, in the body rate about an axis of small moment, is more than the
  * tolerance allows (and more than 1e-13 of the rates, those that are no states among them: w has them all). */
 static int too_thin(const @PREFIX@ *s, const double *w, const double *u) {
-    double length = 0.0, rate = 0.0, noise = 0.0, y[4 + M], x[N];
-    for (int i = 0; i < MOMENTUM; ++i) {
-        length += s->y[4 + i] * s->y[4 + i];
-        rate = fmax(rate, fmax(fabs(w[i]), fabs(s->x[tolerance_of[3 + i]])));
-    }
-    for (int k = 0; k < MOMENTUM; ++k) {
-        for (int i = 0; i < 4 + M; ++i) y[i] = i < 4 ? s->y[i] : (i == 4 + k ? sqrt(length) : 0.0);
-        @PREFIX@_states(s->t, y, 1, s->of_states, NULL, u, 1, x, 1);
-        for (int i = 0; i < MOMENTUM; ++i) noise = fmax(noise, DBL_EPSILON * fabs(x[tolerance_of[3 + i]]));
-    }
-    return noise > rate * ALLOWED_NOISE * fmax(s->rtol, 1e-14) && noise > s->atol[tolerance_of[D - M]];
+    double rate = 0.0, noise[3];
+    const double most = rounding(s, s->y, u, noise);
+    for (int i = 0; i < MOMENTUM; ++i) rate = fmax(rate, fmax(fabs(w[i]), s->size[4 + i]));
+    return MOMENTUM && most > rate * ALLOWED_NOISE * fmax(s->rtol, 1e-14) && most > s->atol[tolerance_of[4]];
 }
 
 int @PREFIX@_start(@PREFIX@ *s, const double *p, const double *u) {
@@ -221,17 +239,14 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         slopes(s, t_new, y_new, u, f_new);
         chart_rate(a, part, f_new, k[@LAST@]);
         for (int i = 3; i < @WIDTH@; ++i) k[@LAST@][i] = f_new[i];
-@CUT@        double high = 0.0, low = 0.0, scale[D];
-        scales(s, s->y, y_new, scale);
-        for (int i = 0; i < D; ++i) {
-            const double e_high = h * (@ERROR_HIGH@) / scale[i];
-            const double e_low = h * (@ERROR_LOW@) / scale[i];
-            high += e_high * e_high;
-            low += e_low * e_low;
-        }
-        double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * D) : high;
-@PASSES@        @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
-        if (is_rejected(s, h, error, isfinite(error) ? -1 : first_bad(x_new), x_new)) continue;
+        @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
+@CUT@        double e_high[D], e_low[D], scale[4 + M], noise[3];
+        const double most = rounding(s, y_new, u, noise);
+        scales(s, x_new, noise, 0.5 * fabs(h) * most, scale);
+        for (int i = 0; i < D; ++i) e_high[i] = h * (@ERROR_HIGH@), e_low[i] = h * (@ERROR_LOW@);
+        const double high = squares(s, y_new, e_high, u, scale), low = squares(s, y_new, e_low, u, scale);
+        double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * (4 + M)) : high;
+@PASSES@        if (is_rejected(s, h, error, isfinite(error) ? -1 : first_bad(x_new), x_new)) continue;
         const double factor = growth(s, error);
 
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
@@ -244,6 +259,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         const double t_stop = arrive(s, o, stop, t_new, x_new, u);
         for (int i = 0; i < 4 + M; ++i) s->y[i] = y_new[i], s->y_low[i] = y_low[i];
         for (int i = 0; i < @WIDTH@; ++i) s->f[i] = f_new[i];
+        for (int i = 0; i < 4 + M; ++i)
+            if (state_of[i] >= 0) s->size[i] = larger(MEMORY * s->size[i], fabs(x_new[state_of[i]]));
+        for (int i = 0; i < MOMENTUM; ++i) {
+            s->largest[i] = larger(s->largest[i], s->size[4 + i]);
+            s->noise[i] = larger(s->noise[i], noise[i]);
+        }
         s->h = fabs(h) * factor;
 @AFTER_LOOK@@FORESEE@        end_step(s, o, t_stop, stop <= 1.0 ? 0.0 : t_low, x_new, s->row, @ROW@);
         if (stop <= 1.0) return s->status = @UPPER@_SINGULAR;

@@ -13,13 +13,14 @@ typedef struct {
     double atol[@STATES@], x[@STATES@];
     double y[@POINT@], y_low[@POINT@]; /* q, then v, each as a sum of two */
     double f[@RATES_ROOM@];                 /* body rates of the quaternion, then rates of v */
-    double tolerance[@LOCAL@];         /* absolute, of a turn and of v */
+    double size[@POINT@];              /* of q, the body rates and the other states, lately */
+    double largest[3], noise[3];       /* body rates, and what rounding of the momentum does to them, at most */
     double row[@ROW@];                 /* the last step: q, v at its start, and the interpolant */
     double singular[@SINGULAR_ROOM@], closest[@SINGULAR_ROOM@];
     long long steps, rejected, evaluations;
     int status, which, after_rejection;
     @NAME@_constants constants; /* what depends on the parameters alone, from here on */
-    double of_slopes[@OF_SLOPES@], of_states[@OF_STATES@];
+    double of_slopes[@OF_SLOPES@], of_states[@OF_STATES@], of_errors[@OF_ERRORS@], of_rounding[@OF_ROUNDING@];
 @LOOKOUT_FIELDS@} @PREFIX@;
 
 @OUTPUT@

@@ -8,19 +8,19 @@ quaternion is a product of unit quaternions, held in two parts; a rigid body is 
 components in the reference frame (`codegen.momentum`), which without torque does not change at all.
 Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
 
-Errors are measured in the angle of the turn, relative to 1 rad, in momentum, relative to its length, and
-in other states as everywhere; a step may use a tenth of the tolerance. Where a body rate was left out
-as a first integral, it is kept to the tolerance, and so is H. A body rate follows from the momentum with
-the rounding error of H/J: where that is above the tolerance, as for a needle, the run ends at its start
-and says so.
+Errors are those of the states, each relative to its own size, as everywhere: what those of the turn and of
+momentum make of them to first order. Where a body rate was left out as a first integral, it is kept to the
+tolerance, too. A body rate follows from the momentum with the rounding error of H/J, below which nothing is
+asked of a step: a run in which that is more than the tolerance of a small rate tells it, one in which it is
+far above, as for a needle, ends at its start and says so.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 from codegen import native
@@ -28,9 +28,20 @@ from codegen.integrate import group, lookout, runge_kutta
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.runge_kutta import NativeMethod
 from codegen.integrate.tableau import Row, Tableau
-from codegen.layout import Layout
+from codegen.integrate.trajectory import Problem
+from codegen.layout import Layout, names_of
 from codegen.lower import RATES, SINGULARITIES
-from codegen.momentum import SIZES, SLOPES, START, STATES, Variables, local, start
+from codegen.momentum import (
+    ERRORS,
+    FIXED,
+    ROUNDING,
+    SLOPES,
+    START,
+    STATES,
+    Variables,
+    local,
+    start,
+)
 from codegen.names import identifier
 from codegen.program import Program
 from codegen.stages import by_parameters
@@ -39,6 +50,8 @@ NAME = "rkmk"
 FURTHER_STATUS = """\
     {name}_THIN = 7,     /* rounding of momentum alone is more than the tolerance of a body rate */
 """
+KEPT = ("slopes", "states", "errors", "rounding")
+"""The functions of a generated file whose constants an integrator keeps."""
 
 
 @dataclass(frozen=True)
@@ -85,12 +98,34 @@ def build(
     prefix = f"{identifier(layout.name)}_{NAME}"
     room = max(1, len(layout.results[SINGULARITIES]))
     of_rates = max(1, len(by_parameters(program, layout.sizes).values))
-    sizes = (of_rates, constants["slopes"], constants["states"])
+    sizes = (of_rates, *(constants[name] for name in KEPT))
     state, output = _structures(prefix, shape, room, sizes, watch.fields, watch.width)
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
-    method = NativeMethod(shape.terms, group.unbound, begin, run, state, output, library)
+    method = NativeMethod(
+        shape.terms, group.unbound, begin, run, state, output, library,
+        told=partial(_told, shape.variables, names_of(layout.states)),
+    )  # fmt: skip
     return method, group.between(library, prefix)
+
+
+def _told(variables: Variables, names: Sequence[str], state: Any, problem: Problem) -> str:
+    """Return which body rates rounding of the momentum hides more of than the tolerance asks for."""
+    body = variables.attitude.body
+    if body is None:
+        return ""
+    asked = [(k, s) for k, s in enumerate(body.rates) if s >= 0]
+    hidden = {
+        names[s]: state.noise[k]
+        for k, s in asked
+        if state.noise[k] > problem.atol[s] + problem.rtol * state.largest[k]
+    }
+    if not hidden:
+        return ""
+    return (
+        f"rounding of the momentum is {max(hidden.values()):.1e} in {', '.join(hidden)}, more than "
+        "rtol asks for; methods taylor and DOP853 resolve small rates beside large ones"
+    )
 
 
 def _filled(
@@ -100,8 +135,9 @@ def _filled(
     shape = _Shape(variables, tableau, len(layout.states))
     values = group.values(layout, NAME)
     changed, begin = local(program, variables), start(program, variables)
-    parts = [(changed, SLOPES, "slopes"), (changed, STATES, "states"), (changed, SIZES, "sizes")]
-    made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
+    parts = [(changed, SLOPES, "slopes"), (changed, STATES, "states"), (changed, ERRORS, "errors")]
+    parts += [(changed, ROUNDING, "rounding"), (begin, START, "begin"), (begin, FIXED, "fixed")]
+    made = group.functions(values["PREFIX"], parts)
     values |= _of_variables(shape, made) | _of_tableau(tableau)
     watch = lookout.of(
         replace(changed, results={RATES: changed.results[SLOPES]}), values["PREFIX"], tableau
@@ -128,6 +164,7 @@ def _of_watch(shape: _Shape, watch: lookout.Lookout) -> dict[str, str]:
 def _of_variables(shape: _Shape, made: group.Functions) -> dict[str, str]:
     variables = shape.variables
     quaternion = variables.attitude.quaternion
+    first = next(s for s in variables.compared[4:] if s >= 0) if variables.number else 0
     body = "begins with the momentum, components in the reference frame"
     return {
         "VARIABLES": body if variables.momentum else "are the other states",
@@ -138,11 +175,11 @@ def _of_variables(shape: _Shape, made: group.Functions) -> dict[str, str]:
         "ROW": str(shape.terms * shape.states),
         "MOMENTUM": str(variables.momentum),
         "QUATERNION": ", ".join(map(str, quaternion)),
-        "TOLERANCE_OF": ", ".join(map(str, (*quaternion[1:], *variables.tolerances))),
+        "STATE_OF": ", ".join(map(str, variables.compared)),
+        "TOLERANCE_OF": ", ".join(str(s if s >= 0 else first) for s in variables.compared),
         "KERNELS": made.text,
-        "OF_SLOPES": str(made.constants["slopes"]),
-        "OF_STATES": str(made.constants["states"]),
-        "OF_START": str(max(made.constants["begin"], made.constants["sizes"])),
+        **{f"OF_{name.upper()}": str(made.constants[name]) for name in KEPT},
+        "OF_START": str(max(made.constants["begin"], made.constants["fixed"])),
         "STACK": f"about {8 * shape.local * (len(shape.tableau.stages) + 16)}",
     }
 
@@ -190,7 +227,7 @@ def _structures(
     prefix: str,
     shape: _Shape,
     room: int,
-    constants: tuple[int, int, int],
+    constants: tuple[int, ...],
     watched: tuple[tuple[str, Any], ...],
     width: int,
 ) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
@@ -199,14 +236,14 @@ def _structures(
     names = ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
     lengths = (
         ("atol", shape.states), ("x", shape.states), ("y", shape.point), ("y_low", shape.point),
-        ("f", shape.local + width), ("tolerance", shape.local), ("row", shape.terms * shape.states),
-        ("singular", room), ("closest", room),
+        ("f", shape.local + width), ("size", shape.point), ("largest", 3), ("noise", 3),
+        ("row", shape.terms * shape.states), ("singular", room), ("closest", room),
     )  # fmt: skip
     state: list[tuple[str, Any]] = [(f, double) for f in names]
     state += [(f, double * length) for f, length in lengths]
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
-    kept = zip(("constants", "of_slopes", "of_states"), constants, strict=True)
+    kept = zip(("constants", *(f"of_{name}" for name in KEPT)), constants, strict=True)
     state += [(f, double * length) for f, length in kept]
     state += watched
     return runge_kutta.structures(prefix, state)

@@ -19,6 +19,7 @@ from eom.commands.shared import (
     Rows,
     WithTable,
     compiled_of,
+    news,
     progress_of,
     scene_argument,
     scene_of,
@@ -221,7 +222,7 @@ def _run(
             progress=progress,
             **options,
         )
-    if notice := found.notice.removeprefix(compiled.notice).removeprefix("; "):
+    if notice := news(found.notice, compiled.notice):
         click.echo(f"note: {notice}", err=True)
     return found
 

@@ -29,7 +29,7 @@ class Job:
 
     ``system``: whose states and outputs the result has; ``files``: the generated code by name;
     ``integrate``: the run, for a function that is told the progress; ``handed``: whether angles are
-    handed over.
+    handed over; ``noted``: what was told when it was compiled.
     """
 
     scene: AnyScene
@@ -37,6 +37,7 @@ class Job:
     files: Mapping[str, str]
     integrate: Callable[[Progress], Result]
     handed: bool
+    noted: str = ""
 
     def requested_names(self) -> list[str]:
         """Return what is asked for that varies."""
@@ -95,7 +96,9 @@ def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tupl
             progress=progress,
         )
 
-    return Job(scene, scene.derive(), compiled.files, integrate, handed=False)
+    return Job(
+        scene, scene.derive(), compiled.files, integrate, handed=False, noted=compiled.notice
+    )
 
 
 def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
@@ -134,7 +137,7 @@ def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
             progress=progress,
         )
 
-    return Job(scene, found.first, _files(made), integrate, handed=True)
+    return Job(scene, found.first, _files(made), integrate, handed=True, noted=made.first.notice)
 
 
 def _files(made: CompiledCharts) -> Mapping[str, str]:

@@ -91,6 +91,11 @@ def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
         click.echo(f"\nLeft out\n{left_out}")
 
 
+def news(notice: str, noted: str) -> str:
+    """Return the part of a notice that was not told before."""
+    return notice.replace(noted, "", 1).removeprefix("; ") if noted else notice
+
+
 def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error."""
     import codegen

@@ -17,6 +17,7 @@ from eom.commands.shared import (
     finite,
     handover_option,
     methods,
+    news,
     print_equations,
     progress_of,
     project_option,
@@ -40,8 +41,8 @@ REACHED, AT_EVENT = 0, 2
 """Of `codegen.Result.status`: what counts as done."""
 CANCELS = 2.0
 """Size of the terms of a constant of the motion over its value from which on it is told."""
-ALARM = "bold red"
-"""Colour of what is printed where no digit is left."""
+ALARM, NOTE = "bold red", "yellow"
+"""Colours of what is printed where no digit is left, and of other notices."""
 LONGEST = 30.0
 """Seconds of a run from which on its error is not estimated: a second may take several times as long."""
 MOST_CHANGES = 6
@@ -128,7 +129,7 @@ def simulate(
     job = job_of(chosen, target, project, events)
     result = _simulate(job)
     _save(job, result, file, plot, err=as_json)
-    accuracy = _accuracy(result, estimated)
+    result, accuracy = _estimated(result, estimated)
     if as_json:
         click.echo(json.dumps(data(job, result, accuracy), indent=1, allow_nan=False))
     else:
@@ -168,19 +169,23 @@ def run(
     _save(job, result, folder / "trajectory.npz", picture if drawn else None)
     if not drawn:
         click.echo("note: no picture: install it with pip install 'eom-toolkit[plot]'", err=True)
-    _closing(job, result, _accuracy(result, estimated))
+    _closing(job, *_estimated(result, estimated))
     _end(result)
 
 
-def _accuracy(result: Result, estimated: bool) -> Accuracy | str:
-    """Return the estimate of a run's error, or why there is none; nothing where it is not wanted."""
-    if not estimated:
-        return ""
+def _estimated(result: Result, wanted: bool) -> tuple[Result, Accuracy | str]:
+    """Return a run with the estimate of its error, and that, or why there is none."""
+    if not wanted:
+        return result, ""
     if result.seconds > LONGEST:
         took = f"{result.seconds:.3g} s"
-        return f"not estimated: the run took {took}, a second one may take several times that"
+        return (
+            result,
+            f"not estimated: the run took {took}, a second one may take several times that",
+        )
     with waiting_for("estimating the error"):
-        return result.accuracy()
+        result = result.with_accuracy()
+    return result, result.accuracy()
 
 
 def _simulate(job: Job) -> Result:
@@ -249,7 +254,6 @@ def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )
     table.add_row("time", f"{1e3 * result.seconds:.3g} ms")
-    warning = "" if isinstance(accuracy, str) else accuracy.warning
     _add_accuracy(table, accuracy)
     for name, times in rows(result):
         table.add_row(escape(name), times)
@@ -257,8 +261,9 @@ def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
         table.add_row(f"drift of {name}", _told(drift))
     for expression, distance in result.margin.items():
         table.add_row("singularity margin", f"|{expression}| >= {distance:.3g}")
-    if warning:
-        table.add_row("notice", escape(warning), style=ALARM)
+    if notice := news(result.notice, job.noted):
+        alarming = not isinstance(accuracy, str) and accuracy.warning
+        table.add_row("notice", escape(notice), style=ALARM if alarming else NOTE)
     Console(soft_wrap=True).print(table)
 
 
@@ -286,6 +291,7 @@ def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, A
         "scene": job.scene.name,
         "status": result.status,
         "message": result.message,
+        "notice": result.notice,
         "method": result.method,
         "why": result.why,
         "steps": result.steps,

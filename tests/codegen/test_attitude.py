@@ -14,8 +14,10 @@ from codegen.compiled import compile as compile_system
 from codegen.interpret import Point, interpret, random_point
 from codegen.momentum import (
     CONSTANTS,
+    ERRORS,
+    FIXED,
     KICK,
-    SIZES,
+    ROUNDING,
     SLOPES,
     START,
     STATES,
@@ -325,7 +327,8 @@ def test_the_new_variables_move_as_the_system_says(name, seed):
 
     t, f = point.t, c.rhs(point.t, x, p)
     v = moved(t, x)
-    values = interpret(changed, Point(t, [*x[quaternion], *v], p))
+    off = np.linspace(0.7, -0.4, 3 + len(v))
+    values = interpret(changed, Point(t, [*x[quaternion], *v, *off], p))
     np.testing.assert_allclose(values[STATES], x, rtol=0, atol=1e-14)
     h = 1e-6
     slope = (moved(t + h, x + h * f) - moved(t - h, x - h * f)) / (2 * h)
@@ -333,7 +336,38 @@ def test_the_new_variables_move_as_the_system_says(name, seed):
     (a, *b), turn = x[quaternion], np.array(values[SLOPES][:3])
     rate = np.array([-np.dot(b, turn), *(a * turn + np.cross(b, turn))]) / 2
     np.testing.assert_allclose(rate, f[quaternion], rtol=0, atol=1e-14)
-    assert len(values[SIZES]) == variables.number == len(variables.tolerances)
+    ahead = [b + 1e-5 * e for b, e in zip(v, off[3:], strict=True)]
+    tilted = sp.Quaternion(*x[quaternion]) * sp.Quaternion(1, *(5e-6 * off[:3]))
+    there = interpret(changed, Point(t, [*tilted.to_Matrix(), *ahead, *off], p))[STATES]
+    which = [(k, s) for k, s in enumerate(variables.compared) if s >= 0]
+    errors = [values[ERRORS][k] for k, _ in which]
+    moves = [(there[s] - x[s]) / 1e-5 for _, s in which]
+    np.testing.assert_allclose(errors, np.array(moves, float), rtol=1e-4, atol=1e-4)
+    assert len(values[ERRORS]) == len(variables.compared) == 4 + variables.number
+
+
+def test_rounding_of_the_momentum_in_body_rates_is_bounded():
+    """By what an error of |pi| in each of its components in the body makes of them; a rate may be fixed."""
+    J, pi = np.array([[3, 0.1, 0.2], [0.1, 4, -0.3], [0.2, -0.3, 5]]), np.array([1.0, -2, 2])
+    c = compiled(SYSTEMS["full inertia"])
+    variables = Variables(
+        attitude_of(c.layout.attitudes, len(c.layout.states)), len(c.layout.states)
+    )
+    p = [
+        {"J11": 3, "J12": 0.1, "J13": 0.2, "J22": 4, "J23": -0.3, "J33": 5}.get(s.name, 1.0)
+        for s in c.layout.parameters
+    ]
+    found = interpret(local(c.program, variables), Point(0.0, [1, 0, 0, 0, *pi, *np.zeros(20)], p))
+    expected = 3 * np.abs(np.linalg.inv(J)).sum(axis=1)
+    np.testing.assert_allclose(found[ROUNDING], expected, rtol=1e-14)
+    top = compiled(SYSTEMS["heavy top of the scene"])
+    n = len(top.layout.states)
+    variables = Variables(attitude_of(top.layout.attitudes, n), n)
+    names = [s.name for s in top.layout.parameters]
+    fixed = interpret(start(top.program, variables), random_point(top.program, 1))[FIXED]
+    assert variables.compared[4:7].count(-1) == 1
+    assert fixed[2] == random_point(top.program, 1).p[names.index("omega_3")]
+    assert fixed[:2] == [0, 0]
 
 
 def test_without_torque_the_momentum_does_not_move_at_all():

@@ -212,6 +212,32 @@ def test_rods_are_moved_at_the_finest_tolerances(free, thickness):
         assert np.abs(end.y_stop - exact).max() < 3e3 * max(rtol, 1e-14)
 
 
+NEARLY_UPRIGHT = (1e-6, 0, 20, np.cos(5e-7), np.sin(5e-7), 0, 0)
+WIDE = (1.0, 1.0, 0.8, 1.0, 10.0, 0.2)
+
+
+def test_small_components_are_held_as_well_as_large_ones(top):
+    """Of a top that is tilted by 1e-6 and spins at 20 rad/s: each state relative to its own size."""
+    exact = simulate(
+        top, NEARLY_UPRIGHT, (0, 5), WIDE, "taylor", 1e-15, t_eval=np.linspace(0, 5, 41)
+    ).y
+    size = np.abs(exact).max(axis=1)
+    for rtol in (1e-3, 1e-5, 1e-7):
+        ours = run(top, NEARLY_UPRIGHT, (0, 5), WIDE, rtol, t_eval=np.linspace(0, 5, 41))
+        assert np.max(np.abs(ours.y - exact).max(axis=1) / size) < 30 * rtol
+        assert ours.notice == ""
+
+
+def test_what_rounding_of_the_momentum_hides_is_told(top):
+    """A rate of 1e-6 rad/s beside one of 20 has no more than nine digits: asked for or not."""
+    ends = [run(top, NEARLY_UPRIGHT, (0, 2), WIDE, rtol) for rtol in (1e-12, 1e-14)]
+    assert all(e.status == 0 and e.notice.startswith("rounding of the momentum is") for e in ends)
+    assert all("omega_1, omega_2, more than" in e.notice for e in ends)
+    assert ends[1].steps < 1.1 * ends[0].steps
+    for rtol in (1e-6, 1e-12):
+        assert run(top, FAST, (0, 2), TOP, rtol).notice == ""
+
+
 def test_rates_that_fail_on_the_way_are_told():
     """A torque with a pole at t = 1."""
     compiled = compile_system(body((1 / (1 - TIME), 0, 0), name="pole"), "c")

@@ -143,10 +143,23 @@ def test_the_horizon_of_a_chaotic_motion(lorenz):
     assert found.growth[-1] > 1e18
     assert f"no digit is left after t = {found.horizon:.1f} s" in str(found)
     assert "drift" in found.warning
+    kept = run.with_accuracy()
+    assert run.notice == ""
+    assert kept.notice == kept.with_accuracy().notice == found.warning
+    assert kept.accuracy() is kept.with_accuracy().accuracy()
+    assert pickle.loads(pickle.dumps(kept)).accuracy().horizon == found.horizon
     k = np.searchsorted(found.t, found.horizon)
     assert found.relative[k - 1] < LOST <= found.relative[k]
     finer = codegen.simulate(lorenz, [1, 1, 1], (0, 60), rtol=1e-12, t_eval=run.t).accuracy()
     assert finer.horizon > found.horizon + 4
+
+
+def test_a_run_may_be_asked_for_with_its_accuracy(lorenz, oscillator):
+    asked = {"rtol": 1e-9, "accuracy": True}
+    assert "hardly drift proves" in codegen.simulate(lorenz, [1, 1, 1], (0, 60), **asked).notice
+    good = codegen.simulate(oscillator, [1, 0], (0, 1), **asked)
+    assert good.notice == ""
+    assert good.accuracy() is good.estimate
 
 
 def test_a_spin_about_the_intermediate_axis_over_a_thousand_seconds():
