@@ -8,8 +8,8 @@
 //   t, x, tOld          time and states after the last step, time before it
 //   steps, rejected, evaluations (of the rates), status (RUNNING, SINGULAR, NOT_FINITE or
 //   STEP_TOO_SMALL), which (the singularity, or the state that is not finite, or -1)
-// Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything. None passes over
-// a pulse, a wall, a jump or a window that the rates hold; of what is changed in p and u nobody knows before.
+// Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything. Steps are short
+// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen.
 
 export const RUNNING = 0, SINGULAR = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2;
 

@@ -292,8 +292,8 @@ def _parts(program: Program, layout: Layout) -> _Parts:
     names = _names_of_slots(layout)
     written = bodies(JAVASCRIPT, program, layout)
     for g, p in further.items():
-        target = JAVASCRIPT.templates, JAVASCRIPT.slots, JAVASCRIPT.numbers
-        written[g] = render(prune(p, [g]), g, names[g], *target, tables)
+        how = JAVASCRIPT.templates, JAVASCRIPT.slots, JAVASCRIPT.numbers, tables
+        written[g] = render(prune(p, [g]), g, names[g], *how)
     constants = {
         "TITLE": layout.title,
         **name_tables(layout),
