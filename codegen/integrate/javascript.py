@@ -4,6 +4,7 @@ The text depends on the tableau alone; it integrates any module that `codegen.ta
 writes, so that pages with several systems hold it once. It stands beside generated JavaScript as
 ``runge_kutta.c`` stands beside generated C, and takes the same steps up to rounding; instead of ending a
 step at each time that is asked for, it interpolates, so that frames of a page do not change the motion.
+``lookout.mjs`` is ``ahead.c`` and ``narrow.c`` in JavaScript; what is watched it knows from the module.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib import resources
 
+from codegen.integrate import lookout
 from codegen.integrate.dop853 import DOP853
 from codegen.integrate.dp5 import DP5
 from codegen.integrate.tableau import Row, Tableau
@@ -31,24 +33,27 @@ def files(name: str) -> Mapping[str, str]:
 
 def text(tableau: Tableau) -> str:
     """Return the module of a method: one function, named as the method; see its first lines."""
-    template = resources.files("codegen.integrate").joinpath("runge_kutta.mjs")
-    written = template.read_text(encoding="ascii")
-    for key, value in _values(tableau).items():
+    written = _template("runge_kutta.mjs")
+    for key, value in {"LOOKOUT": _template("lookout.mjs"), **_values(tableau)}.items():
         written = written.replace(f"@{key}@", value)
     return written
+
+
+def _template(name: str) -> str:
+    return resources.files("codegen.integrate").joinpath(name).read_text(encoding="ascii")
 
 
 def _values(tableau: Tableau) -> dict[str, str]:
     last, terms = tableau.main_stages, tableau.dense_terms
     stages, dense = len(tableau.stages), range(len(tableau.dense))
-    arrays = [*(f"k{s}" for s in range(stages)), *(f"d{d}" for d in range(terms))]
+    arrays = [(f"k{s}", "W") for s in range(stages)] + [(f"d{d}", "n") for d in range(terms)]
     root = f"Math.pow(error, 1 / {tableau.order})"
     return {
         "METHOD": f"{tableau.name.upper()}, an explicit Runge-Kutta method of order {tableau.order},",
         "NAME": tableau.name,
         "ORDER": str(tableau.order),
         "LAST": str(last),
-        "ARRAYS": "\n".join(f"  const {a} = new Float64Array(n);" for a in arrays),
+        "ARRAYS": "\n".join(f"  const {a} = new Float64Array({size});" for a, size in arrays),
         "STAGES": "\n".join(_stage(tableau, s, "      x", "s.t") for s in range(1, last)),
         "DENSE_STAGES": _further_stages(tableau),
         "DENSE_COEFFICIENTS": "\n".join(
@@ -58,6 +63,8 @@ def _values(tableau: Tableau) -> dict[str, str]:
         "UPDATE": _sum(tableau.stages[last]),
         "ROOT": "Math.sqrt(Math.sqrt(Math.sqrt(error)))" if tableau.order == 8 else root,
         **_error(tableau),
+        **lookout.numbers(tableau),
+        "SEEN": ", ".join(f"k{s}" for s in lookout.apart(tableau)),
     }
 
 
@@ -67,7 +74,7 @@ def _stage(tableau: Tableau, s: int, start: str, time: str) -> str:
     state = start.strip()
     return (
         f"{indent}for (let i = 0; i < n; ++i) y[i] = {state}[i] + h * ({_sum(tableau.stages[s])});\n"
-        f"{indent}rates({time} + {tableau.nodes[s]!r} * h, y, p, u, k{s});"
+        f"{indent}values({time} + {tableau.nodes[s]!r} * h, y, p, u, k{s});"
     )
 
 

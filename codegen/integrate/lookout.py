@@ -117,11 +117,23 @@ _START = """\
 """
 
 
+def numbers(tableau: Tableau) -> dict[str, str]:
+    """Return what any loop of a method is told of its stages and of the law, by key of the templates."""
+    nodes = [*tableau.nodes[: tableau.main_stages], 1.0]
+    places = [float(nodes[k]) for k in apart(tableau)]
+    return {
+        "PLACES": ", ".join(map(repr, places)),
+        "NEARNESS": ", ".join(repr(1 / (b - a)) for a, b in pairwise(places)),
+        "BEYOND": repr(_beyond(places)),
+        "CROWDED": str(CROWDED),
+        "DEPTH": f"{MARGIN}.0",
+    }
+
+
 def _numbers(found: Narrow, rates: int, tableau: Tableau) -> dict[str, str]:
     stages = apart(tableau)
-    nodes = [*tableau.nodes[: tableau.main_stages], 1.0]
-    places = [float(nodes[k]) for k in stages]
     return {
+        **numbers(tableau),
         "RATES": str(rates),
         "WATCHED": str(rates + found.columns),
         "COLUMNS": str(found.columns),
@@ -130,13 +142,9 @@ def _numbers(found: Narrow, rates: int, tableau: Tableau) -> dict[str, str]:
         "PIECES": str(found.pieces),
         "SEEN_COUNT": str(len(stages)),
         "SEEN": ", ".join(map(str, stages)),
-        "PLACES": ", ".join(map(repr, places)),
-        "NEARNESS": ", ".join(repr(1 / (b - a)) for a, b in pairwise(places)),
-        "CROWDED": str(CROWDED),
         "SOON_SHARES": ", ".join(repr(share) for share, _ in found.soon),
         "SOON_LENGTHS": ", ".join(repr(length) for _, length in found.soon),
         "TO_ZERO": ", ".join(str(int(one_sided)) for one_sided in found.to_zero),
-        "BEYOND": repr(_beyond(places)),
     }
 
 

@@ -8,19 +8,22 @@
 //   t, x, tOld          time and states after the last step, time before it
 //   steps, rejected, evaluations (of the rates), status (RUNNING, SINGULAR, NOT_FINITE or
 //   STEP_TOO_SMALL), which (the singularity, or the state that is not finite, or -1)
-// Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything.
+// Steps meet the local error atol + rtol |x|. Time runs forward. No step allocates anything. Steps are short
+// where the rates hold a pulse, a wall, a jump or a window; changes of p and u are not foreseen.
 
 export const RUNNING = 0, SINGULAR = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2;
 
 export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 } = {}) {
-  const { rates, singularities, SIZES, COORDINATES } = system;
+  const { rates, singularities, ahead, watched, SIZES, COORDINATES } = system;
   const n = SIZES.rates, S = SIZES.singularities || 0;
+  const values = watched || rates, W = watched ? n + system.WATCH.columns : n;
   const x = new Float64Array(n), xLow = new Float64Array(n), xOld = new Float64Array(n);
-  const f = new Float64Array(n), y = new Float64Array(n);
+  const f = new Float64Array(W), y = new Float64Array(n);
   const xNew = new Float64Array(n), newLow = new Float64Array(n);
 @ARRAYS@
   const here = new Float64Array(S), before = new Float64Array(S), after = new Float64Array(S);
   const value = new Float64Array(S), known = new Float64Array(S);
+  const look = lookout(system, rtol, [@SEEN@]);
   let p = new Float64Array(0), u = new Float64Array(0);
   let h = 0, hOld = 0, tLow = 0, afterRejection = false, dense = false;
   const s = {
@@ -41,11 +44,6 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
   function firstBad(v) {
     for (let i = 0; i < n; ++i) if (!Number.isFinite(v[i])) return i;
     return -1;
-  }
-
-  // At least the distance from t to the next double.
-  function spacing(t) {
-    return Math.max(Number.EPSILON * Math.abs(t), 2.2250738585072014e-308);
   }
 
   // Length of the first step (Hairer, Norsett and Wanner, sect. II.4).
@@ -73,7 +71,8 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     afterRejection = dense = false;
     for (let i = 0; i < n; ++i) xOld[i] = x[i] = from[i];
     xLow.fill(0);
-    rates(t, x, p, u, f);
+    look.start();
+    values(t, x, p, u, f);
     s.which = firstBad(f);
     if (s.which >= 0) return s.status = NOT_FINITE;
     if (S) {
@@ -172,6 +171,8 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
   function step() {
     if (s.status !== RUNNING) return false;
     for (;;) {
+      const proposed = h, found = ahead ? look.lookAhead(s.t, h, p, u) : 0;
+      if (found) h = look.h;
       const smallest = 10 * spacing(s.t);
       if (h < smallest) {
         if (afterRejection) {
@@ -191,13 +192,20 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
       }
       const step = h + tLow, tNew = s.t + step, part = tNew - s.t;
       const tLost = (s.t - (tNew - part)) + (step - part);
-      rates(tNew, xNew, p, u, k@LAST@);
+      values(tNew, xNew, p, u, k@LAST@);
+      if (watched && look.isCut(s.t, h)) {
+        h = look.h;
+        s.rejected += 1;
+        continue;
+      }
       let @ERROR_SUMS@;
       for (let i = 0; i < n; ++i) {
         const scale = 1 / (atol + rtol * Math.max(Math.abs(x[i]), Math.abs(xNew[i])));
 @ERROR_TERMS@
       }
-      const error = @ERROR@;
+      let error = @ERROR@;
+      // A step over a change of piece that is as short as can be: whatever its error, no other is smaller.
+      if (found === 2 && h <= 11 * spacing(s.t) && Number.isFinite(error)) error = Math.min(error, 0.5);
       if (!(error < 1)) {
         const finite = Number.isFinite(error), bad = firstBad(xNew);
         s.which = finite ? -1 : bad >= 0 ? bad : Math.max(0, firstBad(k@LAST@));
@@ -219,11 +227,13 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
         xOld[i] = x[i];
         x[i] = xNew[i];
         xLow[i] = newLow[i];
-        f[i] = k@LAST@[i];
       }
+      f.set(k@LAST@);
       s.steps += 1;
       s.which = -1;
       h *= Math.min(afterRejection ? 1 : 10, Math.max(0.2, factor));
+      if (found === 2) h = Math.max(h, proposed);
+      if (watched) h = look.foresee(hOld, h);
       afterRejection = false;
       return !(S && stopsThere());
     }
@@ -234,3 +244,10 @@ export function @NAME@(system, { rtol = 1e-9, atol = rtol / 1000, margin = 1e-6 
     return s.t >= t;
   }
 }
+
+// At least the distance from t to the next double.
+function spacing(t) {
+  return Math.max(Number.EPSILON * Math.abs(t), 2.2250738585072014e-308);
+}
+
+@LOOKOUT@

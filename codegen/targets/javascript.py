@@ -9,12 +9,15 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from codegen.layout import Layout
 from codegen.names import comment, identifier
-from codegen.program import Program
+from codegen.narrow import AHEAD, VERDICT, WATCHED, Narrow, narrow
+from codegen.passes import prune
+from codegen.program import Name, Program
 from codegen.stumpff import SERIES
-from codegen.targets.render import Body, Template, infix
+from codegen.targets.render import Body, Names, Template, infix, leaf_names, render, table_names
 from codegen.targets.target import (
     Target,
     bodies,
@@ -235,6 +238,20 @@ _HEAD = """\
 // and returns y, which may be x. All in SI units.
 """
 
+_ABOUT = {
+    AHEAD: """\
+// For integrators: what time alone brings from now on. x: now, both ends of a stretch of time, minus the
+// logarithm of what is nothing; y: whether operations keep their character, and pieces stay.
+""",
+    WATCHED: """\
+// For integrators: the rates, then the values that give narrow features of them away.
+""",
+    VERDICT: """\
+// For integrators: how much of a step these values allow. x: each now, its least and largest, then what
+// `ahead` has last; y: the share of each operation, and whether each piece stays.
+""",
+}
+
 
 def files(program: Program, layout: Layout) -> Mapping[str, str]:
     """Return the generated module by file name; the same input gives the same bytes."""
@@ -243,7 +260,7 @@ def files(program: Program, layout: Layout) -> Mapping[str, str]:
 
 def module(program: Program, layout: Layout) -> str:
     """Return the module: sizes, names and one function a group of results."""
-    return _text(program, layout, "export ")
+    return _text(_parts(program, layout), layout, "export ")
 
 
 def function(program: Program, layout: Layout) -> str:
@@ -251,26 +268,68 @@ def function(program: Program, layout: Layout) -> str:
 
     For scripts of pages, which hold several systems and load no modules.
     """
-    names = ", ".join([*_constants(layout), *layout.sizes])
-    return f"function () {{\n{_text(program, layout, '')}\nreturn {{ {names} }};\n}}"
+    parts = _parts(program, layout)
+    names = ", ".join([*parts.constants, *parts.bodies])
+    return f"function () {{\n{_text(parts, layout, '')}\nreturn {{ {names} }};\n}}"
 
 
-def _constants(layout: Layout) -> dict[str, object]:
-    return {
+class _Parts(NamedTuple):
+    """What a module holds: constants and bodies of functions by name, texts of helpers and tables."""
+
+    constants: Mapping[str, object]
+    bodies: Mapping[str, Body]
+    helpers: list[str]
+
+
+def _parts(program: Program, layout: Layout) -> _Parts:
+    found = narrow(program)
+    further = {
+        g: p
+        for g, p in ((AHEAD, found.ahead), (WATCHED, found.watched), (VERDICT, found.verdict))
+        if p is not None
+    }
+    tables = table_names(program, *further.values())
+    names = _names_of_slots(layout)
+    written = bodies(JAVASCRIPT, program, layout)
+    for g, p in further.items():
+        how = JAVASCRIPT.templates, JAVASCRIPT.slots, JAVASCRIPT.numbers, tables
+        written[g] = render(prune(p, [g]), g, names[g], *how)
+    constants = {
         "TITLE": layout.title,
         **name_tables(layout),
         "SIZES": layout.sizes,
         "COORDINATES": layout.coordinates,
+        **({"WATCH": _numbers(found)} if found.watched else {}),
+    }
+    helpers = used_helpers(JAVASCRIPT, written), used_tables(JAVASCRIPT, tables, written)
+    return _Parts(constants, written, [*helpers[0], *helpers[1]])
+
+
+def _names_of_slots(layout: Layout) -> dict[str, Names]:
+    """Return the names of the slots of each program of `codegen.narrow`."""
+    own = leaf_names(layout)
+    times = [Name(name) for name in ("now", "earlier", "later", "depth")]
+    return {AHEAD: {**own, "state": times}, WATCHED: own, VERDICT: {}}
+
+
+def _numbers(found: Narrow) -> dict[str, object]:
+    """Return what integrators are told of the columns that are watched, as `Narrow` says it."""
+    return {
+        "columns": found.columns,
+        "guards": found.guards,
+        "pieces": found.pieces,
+        "always": found.soon,
+        "toZero": found.to_zero,
     }
 
 
-def _text(program: Program, layout: Layout, export: str) -> str:
-    written = bodies(JAVASCRIPT, program, layout)
-    constants = [f"{export}const {k} = {_json(v)};" for k, v in _constants(layout).items()]
+def _text(parts: _Parts, layout: Layout, export: str) -> str:
+    constants = [f"{export}const {k} = {_json(v)};" for k, v in parts.constants.items()]
     head = "\n".join([_HEAD.format(title=comment(layout.title)), *constants, ""])
-    functions = [export + _function(group, body) for group, body in written.items()]
-    helpers = [*used_helpers(JAVASCRIPT, written), *used_tables(JAVASCRIPT, program, written)]
-    return "\n".join([head, *helpers, *functions])
+    functions = [
+        _ABOUT.get(name, "") + export + _function(name, body) for name, body in parts.bodies.items()
+    ]
+    return "\n".join([head, *parts.helpers, *functions])
 
 
 def _table(name: str, table: Table) -> str:

@@ -16,7 +16,7 @@ from codegen.layout import Layout
 from codegen.names import comment, identifier
 from codegen.program import Program
 from codegen.stumpff import SERIES
-from codegen.targets.render import Body, Template, infix
+from codegen.targets.render import Body, Template, infix, table_names
 from codegen.targets.target import (
     Target,
     bodies,
@@ -226,7 +226,7 @@ def module(program: Program, layout: Layout) -> str:
     names = [f"{key} = {names!a}" for key, names in name_tables(layout).items()]
     head = "\n".join([_DOCSTRING.format(title=title), *names, ""])
     functions = [_function(group, body) for group, body in written.items()]
-    helpers = [*used_helpers(PYTHON, written), *used_tables(PYTHON, program, written)]
+    helpers = [*used_helpers(PYTHON, written), *used_tables(PYTHON, table_names(program), written)]
     return "\n\n".join([head, *helpers, *functions])
 
 

@@ -160,9 +160,9 @@ def render(
 Tables = Mapping[Table, str]
 
 
-def table_names(program: Program) -> Tables:
-    """Return a name for each table of a program, in order; no variable is called like it."""
-    tables = [i.value for i in program.instructions if isinstance(i.value, Table)]
+def table_names(*programs: Program) -> Tables:
+    """Return a name for each table of some programs, in order; no variable is called like it."""
+    tables = [i.value for p in programs for i in p.instructions if isinstance(i.value, Table)]
     return {table: f"table_{k}_" for k, table in enumerate(dict.fromkeys(tables), 1)}
 
 

@@ -18,7 +18,7 @@ from codegen.lower import INVARIANTS, OUTPUTS
 from codegen.ops import LEAVES, OPS
 from codegen.passes import needed, prune
 from codegen.program import Program
-from codegen.targets.render import Body, Template, leaf_names, render, table_names
+from codegen.targets.render import Body, Tables, Template, leaf_names, render, table_names
 from eom.errors import InputError
 from eom.tables import Table
 
@@ -119,10 +119,10 @@ def used_helpers(target: Target, written: Mapping[str, Body]) -> list[str]:
     return [text for name, text in target.helpers.items() if name in called]
 
 
-def used_tables(target: Target, program: Program, written: Mapping[str, Body]) -> list[str]:
-    """Return the texts of the functions of the tables that some body calls."""
+def used_tables(target: Target, tables: Tables, written: Mapping[str, Body]) -> list[str]:
+    """Return the texts of the functions of the tables, by name, that some body calls."""
     called = {word for body in written.values() for word in words(body)}
-    named = {name: table for table, name in table_names(program).items() if name in called}
+    named = {name: table for table, name in tables.items() if name in called}
     return [target.table(name, table) for name, table in named.items() if target.table]
 
 

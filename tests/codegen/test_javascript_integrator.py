@@ -1,6 +1,7 @@
 """Integrators in JavaScript: the steps, the dense output and the stops of the loop in C."""
 
 import json
+import re
 import subprocess
 
 import numpy as np
@@ -13,9 +14,13 @@ from codegen import native
 from codegen.compiled import generate
 from codegen.integrate import javascript
 from codegen.integrate.written import Choice
+from codegen.interpret import Point, interpret
+from codegen.narrow import narrow
 from eom.errors import InputError
 from eom.system import System
+from eom.tables import Table
 from tests import node
+from tests.codegen.test_narrow import STEPS, WALLS, oscillator, t, v, x
 
 needs = pytest.mark.skipif(not (node.NODE and native.compiler()), reason="no Node.js or no C")
 
@@ -104,7 +109,7 @@ def test_a_run_stops_where_angles_are_singular_as_in_c(tmp_path):
 
 @needs
 def test_a_run_that_becomes_infinite_says_which_state(tmp_path):
-    x, y = sp.symbols("x y", real=True)
+    y = sp.Symbol("y", real=True)
     system = System.from_rates("blow_up", {y: sp.Integer(1), x: x**2})
     got = run(system, [0.0, 1.0], [], [0, 2], tmp_path)
     assert got["status"] < 0
@@ -122,3 +127,97 @@ def test_an_integrator_stands_beside_javascript_and_c_alone():
         generate(*parts, "javascript", Choice("taylor"))
     with pytest.raises(InputError, match="c and javascript alone"):
         generate(*parts, "numpy", Choice("dop853"))
+
+
+# --- narrow features -------------------------------------------------------------------------------
+
+a, b, w = sp.symbols("a b w", real=True)
+KICKED = (
+    System.from_rates("kicked", {x: v, v: -sp.sin(x) + a * sp.exp(-(((t - b) / w) ** 2))}, time=t),
+    [0.3, 0.0],
+    [20.0, 2.0, 0.02],
+    10.0,
+)
+PEAK = Table("peak", [-9, 0.5, 0.505, 0.51, 9], [0, 0, 100, 0, 0])
+IN_TIME = {"kicked": KICKED} | {
+    name: (oscillator(force), [0.0, 0.0], [], float(pieces[-1]))
+    for name, (force, pieces) in {"window": STEPS["window"], "table": STEPS["table"]}.items()
+}
+IN_STATES = {
+    name: (oscillator(WALLS[name][0]), list(WALLS[name][2]), [], WALLS[name][1])
+    for name in ("friction", "floor", "bump")
+}
+THROUGH = {
+    "slab": sp.Piecewise((1000, (x > sp.Rational(1, 2)) & (x < sp.Rational(501, 1000))), (0, True)),
+    "peak": PEAK(x),
+}
+IN_PIECES = {
+    name: (System.from_rates("thrown", {x: v, v: force}, time=t), [-3.0, 2.0], [], 3.0)
+    for name, force in THROUGH.items()
+}
+NARROW = IN_TIME | IN_STATES | IN_PIECES
+
+
+@needs
+@pytest.mark.parametrize("name", NARROW)
+def test_narrow_features_are_met_by_the_steps_of_the_loop_in_c(name, tmp_path):
+    """The end of the run in C is far away: it bounds the last steps there, and JavaScript has none."""
+    system, start, p, end = NARROW[name]
+    for method, in_c in (("dop853", "DOP853"), ("tsit5", "Tsit5")):
+        got = run(system, start, p, [0, end], tmp_path, method, rtol=1e-6)
+        kept = codegen.simulate(system, start, (0, 40 * end), p, method=in_c, rtol=1e-6, atol=1e-9)
+        assert kept.t[got["steps"]] == pytest.approx(got["t"], rel=1e-4)
+        assert kept.y[:, got["steps"]] == pytest.approx(got["last"], rel=1e-3, abs=1e-3)
+        same = codegen.simulate(
+            system, start, (0, got["t"]), p, method=in_c, rtol=1e-12, atol=1e-14
+        )
+        assert got["last"] == pytest.approx(same.y[:, -1], abs=2e-4)
+
+
+@needs
+@pytest.mark.parametrize("name", ["kicked", "slab"])
+def test_frames_do_not_change_the_motion(name, tmp_path):
+    system, start, p, end = NARROW[name]
+    once = run(system, start, p, [0, end], tmp_path, rtol=1e-9)
+    often = run(system, start, p, np.linspace(0, end, 301), tmp_path, rtol=1e-9)
+    assert {k: once[k] for k in ("t", "last", "steps")} == {
+        k: often[k] for k in ("t", "last", "steps")
+    }
+
+
+@needs
+def test_what_modules_export_to_be_watched_is_what_the_oracle_computes():
+    """Every program of `codegen.narrow`, with tables of its own, at random values of its slots."""
+    force = a * sp.exp(-(((t - b) / w) ** 2)) + PEAK(t) * PEAK(x) + sp.sign(x - v) + sp.log(x / b)
+    system = System.from_rates("watched", {x: v, v: force}, time=t)
+    compiled = codegen.compile(system, "python")
+    (text,) = generate(compiled.program, compiled.layout, "javascript").values()
+    found, draw = narrow(compiled.program), np.random.default_rng(4)
+    programs = {"ahead": found.ahead, "watched": found.watched, "verdict": found.verdict}
+    slots = {"ahead": 4, "watched": 2, "verdict": 3 * found.columns + 1}
+    jobs = []
+    for group, program in programs.items():
+        points = [
+            (draw.uniform(0, 1), draw.uniform(0.1, 1, slots[group]), draw.uniform(0.1, 2, 3), [])
+            for _ in range(20)
+        ]
+        jobs.append(node.Job(text, group, points, len(program.results[group])))
+    for job, rows in zip(jobs, node.run(jobs), strict=True):
+        for (at, xs, ps, us), row in zip(job.points, rows, strict=True):
+            expected = interpret(programs[job.group], Point(at, xs, ps, us))[job.group]
+            assert row == pytest.approx(expected, rel=1e-12)
+    told = json.loads(re.search(r"^export const WATCH = (.*);$", text, re.MULTILINE)[1])
+    assert told["columns"] == found.columns
+    assert told["guards"] == found.guards > 0
+    assert told["pieces"] == found.pieces > 0
+    assert [tuple(pair) for pair in told["always"]] == list(found.soon)
+    assert tuple(told["toZero"]) == found.to_zero
+
+
+def test_modules_with_nothing_to_watch_have_no_word_of_it():
+    compiled = codegen.compile(pendulum(), "python")
+    (text,) = generate(compiled.program, compiled.layout, "javascript").values()
+    assert re.findall(r"^export (?:const|function) (\w+)", text, re.MULTILINE) == [
+        "TITLE", "STATES", "PARAMETERS", "INPUTS", "OUTPUTS", "INVARIANTS", "SIZES", "COORDINATES",
+        "rates", "invariants",
+    ]  # fmt: skip

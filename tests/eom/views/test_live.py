@@ -360,6 +360,23 @@ def test_a_full_inertia_matrix_moves_as_in_c():
     assert difference(got, in_c(about.variants[about.choice].drawn, got)) < 1e-9
 
 
+@needs_both
+def test_narrow_torques_move_the_page_as_they_do_in_c():
+    """A pulse and sharp friction: neither is passed over between two frames, and both show."""
+    torque = ("100*exp(-((t - 2)/0.0001)^2)", "-0.1*tanh(200*omega_2)", 0)
+    start = {"omega_1": 0.0, "omega_2": 0.0, "omega_3": 0.1}
+    body = {"moments": (1.0, 2.0, 2.5)}
+    about = subject_of(
+        Scene(name="kicked", body=body, torque={"components": torque}, initial=start)
+    )
+    own = about.variants[about.choice]
+    got = run(written(replace(about, switches=(), variants={(): own})), PLAY)
+    assert difference(got, in_c(own.drawn, got)) < 1e-9
+    before, after = (got["found"][k][got["names"].index("omega_1")] for k in (60, 180))
+    assert abs(before) < 1e-15
+    assert after == pytest.approx(0.01 * math.sqrt(math.pi), rel=1e-2)
+
+
 @pytest.mark.parametrize("name", ["rolling-disc", "four-bar-linkage"])
 def test_constraints_are_refused_by_name(name):
     with pytest.raises(InputError, match="holds no constraints") as error:
