@@ -207,11 +207,11 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
 @LOOK_AHEAD@        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
-
+@OVER@
         for (int i = 0; i < @WIDTH@; ++i) k[0][i] = s->f[i];
 @STAGES@
         s->evaluations += @EVALUATIONS@;
-        for (int i = 0; i < D; ++i) a[i] = h * (@UPDATE@);
+        for (int i = 0; i < D; ++i) a[i] = h * (@MEAN@@UPDATE@);
         double e[4], change[4];
         const double part = exponential(a, e);
         multiplied(s->y, e, change);
@@ -232,7 +232,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * D) : high;
 @PASSES@        @PREFIX@_states(t_new, y_new, 1, s->of_states, NULL, u, 1, x_new, 1);
         if (is_rejected(s, h, error, isfinite(error) ? -1 : first_bad(x_new), x_new)) continue;
-        const double factor = growth(s, error);
+@KEEP_JUMP@        const double factor = growth(s, error);
 
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         s->t_old = s->t;

@@ -103,9 +103,8 @@ def _filled(
     parts = [(changed, SLOPES, "slopes"), (changed, STATES, "states"), (changed, SIZES, "sizes")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
     values |= _of_variables(shape, made) | _of_tableau(tableau)
-    watch = lookout.of(
-        replace(changed, results={RATES: changed.results[SLOPES]}), values["PREFIX"], tableau
-    )
+    slopes = replace(changed, results={RATES: changed.results[SLOPES]})
+    watch = lookout.of(slopes, values["PREFIX"], tableau, shape.local, "scale[i] / CAUTION")
     values |= _of_watch(shape, watch)
     values["FURTHER_STATUS"] = FURTHER_STATUS.format(name=values["UPPER"])
     filled = {
