@@ -7,7 +7,8 @@ static void look(const @PREFIX@ *s, const double *u, double along, double *y) {
 }
 
 /* Make the step that is proposed so short that it passes over nothing: 2 where it ends at a change of piece, to
- * within rounding, or is as short as can be and passes it, at the edge or edge_off beside it; 1 where it is shorter for something else. */
+ * within rounding, or is as short as can be and passes it, and the change is at edge, or edge_off beside it; 1 where
+ * it is shorter for something else. */
 static int look_ahead(@PREFIX@ *s, const double *u, double direction) {
     const double smallest = 10.0 * spacing(s->t);
     double low = 0.0, high = fmin(fmin(s->h, s->h_max), fabs(s->t_end - s->t)), y[2];

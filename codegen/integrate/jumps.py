@@ -29,9 +29,7 @@ def held(count: int) -> str:
 
 def begin(count: int) -> str:
     """Return what sets them, as C."""
-    return (
-        f"    for (int i = 0; i < {count}; ++i) s->off[i] = s->off_at[i] = 0.0, s->allowed[i] = 1.0;\n"
-    )
+    return f"    for (int i = 0; i < {count}; ++i) s->off[i] = s->off_at[i] = 0.0, s->allowed[i] = 1.0;\n"
 
 
 def fields(count: int) -> tuple[tuple[str, Any], ...]:
