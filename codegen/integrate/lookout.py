@@ -9,11 +9,12 @@ from __future__ import annotations
 import ctypes
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from itertools import pairwise
 from typing import Any
 
+from codegen.integrate import jumps
 from codegen.integrate.tableau import Tableau
 from codegen.lower import RATES
 from codegen.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow
@@ -30,8 +31,8 @@ CROWDED = 16
 to it. The estimate of the error alone then chooses the steps, until one leaves the place."""
 
 NONE = dict.fromkeys(
-    ("LOOKOUT", "LOOKOUT_FIELDS", "LOOKOUT_START", "LOOK_AHEAD", "AFTER_LOOK", "PASSES", "CUT",
-     "FORESEE", "KEEP_WATCHED"),
+    ("LOOKOUT", "LOOKOUT_FIELDS", "LOOKOUT_START", "LOOK_AHEAD", "AFTER_LOOK", "OVER", "MEAN", "PASSES",
+     "KEEP_JUMP", "CUT", "FORESEE", "KEEP_WATCHED"),
     "",
 )  # fmt: skip
 """What stands in the templates where nothing is watched."""
@@ -40,12 +41,44 @@ _LOOK_AHEAD = """\
         const double proposed = s->h;
         const int ahead = look_ahead(s, u, direction);
 """
-_PASSES = """\
-        if (ahead == 2 && is_shortest(s, h) && isfinite(error)) error = fmin(error, 0.5);
+_OVER = """\
+        const int over = ahead == 2 && is_shortest(s, h);
+        const double early = over ? part_before(s, h) : 0.0;
 """
+_MEAN = "over ? early * k[0][i] + (1.0 - early) * k[{end}][i] : "
+_PASSES = """\
+        if (over && isfinite(error)) error = fmin(error, 0.5);
+"""
+_KEEP_JUMP = """\
+        double off[{count}];
+        for (int i = 0; i < {count}; ++i) {{
+            static const double node[] = {{{nodes}}};
+            double stray = 0.0; /* from the rates before and behind, where more than one piece changes */
+            for (int j = 1; over && j < {end}; ++j) {{
+                const double behind = node[j] * fabs(h) - s->edge;
+                if (fabs(behind) > s->edge_off + spacing(s->t))
+                    stray = fmax(stray, fabs(k[j][i] - k[behind < 0.0 ? 0 : {end}][i]));
+            }}
+            const double jump = k[{end}][i] - k[0][i];
+            off[i] = over ? copysign(s->edge_off * fabs(jump) + fabs(h) * stray, jump) : 0.0;
+        }}
+{keep}"""
 _AFTER_LOOK = """\
         if (ahead == 2) s->h = fmax(s->h, proposed);
 """
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What a method's steps are to a jump of the rates: of how many values, and states that are told of.
+
+    ``keep``: as C, takes in that the values may be ``off`` so far (`codegen.integrate.jumps`).
+    """
+
+    tableau: Tableau
+    values: int
+    states: int
+    keep: str
 
 
 @dataclass(frozen=True)
@@ -58,28 +91,33 @@ class Lookout:
     """Number of values at each stage that are watched beside the rates."""
 
 
-def of_time(program: Program, prefix: str) -> Lookout:
-    """Return what looks ahead in time alone, for any loop that proposes its steps so."""
+def of_time(program: Program, prefix: str, count: int) -> Lookout:
+    """Return what looks ahead in time alone, for any loop that proposes its steps so.
+
+    ``count``: of the values that a jump of the rates is told of.
+    """
     found = narrow(program)
     if found.ahead is None:
         return Lookout(dict(NONE))
     lines, constants = kernel(found.ahead, AHEAD, f"{prefix}_ahead")
     room = max(1, constants)
-    text = "\n".join([*lines, _filled("ahead.c", prefix)])
+    text = "\n".join([*lines, jumps.functions(prefix) + _filled("ahead.c", prefix)])
     texts = {
         "LOOKOUT": text,
-        "LOOKOUT_FIELDS": f"    double of_ahead[{room}];\n",
-        "LOOKOUT_START": f"    {prefix}_ahead_constants(p, 1, s->of_ahead);\n",
+        "LOOKOUT_FIELDS": f"    double of_ahead[{room}], edge, edge_off;\n{jumps.held(count)}",
+        "LOOKOUT_START": f"    {prefix}_ahead_constants(p, 1, s->of_ahead);\n{jumps.begin(count)}",
         "LOOK_AHEAD": _LOOK_AHEAD,
         "AFTER_LOOK": _AFTER_LOOK,
-        "PASSES": _PASSES,
     }
-    return Lookout(NONE | texts, (("of_ahead", ctypes.c_double * room),))
+    double = ctypes.c_double
+    own = (("of_ahead", double * room), ("edge", double), ("edge_off", double))
+    return Lookout(NONE | texts, (*own, *jumps.fields(count)))
 
 
-def of(program: Program, prefix: str, tableau: Tableau) -> Lookout:
+def of(program: Program, prefix: str, steps: Steps) -> Lookout:
     """Return what looks ahead, and watches the stages of a method, for the rates of a program."""
-    ahead, found = of_time(program, prefix), narrow(program)
+    found, tableau = narrow(program), steps.tableau
+    ahead = _over_jumps(of_time(program, prefix, steps.states), steps)
     if found.watched is None or found.verdict is None:
         return ahead
     watched, constants = kernel(found.watched, WATCHED, f"{prefix}_watched")
@@ -101,6 +139,26 @@ def of(program: Program, prefix: str, tableau: Tableau) -> Lookout:
         "KEEP_WATCHED": _KEEP.format(last=tableau.main_stages),
     }
     return Lookout(texts | own, (*ahead.fields, *fields), found.columns)
+
+
+def _over_jumps(ahead: Lookout, steps: Steps) -> Lookout:
+    """Add how a shortest step passes over a jump: by the rates of its first stage and that at its end."""
+    if not ahead.fields:
+        return ahead
+    nodes, last = steps.tableau.nodes, steps.tableau.main_stages
+    assert nodes[last - 1] == 1
+    own = {
+        "OVER": _OVER,
+        "MEAN": _MEAN.format(end=last - 1),
+        "PASSES": _PASSES,
+        "KEEP_JUMP": _KEEP_JUMP.format(
+            count=steps.values,
+            end=last - 1,
+            keep=steps.keep,
+            nodes=", ".join(map(repr, map(float, nodes[:last]))),
+        ),
+    }
+    return replace(ahead, texts=ahead.texts | own)
 
 
 _KEEP = """\

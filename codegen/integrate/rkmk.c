@@ -77,21 +77,31 @@ static inline double rounding(const @PREFIX@ *s, const double *y, const double *
     return most;
 }
 
+/* By how much a state may be off after a step to x. */
+static inline double allowed(const @PREFIX@ *s, const double *x, int i) {
+    const double size = state_of[i] < 0 ? s->size[i] : larger(s->size[i], fabs(x[state_of[i]]));
+    return s->atol[tolerance_of[i]] + s->rtol * size;
+}
+
 /* What errors of states are compared with, of a step of length h; below rounding nothing is asked for. */
 static inline void scales(const @PREFIX@ *s, const double *x, const double *noise, double turned, double *scale) {
     for (int i = 0; i < 4 + M; ++i) {
-        const double size = state_of[i] < 0 ? s->size[i] : larger(s->size[i], fabs(x[state_of[i]]));
         const double least = i < 4 ? turned : (i < 4 + MOMENTUM ? noise[i - 4] : 0.0);
-        scale[i] = larger(CAUTION * (s->atol[tolerance_of[i]] + s->rtol * size), NOISE * least);
+        scale[i] = larger(CAUTION * allowed(s, x, i), NOISE * least);
     }
 }
 
-/* The sum of squares of the errors of states that those of the point y make, a turn and v. */
-static inline double squares(const @PREFIX@ *s, const double *y, const double *off, const double *u, const double *scale) {
-    double given[4 + M + D], error[4 + M], sum = 0.0;
+/* The errors of states that those of the point y make, a turn and v. */
+static inline void errors_of(const @PREFIX@ *s, const double *y, const double *off, const double *u, double *error) {
+    double given[4 + M + D];
     for (int i = 0; i < 4 + M; ++i) given[i] = y[i];
     for (int i = 0; i < D; ++i) given[4 + M + i] = off[i];
     @PREFIX@_errors(s->t, given, 1, s->of_errors, NULL, u, 1, error, 1);
+}
+
+static inline double squares(const @PREFIX@ *s, const double *y, const double *off, const double *u, const double *scale) {
+    double error[4 + M], sum = 0.0;
+    errors_of(s, y, off, u, error);
     for (int i = 0; i < 4 + M; ++i) sum += (error[i] / scale[i]) * (error[i] / scale[i]);
     return sum;
 }
@@ -225,11 +235,11 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
         if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
 @LOOK_AHEAD@        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
-
+@OVER@
         for (int i = 0; i < @WIDTH@; ++i) k[0][i] = s->f[i];
 @STAGES@
         s->evaluations += @EVALUATIONS@;
-        for (int i = 0; i < D; ++i) a[i] = h * (@UPDATE@);
+        for (int i = 0; i < D; ++i) a[i] = h * (@MEAN@@UPDATE@);
         double e[4], change[4];
         const double part = exponential(a, e);
         multiplied(s->y, e, change);
@@ -247,7 +257,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) { between(s-
         const double high = squares(s, y_new, e_high, u, scale), low = squares(s, y_new, e_low, u, scale);
         double error = high > 0.0 ? high / sqrt((high + 0.01 * low) * (4 + M)) : high;
 @PASSES@        if (is_rejected(s, h, error, isfinite(error) ? -1 : first_bad(x_new), x_new)) continue;
-        const double factor = growth(s, error);
+@KEEP_JUMP@        const double factor = growth(s, error);
 
         const int needs_dense = o->dense != NULL || wants_grid_point(o, t_new, direction);
         s->t_old = s->t;

@@ -54,6 +54,13 @@ KEPT = ("slopes", "states", "errors", "rounding")
 """The functions of a generated file whose constants an integrator keeps."""
 
 
+_KEEP = """\
+        double strays[4 + M];
+        errors_of(s, y_new, off, u, strays);
+        for (int i = 0; i < 4 + M; ++i) keep_jump(s, i, s->t, fabs(strays[i]), allowed(s, x_new, i));
+"""
+
+
 @dataclass(frozen=True)
 class _Shape:
     """Sizes of the arrays of an integrator."""
@@ -139,9 +146,9 @@ def _filled(
     parts += [(changed, ROUNDING, "rounding"), (begin, START, "begin"), (begin, FIXED, "fixed")]
     made = group.functions(values["PREFIX"], parts)
     values |= _of_variables(shape, made) | _of_tableau(tableau)
-    watch = lookout.of(
-        replace(changed, results={RATES: changed.results[SLOPES]}), values["PREFIX"], tableau
-    )
+    slopes = replace(changed, results={RATES: changed.results[SLOPES]})
+    steps = lookout.Steps(tableau, shape.local, shape.point, _KEEP)
+    watch = lookout.of(slopes, values["PREFIX"], steps)
     values |= _of_watch(shape, watch)
     values["FURTHER_STATUS"] = FURTHER_STATUS.format(name=values["UPPER"])
     filled = {

@@ -85,12 +85,12 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         if (o->grid == NULL && o->count == o->capacity) return s->status = @UPPER@_FULL;
 @EVENT_ROOM@        if (attempts++ >= max_steps) return s->status = @UPPER@_PAUSED;
 @LOOK_AHEAD@        if (next_step(s, direction, &h, &t_new, &t_low) != @UPPER@_PAUSED) return s->status;
-
+@OVER@
         for (int i = 0; i < @WIDTH@; ++i) k[0][i] = s->f[i];
 @STAGES@
         s->evaluations += @EVALUATIONS@;
         for (int i = 0; i < N; ++i) {
-            const double change = h * (@UPDATE@);
+            const double change = h * (@MEAN@@UPDATE@);
             x_new[i] = two_sum(s->x[i], change + s->x_low[i], &x_low[i]);
         }
         @RATES_AT@(t_new, x_new, @RATES_WITH@k[@LAST@]@RATES_END@);
@@ -102,7 +102,7 @@ static void interpolate(const @PREFIX@ *s, double theta, double *x) {
         double error = @ERROR@;
 @PASSES@        const int bad = isfinite(error) ? -1 : first_bad(x_new);
         if (is_rejected(s, h, error, bad >= 0 || isfinite(error) ? bad : first_bad(k[@LAST@]), x_new)) continue;
-        const double factor = growth(s, error);
+@KEEP_JUMP@        const double factor = growth(s, error);
 @PROJECT@
 @QUICK_STEP@        const int needs_dense = @EVENT_DENSE@o->dense != NULL || wants_grid_point(o, t_new, direction);
         for (int i = 0; i < N; ++i) s->x_old[i] = s->x[i];

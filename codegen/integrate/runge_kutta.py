@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen import native
-from codegen.integrate import crossings, lookout, projection
+from codegen.integrate import crossings, jumps, lookout, projection
 from codegen.integrate.stepwise import Stepwise
 from codegen.integrate.tableau import Row, Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
 from codegen.layout import Layout
-from codegen.lower import SINGULARITIES
+from codegen.lower import RATES, SINGULARITIES
 from codegen.names import comment, identifier
 from codegen.program import Program
 from codegen.stages import by_parameters
@@ -81,11 +81,22 @@ def _template(name: str) -> str:
     return resources.files("codegen.integrate").joinpath(name).read_text(encoding="ascii")
 
 
+_KEEP = """\
+        for (int i = 0; i < N; ++i)
+            keep_jump(s, i, s->t, fabs(off[i]), s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
+"""
+
+
+def _watch(tableau: Tableau, program: Program, prefix: str) -> lookout.Lookout:
+    n = len(program.results[RATES])
+    return lookout.of(program, prefix, lookout.Steps(tableau, n, n, _KEEP))
+
+
 def _values(tableau: Tableau, program: Program, layout: Layout) -> dict[str, str]:
     name, last = identifier(layout.name), tableau.main_stages
     singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
     prefix = f"{name}_{tableau.name}"
-    watch = lookout.of(program, prefix, tableau)
+    watch = _watch(tableau, program, prefix)
     rates = _rates(name, prefix, watch)
     main = [_stage(tableau, rates, s) for s in range(1, last)]
     dense = [
@@ -273,7 +284,7 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
     constants = max(1, len(by_parameters(program, layout.sizes).values))
     events, room = crossings.sizes(program, layout), crossings.most(layout)
     terms = tableau.dense_terms
-    watch = lookout.of(program, prefix, tableau)
+    watch = _watch(tableau, program, prefix)
     state, output = _structures(
         prefix, n, max(1, singular), terms, constants, events, watch.fields, watch.width
     )
@@ -453,8 +464,12 @@ class _Store:
             solution=solution,
             seconds=seconds,
             found=self.finder.found() if problem.events else None,
-            notice=self.told(s, problem),
+            notice="; ".join(filter(None, (self.told(s, problem), _of_jumps(s, problem)))),
         )
+
+
+def _of_jumps(s: Any, problem: Problem) -> str:
+    return jumps.told(s, problem) if hasattr(s, "off_at") else ""
 
 
 class DenseSolution(Stepwise):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from codegen.compiled import Compiled
-from codegen.integrate import derivatives, sundials
+from codegen.integrate import derivatives, jumps, sundials
 from codegen.integrate.projector import Projector
 from codegen.integrate.tableau import Tableau
 from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
@@ -89,6 +89,15 @@ class _Bent:
         return np.asarray(self.dense(t) + np.multiply.outer(self.change, weight))
 
 
+@dataclass(frozen=True)
+class _Passage:
+    """A way over a change of piece: its length, how far the change is, and how far that may be off (s)."""
+
+    length: float
+    edge: float
+    off: float
+
+
 class _Run:
     """One run: SciPy's solver steps, this looks at what it did."""
 
@@ -116,6 +125,7 @@ class _Run:
         """Lengths of the last step, and of the last that no bound made shorter."""
         self.times = [problem.t_span[0]]
         self.points = [problem.x0]
+        self.jumps = jumps.Jumps(problem)
         self.here = problem.t_span[0], problem.x0
         """Where the next step starts."""
         self.interpolants: list[Any] = []
@@ -219,7 +229,7 @@ class _Run:
         """Take one step; return why the run has to stop, if it has to."""
         if self.steps + self.rejected >= self.problem.max_steps:
             return Stop("max_steps", solver.t)
-        at_knot = self._look_ahead(solver)
+        edge = self._look_ahead(solver)
         if not self._advances(solver):
             return self._failure(solver) if self._gives_up() else None
         dense = self._interpolant(solver)
@@ -233,7 +243,7 @@ class _Run:
             return None
         stop = self._taken(solver, dense)
         if stop is None:
-            self._go_on(solver, at_knot)
+            self._go_on(solver, edge)
         return stop
 
     def _taken(self, solver: Any, dense: Any) -> Stop | None:
@@ -256,17 +266,18 @@ class _Run:
         if self.problem.dense_output:
             self.interpolants.append(dense)
         self.here = t, x
+        self.jumps.step(x)
         if where is None and self._is_left(solver):
             return Stop("left", t)
         return None if where is None else Stop("singular", t, where[1])
 
-    def _look_ahead(self, solver: Any) -> bool:
-        """Bound the step by what time alone brings; return whether it ends where a piece changes."""
+    def _look_ahead(self, solver: Any) -> float:
+        """Bound the step by what time alone brings; return how far it is to where a piece changes, or 0."""
         if self.watcher is None:
-            return False
-        length, at_knot = self.watcher.clear(solver.t, self.last)
+            return 0.0
+        length, edge = self.watcher.clear(solver.t, self.last)
         self._bound(solver, solver.t + solver.direction * length)
-        return at_knot
+        return edge
 
     def _bound(self, solver: Any, t: float) -> None:
         """Let no step of a solver go beyond ``t``, nor beyond the end."""
@@ -314,29 +325,39 @@ class _Run:
         if not cut.passage:
             self.solver = self._solver(t, x, cut.length)
             return
-        along = self.solver.direction * cut.length
-        x = x + along * self._slope(t, x)
-        self._restart(t + along, x, self.usual)
+        half = 0.5 * cut.length
+        self._pass_over(_Passage(cut.length, half, half), t, x, self.usual)
 
-    def _restart(self, t: float, x: Array, step: float) -> None:
-        """Go on from another time, a few units in its last place or a passage away."""
-        end = self.problem.t_span[1]
-        if self.solver.direction * (end - t) <= 0:
+    def _pass_over(self, passage: _Passage, t: float, x: Array, step: float) -> None:
+        """Go on behind a change of piece, with a step (s) from there."""
+        problem, along = self.problem, self.solver.direction * passage.length
+        if self.solver.direction * (problem.t_span[1] - t - along) <= 0:
             return
-        self.here = t, x
-        self.solver = self._solver(t, x, step)
+        before = self._slope(t, x)
+        after = self._slope(t + along, x + along * before)
+        jump = np.where(np.isfinite(after), after - before, 0.0)
+        beyond = x + along * (before + (1 - passage.edge / passage.length) * jump)
+        self.jumps.jump(t, beyond, passage.off * np.abs(jump))
+        self.here = t + along, beyond
+        self.solver = self._solver(t + along, beyond, step)
 
-    def _go_on(self, solver: Any, at_knot: bool) -> None:
-        """After a step: the solver knows of the end again, and starts anew behind a change of piece."""
+    def _go_on(self, solver: Any, edge: float) -> None:
+        """After a step: the solver knows of the end again, and starts anew behind a change of piece.
+
+        ``edge``: how far that is from the begin of the step, or 0.
+        """
         if self.watcher is None:
             return
         end = self.problem.t_span[1]
         at_bound = solver.t == solver.t_bound != end
         self.last = abs(solver.t - solver.t_old)
         self.usual = self.last if not at_bound else max(self.usual, self.last)
-        if at_bound and at_knot:
-            behind = solver.t + solver.direction * 8 * self.watcher.unit(solver.t)
-            self._restart(behind, solver.y.copy(), min(self.usual, abs(end - solver.t)))
+        if at_bound and edge:
+            unit = self.watcher.unit(solver.t)
+            left = min(max(edge - self.last, 0.0), 8 * unit)
+            step = min(self.usual, abs(end - solver.t))
+            passage = _Passage(8 * unit, left, 2 * unit)
+            self._pass_over(passage, float(solver.t), solver.y.copy(), step)
         elif at_bound:
             solver.status = "running"
 
@@ -472,6 +493,8 @@ class _Run:
         )
 
     def _told(self) -> str:
+        jumped = jumps.told(self.jumps, self.problem)
         if self.method in SUNDIALS or self.problem.rtol >= LEAST_RTOL:
-            return ""
-        return f"SciPy's methods take no rtol below {LEAST_RTOL:.2g}: that was taken"
+            return jumped
+        least = f"SciPy's methods take no rtol below {LEAST_RTOL:.2g}: that was taken"
+        return f"{least}; {jumped}" if jumped else least

@@ -204,7 +204,7 @@ static double length_of_momentum(const Point *at) {
     return sqrt(at->y[4] * at->y[4] + at->y[5] * at->y[5] + at->y[6] * at->y[6]);
 }
 
-/* The local error of a step of the length h at the start: one step against two halves. */
+@PASS_OVER@/* The local error of a step of the length h at the start: one step against two halves. */
 static double first_error(const @PREFIX@ *s, double h, const double *u) {
     Point one = current(s), two = one;
     advance(s, s->t, h, u, &one);
@@ -362,14 +362,14 @@ void @PREFIX@_between(const double *p, const double *u, size_t count, const doub
         if (s->chosen && quick > 2.0) return coarse(s, 0.7 / quick);
         Point at = current(s);
         keep(s, h);
-        advance(s, s->t, h, u, &at);
+        @OVER@advance(s, s->t, h, u, &at);
         states(s, at.y, x_new);
         s->evaluations += STAGES;
         s->which = first_bad(x_new);
         if (s->which >= 0) return s->status = @UPPER@_NOT_FINITE;
         const double excess = ahead == 2 ? 0.0 : exceeds(s, h, &at, u);
         if (s->chosen && !(excess <= 1.0)) return too_large(s, excess);
-        s->t_old = s->t;
+@KEEP_JUMP@        s->t_old = s->t;
         s->h_old = h;
         double after[S + 1];
         const int possible = may_stop(s, t_new, x_new, u, after);

@@ -202,7 +202,7 @@ def _filled(
     _check_sight(program, layout)
     rates = variables.attitude.body.rates if variables.attitude.body else ()
     values = group.values(layout, NAME)
-    watch = lookout.of_time(program, values["PREFIX"])
+    watch = lookout.of_time(program, values["PREFIX"], 1)
     kicked, begin = kicks(program, variables), start(program, variables)
     parts = [(kicked, KICK, "kick"), (kicked, CONSTANTS, "known")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
@@ -223,7 +223,7 @@ def _filled(
         "OF_CONSTANTS": str(made.constants["known"]),
         "OF_BEGIN": str(made.constants["begin"]),
         "STACK": "about 3000",
-        **_of_watch(watch),
+        **_of_watch(watch, values["PREFIX"]),
         "FURTHER_STATUS": FURTHER_STATUS.format(name=values["UPPER"]),
     }
     filled = {
@@ -256,10 +256,44 @@ _PASSED_OVER = """\
 """
 
 
-def _of_watch(watch: lookout.Lookout) -> dict[str, str]:
+_FUNCTIONS = """\
+/* A step over a jump of the torque: by the torque before it and that behind. */
+static void pass_over(const {prefix} *s, double h, const double *u, Point *at) {{
+    const double part = part_before(s, h);
+    kick(s, part * h, at);
+    drift(s, h, at);
+    torque_at(s, s->t + h, u, at);
+    kick(s, (1.0 - part) * h, at);
+}}
+
+/* What a jump of the torque may have changed the momentum by, which is known to rtol of its length. */
+static void keep_kick({prefix} *s, int over, const Point *at) {{
+    double square = 0.0;
+    for (int i = 3; over && i < 6; ++i) {{
+        const double jump = at->torque[i] - s->torque[i];
+        square += jump * jump;
+    }}
+    keep_jump(s, 0, s->t, s->edge_off * sqrt(square), s->rtol * length_of_momentum(at));
+}}
+
+"""
+
+
+_OVER = """\
+const int over = ahead == 2 && is_shortest(s, h);
+        if (over) pass_over(s, h, u, &at);
+        else """
+
+
+def _of_watch(watch: lookout.Lookout, prefix: str) -> dict[str, str]:
     """Return texts for the template: what is narrow in time asks for shorter steps all the way."""
-    ahead = _PASSED_OVER if watch.texts["LOOK_AHEAD"] else ""
-    return {**watch.texts, "LOOK_AHEAD": ahead}
+    own = {
+        "PASS_OVER": _FUNCTIONS.format(prefix=prefix),
+        "LOOK_AHEAD": _PASSED_OVER,
+        "OVER": _OVER,
+        "KEEP_JUMP": "        keep_kick(s, over, &at);\n",
+    }
+    return {**watch.texts, **(own if watch.fields else dict.fromkeys(own, ""))}
 
 
 @cache

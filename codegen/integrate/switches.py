@@ -15,6 +15,9 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any
 
+from codegen.integrate import jumps
+from codegen.layout import Layout
+from codegen.names import identifier
 from codegen.taylor import Prepared
 
 MOST_CROWDED = 16
@@ -43,6 +46,7 @@ _ONE = {
     "SWITCH_PASSED": """\
         s->crowded = h_abs >= landing && h_abs <= larger(64.0 * smallest, 1e-15 * longest)
             ? s->crowded + 1 : 0;
+        keep_jumps(s, h_abs >= landing, h, t_new, x_new, u);
 """,
 }
 """What stands in the templates of one trajectory that has branches."""
@@ -69,14 +73,20 @@ _LANES = {
 """The same of lanes."""
 
 
-def of_one(prepared: Prepared, prefix: str, order: int, has_roots: bool) -> dict[str, str]:
+def of_one(prepared: Prepared, layout: Layout, order: int, has_roots: bool) -> dict[str, str]:
     """Return what the template of one trajectory needs; ``has_roots``: it isolates roots anyway."""
     if not prepared.switches:
         fits = "fits(s, h, t_new, x_new, u)"
         return dict.fromkeys(_ONE, "") | {"SWITCHING": "", "FITS": fits}
     roots = "" if has_roots else f"#define D {order}\n\n{_template('roots.c')}"
-    head = f"#define SWITCHES {len(prepared.switches)}\n{roots}"
-    return _filled(_ONE, f"{head}{_template('switches_one.c')}", prepared, prefix, order)
+    name, n = identifier(layout.name), len(layout.states)
+    prefix = f"{name}_taylor"
+    head = f"#define SWITCHES {len(prepared.switches)}\n{roots}{jumps.functions(prefix)}"
+    own = _template("switches_one.c").replace("@NAME@", name)
+    found = _filled(_ONE, f"{head}{own}", prepared, prefix, order)
+    found["SWITCH_FIELDS"] += jumps.held(n)
+    found["SWITCH_START"] += jumps.begin(n)
+    return found
 
 
 def of_lanes(prepared: Prepared, prefix: str, order: int) -> dict[str, str]:
@@ -110,9 +120,10 @@ def _template(name: str) -> str:
     return resources.files("codegen.integrate").joinpath(name).read_text("ascii")
 
 
-def fields(count: int, order: int) -> list[tuple[str, Any]]:
+def fields(count: int, order: int, states: int) -> list[tuple[str, Any]]:
     """Mirror the fields of the structure of one trajectory."""
     if not count:
         return []
     double: Any = ctypes.c_double
-    return [("switch_jet", double * count * order), ("crowded", ctypes.c_int)]
+    own = [("switch_jet", double * count * order), ("crowded", ctypes.c_int)]
+    return [*own, *jumps.fields(states)]

@@ -26,3 +26,17 @@ static int fits_before(const @PREFIX@ *s, double h, double longest, const double
     return fits(s, 0.95 * h, s->t + 0.95 * h, x, u);
 }
 
+/* A step ends behind a switch by less than two spacings of times, and has had the rates before it until there. */
+static void keep_jumps(@PREFIX@ *s, int switches, double h, double t, const double *x, const double *u) {
+    const double finest = 2.0 * spacing(t);
+    double f[N];
+    if (switches) {
+        @NAME@_rates(t + (h < 0.0 ? -finest : finest), x, &s->constants, u, f);
+        s->evaluations += 1;
+    }
+    for (int i = 0; i < N; ++i) {
+        const double off = switches ? finest * fabs(f[i] - slope(s, i, h)) : 0.0;
+        keep_jump(s, i, t, off, s->atol[i] + s->rtol * larger(s->size[i], fabs(x[i])));
+    }
+}
+

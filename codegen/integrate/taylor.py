@@ -109,7 +109,7 @@ def _values(prepared: Prepared, layout: Layout, order: int) -> dict[str, str]:
         "SERIES_CONSTANTS": str(max(1, constants)),
         "SERIES": "\n".join(functions),
         **projection.texts(layout, prefix, projection.TAYLOR),
-        **switches.of_one(prepared, prefix, order, bool(further)),
+        **switches.of_one(prepared, layout, order, bool(further)),
         **reaches.of_one(prepared, order),
     }
 
@@ -137,7 +137,7 @@ def _structures(
     state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
     state += [(f, ctypes.c_int) for f in ("status", "which")]
     state += [("constants", double * constants[0]), ("series_constants", double * constants[1])]
-    state += switches.fields(branches, order)
+    state += switches.fields(branches, order, n)
     state += reaches.fields(limits)
     state += crossings.fields(events, order)
     return runge_kutta.structures(prefix, state)

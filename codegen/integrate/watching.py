@@ -123,33 +123,34 @@ class Watcher:
 
     # -- ahead ------------------------------------------------------------------------------------
 
-    def clear(self, t: float, last: float) -> tuple[float, bool]:
-        """Return how far a step from ``t`` may go, and whether that is where a piece changes.
+    def clear(self, t: float, last: float) -> tuple[float, float]:
+        """Return how far a step from ``t`` may go, and how far it is to where a piece changes, or 0.
 
         ``last``: the length of the step before, 0 for the first.
         """
         rest = abs(self.problem.t_span[1] - t)
-        length, at_knot = self._to_knot(t, rest)
+        length, knot = self._to_knot(t, rest)
         if self.f.ahead is None:
-            return length, at_knot
+            return length, knot
         opened, stays = self._look(t, length)
         if opened and stays:
-            return length, at_knot
+            return length, knot
         low, high = 0.0, length
         if last and GROWTH * last < length:
             opened, stays = self._look(t, GROWTH * last)
             if opened and stays:
-                return GROWTH * last, False
+                return GROWTH * last, 0.0
             high = GROWTH * last
         low, high, jumps = self._halved(t, low, high, not stays)
         finest = 2 * self.unit(t + self.direction * high)
-        return max(low - (finest if jumps else 0.0), 10 * self.unit(t)), jumps
+        shorter, edge = (finest, 0.5 * (low + high)) if jumps else (0.0, 0.0)
+        return max(low - shorter, 10 * self.unit(t)), edge
 
-    def _to_knot(self, t: float, rest: float) -> tuple[float, bool]:
+    def _to_knot(self, t: float, rest: float) -> tuple[float, float]:
         ahead = [self.direction * (k - t) for k in self.knots]
         nearest = min((a for a in ahead if a > 4 * self.unit(t)), default=math.inf)
         length = nearest - 2 * self.unit(t + self.direction * nearest) if nearest < rest else rest
-        return length, nearest < rest
+        return length, nearest if nearest < rest else 0.0
 
     def _halved(self, t: float, low: float, high: float, jumps: bool) -> tuple[float, float, bool]:
         smallest = 10 * self.unit(t)
