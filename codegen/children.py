@@ -9,10 +9,15 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
 
+from codegen import telling
+
+HEARD_SECONDS = 0.1
+"""Between two times that who listens to the compilation is told that a command goes on."""
 PATIENCE_SECONDS = 0.3
 """What an interrupted process gets to end by itself."""
 
@@ -39,11 +44,22 @@ def finished(
     )
     with process:
         try:
-            out, err = process.communicate(timeout=seconds)
+            out, err = _communicated(process, seconds)
         except BaseException:
             _end(process)
             raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
+    """Return what a process prints; whoever listens is told now and then that it goes on."""
+    end = time.monotonic() + seconds
+    while telling.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
+        try:
+            return process.communicate(timeout=min(HEARD_SECONDS, rest))
+        except subprocess.TimeoutExpired:
+            telling.beat()
+    return process.communicate(timeout=end - time.monotonic())
 
 
 def _end(process: subprocess.Popen[str]) -> None:
