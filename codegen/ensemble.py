@@ -29,7 +29,7 @@ from codegen.compiled import Compiled
 from codegen.crews import Cluster, Threads, Work, pieces
 from codegen.gathering import Gathered
 from codegen.identity import SameObject
-from codegen.integrate import fleet
+from codegen.integrate import fleet, onward
 from codegen.integrate.fleet import Shared
 from codegen.integrate.trajectory import MAX_STEPS, Array
 from codegen.layout import names_of, to_array
@@ -57,11 +57,12 @@ class Ensemble:
     step, max_steps. ``stopped`` (2, M): numbers of the first 10,000 trajectories that did not reach the
     end, and their status. ``statistics``, ``drift``: by name of the state or output, and of the constant
     of the motion (largest change over its first value). ``columns``: ``y`` (n, K, N), ``outputs`` (o, K,
-    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected`` (N,), ``drift`` (i,
-    N), where they are kept: NaN at times that a trajectory did not reach. ``method``: what integrated,
-    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder
-    of the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are
-    those of the system.
+    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected``, ``continued`` (N,),
+    ``drift`` (i, N), where they are kept: NaN at times that a trajectory did not reach; ``continued`` is 1
+    where another method went on, 2 where it may have passed what is singular. ``method``: what integrated,
+    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder of
+    the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are those of
+    the system.
     """
 
     count: int
@@ -171,6 +172,7 @@ def ensemble(
     default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
     called with the share that is done.
 
+    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` tells it.
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
     `InputError` for unusable arguments, samples that are not finite or contradict the system's
     assumptions (`AssumptionError`), and a store that cannot be written or holds another ensemble.
@@ -333,6 +335,7 @@ def _result(
     plan, layout = gathered.plan, gathered.plan.compiled.layout
     used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
+    went_on = onward.told(gathered.continued)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,
@@ -345,7 +348,7 @@ def _result(
         names=names_of(layout.states),
         outputs=layout.results[OUTPUTS],
         method=used.method,
-        notice="; ".join(n for n in (plan.compiled.notice, used.notice, *notes) if n),
+        notice="; ".join(filter(None, (plan.compiled.notice, used.notice, went_on, *notes))),
         steps=gathered.steps,
         computed=gathered.computed,
         seconds=seconds,

@@ -30,6 +30,7 @@ class Gathered:
     bins: list[Bins] = field(default_factory=list)
     histograms: dict[str, Counts] = field(default_factory=dict)
     reasons: Counter[int] = field(default_factory=Counter)
+    continued: Counter[int] = field(default_factory=Counter)
     stopped: list[NDArray[np.int64]] = field(default_factory=list)
     steps: int = 0
     done: int = 0
@@ -52,6 +53,7 @@ class Gathered:
                 self.bins = [Bins.joined(self.bins)]
         self._stop(tallies.stopped)
         self.reasons.update(tallies.reasons)
+        self.continued.update(tallies.continued)
         self.steps += tallies.steps
         self.done += tallies.count
         self.computed += piece.computed

@@ -269,7 +269,20 @@ def _beyond(
         )
     both = joined(first, second, problem, why)
     passed = f"{why}, and {method} went on: if the rates are singular there, the rest says nothing"
-    return both if sure else replace(both, notice=_told_also(both.notice, passed))
+    return both if sure else replace(both, notice=_told_also(both.notice, passed), passed=True)
+
+
+def resumed(task: Task, methods: Mapping[str, Prepare], first: Trajectory) -> Trajectory:
+    """Go on where a Taylor series stopped that ran elsewhere, as a run that is stuck there would.
+
+    Returns ``first`` itself where nothing gets further.
+    """
+    problem, rest = task.problem, _rest(task.problem, first)
+    further = replace(task, problem=rest)
+    series = Explicit("taylor", "", stiffness.taylor_reach(taylor.order_of(rest.rtol)))
+    second = _going_on(further, methods, series, methods[series.method](further))(rest)
+    goes_on = second.stop.kind in ENDS or len(second.methods) > 1
+    return joined(first, second, problem, _stuck(problem, first)) if goes_on else first
 
 
 def _overflow(task: Task, first: Trajectory) -> bool:
@@ -357,6 +370,7 @@ def joined(first: Trajectory, second: Trajectory, problem: Problem, why: str) ->
         methods=(*first.methods, *second.methods),
         notice=_told_also(first.notice, second.notice),
         found=_all_found(first, second),
+        passed=first.passed or second.passed,
     )
 
 
