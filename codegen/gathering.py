@@ -67,7 +67,7 @@ class Gathered:
                 raise InputError(
                     "the trajectories do not fit into memory",
                     got=f"{self.total:,} trajectories, {name} of shape {shape}",
-                    hint="give a store, or keep=False with statistics",
+                    hint="keep=False, with statistics or a store",
                 ) from None
         return self.columns[name]
 

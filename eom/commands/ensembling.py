@@ -198,11 +198,17 @@ def _run(
     **options: Any,
 ) -> Ensemble:
     import codegen
+    from codegen.ensemble import size_of_one
 
     compiled = compiled_of(scene, "auto")
     names = _counted(scene) if statistics is None else tuple(statistics.split(","))
     sampler, parameters = _samples(scene, plan)
     end, settings = scene.integration.t_end, scene.integration
+    times = _times(end, points)
+    if options["store"] is not None:
+        size, count = size_of_one(compiled, points) * len(sampler), len(sampler)
+        where = printable(options["store"])
+        click.echo(f"note: {count:,} trajectories, {size:,} bytes, go to {where}", err=True)
     with _client(cluster) as client, progress_of("integrating") as progress:
         found = codegen.ensemble(
             compiled,
@@ -211,7 +217,7 @@ def _run(
             parameters,
             rtol=settings.rtol,
             atol=settings.atol,
-            t_eval=_times(end, points),
+            t_eval=times,
             inputs=scene.input_values(),
             statistics=codegen.Statistics(names, quantiles),
             keep=False,
