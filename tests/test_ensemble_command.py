@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import codegen
 import eom
 from codegen import Normal, Sampler, Statistics, Uniform, memory, native
+from codegen.ensemble import size_of_one
 from eom.__main__ import main
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
@@ -125,22 +126,10 @@ def test_a_store_is_read_again_and_holds_the_trajectories(run, tmp_path):
 def test_what_is_stored_is_told_before_the_run_and_what_does_not_fit_is_refused(
     run, tmp_path, monkeypatch
 ):
-    """Three states, no output, one time: 3 values, their end, two constants, when; and five numbers."""
     words = ["t-handle", *VARY, "--t-end", 2, "--count"]
     monkeypatch.setattr(memory, "available", lambda: 1e7)
     done = run(*words, 300, "--out", tmp_path / "runs")
-    each = (
-        8
-        * (
-            3
-            + 3
-            + len(
-                codegen.compile(eom.Scene.ready("t-handle").derive()).layout.results["invariants"]
-            )
-            + 1
-        )
-        + 20
-    )
+    each = size_of_one(codegen.compile(eom.Scene.ready("t-handle").derive()), 1)
     assert f"note: 300 trajectories, {300 * each:,} bytes, go to {tmp_path}" in done.stderr
     assert "bytes" not in run(*words, 300).stderr
     for further in (["--chunk", 10**6], ["--points", 10**5], ["--threads", 10**4]):
