@@ -26,7 +26,7 @@ from eom.commands.shared import (
 from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
-    from codegen import Ensemble, Sampler, Summary
+    from codegen import Compiled, Ensemble, Sampler, Summary
     from eom.opening import AnyScene
 
 MOST_POINTS = 1_000_000
@@ -198,7 +198,6 @@ def _run(
     **options: Any,
 ) -> Ensemble:
     import codegen
-    from codegen.ensemble import size_of_one
 
     compiled = compiled_of(scene, "auto")
     names = _counted(scene) if statistics is None else tuple(statistics.split(","))
@@ -206,9 +205,7 @@ def _run(
     end, settings = scene.integration.t_end, scene.integration
     times = _times(end, points)
     if options["store"] is not None:
-        size, count = size_of_one(compiled, points) * len(sampler), len(sampler)
-        where = printable(options["store"])
-        click.echo(f"note: {count:,} trajectories, {size:,} bytes, go to {where}", err=True)
+        _say_what_is_stored(compiled, len(sampler), points, options["store"])
     with _client(cluster) as client, progress_of("integrating") as progress:
         found = codegen.ensemble(
             compiled,
@@ -230,6 +227,13 @@ def _run(
     if notice := found.notice.removeprefix(compiled.notice).removeprefix("; "):
         click.echo(f"note: {notice}", err=True)
     return found
+
+
+def _say_what_is_stored(compiled: Compiled, count: int, points: int, store: Path) -> None:
+    from codegen.ensemble import size_of_one
+
+    size = count * size_of_one(compiled, points)
+    click.echo(f"note: {count:,} trajectories, {size:,} bytes, go to {printable(store)}", err=True)
 
 
 def _times(end: float, points: int) -> list[float]:
