@@ -206,11 +206,18 @@ def _going_on(
         first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
         if look.stiff is not None and first.stop.kind == LEFT:
             return _implicitly(task, methods, problem, first, look.stiff)
-        if first.stop.kind == "step" or first.stop.overflows:
-            return _beyond(task, methods, problem, first)
-        return first
+        return _onward(task, methods, problem, first)
 
     return integrator
+
+
+def _onward(
+    task: Task, methods: Mapping[str, Prepare], problem: Problem, first: Trajectory
+) -> Trajectory:
+    """Go on where a method is stuck but not the solution, as far as that can be told."""
+    if first.stop.kind == "step" or first.stop.overflows:
+        return _beyond(task, methods, problem, first)
+    return first
 
 
 class _Look:
@@ -273,16 +280,14 @@ def _beyond(
 
 
 def resumed(task: Task, methods: Mapping[str, Prepare], first: Trajectory) -> Trajectory:
-    """Go on where a Taylor series stopped that ran elsewhere, as a run that is stuck there would.
+    """Go on where a Taylor series of many trajectories stopped, by the rule of one run.
 
-    Returns ``first`` itself where nothing gets further.
+    Whether coefficients overflow there, which these do not say, is found by a step of one series.
     """
-    problem, rest = task.problem, _rest(task.problem, first)
-    further = replace(task, problem=rest)
-    series = Explicit("taylor", "", stiffness.taylor_reach(taylor.order_of(rest.rtol)))
-    second = _going_on(further, methods, series, methods[series.method](further))(rest)
-    goes_on = second.stop.kind in ENDS or len(second.methods) > 1
-    return joined(first, second, problem, _stuck(problem, first)) if goes_on else first
+    rest = _rest(task.problem, first)
+    series, _ = methods[first.methods[-1]](replace(task, problem=rest))
+    stop = replace(first.stop, overflows=series(replace(rest, max_steps=1)).stop.overflows)
+    return _onward(task, methods, task.problem, replace(first, stop=stop))
 
 
 def _overflow(task: Task, first: Trajectory) -> bool:
