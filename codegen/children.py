@@ -9,10 +9,14 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from multiprocessing import resource_tracker
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
+from codegen import telling
+
+HEARD_SECONDS = 0.1
+"""Between two times that who listens to the compilation is told that a command goes on."""
 PATIENCE_SECONDS = 0.3
 """What an interrupted process gets to end by itself."""
 
@@ -39,11 +43,22 @@ def finished(
     )
     with process:
         try:
-            out, err = process.communicate(timeout=seconds)
+            out, err = _communicated(process, seconds)
         except BaseException:
             _end(process)
             raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
+    """Return what a process prints; whoever listens is told now and then that it goes on."""
+    end = time.monotonic() + seconds
+    while telling.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
+        try:
+            return process.communicate(timeout=min(HEARD_SECONDS, rest))
+        except subprocess.TimeoutExpired:
+            telling.beat()
+    return process.communicate(timeout=end - time.monotonic())
 
 
 def _end(process: subprocess.Popen[str]) -> None:
@@ -58,27 +73,3 @@ def _end(process: subprocess.Popen[str]) -> None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(PATIENCE_SECONDS)
     process.kill()
-
-
-@contextmanager
-def not_interrupted() -> Iterator[None]:
-    """Let processes that are started inside not be interrupted: whoever started them ends them.
-
-    An interruption from the keyboard goes to all processes of the terminal; one that is still loading its
-    modules would print a traceback. Here it arrives at the end of the block.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # which lets interruptions through when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def interruptible() -> None:
-    """Let this process be interrupted again, which `not_interrupted` started."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})

@@ -6,6 +6,7 @@ failure, and by several workers without harm.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -19,7 +20,7 @@ from codegen.batches import batch
 from codegen.clock import Clock, clock_of, span_since
 from codegen.compiled import Compiled
 from codegen.identity import SameObject
-from codegen.integrate import fleet
+from codegen.integrate import fleet, onward
 from codegen.integrate.fleet import Runs, Shared
 from codegen.integrate.trajectory import Array
 from codegen.layout import names_of
@@ -54,6 +55,8 @@ class Tallies:
     bins: Bins | None
     histograms: Mapping[str, Counts]
     reasons: Mapping[int, int]
+    continued: Mapping[int, int]
+    """How many another method went on with, by what `codegen.integrate.onward` says of that."""
     stopped: NDArray[np.int64]
     """Rows (number, status) of trajectories that did not reach the end."""
     steps: int
@@ -78,7 +81,7 @@ DRIFT, VALUES = "drift", "values"
 @lru_cache(maxsize=16)
 def built(key: SameObject[Compiled], method: str, rtol: float) -> fleet.Built:
     """Return what integrates; compiled once a process."""
-    return fleet.build(key.value, method, rtol)
+    return onward.built(key.value, method, rtol)
 
 
 def run(plan: Plan, some: Population, number: int) -> Piece:
@@ -105,6 +108,7 @@ def run(plan: Plan, some: Population, number: int) -> Piece:
         "which": runs.which,
         "steps": runs.steps,
         "rejected": runs.rejected,
+        "continued": runs.continued,
     }
     tallies = counted(plan, columns, first)
     return Piece(number, first, columns if plan.columns else {}, tallies)
@@ -166,13 +170,13 @@ def counted(plan: Plan, columns: Columns, first: int) -> Tallies:
         for n, edges in plan.statistics.edges.items()
     }
     status = columns["status"]
-    reasons, counts = np.unique(status, return_counts=True)
     bad = np.flatnonzero(status != 0)
     return Tallies(
         nodes,
         bins_of(flat) if plan.statistics.quantiles and len(flat) else None,
         histograms,
-        dict(zip(reasons.tolist(), counts.tolist(), strict=True)),
+        Counter(status.tolist()),
+        Counter(columns["continued"][columns["continued"] != 0].tolist()),
         np.stack([bad + first, status[bad]]).astype(np.int64)[:, :MOST_LISTED],
         int(columns["steps"].sum(dtype=np.int64)),
         len(status),

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen import fastcall, native
+from codegen import fastcall, native, telling
 from codegen.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
 from codegen.elsewhere import as_system
 from codegen.guard import Guard
@@ -179,6 +179,7 @@ def compile(  # noqa: A001 - the word that users expect
     rules: str = "algebraic",
     stable: bool = False,
     attitudes: Sequence[BodyAttitude] = (),
+    progress: Callable[[str, float], None] | None = None,
 ) -> Compiled:
     """Compile ``system`` for a target.
 
@@ -193,6 +194,9 @@ def compile(  # noqa: A001 - the word that users expect
     ``stable``: apply every identity of `codegen.identities` against cancellation; those that cost no
     time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
     of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
+    ``progress``: called with the stage, one of `codegen.telling.STAGES` in this order, and the share of
+    it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once more, for
+    NumPy. What it raises ends the compilation, and nothing of it is kept.
 
     Units are those of the system, any consistent units.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
@@ -208,13 +212,14 @@ def compile(  # noqa: A001 - the word that users expect
     array([[ 0.,  3.],
            [-4., -8.]])
     """
-    system = as_system(system, attitudes=attitudes)
-    structure = Structure.of(system, parameters, states, inputs)
-    program, layout = fitted(system, structure, rules, stable)
     build = TARGETS.get(target)
     if build is None:
         raise unknown_name("target", target, TARGETS)
-    used, functions, notice = build(program, layout)
+    system = as_system(system, attitudes=attitudes)
+    structure = Structure.of(system, parameters, states, inputs)
+    with telling.to(progress):
+        program, layout = fitted(system, structure, rules, stable)
+        used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
 
 
@@ -240,8 +245,10 @@ def _module_functions(
 ) -> tuple[str, Functions, str]:
     """Load the generated module; ``kernel`` makes a kernel of one of its functions."""
     name = identifier(layout.name)
-    text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
-    module = load_module(text, name)
+    with telling.stage("text", lambda: len(program.instructions)):
+        text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
+    with telling.stage("compiler"):
+        module = load_module(text, name)
     functions = {g: CheckedFunction(g, layout, kernel(getattr(module, g))) for g in layout.sizes}
     return target, functions, ""
 
@@ -265,10 +272,12 @@ def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
-    refuse_unsupported(ROWS["c"], program, layout)
-    text = c.single_text(program, layout)
+    with telling.stage("text", lambda: len(program.instructions)):
+        refuse_unsupported(ROWS["c"], program, layout)
+        text = c.single_text(program, layout)
     flags = native.flags_for(max(layout.sizes.values()), len(program.instructions))
-    library = native.load(native.compile_library(text, flags), text, flags)
+    with telling.stage("compiler"):
+        library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}
     prepare = _address(library, f"{name}_prepare")

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from codegen import memory
 from codegen import store as stores
 from codegen.arguments import grid as grid_of
 from codegen.arguments import positive, relative
@@ -29,7 +30,7 @@ from codegen.compiled import Compiled
 from codegen.crews import Cluster, Threads, Work, pieces
 from codegen.gathering import Gathered
 from codegen.identity import SameObject
-from codegen.integrate import fleet
+from codegen.integrate import fleet, onward
 from codegen.integrate.fleet import Shared
 from codegen.integrate.trajectory import MAX_STEPS, Array
 from codegen.layout import names_of, to_array
@@ -57,11 +58,12 @@ class Ensemble:
     step, max_steps. ``stopped`` (2, M): numbers of the first 10,000 trajectories that did not reach the
     end, and their status. ``statistics``, ``drift``: by name of the state or output, and of the constant
     of the motion (largest change over its first value). ``columns``: ``y`` (n, K, N), ``outputs`` (o, K,
-    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected`` (N,), ``drift`` (i,
-    N), where they are kept: NaN at times that a trajectory did not reach. ``method``: what integrated,
-    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder
-    of the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are
-    those of the system.
+    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected``, ``continued`` (N,),
+    ``drift`` (i, N), where they are kept: NaN at times that a trajectory did not reach; ``continued`` is 1
+    where another method went on, 2 where it may have passed what is singular. ``method``: what integrated,
+    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder of
+    the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are those of
+    the system.
     """
 
     count: int
@@ -171,9 +173,11 @@ def ensemble(
     default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
     called with the share that is done.
 
+    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` tells it.
     Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
     `InputError` for unusable arguments, samples that are not finite or contradict the system's
-    assumptions (`AssumptionError`), and a store that cannot be written or holds another ensemble.
+    assumptions (`AssumptionError`), a store that cannot be written or holds another ensemble, and before
+    the run what cannot fit into memory: trajectories that are kept, chunks at work.
     Units are those of the system. Sources: as of `simulate`; of means and variances Chan, Golub and
     LeVeque, Am. Stat. 37 (1983) 242; of random numbers Salmon, Moraes, Dror and Shaw, SC 2011.
 
@@ -193,6 +197,7 @@ def ensemble(
     kept = store is None if keep is None else keep
     size = _chunk(chunk, some.count, shared, compiled)
     plan = Plan(compiled, method, shared, _statistics(compiled, statistics), size, kept)
+    _refuse_what_does_not_fit(plan, some.count, number if client is None else 0)
     work, mended = (run, "") if store is None else _stored(plan, some, store, store_format)
     integrator(plan)  # before the threads that need it
     notes = (_doubt(plan, some), mended)
@@ -294,6 +299,41 @@ def _chunk(asked: int | None, count: int, shared: Shared, compiled: Compiled) ->
     return -(-_whole(asked, "chunk") // BLOCK) * BLOCK
 
 
+def size_of_one(compiled: Compiled, times: int) -> int:
+    """Return the bytes that one trajectory takes where it is kept, with so many stored ``times``."""
+    layout = compiled.layout
+    states, rows = len(layout.states), len(layout.states) + len(layout.results[OUTPUTS])
+    doubles = rows * times + states + len(layout.results[INVARIANTS]) + 1  # its end, and when
+    return 8 * doubles + 4 * len(stores.INTEGERS)
+
+
+def _refuse_what_does_not_fit(plan: Plan, count: int, threads: int) -> None:
+    """Raise `InputError` where what is kept, or the chunks at work, cannot fit into memory.
+
+    ``threads``: at work in this process. What is counted alone takes no room that grows with ``count``.
+    """
+    layout, times = plan.compiled.layout, len(plan.shared.t_eval)
+    each, chunk = size_of_one(plan.compiled, times), min(plan.chunk, count)
+    copies = 8 * times * (len(layout.states) + 2 * len(plan.statistics.names))
+    parallel = min(threads, -(-count // chunk))
+    working = parallel * chunk * (each + copies)
+    kept = count * each if plan.columns else 0
+    free = memory.available()
+    if working + kept <= free:
+        return
+    most, parts = int((free - working) // each), [f"{parallel} chunks of {chunk:,} at work"]
+    if kept:
+        parts.append(f"{count:,} that are kept, {each:,} bytes each")
+    raise InputError(
+        "the trajectories do not fit into memory",
+        got=f"{working + kept:,} bytes: {' and '.join(parts)}",
+        expected=f"at most {int(free):,} bytes" + (f", {most:,} trajectories" if most > 0 else ""),
+        hint="keep=False, with statistics or a store"
+        if working <= free
+        else "a smaller chunk, fewer threads, or fewer times",
+    )
+
+
 def _contents(
     plan: Plan, some: Population, used: fleet.Built, store_format: str
 ) -> stores.Contents:
@@ -333,6 +373,7 @@ def _result(
     plan, layout = gathered.plan, gathered.plan.compiled.layout
     used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
+    went_on = onward.told(gathered.continued)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,
@@ -345,7 +386,7 @@ def _result(
         names=names_of(layout.states),
         outputs=layout.results[OUTPUTS],
         method=used.method,
-        notice="; ".join(n for n in (plan.compiled.notice, used.notice, *notes) if n),
+        notice="; ".join(filter(None, (plan.compiled.notice, used.notice, went_on, *notes))),
         steps=gathered.steps,
         computed=gathered.computed,
         seconds=seconds,

@@ -30,6 +30,7 @@ class Gathered:
     bins: list[Bins] = field(default_factory=list)
     histograms: dict[str, Counts] = field(default_factory=dict)
     reasons: Counter[int] = field(default_factory=Counter)
+    continued: Counter[int] = field(default_factory=Counter)
     stopped: list[NDArray[np.int64]] = field(default_factory=list)
     steps: int = 0
     done: int = 0
@@ -52,6 +53,7 @@ class Gathered:
                 self.bins = [Bins.joined(self.bins)]
         self._stop(tallies.stopped)
         self.reasons.update(tallies.reasons)
+        self.continued.update(tallies.continued)
         self.steps += tallies.steps
         self.done += tallies.count
         self.computed += piece.computed
@@ -65,7 +67,7 @@ class Gathered:
                 raise InputError(
                     "the trajectories do not fit into memory",
                     got=f"{self.total:,} trajectories, {name} of shape {shape}",
-                    hint="give a store, or keep=False with statistics",
+                    hint="keep=False, with statistics or a store",
                 ) from None
         return self.columns[name]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from codegen import fold, massmatrix, removable
+from codegen import fold, massmatrix, removable, telling
 from codegen.functions import BESSEL, FUNCTIONS, bessel, refusal
 from codegen.program import Builder, Name, Program
 from eom.errors import InputError
@@ -72,6 +72,20 @@ def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Progra
         SINGULARITIES: [lowering.lower(s.expression, "singularity") for s in system.singularities],
     }
     return b.program(results)
+
+
+def nodes(system: System) -> int:
+    """Return the number of different operations in the expressions of a system."""
+    named = (*system.definitions, *system.outputs, *system.invariants)
+    stack = [*system.rates, *(d.expression for d in named), *(system.mass_matrix or ())]
+    stack += [s.expression for s in system.singularities]
+    seen: set[Expr] = set()
+    while stack:
+        node = stack.pop()
+        if node.args and node not in seen:
+            seen.add(node)
+            stack.extend(node.args)
+    return len(seen)
 
 
 def lower_expressions(
@@ -168,6 +182,7 @@ class Lowering:
                 continue
             self.memo[node] = build([self.memo[c] for c in children])
             stack.pop()
+            telling.done(1)
         return self.memo[expression]
 
     def _rule(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:

@@ -244,7 +244,7 @@ def _run(command: Sequence[str], folder: str) -> str | None:
         return str(error)
     except subprocess.TimeoutExpired as error:
         said = (error.stderr or error.stdout or b"").decode(errors="replace").strip()
-        return f"stopped after {error.timeout:g} s\n{said}".strip()
+        return f"stopped after {TIMEOUT_SECONDS:g} s\n{said}".strip()
     if done.returncode == 0:
         return None
     return f"{_ending(done.returncode)}\n{(done.stderr or done.stdout).strip()}".strip()

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
+from codegen import telling
 from codegen.chains import share_products, share_sums
 from codegen.factoring import factor_sums
 from codegen.fold import ALGEBRAIC, RULE_SETS
 from codegen.gather import gather
 from codegen.layout import Layout
-from codegen.lower import lower_system
+from codegen.lower import lower_system, nodes
 from codegen.ops import Instruction, cost_of
 from codegen.passes import prune
 from codegen.program import Name, Program, bindings
@@ -60,6 +61,9 @@ ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", e
 
 PASSES = (INVERT, GATHER, *ROUND, STRENGTH, SCALES, ORDER)
 """All passes; early factors are gathered once more before the scales."""
+BEFORE, AFTER = (INVERT, GATHER), (STRENGTH, GATHER, SCALES)
+MOST_PASSES = len(BEFORE) + MAX_ROUNDS * len(ROUND) + len(AFTER)
+"""Applied to one group of results at most, the order left out."""
 
 
 def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
@@ -69,24 +73,30 @@ def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
     program's rules are exact, passes that are not are left out.
     """
     if program.rules is ALGEBRAIC:
-        program = yield from _applied(program, (INVERT, GATHER))
-        for _ in range(MAX_ROUNDS):
+        size = len(program.instructions)
+        program = yield from _applied(program, BEFORE, size)
+        for left in reversed(range(MAX_ROUNDS)):
             before = program
-            program = yield from _applied(program, ROUND)
+            program = yield from _applied(program, ROUND, size)
             if program.cost() > WORTHWHILE * before.cost():
+                telling.done(size * len(ROUND) * left)
                 break
-        program = yield from _applied(program, (STRENGTH, GATHER, SCALES))
+        program = yield from _applied(program, AFTER, size)
     after = ORDER.run(program)
     if after is not program:
         yield ORDER, after
 
 
 def _applied(
-    program: Program, passes: Iterable[Pass]
+    program: Program, passes: Iterable[Pass], size: int
 ) -> Generator[tuple[Pass, Program], None, Program]:
-    """Apply passes; yield each that made the program cheaper, and return the last program."""
+    """Apply passes; yield each that made the program cheaper, and return the last program.
+
+    ``size``: units of work that one is told to be.
+    """
     for p in passes:
         after = _cheaper(program, p)
+        telling.done(size)
         if after is not program:
             program = after
             yield p, program
@@ -115,7 +125,10 @@ def optimise(program: Program) -> Program:
     Law: results are equal in exact arithmetic, and the same bit for bit where the program's rules
     are exact; no group costs more than before.
     """
-    return join({g: _optimised(prune(program, [g])) for g in program.results})
+    parts = {g: prune(program, [g]) for g in program.results}
+    work = MOST_PASSES * sum(len(part.instructions) for part in parts.values())
+    with telling.stage("passes", lambda: work):
+        return join({g: _optimised(part) for g, part in parts.items()})
 
 
 def _optimised(program: Program) -> Program:
@@ -173,7 +186,8 @@ def as_written(
     """
     if rules not in RULE_SETS:
         raise unknown_name("set of rules", rules, RULE_SETS)
-    return fit(lower_system(system, RULE_SETS[rules]), system, structure)
+    with telling.stage("lowering", lambda: nodes(system)):
+        return fit(lower_system(system, RULE_SETS[rules]), system, structure)
 
 
 def formed(program: Program, stable: bool) -> Program:
@@ -183,4 +197,5 @@ def formed(program: Program, stable: bool) -> Program:
     """
     if program.rules is not ALGEBRAIC:
         return program
-    return (rewritten if stable else rewritten_freely)(program).program
+    with telling.stage("stable forms", lambda: len(program.instructions)):
+        return (rewritten if stable else rewritten_freely)(program).program

@@ -12,7 +12,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import NamedTuple
 
-from codegen import fold
+from codegen import fold, telling
 from codegen.linsolve import Shape
 from codegen.ops import (
     INTEGER_FIRST,
@@ -174,6 +174,7 @@ class Builder:
 
         ``value``: the data of an operation that has some.
         """
+        telling.done()
         if OPS[op].commutative and args[0] > args[1]:
             args = (args[1], args[0])
         folded = fold.fold(self, op, args, self.rules)

@@ -9,6 +9,7 @@ without those before.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -181,6 +182,9 @@ class Sampler:
         for what, value in (("count", self.count), ("seed", self.seed)):
             if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**64:
                 raise InputError(f"{what} is not a whole number from 0 to 2^64 - 1", got=value)
+        count = self.count or math.prod(grid.count for grid in self._grids)
+        if count > sys.maxsize:
+            raise InputError("too many samples", got=count, expected=f"at most {sys.maxsize}")
 
     def __len__(self) -> int:
         """Return the number of samples."""

@@ -9,6 +9,7 @@ from functools import reduce
 from itertools import combinations
 from typing import NamedTuple
 
+from codegen import telling
 from codegen.fold import constant
 from codegen.identities import IDENTITIES, LIKE_TERMS, RANGE, Identity
 from codegen.ops import OPS
@@ -86,6 +87,7 @@ class _Rewriter:
 
     def run(self) -> Rewriting:
         for k, (op, args, value) in enumerate(self.program.instructions):
+            telling.done(1)
             if op not in OPS:
                 self.new[k] = self.b.leaf(op, value)
             elif op in {"add", "sub"}:

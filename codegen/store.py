@@ -29,7 +29,7 @@ from codegen.chunks import Columns, Piece, Plan, counted, run
 from codegen.samples import Population
 from eom.errors import InputError, unknown_name
 
-INTEGERS = ("status", "which", "steps", "rejected")
+INTEGERS = ("status", "which", "steps", "rejected", "continued")
 """Columns of 32 bits; the others are doubles."""
 
 

@@ -133,6 +133,7 @@ def _codegen():
         "compile": (codegen.compile, {
             "system": OSCILLATOR, "target": "numpy", "parameters": {"k": 1.0}, "states": {},
             "inputs": {}, "rules": "algebraic", "stable": False, "attitudes": (),
+            "progress": None,
         }),
         "linearise": (codegen.linearise, {"compiled": compiled, "x": [1, 0], "p": [1], "u": [0], "t": 0.0}),
         "equilibrium": (codegen.equilibrium, {"compiled": compiled, **search}),

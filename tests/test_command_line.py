@@ -270,8 +270,10 @@ WAITS = """
 import time
 from eom.commands import shared
 shared.QUIET_SECONDS = {quiet}
-with shared.waiting_for("a long work"):
-    time.sleep({work})
+with shared.waiting_for("a long work") as show:
+    time.sleep({work} / 2)
+    shared.compiling(show)("lowering", 0.25)
+    time.sleep({work} / 2)
 print("done")
 """
 
@@ -300,3 +302,4 @@ def test_waiting_in_a_terminal(quiet, work, shown, tmp_path):
     os.close(leader)
     assert out == b"done\n"
     assert (b"a long work" in told) == shown
+    assert (b"compiling: lowering 25%" in told) == shown

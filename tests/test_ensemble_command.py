@@ -9,7 +9,8 @@ from click.testing import CliRunner
 
 import codegen
 import eom
-from codegen import Normal, Sampler, Statistics, Uniform, native
+from codegen import Normal, Sampler, Statistics, Uniform, memory, native
+from codegen.ensemble import size_of_one
 from eom.__main__ import main
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
@@ -120,6 +121,21 @@ def test_a_store_is_read_again_and_holds_the_trajectories(run, tmp_path):
     other = run(*SOME[:-2], "--rtol", 1e-8, "--chunk", 256, "--out", tmp_path / "runs")
     assert other.exit_code == 2
     assert "another ensemble" in other.stderr
+
+
+def test_what_is_stored_is_told_before_the_run_and_what_does_not_fit_is_refused(
+    run, tmp_path, monkeypatch
+):
+    words = ["t-handle", *VARY, "--t-end", 2, "--count"]
+    monkeypatch.setattr(memory, "available", lambda: 1e7)
+    done = run(*words, 300, "--out", tmp_path / "runs")
+    each = size_of_one(codegen.compile(eom.Scene.ready("t-handle").derive()), 1)
+    assert f"note: 300 trajectories, {300 * each:,} bytes, go to {tmp_path}" in done.stderr
+    assert "bytes" not in run(*words, 300).stderr
+    for further in (["--chunk", 10**6], ["--points", 10**5], ["--threads", 10**4]):
+        done = run(*words, 10**9, *further)
+        assert (done.exit_code, done.stderr.count("error: ")) == (2, 1)
+        assert "do not fit into memory" in done.stderr
 
 
 def test_a_cluster_gives_the_same_numbers(run):

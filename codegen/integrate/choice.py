@@ -206,11 +206,18 @@ def _going_on(
         first = replace(made, method=name, why=chosen.why, methods=(chosen.method,))
         if look.stiff is not None and first.stop.kind == LEFT:
             return _implicitly(task, methods, problem, first, look.stiff)
-        if first.stop.kind == "step" or first.stop.overflows:
-            return _beyond(task, methods, problem, first)
-        return first
+        return _onward(task, methods, problem, first)
 
     return integrator
+
+
+def _onward(
+    task: Task, methods: Mapping[str, Prepare], problem: Problem, first: Trajectory
+) -> Trajectory:
+    """Go on where a method is stuck but not the solution, as far as that can be told."""
+    if first.stop.kind == "step" or first.stop.overflows:
+        return _beyond(task, methods, problem, first)
+    return first
 
 
 class _Look:
@@ -269,7 +276,18 @@ def _beyond(
         )
     both = joined(first, second, problem, why)
     passed = f"{why}, and {method} went on: if the rates are singular there, the rest says nothing"
-    return both if sure else replace(both, notice=_told_also(both.notice, passed))
+    return both if sure else replace(both, notice=_told_also(both.notice, passed), passed=True)
+
+
+def resumed(task: Task, methods: Mapping[str, Prepare], first: Trajectory) -> Trajectory:
+    """Go on where a Taylor series of many trajectories stopped, by the rule of one run.
+
+    Whether coefficients overflow there, which these do not say, is found by a step of one series.
+    """
+    rest = _rest(task.problem, first)
+    series, _ = methods[first.methods[-1]](replace(task, problem=rest))
+    stop = replace(first.stop, overflows=series(replace(rest, max_steps=1)).stop.overflows)
+    return _onward(task, methods, task.problem, replace(first, stop=stop))
 
 
 def _overflow(task: Task, first: Trajectory) -> bool:
@@ -357,6 +375,7 @@ def joined(first: Trajectory, second: Trajectory, problem: Problem, why: str) ->
         methods=(*first.methods, *second.methods),
         notice=_told_also(first.notice, second.notice),
         found=_all_found(first, second),
+        passed=first.passed or second.passed,
     )
 
 

@@ -64,7 +64,8 @@ class Runs:
     """Trajectories side by side: ``y`` (times, n, N), ``t_stop`` (N,), ``y_stop`` (n, N).
 
     ``status`` (N,): numbers of `STATUS`; ``which``: of the singularity, or of the state that is not
-    finite, else -1. ``y`` is NaN at times that a trajectory did not reach.
+    finite, else -1. ``y`` is NaN at times that a trajectory did not reach. ``continued`` (N,): 0, or what
+    `codegen.integrate.onward` says where another method went on.
     """
 
     y: Array
@@ -74,6 +75,7 @@ class Runs:
     which: Integers
     steps: Integers
     rejected: Integers
+    continued: Integers
 
 
 Runner = Callable[[Shared, Array, Array], Runs]
@@ -156,13 +158,14 @@ trajectory takes about six times as long."""
 class Built:
     """What integrates many trajectories, what it is called, and why it is not something faster.
 
-    ``text``: the generated source that does it.
+    ``text``: the generated source that does it. ``series``: whether that is a Taylor series.
     """
 
     run: Runner
     method: str
     text: str
     notice: str = ""
+    series: bool = False
 
 
 def build(compiled: Compiled, method: str, rtol: float) -> Built:
@@ -202,12 +205,12 @@ def _taylor(compiled: Compiled, rtol: float) -> Built:
             reason = error.brief
         else:
             name = f"Taylor series of order {order} in {lanes} vector lanes, generated C"
-            return Built(runner(function), name, text)
+            return Built(runner(function), name, text, series=True)
     order = taylor.order_of(rtol)
     text = taylor.single_text(program, layout, order)
     run = _many(text, layout, "taylor", taylor.FLAGS)
     name = f"Taylor series of order {order} in generated C"
-    return Built(run, name, text, f"no lanes: {reason}")
+    return Built(run, name, text, f"no lanes: {reason}", series=True)
 
 
 def _against_lanes(program: Program, prepared: Prepared, order: int) -> str:
@@ -258,7 +261,7 @@ def _by_scipy(compiled: Compiled) -> Runner:
         for j in range(x.shape[1]):
             halting.check()
             found = scipy_.integrate(
-                compiled, _problem(shared, x, p, j, singularities), "DOP853", None
+                compiled, problem_of(shared, x, p, j, singularities), "DOP853", None
             )
             runs.y[: len(found.t), :, j] = found.y.T
             runs.t_stop[j], runs.y_stop[:, j] = found.stop.t, found.state_at_stop
@@ -269,7 +272,8 @@ def _by_scipy(compiled: Compiled) -> Runner:
     return run
 
 
-def _problem(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
+def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> Problem:
+    """Return what a trajectory is by itself, told to end as the thread is."""
     atol = _held(shared)
     return Problem(
         x0=np.ascontiguousarray(x[:, j]),
@@ -288,7 +292,7 @@ def _problem(shared: Shared, x: Array, p: Array, j: int, singularities: int) -> 
 
 
 def _empty(times: int, n: int, count: int) -> Runs:
-    numbers = (np.empty(count, dtype=np.int32) for _ in range(4))
+    numbers = (np.zeros(count, dtype=np.int32) for _ in range(5))
     return Runs(
         np.full((times, n, count), math.nan), np.empty(count), np.empty((n, count)), *numbers
     )

@@ -190,6 +190,11 @@ def _auto(task: Task) -> tuple[Integrator, str]:
     return choice.prepared(task, {row.name: row.prepare for row in ROWS})
 
 
+def resumed(task: Task, first: Trajectory) -> Trajectory:
+    """Go on where a Taylor series of an ensemble stopped: see `choice.resumed`."""
+    return choice.resumed(task, {row.name: row.prepare for row in ROWS}, first)
+
+
 def _sundials(kind: str) -> Callable[[Task], tuple[Integrator, str]]:
     def prepare(task: Task) -> tuple[Integrator, str]:
         sundials.require(f"sundials:{kind}")

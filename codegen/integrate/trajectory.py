@@ -130,3 +130,5 @@ class Trajectory:
     """Names of the methods that were chosen, in order."""
     found: Found | None = None
     """Events, where a problem has some."""
+    passed: bool = False
+    """Whether a method went on where another was stuck and the rates may be singular."""

@@ -12,6 +12,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Self
 
 from codegen import children
+from eom import interrupts
 
 READY_SECONDS = 300.0
 """A new process that has not even begun by then counts as dead."""
@@ -64,7 +65,7 @@ class Worker:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs, self.work), daemon=True)
-        with children.not_interrupted():
+        with interrupts.not_interrupted():
             self.process.start()
         theirs.close()
         self.connection = ours
@@ -91,7 +92,7 @@ def _end(process: Any) -> None:
 def _serve(connection: Connection, work: Callable[[Any], Any]) -> None:
     """Answer until the other side closes, or an interruption; an exception is an answer."""
     with suppress(KeyboardInterrupt):
-        children.interruptible()
+        interrupts.interruptible()
         _answers(connection, work)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from codegen import telling
 from codegen.interpret import constants
 from codegen.layout import Layout
 from codegen.linsolve import Shape
@@ -217,6 +218,7 @@ class _Renderer:
 
     def body(self) -> Body:
         for k, instruction in enumerate(self.program.instructions):
+            telling.done(1)
             if k in self.constants:
                 self.text[k] = self._number(self.constants[k])
             elif instruction.op == "time":

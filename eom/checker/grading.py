@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import multiprocessing as mp
 import os
-import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from time import monotonic
@@ -23,6 +21,7 @@ from eom.checker.inputs import Note, name_of, note_of, notes_of
 from eom.checker.places import printable
 from eom.checker.settings import Settings
 from eom.errors import InputError, typed
+from eom.interrupts import not_interrupted
 from eom.worlds import closure
 
 GRACE_SECONDS = 5.0
@@ -95,24 +94,10 @@ def _started(settings: Settings) -> _Worker:
     context = mp.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=_work, args=(theirs, settings), daemon=True)
-    with _not_interrupted():
+    with not_interrupted():
         process.start()
     theirs.close()
     return _Worker(process, ours)
-
-
-@contextmanager
-def _not_interrupted() -> Iterator[None]:
-    """Let a process that is started inside not be interrupted from the keyboard: it is ended from here."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    resource_tracker.ensure_running()  # which lets interruptions through when it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _stopped(worker: _Worker) -> None:
@@ -126,7 +111,7 @@ def _crew(count: int, settings: Settings) -> Iterator[list[_Worker]]:
     """Give workers, and end whichever are there afterwards."""
     crew: list[_Worker] = []
     try:
-        with _not_interrupted():  # one that is started is among those that are ended
+        with not_interrupted():  # one that is started is among those that are ended
             for _ in range(count):
                 crew.append(_started(settings))  # noqa: PERF401 - each at once
         yield crew

@@ -27,7 +27,7 @@ from eom.commands.shared import (
 from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
-    from codegen import Ensemble, Sampler, Summary
+    from codegen import Compiled, Ensemble, Sampler, Summary
     from eom.opening import AnyScene
 
 MOST_POINTS = 1_000_000
@@ -204,6 +204,9 @@ def _run(
     names = _counted(scene) if statistics is None else tuple(statistics.split(","))
     sampler, parameters = _samples(scene, plan)
     end, settings = scene.integration.t_end, scene.integration
+    times = _times(end, points)
+    if options["store"] is not None:
+        _say_what_is_stored(compiled, len(sampler), points, options["store"])
     with _client(cluster) as client, progress_of("integrating") as progress:
         found = codegen.ensemble(
             compiled,
@@ -212,7 +215,7 @@ def _run(
             parameters,
             rtol=settings.rtol,
             atol=settings.atol,
-            t_eval=_times(end, points),
+            t_eval=times,
             inputs=scene.input_values(),
             statistics=codegen.Statistics(names, quantiles),
             keep=False,
@@ -225,6 +228,13 @@ def _run(
     if notice := news(found.notice, compiled.notice):
         click.echo(f"note: {notice}", err=True)
     return found
+
+
+def _say_what_is_stored(compiled: Compiled, count: int, points: int, store: Path) -> None:
+    from codegen.ensemble import size_of_one
+
+    size = count * size_of_one(compiled, points)
+    click.echo(f"note: {count:,} trajectories, {size:,} bytes, go to {printable(store)}", err=True)
 
 
 def _times(end: float, points: int) -> list[float]:

@@ -13,6 +13,7 @@ from eom.commands.shared import (
     Rows,
     WithTable,
     compiled_of,
+    compiling,
     handover_option,
     progress_of,
     report_files,
@@ -133,8 +134,10 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
     from codegen import closed_c
 
     values = scene.initial_values(), scene.parameter_values(), scene.input_values()
-    with waiting_for("writing code"):
-        closed = closed_c.of_values(codegen.compile(scene.derive(), "python"), *values)
+    with waiting_for("deriving") as show:
+        compiled = codegen.compile(scene.derive(), "python", progress=compiling(show))
+        show("writing code")
+        closed = closed_c.of_values(compiled, *values)
         files = closed_c.files(closed, f"{scene.name}_closed")
     click.echo(f"{closed.name}: {closed.meaning}")
     return files

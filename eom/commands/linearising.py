@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import scene_argument, scene_of, target_option, waiting_for
+from eom.commands.shared import compiling, scene_argument, scene_of, target_option, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -56,8 +56,9 @@ def linearise(
     opened = scene_of(scene)
     guess, parameters = opened.initial_values(), opened.parameter_values()
     fixed = dict(_value(given, parameters) for given in held)
-    with waiting_for("deriving, compiling, looking for the point"):
-        compiled = codegen.compile(opened.derive(), target)
+    with waiting_for("deriving") as show:
+        compiled = codegen.compile(opened.derive(), target, progress=compiling(show))
+        show("looking for the point")
         point = codegen.equilibrium(
             compiled, guess, parameters, hold=fixed,
             cyclic=cyclic, free=free, starts=starts, seed=seed,

@@ -100,11 +100,16 @@ def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
     """Return a scene compiled; what the user should know about it goes to standard error."""
     import codegen
 
-    with waiting_for("deriving and compiling"):
-        compiled = codegen.compile(scene.derive(), target, stable=stable)
+    with waiting_for("deriving") as show:
+        compiled = codegen.compile(scene.derive(), target, stable=stable, progress=compiling(show))
     if compiled.notice:
         click.echo(f"note: {compiled.notice}", err=True)
     return compiled
+
+
+def compiling(show: Callable[[str], None]) -> Callable[[str, float], None]:
+    """Return what `codegen.compile` tells its progress to, for the line that `waiting_for` shows."""
+    return lambda stage, share: show(f"compiling: {stage} {share:.0%}")
 
 
 @contextmanager
@@ -131,10 +136,11 @@ def progress_of(work: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
-def waiting_for(work: str) -> Iterator[None]:
+def waiting_for(work: str) -> Iterator[Callable[[str], None]]:
     """Show that something goes on whose end nobody knows, once it has taken a while, as `progress_of`.
 
-    Nothing may be printed meanwhile: the line that is shown is written over.
+    Yields a function that shows what it is called with instead of ``work``. Nothing may be printed
+    meanwhile: the line that is shown is written over.
     """
     from threading import Timer
 
@@ -143,18 +149,18 @@ def waiting_for(work: str) -> Iterator[None]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield
+        yield lambda words: None
         return
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     bar = Progress(
         *columns, console=console, transient=True, redirect_stdout=False, redirect_stderr=False
     )
-    bar.add_task(work, total=None)
+    task = bar.add_task(work, total=None)
     timer = Timer(QUIET_SECONDS, bar.start)
     timer.daemon = True
     timer.start()
     try:
-        yield
+        yield lambda words: bar.update(task, description=words)
     finally:
         timer.cancel()
         timer.join()  # it may be starting the bar just now

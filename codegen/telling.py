@@ -1,0 +1,112 @@
+"""How far a compilation is: its stages, and the share of each, told from inside long loops.
+
+Who listens is a matter of context, as deadlines are: the passes between go from program to program, and
+know nothing of it. Where nobody listens nothing is counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+Listener = Callable[[str, float], None]
+"""Called with the name of a stage and the share of it that is done, 0 to 1."""
+
+STAGES = ("lowering", "stable forms", "passes", "text", "compiler")
+"""The stages of a compilation in order; the last is that of C, or Python's."""
+
+EVERY = 1024
+"""Calls of `done` between two times that the listener is told, ..."""
+STEP = 0.01
+"""... unless the share has grown by so much."""
+
+
+class _Refused(BaseException):
+    """What a listener raised, which no handler of errors on the way takes for one of its own."""
+
+    def __init__(self, reason: BaseException) -> None:
+        self.reason = reason
+
+
+class _Told:
+    """A listener, and how far the stage is that it was told of: units of work, and their number."""
+
+    def __init__(self, listener: Listener) -> None:
+        self.listener = listener
+        self.stage, self.work, self.done = "", 1.0, 0.0
+        self.calls, self.share = 0, 0.0
+
+    def begin(self, stage: str, work: float) -> None:
+        self.stage, self.work, self.done = stage, max(1.0, work), 0.0
+        self.tell(0.0)
+
+    def go_on(self, units: float) -> None:
+        self.calls += 1
+        self.done = min(self.done + units, self.work)
+        share = self.done / self.work
+        if self.calls >= EVERY or share >= self.share + STEP:
+            self.tell(share)
+
+    def tell(self, share: float) -> None:
+        """Call the listener, to which nothing is told of what it compiles itself."""
+        self.calls, self.share = 0, share
+        token = _TOLD.set(None)
+        try:
+            self.listener(self.stage, share)
+        except BaseException as reason:
+            raise _Refused(reason) from None
+        finally:
+            _TOLD.reset(token)
+
+
+_TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def to(listener: Listener | None) -> Iterator[None]:
+    """Tell ``listener`` of the stages of what is done inside; None: nobody, whoever listens outside.
+
+    Raises what the listener raises.
+    """
+    token = _TOLD.set(None if listener is None else _Told(listener))
+    reason: BaseException | None = None
+    try:
+        yield
+    except _Refused as refused:
+        reason = refused.reason
+    finally:
+        _TOLD.reset(token)
+    if reason is not None:
+        raise reason
+
+
+@contextmanager
+def stage(name: str, work: Callable[[], float] = lambda: 1.0) -> Iterator[None]:
+    """Tell that a stage begins and, unless it fails, that it ends; ``work``: its number of units."""
+    told = _TOLD.get()
+    if told is None:
+        yield
+        return
+    told.begin(name, work())
+    yield
+    told.tell(1.0)
+
+
+def done(units: float = 0.0) -> None:
+    """Tell now and then that so many more units of the stage are done, or just that it goes on."""
+    told = _TOLD.get()
+    if told is not None:
+        told.go_on(units)
+
+
+def beat() -> None:
+    """Tell at once that the stage goes on."""
+    told = _TOLD.get()
+    if told is not None:
+        told.tell(told.share)
+
+
+def is_heard() -> bool:
+    """Tell whether somebody listens."""
+    return _TOLD.get() is not None
