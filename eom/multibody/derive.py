@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+
+import sympy as sp
 
 from eom.errors import typed
 from eom.multibody import possible
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.binding import Plan, bind, plan
 from eom.multibody.light import Naming, plain, used
+from eom.multibody.links import applied
 from eom.multibody.model import Joint, Tree
 from eom.multibody.motion import coordinate_rates, motion, places
 from eom.multibody.names import (
@@ -22,11 +26,12 @@ from eom.multibody.names import (
 )
 from eom.multibody.points import Point
 from eom.multibody.reactions import Reaction, of_all
-from eom.multibody.scalars import add, mul, sub
+from eom.multibody.scalars import add, is_zero, mul, sub
 from eom.multibody.skeleton import Skeleton, skeleton
+from eom.multibody.spatial import cross, forward, plus
 from eom.multibody.told import Told, Variables, check, invariants_of, told_of
 from eom.multibody.values import is_number
-from eom.system import Definition, Expr, Quantity, System
+from eom.system import BodyAttitude, Definition, Expr, Quantity, System
 
 
 @typed
@@ -179,12 +184,14 @@ def _system(
     invariants = [*held, *invariants]
     if tree.constraints:
         found = (*found, *binding.singularities())
+    states = states_of(tree, binding.plan.dependent or ())
+    attitudes = tuple(_with_inertia(a, told) for a in attitudes_of(tree, states))
     results = [
         *rates,
         *(d.expression for d in (*outputs, *invariants)),
         *(s.expression for s in found),
+        *(e for a in attitudes for e in a.expressions),
     ]
-    states = states_of(tree, binding.plan.dependent or ())
     return System(
         name=tree.name,
         states=states,
@@ -197,5 +204,20 @@ def _system(
         singularities=found,
         assumptions=(*possible.assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
-        attitudes=attitudes_of(tree, states),
+        attitudes=attitudes,
     )
+
+
+def _with_inertia(stated: BodyAttitude, told: Told) -> BodyAttitude:
+    """Return the attitude with inertia and torque about the joint, of a body that alone turns about it."""
+    part, given, work = told.bones.parts[0], told.variables, told.work
+    alone = len(told.bones.parts) == 1 and len(given.u) == 3 and not told.tree.constraints
+    if not alone or part.spins or part.rotors or not all(map(is_zero, part.armature)):
+        return stated
+    placed = places(told.bones, given.q, work)
+    load, *_ = applied(told.bones, placed, motion(placed, given.u, work), work)
+    weight = cross(part.first_moment, forward(placed[0].rotation, told.bones.gravity))
+    torque = plus(plus(list(given.tau), load.angular), weight)
+    x, y, z = (plain(t) for t in torque)
+    inertia = sp.Matrix([[plain(e) for e in row] for row in part.inertia.I])
+    return replace(stated, inertia=inertia, torque=(x, y, z))

@@ -35,6 +35,8 @@ TOLERANCES = (1e-3, 1e-6, 1e-9, 1e-12, 1e-14)
 COARSE = {"scipy:RK23": 1e-3, "scipy:BDF": 1e-6, "sundials:BDF": 1e-6, "scipy:Radau": 1e-6,
           "scipy:RK45": 1e-6, "DP5": 1e-9, "Tsit5": 1e-9}  # fmt: skip
 """The finest tolerance that is tried of methods of low order, which take very many steps."""
+SMALL_BESIDE_LARGE = ("falls from near upright", "leaves the separatrix")
+"""Where body rates stay so small that rounding of the momentum shows in them at the finest tolerance."""
 PLACES = 5
 
 
@@ -73,7 +75,9 @@ def test_an_error_is_that_of_the_tolerance_or_told(case, method):
         error = np.abs(run.y_stop - exact).max() / size
         assert run.status == 0, (rtol, run.message)
         assert run.notice or error <= 1000 * rtol * growth, (rtol, error)
-        assert bool(run.notice) == (method.startswith("scipy") and rtol < 2e-14)
+        coarser = method.startswith("scipy") and rtol < 2e-14
+        hidden = method == "rkmk" and rtol < 2e-14 and case in SMALL_BESIDE_LARGE
+        assert bool(run.notice) == (coarser or hidden)
 
 
 def test_scipy_says_where_it_takes_a_coarser_tolerance():

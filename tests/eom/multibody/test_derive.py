@@ -22,7 +22,7 @@ from codegen.lower import lower_system
 from codegen.passes import prune
 from eom.errors import InputError
 from eom.identity import equal, is_invariant
-from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive
+from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, derive
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.joints import KINDS
 from eom.multibody.motion import coordinate_rates
@@ -327,3 +327,70 @@ def test_repeated_names_are_one_error():
     with pytest.raises(InputError, match="repeated variable"):
         derive(Tree("t", [Body("b", sp.Symbol("q_j", positive=True), (0, 0, 1))],
                     [Joint("j", "revolute", "ground", "b", "x")], gravity=(0, 0, -1)))  # fmt: skip
+
+
+# --- a body that turns about a point: what is stated of it -----------------------------------------
+
+PIVOT = {"m": 1.5, "l": 0.3, "J": 0.4, "M": 0.25, "g": 9.81, "c": 0.0, "k": 0.0}
+THERE = {"quaternion": [0.9, 0.1, -0.3, 0.3], "3-1-3": [0.2, 0.7, -0.4]}
+
+
+def pivoted(attitude, centre, *, turned=(), loads=(), springs=(), **more):
+    """A body on a ball joint: its moments about the joint are J + m l^2 (twice) and M."""
+    placed = Placement((0, 0, 0), turned) if turned else "ground"
+    body = Body("b", m, centre, (J, J, M))
+    joint = Joint("j", "spherical", placed, "b", attitude=attitude, **more)
+    return derive(Tree("t", (body,), (joint,), (0, 0, -g), tuple(loads), springs=tuple(springs)))
+
+
+@pytest.mark.parametrize("attitude", THERE)
+def test_a_body_on_a_ball_joint_has_the_closed_forms_of_one_body(attitude):
+    """Lagrange's top, beside its Taylor series; the tree knew it, and it is proved."""
+    top = pivoted(attitude, (0, 0, l))
+    assert top.attitudes[0].inertia is not None
+    compiled = codegen.compile(top)
+    start, p = [*THERE[attitude], 0.1, 2.0, 7.0], {n: PIVOT[n] for n in top.parameter_names}
+    q = np.array(start[:4]) / np.linalg.norm(start[:4])
+    start[:4] = list(q) if attitude == "quaternion" else start[:4]
+    found, other = (
+        codegen.simulate(compiled, start, (0, 5), p, n, 1e-13) for n in ("auto", "taylor")
+    )
+    assert found.method.startswith("closed form: heavy symmetric top")
+    np.testing.assert_allclose(found.y_stop, other.y_stop, rtol=0, atol=1e-11)
+
+
+def test_a_body_on_a_ball_joint_at_its_centre_is_a_free_body():
+    free = pivoted("quaternion", (0, 0, 0))
+    assert free.attitudes[0].torque == (0, 0, 0)
+    p = {n: PIVOT[n] for n in free.parameter_names}
+    run = codegen.simulate(free, [1, 0, 0, 0, 0.1, 2, 7], (0, 5), p)
+    assert run.method.startswith("closed form: free body")
+
+
+def test_what_acts_on_a_body_on_a_ball_joint_is_in_its_torque():
+    """Motor, damper, a load off the joint, a spring to the ground: proved where the system is made."""
+    spring = Spring("s", ("ground", "b"), ((0.1, 0.2, 0.5), (0, 0, 1)), k, 0.2, c)
+    load = Load("b", (0, 1, 0), (M, 0, 0), (0, 0.5, 1), "body")
+    system = pivoted("quaternion", (l, 0, l), loads=[load], springs=[spring], motor=True, damping=c)
+    stated = system.attitudes[0]
+    assert stated.inertia is not None
+    p = PIVOT | {"c": 0.2, "k": 3.0}
+    p = {n: p[n] for n in system.parameter_names}
+    inputs = dict(zip(system.input_names, (0.1, 0.2, -0.3), strict=True))
+    runs = [
+        codegen.simulate(system, [1, 0, 0, 0, 0.1, 0.4, 1], (0, 2), p, n, 1e-12, inputs=inputs)
+        for n in ("rkmk", "DOP853")
+    ]
+    np.testing.assert_allclose(runs[0].y_stop, runs[1].y_stop, rtol=0, atol=1e-10)
+
+
+def test_inertia_of_others_is_not_stated():
+    """Of several parts, of a rotor's armature, of a body that also moves along: kinematics alone."""
+    assert pivoted("quaternion", (0, 0, l), armature=J).attitudes[0].inertia is None
+    floating = Tree(
+        "t", (Body("b", m, (0, 0, l), (J, J, M)),), (Joint("j", "free", "ground", "b"),)
+    )
+    assert derive(floating).attitudes[0].inertia is None
+    arm = (Body("b", m, (0, 0, l), (J, J, M)), Body("c", m, (0, 0, l), (J, J, M)))
+    joints = (Joint("j", "spherical", "ground", "b"), Joint("i", "revolute", "b", "c", "x"))
+    assert derive(Tree("t", arm, joints)).attitudes[0].inertia is None
