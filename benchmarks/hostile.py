@@ -3,8 +3,8 @@ r"""``python -m benchmarks.hostile N``: N hostile inputs through the whole check
 Judged notes with formulas cut, spliced, with tokens lost, doubled, exchanged; macro bombs, deep nesting,
 formulas of a megabyte, ``x^{9^{9^9}}``, braces without a partner, binary, HTML, commands that read files;
 broken lexica in front matter. Every input gives a verdict for each formula or one `InputError`, within
-`MAX_SECONDS` of processor time and `MAX_MEMORY` more of memory; anything else is a failure. The seed gives the
-same inputs; ``--start K`` goes on with the K-th one.
+`MAX_SECONDS` of processor time and `MAX_MEMORY` more of memory; anything else is a failure. The seed
+gives the same inputs; ``--start K`` goes on with the K-th one.
 """
 
 from __future__ import annotations
