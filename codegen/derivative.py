@@ -374,19 +374,6 @@ PARTIALS: dict[str, Partial] = {
 Solutions of linear systems are left to `codegen.implicit`; a factorisation has no derivative."""
 
 
-def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[int, int]]:
-    """Return (result, slot) wherever a result can depend on a slot; nothing is differentiated.
-
-    Law: it covers the pattern of every Jacobian of the group.
-    """
-    reads: dict[int, frozenset[int]] = {}
-    for k in sorted(needed(program, [group])):
-        instruction = program.instructions[k]
-        own = frozenset([instruction.slot]) if instruction.op == kind else frozenset()
-        reads[k] = own.union(*(reads[a] for a in instruction.args))
-    return {(row, slot) for row, k in enumerate(program.results[group]) for slot in reads[k]}
-
-
 def columns(pattern: Iterable[tuple[int, int]]) -> dict[int, frozenset[int]]:
     """Return the rows in which each column has an entry."""
     found: dict[int, set[int]] = {}

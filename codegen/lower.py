@@ -17,10 +17,6 @@ from eom.tables import TableFunction
 
 Expr = Any
 
-RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "singularities"
-GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
-"""Groups of results of a lowered system."""
-
 MAX_SPLIT_BITS = 53
 """Larger numerators and denominators are rounded as one quotient: each alone would be rounded, too."""
 

@@ -22,6 +22,19 @@ def needed(program: Program, groups: Iterable[str]) -> set[int]:
     return found
 
 
+def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[int, int]]:
+    """Return (result, slot) wherever a result can depend on a slot; nothing is differentiated.
+
+    Law: it covers the pattern of every Jacobian of the group.
+    """
+    reads: dict[int, frozenset[int]] = {}
+    for k in sorted(needed(program, [group])):
+        instruction = program.instructions[k]
+        own = frozenset([instruction.slot]) if instruction.op == kind else frozenset()
+        reads[k] = own.union(*(reads[a] for a in instruction.args))
+    return {(row, slot) for row, k in enumerate(program.results[group]) for slot in reads[k]}
+
+
 def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
     """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
     kept = list(program.results if groups is None else groups)
