@@ -8,7 +8,7 @@ import time
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from codegen import native
+from codegen.native import native
 from eom.limits import SELDOM
 
 settings.register_profile(

@@ -1,8 +1,8 @@
 """What a target is: one row of tables, and the loop that all rows share.
 
-A target is one file: a table of templates over `codegen.ops`, helper functions for what the
+A target is one file: a table of templates over `codegen.ir.ops`, helper functions for what the
 language lacks or does otherwise than IEEE 754, and a function that writes the files. Its `Target`
-becomes a row of `codegen.targets.registry`. CONTRIBUTING.md shows the steps on one target.
+becomes a row of `codegen.compiling.registry`. CONTRIBUTING.md shows the steps on one target.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from codegen.interpret import constants
-from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS
-from codegen.ops import LEAVES, OPS
-from codegen.passes import needed, prune
-from codegen.program import Program
+from codegen.frontend.layout import Layout, names_of
+from codegen.ir.groups import INVARIANTS, OUTPUTS
+from codegen.ir.interpret import constants
+from codegen.ir.ops import OPS
+from codegen.ir.passes import needed, prune
+from codegen.ir.program import Program
 from codegen.targets.render import Body, Tables, Template, leaf_names, render, table_names
 from eom.errors import InputError
 from eom.tables import Table

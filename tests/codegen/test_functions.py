@@ -11,12 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import compile as compile_system
-from codegen import compiled_jacobian, native
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.functions import FUNCTIONS, SUPPORTED
-from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
-from codegen.lower import RATES, lower_expressions
-from codegen.special import FAR, bessel
+from codegen import compiled_jacobian
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.frontend.functions import FUNCTIONS, SUPPORTED
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
+from codegen.ir.special import FAR, bessel
+from codegen.native import native
 from eom.errors import InputError
 from eom.system import Definition, Quantity, Singularity, System
 

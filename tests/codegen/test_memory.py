@@ -9,8 +9,9 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import Grid, Sampler, Uniform, memory
-from codegen.ensemble import size_of_one
+from codegen import Grid, Sampler, Uniform
+from codegen.ensembles.ensemble import size_of_one
+from codegen.native import memory
 from eom.errors import InputError
 from eom.system import System
 
