@@ -19,8 +19,8 @@ the last for errors that are made all along the way, in proportion to how far th
 derivatives are differences of solutions that start from changed states, at `SAMPLES` instants evenly in
 time and as many evenly in steps.
 
-The results go to ``codegen/measure/stress/hostile_references.json``; cases that are there already and unchanged
-are left, but for those that are named.
+The results go to ``codegen/measure/stress/hostile_references.json``; cases that are there already and
+unchanged are left, but for those that are named.
 """
 
 from __future__ import annotations

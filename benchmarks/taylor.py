@@ -1,8 +1,8 @@
 """The method taylor at equal error: beside heyoka, which LLVM compiles, and SciPy on a Python function.
 
 The other program runs at a tolerance; ours at the coarsest tolerance of a grid from which on its error is
-not larger, so that both reach the same accuracy. Errors are those of `codegen.measure.workprecision`: of each
-state, over its largest size on the way, against Taylor series with 24 digits.
+not larger, so that both reach the same accuracy. Errors are those of `codegen.measure.workprecision`: of
+each state, over its largest size on the way, against Taylor series with 24 digits.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Random trees of all joints that Pinocchio has too: its values beside ours.
 
 Numbers and programs are those of the product's recursions: forward and inverse dynamics, mass matrix
-and energies in double precision; derivatives from the generated programs of `codegen.derivatives.derivative`,
-evaluated by the interpreter. Pinocchio's derivatives are by displacements along its speeds; ours, by
-coordinates, are multiplied by N of q' = N u. ``python -m benchmarks.trees`` takes `COUNT` trees.
+and energies in double precision; derivatives from the generated programs of
+`codegen.derivatives.derivative`, evaluated by the interpreter. Pinocchio's derivatives are by displacements
+along its speeds; ours, by coordinates, are multiplied by N of q' = N u. ``python -m benchmarks.trees``
+takes `COUNT` trees.
 """
 
 from __future__ import annotations

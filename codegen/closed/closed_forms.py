@@ -3,8 +3,8 @@
 `find` reads a system with the values of its parameters and its initial state, and returns the motion
 as a function of time where one of `ROWS` fits. Two or three states alone are looked at as they are; all
 else is what the system states (`eom.system.BodyAttitude`). That every rate is that of the form, with these
-numbers, is an identity modulo a prime (`codegen.closed.held`): a torque that is there is a torque, however small
-and wherever it acts.
+numbers, is an identity modulo a prime (`codegen.closed.held`): a torque that is there is a torque, however
+small and wherever it acts.
 """
 
 from __future__ import annotations

@@ -144,8 +144,8 @@ class Compiled:
         """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
 
         ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
-        there are processors; results do not depend on it. See `codegen.compiling.batches`. Raises `InputError` for
-        an unknown group and a number of threads that is none.
+        there are processors; results do not depend on it. See `codegen.compiling.batches`. Raises
+        `InputError` for an unknown group and a number of threads that is none.
         """
         from codegen.compiling.batches import batch
 
@@ -185,8 +185,8 @@ def compile(  # noqa: A001 - the word that users expect
     """Compile ``system`` for a target.
 
     ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
-    ``system``: an `eom.System`, or what `codegen.frontend.elsewhere.as_system` accepts: SymPy's KanesMethod,
-    LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
+    ``system``: an `eom.System`, or what `codegen.frontend.elsewhere.as_system` accepts: SymPy's
+    KanesMethod, LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
     name of another parameter makes the two equal. ``states``: values at which states stay, as in
     planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.

@@ -1,10 +1,10 @@
 """Derivatives of programs: Jacobians from instructions to instructions, sparse, value shared.
 
 A program is linearised, each operation by its partial derivatives, and the inner values are
-eliminated in the order that leaves the cheapest program (`codegen.derivatives.elimination`): forward, reverse or
-mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of atan2, at
-the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a derivative
-infinite; what a condition does not select cannot either.
+eliminated in the order that leaves the cheapest program (`codegen.derivatives.elimination`): forward,
+reverse or mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of
+atan2, at the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a
+derivative infinite; what a condition does not select cannot either.
 """
 
 from __future__ import annotations
@@ -371,7 +371,8 @@ PARTIALS: dict[str, Partial] = {
 }
 """How each operation is differentiated, by further operations.
 
-Solutions of linear systems are left to `codegen.derivatives.implicit`; a factorisation has no derivative."""
+Solutions of linear systems are left to `codegen.derivatives.implicit`; a factorisation has no
+derivative."""
 
 
 def columns(pattern: Iterable[tuple[int, int]]) -> dict[int, frozenset[int]]:

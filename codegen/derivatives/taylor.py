@@ -6,8 +6,8 @@ package for the numerical integration of ODEs by means of high-order Taylor meth
 Mathematics 14 (2005), sect. 2; Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), table
 13.2). Some rules need a further value, their partner: the cosine for a sine, 1 + v^2 for a tangent.
 
-Rules are written over an `Order`, which gives coefficients and sums of products of them; `codegen.derivatives.unrolled`
-makes a program of all orders, `codegen.loops.jets` a loop.
+Rules are written over an `Order`, which gives coefficients and sums of products of them;
+`codegen.derivatives.unrolled` makes a program of all orders, `codegen.loops.jets` a loop.
 """
 
 from __future__ import annotations

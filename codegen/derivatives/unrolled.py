@@ -1,4 +1,4 @@
-"""Programs of all Taylor coefficients up to an order: the rules of `codegen.derivatives.taylor` as instructions."""
+"""Programs of all Taylor coefficients up to an order: the rules of `taylor` as instructions."""
 
 from __future__ import annotations
 

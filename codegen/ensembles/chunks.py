@@ -227,7 +227,8 @@ def _outputs(plan: Plan, runs: Runs, p: Array) -> Array:
 def _drift(plan: Plan, runs: Runs, x: Array, p: Array) -> Array:
     """Return the largest change of each constant of the motion, relative to the terms that it is made of.
 
-    It is looked at where states are stored and where the trajectory stopped; see `codegen.precision.magnitude`.
+    It is looked at where states are stored and where the trajectory stopped; see
+    `codegen.precision.magnitude`.
     """
     if INVARIANTS not in plan.compiled.functions:
         return np.empty((0, x.shape[1]))

@@ -11,6 +11,7 @@ import sympy as sp
 from codegen.frontend import massmatrix, removable
 from codegen.frontend.functions import BESSEL, FUNCTIONS, bessel, refusal
 from codegen.ir import fold, telling
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.program import Builder, Name, Program
 from eom.errors import InputError
 from eom.system import Definition, System, as_expression

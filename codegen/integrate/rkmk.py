@@ -5,8 +5,8 @@ of the differential of exp, exact in closed form for rotations, applied to the a
 other variables go along (Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; Iserles, Munthe-Kaas, Norsett and
 Zanna, Acta Numerica 9 (2000) 215). Any Runge-Kutta method keeps its order: here DOP853, order 8. The
 quaternion is a product of unit quaternions, held in two parts; a rigid body is moved by its momentum with
-components in the reference frame (`codegen.integrate.momentum`), which without torque does not change at all.
-Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
+components in the reference frame (`codegen.integrate.momentum`), which without torque does not change at
+all. Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
 
 Errors are those of the states, each relative to its own size, as everywhere: what those of the turn and of
 momentum make of them to first order. Where a body rate was left out as a first integral, it is kept to the

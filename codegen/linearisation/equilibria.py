@@ -4,10 +4,10 @@
     trim = equilibrium(compiled, guess, parameters, free=["thrust"], hold={"height": 100.0})
     steady = equilibrium(compiled, guess, parameters, cyclic=["phi"], hold={"spin": 20.0})
 
-Newton's method (`codegen.linearisation.newton`) with derivatives of the program (`codegen.linearisation.tangents`); where the equations
-leave a family of solutions open, it goes to a near one. Unit quaternions that the system states
-(`eom.BodyAttitude`) stay unit ones. What is found is told with its residual, and with the rank of the
-Jacobian: whether it stands alone.
+Newton's method (`codegen.linearisation.newton`) with derivatives of the program
+(`codegen.linearisation.tangents`); where the equations leave a family of solutions open, it goes to a near
+one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found is told with
+its residual, and with the rank of the Jacobian: whether it stands alone.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ def equilibrium(
     for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
     states, outputs or invariants that the solution must have; the constraints that the system maintains
     are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess, in the scale of each state (`codegen.linearisation.balance`: 1 for angles, others by what they do beside
-    them), in which near is meant, too. Values that rounding hides are zero. The same arguments give the
-    same result. Units are those of the system. Raises `InputError` where nothing is found, for unknown
-    names, and for rates that depend on time. Source: Newton's method with steps of least size, Ben-Israel,
-    J. Math. Anal. Appl. 15 (1966) 243.
+    the guess, in the scale of each state (`codegen.linearisation.balance`: 1 for angles, others by what
+    they do beside them), in which near is meant, too. Values that rounding hides are zero. The same
+    arguments give the same result. Units are those of the system. Raises `InputError` where nothing is
+    found, for unknown names, and for rates that depend on time. Source: Newton's method with steps of least
+    size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
 
     >>> import sympy as sp, codegen, eom
     >>> q, u = sp.symbols("q u", real=True)

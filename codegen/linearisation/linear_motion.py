@@ -4,8 +4,8 @@
     near = linearise_about(compiled, point)
     print(near.A, near.states, near.eigenvalues, near.stability.kind, near.agreement)
 
-``agreement`` says how far a complex step with 50 digits (`codegen.linearisation.complex_step`), which uses no rule of
-differentiation, is from the matrices. Along a trajectory `codegen.linearise` is quicker.
+``agreement`` says how far a complex step with 50 digits (`codegen.linearisation.complex_step`), which uses
+no rule of differentiation, is from the matrices. Along a trajectory `codegen.linearise` is quicker.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ WIDEST = 2
 
 
 def scales_of(equations: Equations, x: Array, u: Array, turning: Sequence[bool]) -> Array:
-    """Return the scale of each state and input (`codegen.linearisation.balance`), from the rates around a guess.
+    """Return the scale of each state and input (see `balance`), from the rates around a guess.
 
     ``turning``: whether each is an angle, or part of a quaternion. How far around depends on the scales:
     they are made twice, first of points that are as far as the guess is from zero.

@@ -1,7 +1,7 @@
 """Derivatives of a program at one point, by carrying them along with the values; nothing is generated.
 
-For a single point this is sooner done than deriving and compiling a Jacobian (`codegen.compiling.linear`), which pays
-from some hundreds of points on. Partial derivatives are those of the table of operations.
+For a single point this is sooner done than deriving and compiling a Jacobian (`codegen.compiling.linear`),
+which pays from some hundreds of points on. Partial derivatives are those of the table of operations.
 """
 
 from __future__ import annotations

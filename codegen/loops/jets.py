@@ -1,7 +1,7 @@
 """The function of all Taylor coefficients in C: a loop over the orders.
 
-Its body is one pass over the operations by the rules of `codegen.derivatives.taylor`. Sums of products are added
-up four at a time, one in each place of a vector (`codegen.loops.packs`).
+Its body is one pass over the operations by the rules of `codegen.derivatives.taylor`. Sums of products are
+added up four at a time, one in each place of a vector (`codegen.loops.packs`).
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ def series(
     ``head``(t, x, xs, c, w, u, us, y, ys) gives x_1 of each state, then x_2, up to ``order``. The last
     ``further`` of the rates are those of no state: it has one more argument, where it puts their
     coefficients from 0 to ``order`` - 1. Switching functions likewise; ``head``_switches(t, x, c, u, g)
-    gives their values alone. Where arguments have limits (`codegen.watch.trust`), the last argument takes these
-    and the coefficients, as `limited` orders them. ``rests``: whether 1/k is taken in two doubles. The
-    error of one adds up, as it is the same in every step; it is below tolerances that are not those of full
-    precision.
+    gives their values alone. Where arguments have limits (`codegen.watch.trust`), the last argument takes
+    these and the coefficients, as `limited` orders them. ``rests``: whether 1/k is taken in two doubles.
+    The error of one adds up, as it is the same in every step; it is below tolerances that are not those of
+    full precision.
     """
     found = forms(prepared)
     whole = [whole_group(some, [found[n] for n in some])

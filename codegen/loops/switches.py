@@ -1,10 +1,10 @@
 """Branches in method taylor: steps end where a branch changes.
 
 The series of a step are those of one choice of every branch. The coefficients of the switching functions,
-by whose signs branches choose, are computed with them (`codegen.derivatives.taylor.Prepared.switches`), and the first
-change of sign in a step is isolated (`roots.c`, `switches.c`), so that a branch that changes and changes
-back within a step is seen. The step ends just beyond it. What stands in the templates of one trajectory
-and of lanes is a table; it is empty where there are no branches.
+by whose signs branches choose, are computed with them (`codegen.derivatives.taylor.Prepared.switches`), and
+the first change of sign in a step is isolated (`roots.c`, `switches.c`), so that a branch that changes and
+changes back within a step is seen. The step ends just beyond it. What stands in the templates of one
+trajectory and of lanes is a table; it is empty where there are no branches.
 """
 
 from __future__ import annotations

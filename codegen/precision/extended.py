@@ -1,4 +1,4 @@
-"""Solutions with many digits: Taylor series over whole numbers, by the rules of `codegen.derivatives.taylor`.
+"""Solutions with many digits: Taylor series over whole numbers, by the rules for generated code.
 
 It is the oracle of integrators: slow, without a compiler, and free of rounding in double precision.
 Numbers are fixed-point, in units of 2^-bits: `BITS`, and as many more as the numbers of the system take,

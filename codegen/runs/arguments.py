@@ -86,7 +86,7 @@ def span(t_span: tuple[float, float]) -> tuple[float, float]:
 
 
 def tolerances(atol: ArrayLike, n: int) -> Array:
-    """Return an absolute tolerance a state. Raises `InputError` for misfits; defaults: `codegen.integrate.scales`."""
+    """Return an absolute tolerance a state. Raises `InputError` for misfits; defaults: `scales`."""
     values = numbers(atol, "atol")
     if values.shape not in {(), (n,)} or not np.all((values > 0) & np.isfinite(values)):
         raise InputError(

@@ -20,8 +20,8 @@ class Drift:
     """How far a constant of the motion wandered from its first value, over the stored points.
 
     ``start``: the first value; ``largest``: the largest change from it, both in the unit of the invariant.
-    It is relative to the terms that the constant is made of, by `codegen.precision.magnitude`: a kinetic energy to
-    itself, a closure of 4e-16 m, or an energy near zero, to what cancels in it.
+    It is relative to the terms that the constant is made of, by `codegen.precision.magnitude`: a kinetic
+    energy to itself, a closure of 4e-16 m, or an energy near zero, to what cancels in it.
     Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), sect. 4.2.
     """
 

@@ -1,10 +1,10 @@
 """How good a run is: the error of each state, how it grows, and when no digit is left.
 
-The error is what a second run differs by (`codegen.runs.second_run`): another kind of method, a thousandth of
-the tolerance or less. Where both come to the limits of double precision, rounding that is carried along the
-trajectory is the least error that is told. Growth of errors and its rate come from the derivative along the
-trajectory (`codegen.runs.propagation`). A closed form makes no steps and sums no errors; it is good to a few
-units in the last place, if the second run is not further from it than its own steps explain.
+The error is what a second run differs by (`codegen.runs.second_run`): another kind of method, a thousandth
+of the tolerance or less. Where both come to the limits of double precision, rounding that is carried along
+the trajectory is the least error that is told. Growth of errors and its rate come from the derivative along
+the trajectory (`codegen.runs.propagation`). A closed form makes no steps and sums no errors; it is good to
+a few units in the last place, if the second run is not further from it than its own steps explain.
 """
 
 from __future__ import annotations

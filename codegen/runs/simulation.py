@@ -207,10 +207,10 @@ def simulate(
     (`codegen.Signal`). ``method``: one of `METHODS`.
     ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
     ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
-    scale of each state unless given, see `codegen.integrate.scales`). ``t_eval``: times to store; without it every
-    step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is made, a
-    function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that is
-    narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
+    scale of each state unless given, see `codegen.integrate.scales`). ``t_eval``: times to store; without
+    it every step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is
+    made, a function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that
+    is narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
     number. ``margin``: the run stops where a singularity's expression gets below it. ``progress``:
     called with the share that is done, 0 to 1.
 
@@ -219,8 +219,8 @@ def simulate(
     it, those that the system maintains: what constraints leave, if the method can project. The
     dense output goes through the points of the steps, and off the invariants between them by its own
     error. Methods that carry values of earlier steps along cannot project. ``events``: zeros of
-    expressions to find, `codegen.compiling.events.Event` or expressions, in order or by name; of the methods
-    that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
+    expressions to find, `codegen.compiling.events.Event` or expressions, in order or by name; of the
+    methods that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
     integrated with those that ``outputs`` need.
 
     ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are

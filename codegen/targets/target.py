@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from codegen.frontend.excerpt import excerpt
 from codegen.frontend.layout import Layout, names_of
 from codegen.ir.groups import INVARIANTS, OUTPUTS
 from codegen.ir.interpret import constants

@@ -6,8 +6,8 @@ a Piecewise leaves no trace in its estimate of the error. What gives them away i
 steps of every method are bounded by how far arguments move, by the table `codegen.watch.reach`:
 
 - Arguments of time and parameters alone have bounds over a step *ahead* of it, by intervals
-  (`codegen.watch.intervals`): a proof. The group `AHEAD` tells of two times whether every such operation keeps
-  its character between them, and whether every condition, table and whole number stays on one piece.
+  (`codegen.watch.intervals`): a proof. The group `AHEAD` tells of two times whether every such operation
+  keeps its character between them, and whether every condition, table and whole number stays on one piece.
 - Arguments that states enter are `WATCHED` at the stages, beside the rates, at no further evaluation.
   Their bounds over the step follow from these values and the steepest slope beside each gap; the group
   `VERDICT` tells the share of the step that they allow, and whether a piece changes.
