@@ -258,11 +258,14 @@ def simulate(
         max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
         project=_projected(part.compiled, project, method), events=looked_for.filters(found),
     )  # fmt: skip
-    result = _run(
-        part, problem, method, signals, found, clock_of(part.compiled, span, since, found)
-    )
-    told = replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
-    return told.with_accuracy() if accuracy else told
+    clock = clock_of(part.compiled, span, since, found)
+    result = _told(_run(part, problem, method, signals, found, clock), unknown)
+    return result.with_accuracy() if accuracy else result
+
+
+def _told(result: Result, unknown: str) -> Result:
+    """Return a result that says which scales of states are not known."""
+    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
 
 
 def _smallest(
