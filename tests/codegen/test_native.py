@@ -188,7 +188,7 @@ def test_a_damaged_library_is_built_anew(cache, rubbish):
 
 CUT = """
 import ctypes, os, sys
-from codegen import native
+from codegen.native import native
 source, share = sys.stdin.read(), float(sys.argv[1])
 library = native.compile_library(source)
 whole = library.read_bytes()
@@ -332,7 +332,7 @@ def test_an_open_cache_is_an_error_and_no_reason_to_use_numpy_silently(cache):
 
 RACE = """
 import ctypes, sys
-from codegen import native
+from codegen.native import native
 source = sys.stdin.read()
 library = native.compile_library(source)
 f = ctypes.CDLL(str(library)).twice
