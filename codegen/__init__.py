@@ -58,3 +58,8 @@ __all__ = [
     "sensitivities",
     "simulate",
 ]
+
+
+def __dir__() -> list[str]:
+    """Show the public names alone, not the folders that they come from."""
+    return sorted(__all__)
