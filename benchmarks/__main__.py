@@ -30,7 +30,7 @@ from benchmarks import (
 )
 from benchmarks.settings import Settings
 from benchmarks.table import Section, missed, table
-from codegen import native
+from codegen.native import native
 
 WIDTH = 160
 

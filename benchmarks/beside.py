@@ -51,8 +51,8 @@ int main(int argc, char **argv) {
 def texts() -> dict[str, str]:
     """Return programs of C by name, from whatever checkout is imported."""
     from codegen import compile as compile_system
-    from codegen.integrate import taylor
-    from codegen.names import identifier
+    from codegen.ir.names import identifier
+    from codegen.loops import taylor
     from eom import catalogue
     from eom.opening import load_scene
     from eom.problems import PROBLEMS, from_scene

@@ -13,8 +13,9 @@ from benchmarks.native_rates import Points, Rates, sampler
 from benchmarks.pairs import Pairs, Sample, paired, settled
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen import Compiled, native
+from codegen import Compiled
 from codegen import compile as compile_system
+from codegen.native import native
 from eom.system import System
 
 LONGEST_SECONDS = 1.5e-6

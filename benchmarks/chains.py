@@ -28,11 +28,12 @@ from benchmarks.peers import absent, missing
 from benchmarks.rates import largest_difference
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, alone, time_text
-from codegen import native
-from codegen.layout import Layout
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, lower_system
-from codegen.passes import prune
-from codegen.program import Program
+from codegen.frontend.layout import Layout
+from codegen.frontend.lower import lower_system
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.native import native
 from codegen.targets import c
 from eom.multibody import derive
 from eom.system import Quantity

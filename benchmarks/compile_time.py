@@ -17,9 +17,9 @@ from benchmarks import chains
 from benchmarks.native_rates import empty_cache
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen import native
-from codegen.lower import RATES
-from codegen.program import Program
+from codegen.ir.groups import RATES
+from codegen.ir.program import Program
+from codegen.native import native
 from codegen.targets import c
 
 SIZES = (1_000, 2_000, 4_000, 8_000, 16_000, 32_000, 50_000)

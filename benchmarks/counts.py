@@ -16,7 +16,7 @@ from benchmarks.native_rates import HANDWRITTEN, Points, Rates, sampler
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import compile as compile_system
-from codegen import native
+from codegen.native import native
 from eom.scene import Scene
 
 LARGEST_RATIO = 1.0

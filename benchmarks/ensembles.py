@@ -21,8 +21,8 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from benchmarks.taylor import TOLERANCES, case_of
 from codegen import Compiled, ensemble
-from codegen.workprecision.case import Case
-from codegen.workprecision.programs import numbered
+from codegen.measure.workprecision.case import Case
+from codegen.measure.workprecision.programs import numbered
 from eom.problems import ready
 
 Array = NDArray[np.float64]

@@ -22,9 +22,10 @@ import eom
 from benchmarks.pairs import Pairs, paired, seconds, settled
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen import closed_c, native
-from codegen.closed_forms import Closed, find
-from codegen.integrate.trajectory import Problem
+from codegen.closed import closed_c
+from codegen.closed.closed_forms import Closed, find
+from codegen.native import native
+from codegen.native.trajectory import Problem
 from eom.rigidbody import heavy_top
 
 SEPARATRIX = "on the separatrix"

@@ -15,11 +15,12 @@ from typing import Any
 
 import mpmath
 
-from codegen import linsolve, massmatrix
-from codegen.interpret import Point
-from codegen.linsolve import Shape
-from codegen.ops import OPS, SOLVE, TRUTH_VALUES, Instruction, row_of
-from codegen.program import Builder
+from codegen.frontend import massmatrix
+from codegen.ir import linsolve
+from codegen.ir.interpret import Point
+from codegen.ir.linsolve import Shape
+from codegen.ir.ops import OPS, SOLVE, TRUTH_VALUES, Instruction, row_of
+from codegen.ir.program import Builder
 from eom.tables import OUTSIDE, Table
 
 STATES, PARAMETERS = 3, 2
@@ -33,7 +34,7 @@ COMPARISONS = ("lt", "le", "eq")
 JUNCTIONS = ("and", "or", "not")
 ARITHMETIC = ("add", "sub", "mul", "div", "neg")
 SOLUTION = "solution"
-"""One unknown of a linear system; it becomes the operations that `codegen.massmatrix` chooses."""
+"""One unknown of a linear system; it becomes the operations that `codegen.frontend.massmatrix` chooses."""
 INTEGERS: dict[str, tuple[int, int]] = {"besselj": (0, 4), "bessely": (0, 4), "stumpff": (1, 5)}
 """Operations whose first operand is an integer constant, and its range."""
 FUNCTIONS = tuple(op for op in OPS if op not in {*ARITHMETIC, *TRUTH_VALUES, "select", *SOLVE})

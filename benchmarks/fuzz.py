@@ -25,11 +25,12 @@ import sympy as sp
 from benchmarks import fuzz_targets
 from benchmarks.expressions import PARAMETERS, STATES, Tree, context, draw, points
 from benchmarks.fuzz_targets import precision, refused, rounded, subset, values
-from codegen.interpret import Bounded, Point, interpret, interpret_exactly
-from codegen.lower import RATES, lower_expressions
-from codegen.ops import OPS
-from codegen.pipeline import optimise
-from codegen.program import Builder, Program
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Bounded, Point, interpret, interpret_exactly
+from codegen.ir.ops import OPS
+from codegen.ir.program import Builder, Program
+from codegen.passes.pipeline import optimise
 from eom.errors import InputError
 from eom.tables import Table
 from tests.codegen.digests import HASH_SEEDS, digests_apart

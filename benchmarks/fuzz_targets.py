@@ -10,16 +10,16 @@ import numpy as np
 import sympy as sp
 
 from benchmarks.expressions import PARAMETERS, STATES
-from codegen import native
-from codegen.compiled import TARGETS, batch_kernel, generate
-from codegen.interpret import Point, constants
-from codegen.layout import Layout
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
-from codegen.names import identifier
-from codegen.passes import prune
-from codegen.program import Program
+from codegen.compiling.compiled import TARGETS, batch_kernel, generate
+from codegen.compiling.registry import ROWS
+from codegen.frontend.layout import Layout
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.interpret import Point, constants
+from codegen.ir.names import identifier
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.native import native
 from codegen.targets import lanes
-from codegen.targets.registry import ROWS
 from eom.system import Quantity
 from tests import node
 from tests.codegen.test_c_float import Single

@@ -3,7 +3,7 @@
 103 initial value problems, written from the promise alone that no result is silently wrong, each with a
 reference by two kinds of computation (extrapolation in 80-bit numbers, and SciPy's DOP853 at 1e-13 in
 short pieces) and the growth of errors, by perturbation. They were judged once; what was wrong then is
-mended, and they are tests since. Judged as in `codegen.stress.hostile`.
+mended, and they are tests since. Judged as in `codegen.measure.stress.hostile`.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ import sympy as sp
 from sympy.parsing.sympy_parser import parse_expr
 
 import codegen
-from codegen.patience import TooLongError, watch
-from codegen.stress.hostile import RTOLS, Known, trusted
+from codegen.measure.stress.hostile import RTOLS, Known, trusted
+from codegen.native.patience import TooLongError, watch
 from eom.errors import InputError
 from eom.system import TIME, BodyAttitude, System
 

@@ -1,6 +1,6 @@
 """``python -m benchmarks.hostile_references [NAME ...]``: references of the hostile systems.
 
-Every case of `codegen.stress.hostile_cases` is solved twice, by methods and code that share nothing
+Every case of `codegen.measure.stress.hostile_cases` is solved twice, by methods and code that share nothing
 with the package but the equations:
 
 1. Extrapolation of the midpoint rule in quadruple precision (``hostile_references.c``, order 16, local
@@ -19,8 +19,8 @@ the last for errors that are made all along the way, in proportion to how far th
 derivatives are differences of solutions that start from changed states, at `SAMPLES` instants evenly in
 time and as many evenly in steps.
 
-The results go to ``codegen/stress/hostile_references.json``; cases that are there already and unchanged
-are left, but for those that are named.
+The results go to ``codegen/measure/stress/hostile_references.json``; cases that are there already and
+unchanged are left, but for those that are named.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from sympy.printing.c import C99CodePrinter
 
-from codegen.stress.hostile import STORE, digest
-from codegen.stress.hostile_cases import Hostile, cases, t
+from codegen.measure.stress.hostile import STORE, digest
+from codegen.measure.stress.hostile_cases import Hostile, cases, t
 from eom.tables import TableFunction
 
 Expr = Any

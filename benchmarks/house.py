@@ -23,10 +23,10 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 600,
+    "modules": 612,
     "lines of code": 80_000,
     "modules in the fullest folder": 128,
-    "folders of more than 25 modules": 6,
+    "folders of more than 25 modules": 4,
     "circles of files": 20,
     "circles of folders": 1,
     "lines of functions, ninth decile": 19,

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.native_rates import HERE, Rates
-from codegen import native
+from codegen.native import native
 
 FEW, MANY = 1_000, 3_000
 TIMEOUT_SECONDS = 120

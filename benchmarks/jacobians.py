@@ -9,11 +9,11 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import Compiled, SparseJacobian
 from codegen import compile as compile_system
-from codegen.derivative import JACOBIAN
-from codegen.lower import RATES
-from codegen.passes import prune
-from codegen.program import Program
-from codegen.stages import by_parameters
+from codegen.derivatives.derivative import JACOBIAN
+from codegen.ir.groups import RATES
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.passes.stages import by_parameters
 from eom import catalogue
 from eom.scene import Scene
 

@@ -19,9 +19,10 @@ from benchmarks.native_rates import HERE, SEED, Array, Points, Rates, aligned, s
 from benchmarks.pairs import Pairs, Sample, paired, settled
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section
-from codegen import Compiled, native
+from codegen import Compiled
 from codegen import compile as compile_system
-from codegen.names import identifier
+from codegen.ir.names import identifier
+from codegen.native import native
 from codegen.targets import c, lanes
 from eom import catalogue
 from eom.scene import Scene

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks import peers
-from codegen.machine import PACKAGES, description
+from codegen.measure.machine import PACKAGES, description
 
 
 def header() -> str:

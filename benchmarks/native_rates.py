@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import Compiled, SparseJacobian, native
-from codegen.derivative import JACOBIAN
-from codegen.layout import Layout
-from codegen.names import identifier
+from codegen import Compiled, SparseJacobian
+from codegen.derivatives.derivative import JACOBIAN
+from codegen.frontend.layout import Layout
+from codegen.ir.names import identifier
+from codegen.native import native
 from codegen.targets import c
 
 HERE = Path(__file__).parent

@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from benchmarks.table import Row
-from codegen import native
+from codegen.native import native
 
 MODULES = {
     "pydy": "pydy",

@@ -182,12 +182,12 @@ def _pydy(kane: Any, layout: Any) -> Any:
 
 def stages(links: int) -> dict[str, Any]:
     """Return seconds by stage of our way to a callable, and operations of the right-hand side."""
-    from codegen import native
-    from codegen.compiled import TARGETS
-    from codegen.elsewhere import as_system
-    from codegen.lower import RATES
-    from codegen.passes import prune
-    from codegen.pipeline import specialised
+    from codegen.compiling.compiled import TARGETS
+    from codegen.frontend.elsewhere import as_system
+    from codegen.ir.groups import RATES
+    from codegen.ir.passes import prune
+    from codegen.native import native
+    from codegen.passes.pipeline import specialised
     from codegen.targets import c
 
     kane, _ = _derived(links)

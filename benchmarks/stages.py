@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen import native
+from codegen.native import native
 from codegen.targets import c
 from eom import catalogue
 
@@ -47,9 +47,10 @@ def _row(name: str) -> Row:
 
 def stages(name: str) -> dict[str, Any]:
     """Return seconds by stage, bytes of generated C and operations of the right-hand side."""
-    from codegen.layout import Layout
-    from codegen.lower import RATES, lower_system
-    from codegen.passes import prune
+    from codegen.frontend.layout import Layout
+    from codegen.frontend.lower import lower_system
+    from codegen.ir.groups import RATES
+    from codegen.ir.passes import prune
     from eom.scene import Scene
 
     marks = [perf_counter()]

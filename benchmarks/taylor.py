@@ -1,8 +1,8 @@
 """The method taylor at equal error: beside heyoka, which LLVM compiles, and SciPy on a Python function.
 
 The other program runs at a tolerance; ours at the coarsest tolerance of a grid from which on its error is
-not larger, so that both reach the same accuracy. Errors are those of `codegen.workprecision`: of each
-state, over its largest size on the way, against Taylor series with 24 digits.
+not larger, so that both reach the same accuracy. Errors are those of `codegen.measure.workprecision`: of
+each state, over its largest size on the way, against Taylor series with 24 digits.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from benchmarks.pairs import Pairs, paired, settled
 from benchmarks.peers import absent, missing
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen.compiled import Compiled
-from codegen.workprecision.case import Case, Reference, reference
-from codegen.workprecision.programs import Run, programs
+from codegen.compiling.compiled import Compiled
+from codegen.measure.workprecision.case import Case, Reference, reference
+from codegen.measure.workprecision.programs import Run, programs
 from eom.problems import PROBLEMS, Problem
 
 TOLERANCES = (1e-6, 1e-9, 1e-12, 2.0**-52)

@@ -1,9 +1,10 @@
 """Random trees of all joints that Pinocchio has too: its values beside ours.
 
 Numbers and programs are those of the product's recursions: forward and inverse dynamics, mass matrix
-and energies in double precision; derivatives from the generated programs of `codegen.derivative`,
-evaluated by the interpreter. Pinocchio's derivatives are by displacements along its speeds; ours, by
-coordinates, are multiplied by N of q' = N u. ``python -m benchmarks.trees`` takes `COUNT` trees.
+and energies in double precision; derivatives from the generated programs of
+`codegen.derivatives.derivative`, evaluated by the interpreter. Pinocchio's derivatives are by displacements
+along its speeds; ours, by coordinates, are multiplied by N of q' = N u. ``python -m benchmarks.trees``
+takes `COUNT` trees.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from numpy.typing import NDArray
 from benchmarks.peers import absent, missing
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, alone
-from codegen import scalars
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.interpret import Point, interpret
-from codegen.lower import RATES
-from codegen.program import Builder
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.ir import scalars
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.program import Builder
 from eom.multibody import Tree
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.motion import coordinate_rates

@@ -1,25 +1,25 @@
 """Compile systems of equations of motion, and integrate them."""
 
-from codegen.accuracy import accuracy
-from codegen.card import Card
-from codegen.compiled import Compiled, compile
-from codegen.drift import Drift
-from codegen.ensemble import Ensemble, ensemble
-from codegen.equilibria import equilibria, equilibrium
-from codegen.events import Event
-from codegen.exact import FreeMotion, free_body, free_motion
+from codegen.closed.exact import FreeMotion, free_body, free_motion
+from codegen.compiling.compiled import Compiled, compile
+from codegen.compiling.events import Event
+from codegen.compiling.linear import Linear, compiled_jacobian, linearise
+from codegen.compiling.signals import Signal
+from codegen.compiling.sparse import SparseJacobian
+from codegen.ensembles.ensemble import Ensemble, ensemble
+from codegen.ensembles.sampler import Grid, Normal, Sampler, Uniform, UniformQuaternion
+from codegen.ensembles.tallies import Statistics, Summary
 from codegen.integrate.methods import METHODS
-from codegen.integrate.trajectory import Stop
-from codegen.linear import Linear, compiled_jacobian, linearise
-from codegen.linear_motion import LinearMotion, linearise_about
-from codegen.run_accuracy import Accuracy
-from codegen.sampler import Grid, Normal, Sampler, Uniform, UniformQuaternion
-from codegen.sensitivity import Sensitivities, sensitivities
-from codegen.signals import Signal
-from codegen.simulation import Result, simulate
-from codegen.sparse import SparseJacobian
-from codegen.steady import Equilibrium
-from codegen.tallies import Statistics, Summary
+from codegen.linearisation.equilibria import equilibria, equilibrium
+from codegen.linearisation.linear_motion import LinearMotion, linearise_about
+from codegen.linearisation.sensitivity import Sensitivities, sensitivities
+from codegen.linearisation.steady import Equilibrium
+from codegen.native.trajectory import Stop
+from codegen.precision.accuracy import accuracy
+from codegen.precision.card import Card
+from codegen.runs.drift import Drift
+from codegen.runs.run_accuracy import Accuracy
+from codegen.runs.simulation import Result, simulate
 
 __all__ = [
     "METHODS",
@@ -58,3 +58,8 @@ __all__ = [
     "sensitivities",
     "simulate",
 ]
+
+
+def __dir__() -> list[str]:
+    """Show the public names alone, not the folders that they come from."""
+    return sorted(__all__)

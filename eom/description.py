@@ -119,9 +119,10 @@ class Integration(Part):
 
     ``t_end``: from 0; negative runs backwards. ``method``: one of `codegen.METHODS`. ``rtol``, ``atol``:
     steps meet atol + rtol |x| (``atol``: rtol / 1000 of the scale of each state unless given, see
-    `codegen.scales`). ``points``: output times at equal distances, ends included. ``max_step``: no step
-    is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a run
-    is given up. ``handover``: near the singularity of Euler angles go on in quaternions (`eom.handover`).
+    `codegen.integrate.scales`). ``points``: output times at equal distances, ends included. ``max_step``:
+    no step is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a
+    run is given up. ``handover``: near the singularity of Euler angles go on in quaternions
+    (`eom.handover`).
     """
 
     t_end: Number = 10.0

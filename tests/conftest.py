@@ -1,12 +1,14 @@
-"""Shared by all tests: a private cache of compiled code, and the targets of this machine."""
+"""Shared by all tests: one cache of compiled code, and the targets of this machine."""
 
 import gc
 import os
+import shutil
+import time
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from codegen import native
+from codegen.native import native
 from eom.limits import SELDOM
 
 settings.register_profile(
@@ -33,14 +35,26 @@ gc.set_threshold(*SELDOM)
 TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
 
 
+FORGOTTEN = 7 * 24 * 3600
+"""Seconds after which compiled code of earlier runs is made anew, so that the folder does not grow."""
+
+
+def pytest_sessionstart(session):
+    """Leave out what was compiled long ago, before workers begin."""
+    if not hasattr(session.config, "workerinput"):
+        for folder in session.config.cache.mkdir("compiled").iterdir():
+            if time.time() - folder.stat().st_mtime > FORGOTTEN:
+                shutil.rmtree(folder, ignore_errors=True)
+
+
 @pytest.fixture(scope="session", autouse=True)
-def private_cache(tmp_path_factory):
-    """Compile into a folder of this session; what is compiled twice is compiled once."""
-    folder = tmp_path_factory.mktemp("cache")
+def shared_cache(pytestconfig):
+    """Compile into one folder of all workers and runs; its keys are compiler, flags and text."""
+    folder = pytestconfig.cache.mkdir("compiled")
     folder.chmod(0o700)
     before = os.environ.get(native.CACHE_VARIABLE)
     os.environ[native.CACHE_VARIABLE] = str(folder)
-    yield folder
+    yield
     if before is None:
         del os.environ[native.CACHE_VARIABLE]
     else:

@@ -32,11 +32,11 @@ COLUMNS = {
 
 INNER = frozenset(
     {
-        "codegen.exact.Form",
-        "codegen.polhode.Polhode",
-        "codegen.program.Program",
-        "codegen.tallies.Bins",
-        "codegen.tallies.Moments",
+        "codegen.closed.exact.Form",
+        "codegen.closed.polhode.Polhode",
+        "codegen.ir.program.Program",
+        "codegen.ensembles.tallies.Bins",
+        "codegen.ensembles.tallies.Moments",
         "eom.exercises.slips.Around",
         "eom.letters.Notation",
         "eom.multibody.closed.readable.Writer",
@@ -588,6 +588,6 @@ FACTS = {
     ),
     "eom.torques.weight": ("3 x 3", "in metres", "Gravity acts along -a3", "lecture 002 eq. 3.20"),
     "eom.verification.DerivationError": (NONE, NONE, NONE, NONE),
-    "codegen.native.CompilerError": (NONE, NONE, NONE, NONE),
+    "codegen.native.native.CompilerError": (NONE, NONE, NONE, NONE),
 }
 """A row a public name."""

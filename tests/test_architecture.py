@@ -81,9 +81,13 @@ DERIVING = [n for n in EOM if n not in COMMAND_LINE and n not in SHOWING]
 
 def test_the_packages_are_found():
     assert {"eom.system", "eom.errors", "eom.scene"} <= set(EOM)
-    assert {"codegen.lower", "codegen.targets.c", "codegen.simulation"} <= set(CODEGEN)
+    assert {"codegen.frontend.lower", "codegen.targets.c", "codegen.runs.simulation"} <= set(
+        CODEGEN
+    )
     assert ("eom.errors", 14) not in imports("eom.errors", inside_functions=True)
-    assert any(t == "eom.system" for t, _ in imports("codegen.lower", inside_functions=True))
+    assert any(
+        t == "eom.system" for t, _ in imports("codegen.frontend.lower", inside_functions=True)
+    )
 
 
 def test_eom_never_imports_arrays():

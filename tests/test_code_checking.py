@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from codegen import native
+from codegen.native import native
 from eom.commands import black_box, code_checking
 from eom.commands.code_checking import check_code, data_of, text_of
 from eom.errors import InputError

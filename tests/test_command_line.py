@@ -138,7 +138,7 @@ def test_a_run_that_stops_early_says_so_in_json():
 
 def test_bench_and_stress_as_json(monkeypatch):
     """What is measured takes long; here the checks and problems are none."""
-    from codegen.stress import checks
+    from codegen.measure.stress import checks
 
     monkeypatch.setattr(checks, "chosen", lambda names: ())
     monkeypatch.setattr("eom.commands.stressing._material", lambda: None)

@@ -7,8 +7,9 @@ import subprocess
 import pytest
 from click.testing import CliRunner
 
-from codegen import native
-from codegen.integrate import methods, written
+from codegen.integrate import methods
+from codegen.loops import written
+from codegen.native import native
 from eom import catalogue
 from eom.__main__ import main
 

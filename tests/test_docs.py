@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from codegen import native
+from codegen.native import native
 from tests.pages import Block, agrees, blocks
 
 ROOT = Path(__file__).parents[1]

@@ -9,8 +9,9 @@ from click.testing import CliRunner
 
 import codegen
 import eom
-from codegen import Normal, Sampler, Statistics, Uniform, memory, native
-from codegen.ensemble import size_of_one
+from codegen import Normal, Sampler, Statistics, Uniform
+from codegen.ensembles.ensemble import size_of_one
+from codegen.native import memory, native
 from eom.__main__ import main
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codegen import native
+from codegen.native import native
 from eom.__main__ import main
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="events are found in generated C")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codegen import native
+from codegen.native import native
 from eom.__main__ import main
 
 TUMBLING = """

@@ -13,7 +13,7 @@ import sympy as sp
 
 import codegen
 import eom
-from codegen import native
+from codegen.native import native
 from eom import multibody
 from eom.checker import grading
 from eom.errors import MOST_ENTRIES, InputError, printable, typed

@@ -1,5 +1,7 @@
 """How large the product is and how it hangs together: no figure gets worse."""
 
+import codegen
+import eom
 from benchmarks import house
 
 
@@ -37,3 +39,9 @@ def test_every_import_counts_and_texts_do_not(tmp_path):
     assert house.circles(house.of_folders(found, edges)) == [["eom", "eom.c"]]
     assert [m.code for m in found] == [0, 2, 3, 0, 2]
     assert house.function_lengths(found) == [3]
+
+
+def test_packages_show_their_public_names_alone():
+    for package in (codegen, eom):
+        assert dir(package) == sorted(package.__all__)
+        assert all(hasattr(package, name) for name in package.__all__)

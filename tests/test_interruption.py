@@ -16,8 +16,9 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import children, halting, native
-from codegen.integrate import fleet, runge_kutta
+from codegen.integrate import fleet
+from codegen.loops import runge_kutta
+from codegen.native import children, halting, native
 from eom.system import System
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")

@@ -12,7 +12,7 @@ import sys
 import nbformat
 import pytest
 
-from codegen import native
+from codegen.native import native
 from tests import notebook_exercises as exercising
 
 ROOT = exercising.ROOT

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from codegen.checked import Array
+from codegen.compiling.checked import Array
 from eom.errors import InputError
 from tests.facts import COLUMNS, FACTS, INNER, NEVER, NONE
 from tests.public import (

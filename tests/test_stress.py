@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from codegen import native
-from codegen.exact import free_motion
+from codegen.closed.exact import free_motion
 from codegen.integrate import methods
-from codegen.stress import checks, extremes, memory, record, scenes, single
-from codegen.stress.angles import SEQUENCES, cosines, passage
-from codegen.stress.growth import fitted, turn_between
-from codegen.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
-from codegen.stress.workers import Worker
+from codegen.measure.stress import checks, extremes, memory, record, scenes, single
+from codegen.measure.stress.angles import SEQUENCES, cosines, passage
+from codegen.measure.stress.growth import fitted, turn_between
+from codegen.measure.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
+from codegen.measure.stress.workers import Worker
+from codegen.native import native
 from eom import problems
 from eom.__main__ import main
 from eom.commands import random_scenes

@@ -30,16 +30,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from codegen import closed_forms, native
-from codegen.compiled import Compiled
-from codegen.identity import SameObject
-from codegen.integrate import closed, stiffness, taylor
-from codegen.integrate.trajectory import Array, Found, Problem, Trajectory
-from codegen.interpret import Point
-from codegen.lower import RATES
-from codegen.taylor import prepare
-from codegen.taylor_cost import operations
-from codegen.trust import is_analytic
+from codegen.closed import closed_forms
+from codegen.compiling.compiled import Compiled
+from codegen.derivatives.taylor import prepare
+from codegen.derivatives.taylor_cost import operations
+from codegen.integrate import closed, stiffness
+from codegen.ir.groups import RATES
+from codegen.ir.identity import SameObject
+from codegen.ir.interpret import Point
+from codegen.loops import taylor
+from codegen.native import native
+from codegen.native.trajectory import Array, Found, Problem, Trajectory
+from codegen.watch.trust import is_analytic
 from eom.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from codegen.closed_forms import Closed
-from codegen.compiled import Compiled
-from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
-from codegen.lower import SINGULARITIES
+from codegen.closed.closed_forms import Closed
+from codegen.compiling.compiled import Compiled
+from codegen.ir.groups import SINGULARITIES
+from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 
 POINTS = 1001
 """Times that are stored where none are asked for, evenly over the run."""

@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from codegen.compiled import Compiled
-from codegen.derivative import dependence
-from codegen.linear import known_jacobian
-from codegen.lower import RATES
-from codegen.passes import prune
-from codegen.sparse import SparseJacobian
+from codegen.compiling.compiled import Compiled
+from codegen.compiling.linear import known_jacobian
+from codegen.compiling.sparse import SparseJacobian
+from codegen.ir.groups import RATES
+from codegen.ir.passes import dependence, prune
 
 JACOBIAN_UP_TO = 100
 """Implicit methods take the generated Jacobian where the rates are so many instructions or fewer: it is

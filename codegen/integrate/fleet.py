@@ -15,17 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen import halting, native
-from codegen.compiled import Compiled
-from codegen.integrate import runge_kutta, scipy_, taylor, taylor_lanes
-from codegen.integrate.dop853 import DOP853
-from codegen.integrate.trajectory import Array, Problem
-from codegen.layout import Layout
-from codegen.lower import RATES, SINGULARITIES
-from codegen.names import identifier
-from codegen.program import Program
-from codegen.taylor import Prepared, prepare
-from codegen.taylor_cost import operations
+from codegen.compiling.compiled import Compiled
+from codegen.derivatives.taylor import Prepared, prepare
+from codegen.derivatives.taylor_cost import operations
+from codegen.frontend.layout import Layout
+from codegen.integrate import scipy_
+from codegen.ir.groups import RATES, SINGULARITIES
+from codegen.ir.names import identifier
+from codegen.ir.program import Program
+from codegen.loops import runge_kutta, taylor, taylor_lanes
+from codegen.loops.dop853 import DOP853
+from codegen.native import halting, native
+from codegen.native.trajectory import Array, Problem
 from eom.errors import InputError, unknown_name
 from eom.tables import Table
 
@@ -46,7 +47,7 @@ class Shared:
     """What all trajectories have in common: times in s, tolerances, and where to stop.
 
     ``atol``: absolute tolerances, (n,), or (n, N) where each trajectory has its own; None where they
-    follow from the scales of each trajectory, which only `codegen.chunks` knows.
+    follow from the scales of each trajectory, which only `codegen.ensembles.chunks` knows.
     """
 
     t_span: tuple[float, float]

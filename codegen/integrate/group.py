@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.attitude import attitude_of
-from codegen.integrate import projection, runge_kutta
-from codegen.integrate.runge_kutta import NativeMethod
-from codegen.integrate.stepwise import Stepwise
-from codegen.integrate.trajectory import Array, Problem, Trajectory
-from codegen.layout import Layout, names_of
-from codegen.lower import SINGULARITIES
-from codegen.momentum import Variables
-from codegen.names import comment, identifier
-from codegen.program import Program
+from codegen.frontend.attitude import attitude_of
+from codegen.frontend.layout import Layout, names_of
+from codegen.integrate.momentum import Variables
+from codegen.ir.groups import SINGULARITIES
+from codegen.ir.names import comment, identifier
+from codegen.ir.program import Program
+from codegen.loops import projection, runge_kutta
+from codegen.loops.runge_kutta import NativeMethod
+from codegen.native.stepwise import Stepwise
+from codegen.native.trajectory import Array, Problem, Trajectory
 from codegen.targets import c
 from eom.errors import InputError
 
@@ -67,7 +67,7 @@ def values(layout: Layout, suffix: str) -> dict[str, str]:
     """Return what the templates of every method need to know of a system."""
     name, singular = identifier(layout.name), len(layout.results[SINGULARITIES])
     prefix = f"{name}_{suffix}"
-    text = resources.files("codegen.integrate").joinpath("quaternions.c").read_text("ascii")
+    text = resources.files("codegen.loops").joinpath("quaternions.c").read_text("ascii")
     return {
         "TITLE": comment(layout.title),
         "NAME": name,

@@ -6,30 +6,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from codegen import events
-from codegen.compiled import Compiled
-from codegen.identity import SameObject
-from codegen.integrate import (
-    choice,
-    group,
-    projection,
-    rkmk,
-    runge_kutta,
-    scipy_,
-    splitting,
-    sundials,
-    taylor,
-)
-from codegen.integrate.crossings import GROUP
-from codegen.integrate.dop853 import DOP853
-from codegen.integrate.dp5 import DP5
+from codegen.compiling import events
+from codegen.compiling.compiled import Compiled
+from codegen.compiling.signals import Inputs
+from codegen.frontend.layout import Layout
+from codegen.integrate import choice, group, rkmk, scipy_, splitting, sundials
 from codegen.integrate.projector import Projector, with_values
-from codegen.integrate.tableau import Tableau
-from codegen.integrate.trajectory import Problem, Trajectory
-from codegen.integrate.tsit5 import TSIT5
-from codegen.layout import Layout
-from codegen.program import Program
-from codegen.signals import Inputs
+from codegen.ir.identity import SameObject
+from codegen.ir.program import Program
+from codegen.loops import projection, runge_kutta, taylor
+from codegen.loops.crossings import GROUP
+from codegen.loops.dop853 import DOP853
+from codegen.loops.dp5 import DP5
+from codegen.loops.tableau import Tableau
+from codegen.loops.tsit5 import TSIT5
+from codegen.native.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
 
 Integrator = Callable[[Problem], Trajectory]

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from codegen import halting
-from codegen.compiled import Compiled
+from codegen.compiling.compiled import Compiled
 from codegen.integrate.choice import NEXT
 from codegen.integrate.fleet import NUMBERS, STATUS, Built, Runner, Runs, Shared, build, problem_of
 from codegen.integrate.methods import Task, resumed
-from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
-from codegen.lower import SINGULARITIES
+from codegen.ir.groups import SINGULARITIES
+from codegen.native import halting
+from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 
 STUCK = ("not finite", "step")
 """Where a Taylor series may be stuck, and another method not."""

@@ -1,6 +1,6 @@
 """Projection in Python, for methods whose loop is SciPy's, and what generated loops need from Python.
 
-The rules are those of `codegen.integrate.projection` and of `projection.c`.
+The rules are those of `codegen.loops.projection` and of `projection.c`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from codegen.compiled import Compiled
-from codegen.integrate.projection import units
-from codegen.integrate.trajectory import Array, Problem
-from codegen.lower import INVARIANTS
+from codegen.compiling.compiled import Compiled
+from codegen.ir.groups import INVARIANTS
+from codegen.loops.projection import units
+from codegen.native.trajectory import Array, Problem
 
 EPSILON = float(np.finfo(np.float64).eps)
 SHARE, LEAST_TOLERANCE, TURNS, FARTHEST = 16, 1024 * EPSILON, 4, 0.25

@@ -5,8 +5,8 @@ of the differential of exp, exact in closed form for rotations, applied to the a
 other variables go along (Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; Iserles, Munthe-Kaas, Norsett and
 Zanna, Acta Numerica 9 (2000) 215). Any Runge-Kutta method keeps its order: here DOP853, order 8. The
 quaternion is a product of unit quaternions, held in two parts; a rigid body is moved by its momentum with
-components in the reference frame (`codegen.momentum`), which without torque does not change at all.
-Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
+components in the reference frame (`codegen.integrate.momentum`), which without torque does not change at
+all. Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
 
 Errors are those of the states, each relative to its own size, as everywhere: what those of the turn and of
 momentum make of them to first order. Where a body rate was left out as a first integral, it is kept to the
@@ -23,15 +23,9 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
-from codegen import native
-from codegen.integrate import group, lookout, runge_kutta
-from codegen.integrate.dop853 import DOP853
-from codegen.integrate.runge_kutta import NativeMethod
-from codegen.integrate.tableau import Row, Tableau
-from codegen.integrate.trajectory import Problem
-from codegen.layout import Layout, names_of
-from codegen.lower import RATES, SINGULARITIES
-from codegen.momentum import (
+from codegen.frontend.layout import Layout, names_of
+from codegen.integrate import group
+from codegen.integrate.momentum import (
     ERRORS,
     FIXED,
     ROUNDING,
@@ -42,9 +36,16 @@ from codegen.momentum import (
     local,
     start,
 )
-from codegen.names import identifier
-from codegen.program import Program
-from codegen.stages import by_parameters
+from codegen.ir.groups import RATES, SINGULARITIES
+from codegen.ir.names import identifier
+from codegen.ir.program import Program
+from codegen.loops import lookout, runge_kutta
+from codegen.loops.dop853 import DOP853
+from codegen.loops.runge_kutta import NativeMethod
+from codegen.loops.tableau import Row, Tableau
+from codegen.native import native
+from codegen.native.trajectory import Problem
+from codegen.passes.stages import by_parameters
 
 NAME = "rkmk"
 FURTHER_STATUS = """\

@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from codegen.compiled import Compiled
-from codegen.integrate import derivatives, jumps, sundials
+from codegen.compiling.compiled import Compiled
+from codegen.compiling.signals import Inputs
+from codegen.integrate import derivatives, sundials
 from codegen.integrate.projector import Projector
-from codegen.integrate.tableau import Tableau
-from codegen.integrate.trajectory import Array, Problem, Stop, Trajectory
-from codegen.integrate.tsit5 import TSIT5
 from codegen.integrate.watching import Cut, Watcher
-from codegen.signals import Inputs
+from codegen.loops import jumps
+from codegen.loops.tableau import Tableau
+from codegen.loops.tsit5 import TSIT5
+from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 
 METHODS = ("RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 TABLEAUX = {"Tsit5": TSIT5}

@@ -40,17 +40,18 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from codegen import native
-from codegen.integrate import group, lookout, runge_kutta
-from codegen.integrate.runge_kutta import NativeMethod
-from codegen.integrate.trajectory import Problem
-from codegen.layout import Layout
-from codegen.lower import SINGULARITIES
-from codegen.momentum import CONSTANTS, KICK, START, Variables, kicks, start
-from codegen.names import identifier
-from codegen.narrow import narrow
-from codegen.program import Program
-from codegen.stages import by_parameters
+from codegen.frontend.layout import Layout
+from codegen.integrate import group
+from codegen.integrate.momentum import CONSTANTS, KICK, START, Variables, kicks, start
+from codegen.ir.groups import SINGULARITIES
+from codegen.ir.names import identifier
+from codegen.ir.program import Program
+from codegen.loops import lookout, runge_kutta
+from codegen.loops.runge_kutta import NativeMethod
+from codegen.native import native
+from codegen.native.trajectory import Problem
+from codegen.passes.stages import by_parameters
+from codegen.watch.narrow import narrow
 from eom.errors import InputError
 
 NAME = "splitting"
@@ -206,7 +207,7 @@ def _filled(
     kicked, begin = kicks(program, variables), start(program, variables)
     parts = [(kicked, KICK, "kick"), (kicked, CONSTANTS, "known")]
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
-    text = resources.files("codegen.integrate").joinpath("free_turn.c").read_text("ascii")
+    text = resources.files("codegen.loops").joinpath("free_turn.c").read_text("ascii")
     values |= {
         "METHOD": f"splitting into torque and exact free turns, order {method.order},",
         "ORDER": str(method.order),

@@ -16,10 +16,10 @@ from functools import cache
 
 import numpy as np
 
-from codegen.compiled import Compiled
-from codegen.integrate.projection import units
-from codegen.integrate.trajectory import Array, Problem
-from codegen.scales import PART
+from codegen.compiling.compiled import Compiled
+from codegen.integrate.scales import PART
+from codegen.loops.projection import units
+from codegen.native.trajectory import Array, Problem
 
 DOP853_REACH = 6.1
 """S of DOP853: Hairer and Wanner II, sect. IV.2."""

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.integrate.trajectory import Array
+from codegen.native.trajectory import Array
 from eom.errors import InputError
 
 PACKAGE = "sksundae"

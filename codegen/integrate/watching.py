@@ -1,4 +1,4 @@
-"""Narrow features in loops that Python drives: what `codegen.narrow` watches, over a library's steps.
+"""Narrow features in loops that Python drives: what `codegen.watch.narrow` watches, over a library's steps.
 
 The methods of SciPy and SUNDIALS are asked for one step after the other. Before each, time alone is looked
 ahead of; after each, watched values are looked at along its own polynomial, and where they moved too far
@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from codegen.compiled import TARGETS, Compiled
-from codegen.identity import SameObject
-from codegen.integrate.lookout import CROWDED
-from codegen.integrate.trajectory import Array, Problem
-from codegen.layout import Layout
-from codegen.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow
-from codegen.program import Program
-from codegen.signals import Inputs
+from codegen.compiling.compiled import TARGETS, Compiled
+from codegen.compiling.signals import Inputs
+from codegen.frontend.layout import Layout
+from codegen.ir.identity import SameObject
+from codegen.ir.program import Program
+from codegen.loops.lookout import CROWDED
+from codegen.native.trajectory import Array, Problem
+from codegen.watch.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow
 from eom.system import Quantity
 
 PLACES = np.array([0.0, 0.079, 0.173, 0.286, 0.419, 0.547, 0.668, 0.791, 0.902, 1.0])

@@ -6,16 +6,16 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from codegen.circles import circles
-from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS, RATES
-from codegen.names import comment, identifier
-from codegen.ops import TURNED
-from codegen.passes import prune
-from codegen.program import Program
-from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
+from codegen.frontend.layout import Layout, names_of
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
+from codegen.ir.names import comment, identifier
+from codegen.ir.ops import TURNED
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, table_function
 from codegen.targets.c_lines import assigned, guarded, name_function, part_lines, variables
+from codegen.targets.circles import circles
 from codegen.targets.render import (
     ATOM,
     Body,

@@ -13,9 +13,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from codegen.layout import Layout
-from codegen.names import C_MATH, identifier
-from codegen.program import Program
+from codegen.frontend.layout import Layout
+from codegen.ir.names import C_MATH, identifier
+from codegen.ir.program import Program
 from codegen.targets import c
 from codegen.targets.target import Target
 

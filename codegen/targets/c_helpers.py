@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 
-from codegen.linsolve import C_HELPERS
-from codegen.names import comment
-from codegen.stumpff import SERIES
+from codegen.ir.linsolve import C_HELPERS
+from codegen.ir.names import comment
+from codegen.ir.stumpff import SERIES
 from codegen.targets.circle import CIRCLE
 from eom.tables import Table
 

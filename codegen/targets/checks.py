@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from codegen.interpret import Bounded, Point, interpret, interpret_with_bound
-from codegen.layout import Layout, names_of
-from codegen.names import comment, identifier
-from codegen.ops import BLOCKS, Instruction
-from codegen.program import Program
+from codegen.frontend.layout import Layout, names_of
+from codegen.ir.interpret import Bounded, Point, interpret, interpret_with_bound
+from codegen.ir.names import comment, identifier
+from codegen.ir.ops import BLOCKS, Instruction
+from codegen.ir.program import Program
 
 RANDOM_POINTS = 4
 _NEAR = 10

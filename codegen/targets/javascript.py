@@ -11,12 +11,11 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from codegen.layout import Layout
-from codegen.names import comment, identifier
-from codegen.narrow import AHEAD, VERDICT, WATCHED, Narrow, narrow
-from codegen.passes import prune
-from codegen.program import Name, Program
-from codegen.stumpff import SERIES
+from codegen.frontend.layout import Layout
+from codegen.ir.names import comment, identifier
+from codegen.ir.passes import prune
+from codegen.ir.program import Name, Program
+from codegen.ir.stumpff import SERIES
 from codegen.targets.render import Body, Names, Template, infix, leaf_names, render, table_names
 from codegen.targets.target import (
     Target,
@@ -27,6 +26,7 @@ from codegen.targets.target import (
     used_helpers,
     used_tables,
 )
+from codegen.watch.narrow import AHEAD, VERDICT, WATCHED, Narrow, narrow
 from eom.tables import Table
 
 TEMPLATES: dict[str, Template] = {
@@ -306,7 +306,7 @@ def _parts(program: Program, layout: Layout) -> _Parts:
 
 
 def _names_of_slots(layout: Layout) -> dict[str, Names]:
-    """Return the names of the slots of each program of `codegen.narrow`."""
+    """Return the names of the slots of each program of `codegen.watch.narrow`."""
     own = leaf_names(layout)
     times = [Name(name) for name in ("now", "earlier", "later", "depth")]
     return {AHEAD: {**own, "state": times}, WATCHED: own, VERDICT: {}}

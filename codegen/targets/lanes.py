@@ -14,11 +14,11 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from codegen.layout import Layout
-from codegen.names import comment, identifier
-from codegen.passes import prune
-from codegen.program import Program
-from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time
+from codegen.frontend.layout import Layout
+from codegen.ir.names import comment, identifier
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers, lanes_math
 from codegen.targets.c_lines import assigned, guarded, part_lines, variables
 from codegen.targets.lanes_math import BINARY, HELPERS, LIBRARY, ORDERED, by_lane

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from codegen.passes import prune
-from codegen.program import Program
-from codegen.stages import CONSTANT, by_parameters
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.passes.stages import CONSTANT, by_parameters
 from codegen.targets.c_lines import assigned
 from codegen.targets.lanes import EARLY, LATE, LOCAL, STORED, kernel, preamble, rendered, static
 from codegen.targets.render import Body, table_names, with_slots_of

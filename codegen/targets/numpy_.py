@@ -8,12 +8,12 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 
-from codegen.layout import Layout
-from codegen.names import comment, identifier
-from codegen.passes import prune
-from codegen.program import Program
-from codegen.stages import CONSTANT, by_parameters
-from codegen.stumpff import SERIES
+from codegen.frontend.layout import Layout
+from codegen.ir.names import comment, identifier
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.ir.stumpff import SERIES
+from codegen.passes.stages import CONSTANT, by_parameters
 from codegen.targets.render import (
     Body,
     Names,

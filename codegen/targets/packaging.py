@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from codegen.layout import Layout
-from codegen.names import comment, identifier
+from codegen.frontend.layout import Layout
+from codegen.ir.names import comment, identifier
 from codegen.targets.c_lines import string
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-pedantic")

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.layout import Layout
-from codegen.names import comment, identifier
-from codegen.program import Program
-from codegen.stumpff import SERIES
+from codegen.frontend.layout import Layout
+from codegen.ir.names import comment, identifier
+from codegen.ir.program import Program
+from codegen.ir.stumpff import SERIES
 from codegen.targets.render import Body, Template, infix, table_names
 from codegen.targets.target import (
     Target,

@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from codegen import telling
-from codegen.interpret import constants
-from codegen.layout import Layout
-from codegen.linsolve import Shape
-from codegen.names import HELPERS, comment, identifiers
-from codegen.ops import BLOCKS, OPS
-from codegen.program import Name, Program
-from codegen.stages import Cut
+from codegen.frontend.layout import Layout
+from codegen.ir import telling
+from codegen.ir.interpret import constants
+from codegen.ir.linsolve import Shape
+from codegen.ir.names import HELPERS, comment, identifiers
+from codegen.ir.ops import BLOCKS, OPS
+from codegen.ir.program import Name, Program
+from codegen.passes.stages import Cut
 from eom.system import Quantity
 from eom.tables import Table
 

@@ -1,8 +1,8 @@
 """What a target is: one row of tables, and the loop that all rows share.
 
-A target is one file: a table of templates over `codegen.ops`, helper functions for what the
+A target is one file: a table of templates over `codegen.ir.ops`, helper functions for what the
 language lacks or does otherwise than IEEE 754, and a function that writes the files. Its `Target`
-becomes a row of `codegen.targets.registry`. CONTRIBUTING.md shows the steps on one target.
+becomes a row of `codegen.compiling.registry`. CONTRIBUTING.md shows the steps on one target.
 """
 
 from __future__ import annotations
@@ -12,18 +12,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from codegen.interpret import constants
-from codegen.layout import Layout, names_of
-from codegen.lower import INVARIANTS, OUTPUTS
-from codegen.ops import LEAVES, OPS
-from codegen.passes import needed, prune
-from codegen.program import Program
+from codegen.frontend.excerpt import excerpt
+from codegen.frontend.layout import Layout, names_of
+from codegen.ir.groups import INVARIANTS, OUTPUTS
+from codegen.ir.interpret import constants
+from codegen.ir.ops import OPS
+from codegen.ir.passes import needed, prune
+from codegen.ir.program import Program
 from codegen.targets.render import Body, Tables, Template, leaf_names, render, table_names
 from eom.errors import InputError
 from eom.tables import Table
 
-MAX_EXCERPT = 120
-"""Characters of an expression in an error."""
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -82,25 +81,6 @@ def _needing(program: Program, layout: Layout, group: str, number: int) -> str:
         if number in needed(Program(program.instructions, {group: (k,)}), [group]):
             return name
     raise AssertionError(number)
-
-
-def excerpt(program: Program, layout: Layout, number: int) -> str:
-    """Return a value of a program as text in the names of the layout, cut where it is long."""
-    kinds = {"state": layout.states, "parameter": layout.parameters, "input": layout.inputs}
-    texts: dict[int, str] = {}
-    for k in sorted(needed(Program(program.instructions, {"": (number,)}), [""])):
-        op, args, value = program.instructions[k]
-        if k in program.names and k != number:
-            text = program.names[k].name
-        elif op in kinds and isinstance(value, int):
-            text = kinds[op][value].name
-        elif op in LEAVES:
-            text = op if value is None else str(value)
-        else:
-            label = f"{value.label} " if isinstance(value, Table) else ""
-            text = f"{op}({label}{', '.join(texts[a] for a in args)})"
-        texts[k] = text if len(text) <= MAX_EXCERPT else f"{text[: MAX_EXCERPT - 3]}..."
-    return texts[number]
 
 
 def bodies(target: Target, program: Program, layout: Layout) -> dict[str, Body]:

@@ -71,7 +71,7 @@ def animate(
     trails, frames and vectors of omega, H and torque. An animated picture is at most 20 MB. Bodies
     without a shape are drawn as uniform bodies of equal inertia; the page says which.
     """
-    from codegen.export import whole
+    from codegen.runs.export import whole
 
     film = _film(file, fps, length, size, dark)
     chosen = scene_of(scene, handover=handover)

@@ -18,8 +18,8 @@ from eom.commands.shared import Rows, WithTable, progress_of, report_files
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from codegen.workprecision.measuring import Diagram, Plan
-    from codegen.workprecision.programs import Program
+    from codegen.measure.workprecision.measuring import Diagram, Plan
+    from codegen.measure.workprecision.programs import Program
     from eom.problems import Problem
 
 FIRST_SECONDS = 600.0
@@ -67,8 +67,8 @@ def bench(
     that their median is so much more. The time to a first result is told apart. Errors are those
     at the end, against a solution with many digits.
     """
-    from codegen.compiled import write_files
-    from codegen.workprecision import programs
+    from codegen.compiling.compiled import write_files
+    from codegen.measure.workprecision import programs
 
     if not names and not everything:
         raise InputError("no problem named", expected="PROBLEM or SCENE ...", hint="or --all")
@@ -93,13 +93,13 @@ def _chosen(names: tuple[str, ...], everything: bool) -> list[Problem]:
 def _plan(quick: bool, seed: int) -> Plan:
     from dataclasses import replace
 
-    from codegen.workprecision.measuring import QUICK, Plan
+    from codegen.measure.workprecision.measuring import QUICK, Plan
 
     return replace(QUICK if quick else Plan(), seed=seed)
 
 
 def _about(measured: list[Program]) -> dict[str, Any]:
-    from codegen import machine
+    from codegen.measure import machine
 
     found = machine.description(["heyoka"])
     if found["heyoka"] == "not installed" and any(p.name == "heyoka" for p in measured):
@@ -117,9 +117,9 @@ def _bench(
     as_json: bool,
 ) -> Any:
     """Measure a problem, print or write what was found, and return it as data."""
-    from codegen.workprecision import showing
-    from codegen.workprecision.case import Case
-    from codegen.workprecision.measuring import measure
+    from codegen.measure.workprecision import showing
+    from codegen.measure.workprecision.case import Case
+    from codegen.measure.workprecision.measuring import measure
 
     numbers = (problem.start, problem.parameters, problem.inputs)
     case = Case(problem.name, problem.title, problem.system, *numbers, problem.end, problem.stiff)
@@ -137,8 +137,8 @@ def _first_results(
     problem: Problem, measured: list[Program], progress: Callable[[float], None]
 ) -> dict[str, dict[str, float]]:
     """Return seconds by stage in new processes, with an empty cache and with what it then holds."""
-    from codegen import children
-    from codegen.native import CACHE_VARIABLE
+    from codegen.native import children
+    from codegen.native.native import CACHE_VARIABLE
 
     others = "heyoka" if any(p.name == "heyoka" for p in measured) else "none"
     command = [sys.executable, "-m", "eom.commands.first", problem.name, others]
@@ -160,7 +160,7 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
     """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
-    from codegen.workprecision import showing
+    from codegen.measure.workprecision import showing
 
     file = io.StringIO() if quiet else None
     console = Console(record=True, width=max(WIDTH, Console().width), file=file)
@@ -175,8 +175,8 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
 
 
 def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> list[Path]:
-    from codegen.compiled import write_files
-    from codegen.workprecision import showing
+    from codegen.compiling.compiled import write_files
+    from codegen.measure.workprecision import showing
     from eom.views.saving import can_write, save
     from eom.views.work_precision import work_precision
 

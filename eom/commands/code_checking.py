@@ -337,7 +337,7 @@ def _rows(values: Sequence[float], n: int) -> Iterator[Sequence[float]]:
 
 def _compiled(file: Path, name: str, n: int, m: int, folder: str, seconds: int) -> str:
     """Compile a function and what calls it, within limits too: a text may make a compiler work for ever."""
-    from codegen.native import require_compiler
+    from codegen.native.native import require_compiler
 
     driver, program = Path(folder, "driver.c"), str(Path(folder, "program"))
     text = _DRIVER.replace("@NAME@", name).replace("@N@", str(n)).replace("@M@", str(m))

@@ -42,7 +42,7 @@ KNOWN = ("count", "seed", "vary")
 
 
 def _distributions() -> Rows:
-    from codegen.distributions import KINDS
+    from codegen.ensembles.distributions import KINDS
 
     return [(kind.usage, kind.meaning) for kind in KINDS]
 
@@ -231,7 +231,7 @@ def _run(
 
 
 def _say_what_is_stored(compiled: Compiled, count: int, points: int, store: Path) -> None:
-    from codegen.ensemble import size_of_one
+    from codegen.ensembles.ensemble import size_of_one
 
     size = count * size_of_one(compiled, points)
     click.echo(f"note: {count:,} trajectories, {size:,} bytes, go to {printable(store)}", err=True)
@@ -257,7 +257,8 @@ def _counted(scene: AnyScene) -> tuple[str, ...]:
 
 def _samples(scene: AnyScene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
-    from codegen import Sampler, distributions
+    from codegen import Sampler
+    from codegen.ensembles import distributions
 
     varied = distributions.sampler(plan.vary, plan.count, plan.seed)
     if not len(varied):

@@ -15,7 +15,7 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
 
 RTOL = 1e-9
 
@@ -24,7 +24,7 @@ def stages(name: str, others: str) -> dict[str, float]:
     """Return seconds by stage."""
     clock = _Clock()
     from codegen import simulate
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
     from eom import problems
 
     clock.lap("import")
@@ -48,7 +48,7 @@ def stages(name: str, others: str) -> dict[str, float]:
 
 
 def _heyoka(clock: _Clock, case: Case) -> None:
-    from codegen.workprecision import programs
+    from codegen.measure.workprecision import programs
 
     importlib.import_module("heyoka")
     clock.lap("heyoka: import")

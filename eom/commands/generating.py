@@ -25,13 +25,13 @@ from eom.commands.shared import (
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from codegen.integrate.written import Choice
+    from codegen.loops.written import Choice
     from eom.opening import AnyScene
     from eom.scene import Scene
 
 
 def _integrators() -> Rows:
-    from codegen.integrate.written import ROWS
+    from codegen.loops.written import ROWS
 
     return [(row.name, row.meaning) for row in ROWS]
 
@@ -95,11 +95,11 @@ def generate(scene: str, folder: Path | None, handover: bool | None, **options: 
 def _generate(
     scene: AnyScene, folder: Path | None, target: str, fixed: bool, report: bool, **options: Any
 ) -> None:
-    from codegen.compiled import generate as generate_files
-    from codegen.compiled import write_files
-    from codegen.linear import with_jacobians
-    from codegen.pipeline import specialised
-    from codegen.report import show as show_report
+    from codegen.compiling.compiled import generate as generate_files
+    from codegen.compiling.compiled import write_files
+    from codegen.compiling.linear import with_jacobians
+    from codegen.passes.pipeline import specialised
+    from codegen.precision.report import show as show_report
 
     integrator = _choice(options["integrator"], scene)
     values = scene.parameter_values() if fixed else {}
@@ -120,7 +120,7 @@ def _write_alone(
     options: Mapping[str, Any],
 ) -> None:
     """Write files that no option of the others changes. Raises `InputError` for such an option."""
-    from codegen.compiled import write_files
+    from codegen.compiling.compiled import write_files
 
     for name, value in options.items():
         if value and (name, value) != ("target", "c"):
@@ -131,7 +131,7 @@ def _write_alone(
 
 def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
     import codegen
-    from codegen import closed_c
+    from codegen.closed import closed_c
 
     values = scene.initial_values(), scene.parameter_values(), scene.input_values()
     with waiting_for("deriving") as show:
@@ -144,8 +144,8 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
 
 
 def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str]:
-    from codegen import handover_c
-    from codegen.charts import compile_charts
+    from codegen.runs import handover_c
+    from codegen.runs.charts import compile_charts
     from eom.handover import charts
 
     with waiting_for("writing code"):
@@ -153,7 +153,7 @@ def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str
 
 
 def _choice(name: str | None, scene: AnyScene) -> Choice | None:
-    from codegen.integrate.written import Choice
+    from codegen.loops.written import Choice
 
     return None if name is None else Choice(name, scene.integration.rtol)
 
@@ -173,7 +173,7 @@ def _choice(name: str | None, scene: AnyScene) -> Choice | None:
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def accuracy(scene: str, target: str, stable: bool, as_json: bool, **options: Any) -> None:
     """Measure the error of every result of SCENE against 50 digits, and name its cause."""
-    from codegen import card_text
+    from codegen.precision import card_text
 
     chosen = scene_of(scene)
     values = chosen.initial_values() | chosen.parameter_values() | chosen.input_values()

@@ -15,7 +15,7 @@ from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen import Compiled, Result
-    from codegen.charts import CompiledCharts
+    from codegen.runs.charts import CompiledCharts
     from eom.opening import AnyScene
     from eom.scene import Scene
     from eom.system import System
@@ -102,8 +102,8 @@ def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tupl
 
 
 def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
-    from codegen import handover
-    from codegen.charts import compile_charts
+    from codegen.runs import handover
+    from codegen.runs.charts import compile_charts
     from eom.handover import charts, numbers
 
     if project:
@@ -142,7 +142,7 @@ def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
 
 def _files(made: CompiledCharts) -> Mapping[str, str]:
     """Return the C files of a pair of charts, or the modules where there is no compiler."""
-    from codegen import handover_c
+    from codegen.runs import handover_c
 
     if made.first.target == "c":
         return handover_c.files(made)

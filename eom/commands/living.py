@@ -21,7 +21,7 @@ def live(scene: str, file: Path) -> None:
     The page needs no network: sliders change numbers, boxes leave parts out, and equations and generated
     right-hand side change with them. Scenes under constraints have no live page.
     """
-    from codegen.compiled import write_files
+    from codegen.compiling.compiled import write_files
     from eom.views.live.page import page
 
     if file.suffix != ".html":

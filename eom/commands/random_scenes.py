@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
 
 ATTITUDES = ("none", "quaternion", "dcm", "3-2-1", "3-1-3", "1-2-3", "2-1-2", "3-1-2", "1-3-1")
 ANGLE = {"quaternion": "q1", "dcm": "C23"}
@@ -69,7 +69,7 @@ def kind(seed: int, number: int) -> Kind:
 
 def draw_scene(seed: int, number: int, kinds: int) -> Case:
     """Return scene ``number`` as a case; ``title`` says what was drawn."""
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
     from eom.problems import from_scene
     from eom.scene import Scene
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from codegen import Accuracy, Result
-    from codegen.drift import Drift
+    from codegen.runs.drift import Drift
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
@@ -119,7 +119,7 @@ def simulate(
     unit. A run that ends at an event of the kind stop ends as it should, with exit status 0. With
     --out, events are saved to FILE.events.csv: number of the event, direction, time and states.
     """
-    from codegen import export
+    from codegen.runs import export
 
     if file is not None:
         export.check_kind(file)
@@ -155,7 +155,7 @@ def run(
     estimated: bool,
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
-    from codegen.compiled import write_files
+    from codegen.compiling.compiled import write_files
     from eom.views.saving import can_write
 
     chosen = scene_of(scene, handover=handover)
@@ -196,7 +196,7 @@ def _simulate(job: Job) -> Result:
 def _save(
     job: Job, result: Result, file: Path | None, plot: Path | None, *, err: bool = False
 ) -> None:
-    from codegen import export
+    from codegen.runs import export
 
     written = []
     if file is not None:

@@ -18,9 +18,9 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from codegen.stress.record import Check, Material, Plan, Trial
-    from codegen.stress.showing import Outcome
-    from codegen.workprecision.case import Case
+    from codegen.measure.stress.record import Check, Material, Plan, Trial
+    from codegen.measure.stress.showing import Outcome
+    from codegen.measure.workprecision.case import Case
     from eom.problems import Problem
 
 FAILED = 1
@@ -29,7 +29,7 @@ WIDTH = 160
 
 
 def _checks() -> Rows:
-    from codegen.stress.checks import CHECKS
+    from codegen.measure.stress.checks import CHECKS
 
     return [(check.name, check.states) for check in CHECKS]
 
@@ -64,9 +64,9 @@ def stress(
     Without names every check is made. Exit status: 0 if all pass, 1 if one fails or cannot be
     measured, 2 for unusable input.
     """
-    from codegen.compiled import write_files
-    from codegen.stress import showing
-    from codegen.stress.checks import chosen
+    from codegen.compiling.compiled import write_files
+    from codegen.measure.stress import showing
+    from codegen.measure.stress.checks import chosen
 
     checks, plan = chosen(names), _plan(methods, **options)
     if folder is not None:
@@ -85,7 +85,7 @@ def stress(
 
 
 def _plan(methods: tuple[str, ...], quick: bool, full: bool, seed: int) -> Plan:
-    from codegen.stress.record import SIZES, Plan, methods_of
+    from codegen.measure.stress.record import SIZES, Plan, methods_of
 
     if quick and full:
         raise InputError("--quick and --full exclude each other", hint="leave one out")
@@ -95,7 +95,7 @@ def _plan(methods: tuple[str, ...], quick: bool, full: bool, seed: int) -> Plan:
 
 def _material() -> Material:
     """Derive what is measured on."""
-    from codegen.stress.record import Material
+    from codegen.measure.stress.record import Material
     from eom import catalogue, problems
     from eom.commands.random_scenes import draw_scene
     from eom.rigidbody import free_rigid_body
@@ -113,7 +113,7 @@ def _material() -> Material:
 
 
 def _trials() -> tuple[Trial, ...]:
-    from codegen.stress.record import Trial
+    from codegen.measure.stress.record import Trial
     from eom.trials import TRIALS
 
     return tuple(Trial(_case_of(t.problem), t.method, t.rtol, t.solution) for t in TRIALS)
@@ -121,7 +121,7 @@ def _trials() -> tuple[Trial, ...]:
 
 def _closed() -> Iterator[Case]:
     """Yield every kind of system that has a closed form, by kind of attitude and what is left out."""
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
     from eom import reduce
     from eom.rigidbody import free_rigid_body, full_inertia, heavy_top, rigid_body
     from eom.spinning import SpinningSymmetricBody
@@ -162,14 +162,14 @@ def _case(name: str) -> Case:
 
 
 def _case_of(p: Problem) -> Case:
-    from codegen.workprecision.case import Case
+    from codegen.measure.workprecision.case import Case
 
     numbers = (p.start, p.parameters, p.inputs)
     return Case(p.name, p.title, p.system, *numbers, p.end, p.stiff)
 
 
 def _measured(check: Check, material: Material, plan: Plan) -> Outcome:
-    from codegen.stress.showing import Outcome
+    from codegen.measure.stress.showing import Outcome
 
     began = time.perf_counter()
     with progress_of(check.name) as progress:
@@ -178,7 +178,7 @@ def _measured(check: Check, material: Material, plan: Plan) -> Outcome:
 
 
 def _about() -> dict[str, Any]:
-    from codegen import machine
+    from codegen.measure import machine
 
     date = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     return {"machine": machine.description(), "date": date}
@@ -188,7 +188,7 @@ def _print(outcomes: list[Outcome], plan: Plan, quiet: bool) -> str:
     """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
-    from codegen.stress import showing
+    from codegen.measure.stress import showing
 
     file = io.StringIO() if quiet else None
     console = Console(record=True, width=max(WIDTH, Console().width), file=file)

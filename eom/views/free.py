@@ -1,11 +1,11 @@
 """A torque-free body for pictures: its data from a scene or numbers, and its polhodes, exactly.
 
 Angular velocities are in rad/s, in components along the principal axes, moments in kg m^2. A polhode is
-(Whittaker, Analytical Dynamics, 4th ed. (1937), sec. 69; letters as in `codegen.polhode`)
+(Whittaker, Analytical Dynamics, 4th ed. (1937), sec. 69; letters as in `codegen.closed.polhode`)
 
     w1 = a1 cos s,  w2 = a2 sin s,  w3 = a3 sqrt(cos^2 s + m1 sin^2 s),  0 <= s < 2 pi
 
-in the frame P of `codegen.polhode`: a curve that needs no time and no integration. On the separatrix
+in the frame P of `codegen.closed.polhode`: a curve that needs no time and no integration. On the separatrix
 m1 = 0, and it is two ellipses in planes through p2.
 """
 
@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from codegen.exact import free_motion, kind_of
-from codegen.polhode import Polhode, context, number, polhode, root
+from codegen.closed.exact import free_motion, kind_of
+from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
 from eom.views.matrices import sequence_matrices
 from eom.views.picture import Floats
 
 if TYPE_CHECKING:
-    from codegen.exact import FreeMotion
+    from codegen.closed.exact import FreeMotion
     from eom.opening import AnyScene
     from eom.scene import Scene
 
@@ -54,7 +54,7 @@ class FreeBody:
     """A torque-free body at t = 0.
 
     ``moments``: the three principal ones, kg m^2; ``omega``: angular velocity along these axes, rad/s;
-    ``attitude``: unit quaternion of the principal axes, scalar first, C_BI as in `codegen.exact`;
+    ``attitude``: unit quaternion of the principal axes, scalar first, C_BI as in `codegen.closed.exact`;
     ``title``: of the scene; ``letter``: b where the principal axes are those of the body, p where they are
     not.
 
@@ -208,7 +208,7 @@ def moving(body: Polhode) -> bool:
 
 
 def polhode_of(moments: Triple, omega: Triple) -> Polhode:
-    """Return the exact data of a polhode; see `codegen.polhode.polhode`."""
+    """Return the exact data of a polhode; see `codegen.closed.polhode.polhode`."""
     return polhode(moments, omega)
 
 

@@ -80,9 +80,9 @@ def _histories(ask: Ask) -> Picture:
 
 def _work_precision(ask: Ask) -> Picture:
     """Measure the scene by every method at few tolerances; `eom bench` measures with care."""
-    from codegen.workprecision.case import Case
-    from codegen.workprecision.measuring import QUICK, measure
-    from codegen.workprecision.programs import programs
+    from codegen.measure.workprecision.case import Case
+    from codegen.measure.workprecision.measuring import QUICK, measure
+    from codegen.measure.workprecision.programs import programs
     from eom.views.work_precision import work_precision
 
     scene = ask.scene

@@ -16,7 +16,7 @@ from eom.views.thinning import thinned
 
 if TYPE_CHECKING:
     from codegen import Result
-    from codegen.drift import Drift
+    from codegen.runs.drift import Drift
     from eom.opening import AnyScene
     from eom.system import Quantity, System
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from codegen.polhode import context, number
+from codegen.closed.polhode import context, number
 from eom.errors import InputError
 from eom.herpolhode import herpolhode as exact_herpolhode
 from eom.views.formulas import plain

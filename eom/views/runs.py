@@ -52,8 +52,8 @@ def integrated(scene: AnyScene, t: Floats) -> Result:
 
 def _handed_over(scene: Scene, t: Floats) -> tuple[Result, System]:
     """Return the run of a scene whose angles go on in a quaternion near their singularity."""
-    from codegen import handover
-    from codegen.charts import compile_charts
+    from codegen.runs import handover
+    from codegen.runs.charts import compile_charts
     from eom.handover import charts, numbers
 
     found = charts(scene)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from codegen.export import whole
+from codegen.runs.export import whole
 from eom.errors import InputError
 from eom.views import printed, turned_page
 from eom.views.extras import installed, require

@@ -12,7 +12,7 @@ from eom.views.lettering import plain
 from eom.views.picture import Axis, Curve, Dash, Item, Marks, Panel, Picture, check, points
 
 if TYPE_CHECKING:
-    from codegen.workprecision.measuring import Diagram, Point
+    from codegen.measure.workprecision.measuring import Diagram, Point
 
 Style = tuple[Dash, float]
 
@@ -35,12 +35,12 @@ AROUND = 3.0
 def work_precision(diagram: Diagram) -> Picture:
     """Return time (s) over error, both on logarithmic scales, fine results to the right.
 
-    ``diagram``: of `codegen.workprecision.measuring.measure`. The error is that at the end, of the state
-    that is worst, over its largest size. A dotted vertical line stands at the reference's own error where
-    it is above rounding. Raises `InputError` where nothing was measured.
+    ``diagram``: of `codegen.measure.workprecision.measuring.measure`. The error is that at the end, of the
+    state that is worst, over its largest size. A dotted vertical line stands at the reference's own error
+    where it is above rounding. Raises `InputError` where nothing was measured.
 
-    >>> from codegen.workprecision import measuring, programs
-    >>> from codegen.workprecision.case import Case
+    >>> from codegen.measure.workprecision import measuring, programs
+    >>> from codegen.measure.workprecision.case import Case
     >>> from eom import problems
     >>> p = problems.ready("heavy-top")
     >>> case = Case(p.name, p.title, p.system, p.start, p.parameters, p.inputs, 0.1)

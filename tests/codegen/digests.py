@@ -15,12 +15,12 @@ def digests():
     """A digest of each generated file by system, target and name."""
     from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
-    from codegen.compiled import generate
-    from codegen.derivative import jacobian
-    from codegen.elsewhere import as_system
-    from codegen.lower import RATES
-    from codegen.pipeline import specialised
-    from codegen.targets.registry import ROWS
+    from codegen.compiling.compiled import generate
+    from codegen.compiling.registry import ROWS
+    from codegen.derivatives.derivative import jacobian
+    from codegen.frontend.elsewhere import as_system
+    from codegen.ir.groups import RATES
+    from codegen.passes.pipeline import specialised
     from eom import gravity_gradient_satellite, heavy_top
     from eom.opening import load_scene
     from tests.codegen.scenes import SCENES

@@ -12,9 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eom
-from codegen import accuracy, card_text
+from codegen import accuracy
 from codegen import compile as compile_system
-from codegen.card import (
+from codegen.frontend.layout import Layout
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.precision import card_text
+from codegen.precision.card import (
     ACCURATE,
     EXACT,
     ILL,
@@ -24,12 +28,18 @@ from codegen.card import (
     UNSTABLE,
     VERDICTS,
 )
-from codegen.conditioning import MAX_LOST, Trace, everything, operations
-from codegen.domain import DISTANCES, EXTREME, REGIONS, SINGULAR, TYPICAL, ZERO, domain_of, places
-from codegen.formula import MAX_LENGTH, formula
-from codegen.interpret import Point, interpret_exactly
-from codegen.layout import Layout
-from codegen.lower import lower_expressions, lower_system
+from codegen.precision.conditioning import MAX_LOST, Trace, everything, operations
+from codegen.precision.domain import (
+    DISTANCES,
+    EXTREME,
+    REGIONS,
+    SINGULAR,
+    TYPICAL,
+    ZERO,
+    domain_of,
+    places,
+)
+from codegen.precision.formula import MAX_LENGTH, formula
 from eom import Scene, load_scene
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System

@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eom
-from codegen.attitude import FRAME, INERTIA, attitude_of
-from codegen.compiled import compile as compile_system
-from codegen.interpret import Point, interpret, random_point
-from codegen.momentum import (
+from codegen.compiling.compiled import compile as compile_system
+from codegen.frontend.attitude import FRAME, INERTIA, attitude_of
+from codegen.integrate.momentum import (
     CONSTANTS,
     ERRORS,
     FIXED,
@@ -26,8 +25,9 @@ from codegen.momentum import (
     local,
     start,
 )
-from codegen.program import Builder
-from codegen.residues import LARGEST, PRIME, RandomPoint, Unlucky, degree, residue
+from codegen.ir.interpret import Point, interpret, random_point
+from codegen.ir.program import Builder
+from codegen.ir.residues import LARGEST, PRIME, RandomPoint, Unlucky, degree, residue
 from eom import BodyAttitude, InputError, torques
 from eom.kinematics import attitude, quaternion_product
 from eom.rigidbody import (

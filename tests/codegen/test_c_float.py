@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import compile as compile_system
-from codegen import native
-from codegen.compiled import generate
-from codegen.interpret import Point, interpret
-from codegen.names import C_MATH, RESERVED
-from codegen.pipeline import specialised
-from codegen.program import Program
-from codegen.stages import by_parameters
+from codegen.compiling.compiled import generate
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.names import C_MATH, RESERVED
+from codegen.ir.program import Program
+from codegen.native import native
+from codegen.passes.pipeline import specialised
+from codegen.passes.stages import by_parameters
 from codegen.targets import c, c_float
 from codegen.targets.c_float import in_single_precision, prefix, single_text
 from eom.system import System

@@ -6,11 +6,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen import passes
-from codegen.chains import MAX_TERMS, PRODUCTS, chains, share_products, share_sums
-from codegen.interpret import Point, interpret_exactly
-from codegen.lower import lower_expressions
-from codegen.program import Builder, Name
+from codegen.frontend.lower import lower_expressions
+from codegen.ir import passes
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.program import Builder, Name
+from codegen.passes.chains import MAX_TERMS, PRODUCTS, chains, share_products, share_sums
 from tests.clock import growth_in_calls
 
 a, b, c, d, e = SYMBOLS = sp.symbols("a b c d e", real=True)

@@ -7,15 +7,18 @@ import pytest
 import sympy as sp
 
 import eom
-from codegen import closed_forms, native, simulate
 from codegen import compile as compile_system
-from codegen.closed_forms import Closed
-from codegen.events import Event
-from codegen.integrate import choice, stiffness, taylor
-from codegen.integrate.trajectory import Problem
-from codegen.interpret import Point
-from codegen.taylor import prepare
-from codegen.trust import is_analytic
+from codegen import simulate
+from codegen.closed import closed_forms
+from codegen.closed.closed_forms import Closed
+from codegen.compiling.events import Event
+from codegen.derivatives.taylor import prepare
+from codegen.integrate import choice, stiffness
+from codegen.ir.interpret import Point
+from codegen.loops import taylor
+from codegen.native import native
+from codegen.native.trajectory import Problem
+from codegen.watch.trust import is_analytic
 from eom.dissipation import viscous_slug
 from eom.system import TIME, System
 

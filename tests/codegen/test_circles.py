@@ -10,12 +10,13 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
-from codegen.circles import BLOCK, MANY_ANGLES, TURNED, circles
-from codegen.interpret import Point, interpret
-from codegen.lower import RATES, lower_system
-from codegen.passes import prune
+from codegen.frontend.lower import lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.passes import prune
+from codegen.native import native
 from codegen.targets.circle import CIRCLE
+from codegen.targets.circles import BLOCK, MANY_ANGLES, TURNED, circles
 from eom.system import Quantity, System
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

@@ -1,7 +1,7 @@
 """Closed forms that are found in systems: which are taken, which are not, and that they are right.
 
 Oracles: Taylor series of the differential equations in 50 digits, Legendre's integrals by mpmath, and the
-torque-free body of `codegen.exact`, which has tests of its own.
+torque-free body of `codegen.closed.exact`, which has tests of its own.
 """
 
 import math
@@ -24,15 +24,16 @@ import eom
 import eom.kinematics
 import eom.rigidbody
 import eom.torques
-from codegen import closed_c, native
-from codegen.closed_forms import find
-from codegen.exact import CHUNK
-from codegen.heavy_top import Top, roots_of
-from codegen.integrate.trajectory import Problem
-from codegen.interpret import Point, interpret
-from codegen.layout import Layout, names_of, to_array
-from codegen.phases import Pair, parity, reduced
-from codegen.tracing import traced
+from codegen.closed import closed_c
+from codegen.closed.closed_forms import find
+from codegen.closed.exact import CHUNK
+from codegen.closed.heavy_top import Top, roots_of
+from codegen.closed.phases import Pair, parity, reduced
+from codegen.frontend.layout import Layout, names_of, to_array
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.tracing import traced
+from codegen.native import native
+from codegen.native.trajectory import Problem
 from eom.errors import InputError
 from tests.draws import nonzero
 

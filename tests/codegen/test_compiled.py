@@ -12,19 +12,13 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
-from codegen import linsolve
-from codegen.interpret import (
-    Bounded,
-    Point,
-    interpret,
-    interpret_exactly,
-    interpret_with_bound,
-)
-from codegen.lower import lower_expressions, lower_system
-from codegen.ops import BLOCKS, OPS
-from codegen.passes import prune
-from codegen.pipeline import costs
-from codegen.program import Program
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir import linsolve
+from codegen.ir.interpret import Bounded, Point, interpret, interpret_exactly, interpret_with_bound
+from codegen.ir.ops import BLOCKS, OPS
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.passes.pipeline import costs
 from eom.errors import AssumptionError, InputError
 from eom.kinematics import SEQUENCES, attitude
 from eom.rigidbody import full_inertia, rigid_body

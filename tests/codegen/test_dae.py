@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import codegen
-from codegen import native
+from codegen.native import native
 from eom.errors import InputError
 from eom.multibody import assemble, derive
 from eom.multibody.implicit import implicit
 from tests.eom.multibody.bound import LENGTHS, NEAR, four_bar, point_mass_free, sleigh
 
 pytest.importorskip("sksundae")
-from codegen.dae import solve
+from codegen.linearisation.dae import solve
 
 TARGET = "auto" if native.compiler() else "numpy"
 

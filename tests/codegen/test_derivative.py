@@ -4,13 +4,14 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.derivative import JACOBIAN, PARTIALS, colouring, columns, dependence, jacobian
-from codegen.elimination import ORDERS
-from codegen.interpret import Point, interpret_exactly
-from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
-from codegen.passes import prune
-from codegen.program import Builder
+from codegen.derivatives.derivative import JACOBIAN, PARTIALS, colouring, columns, jacobian
+from codegen.derivatives.elimination import ORDERS
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
+from codegen.ir.passes import dependence, prune
+from codegen.ir.program import Builder
 from eom.kinematics import attitude
 from eom.opening import load_scene
 from eom.rigidbody import full_inertia, rigid_body

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen import Grid, Normal, Sampler, Uniform, UniformQuaternion
-from codegen.distributions import KINDS, distribution, names, sampler
+from codegen.ensembles.distributions import KINDS, distribution, names, sampler
 from eom.errors import InputError
 
 NUMBERS = st.floats(-1e9, 1e9)

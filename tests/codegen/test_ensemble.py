@@ -16,11 +16,13 @@ from scipy.special import ellipj
 import codegen
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
-from codegen.integrate import fleet, taylor, taylor_lanes
-from codegen.lower import RATES
-from codegen.names import identifier
-from codegen.taylor import prepare
+from codegen import simulate
+from codegen.derivatives.taylor import prepare
+from codegen.integrate import fleet
+from codegen.ir.groups import RATES
+from codegen.ir.names import identifier
+from codegen.loops import taylor, taylor_lanes
+from codegen.native import native
 from eom.errors import AssumptionError, InputError
 from eom.system import TIME, System
 from tests.clock import within

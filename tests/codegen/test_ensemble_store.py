@@ -10,8 +10,10 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import Normal, Sampler, Statistics, Uniform, crews, native, store
+from codegen import Normal, Sampler, Statistics, Uniform
 from codegen import compile as compile_system
+from codegen.ensembles import crews, store
+from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
 

@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import codegen
 import eom
-from codegen import balance, newton
-from codegen.equilibria import equilibria, equilibrium
+from codegen.linearisation import balance, newton
+from codegen.linearisation.equilibria import equilibria, equilibrium
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Tree, derive
 from eom.system import TIME, Quantity, System

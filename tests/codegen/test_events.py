@@ -10,10 +10,11 @@ from scipy import integrate, special
 
 import codegen
 import eom
-from codegen import Event, native
-from codegen.compiled import generate
-from codegen.events import checked, extended
-from codegen.integrate import written
+from codegen import Event
+from codegen.compiling.compiled import generate
+from codegen.compiling.events import checked, extended
+from codegen.loops import written
+from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
 

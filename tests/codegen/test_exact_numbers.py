@@ -5,13 +5,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from codegen import scalars
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.elimination import ORDERS
-from codegen.forms import COEFFICIENT_BITS
-from codegen.interpret import Point, interpret
-from codegen.lower import RATES
-from codegen.program import Builder
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.derivatives.elimination import ORDERS
+from codegen.derivatives.forms import COEFFICIENT_BITS
+from codegen.ir import scalars
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.program import Builder
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.scalars import Numbers
 from eom.multibody.skeleton import skeleton

@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import extended
-from codegen.interpret import constants
+from codegen.ir.interpret import constants
+from codegen.precision import extended
 from eom import problems
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from codegen.fold import LAWS, MAX_BITS, RuleSet
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA
-from codegen.passes import prune
-from codegen.program import Builder
+from codegen.ir.fold import LAWS, MAX_BITS, RuleSet
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA
+from codegen.ir.passes import prune
+from codegen.ir.program import Builder
 from tests.clock import calls
 from tests.draws import nonzero
 

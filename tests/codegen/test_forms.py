@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.extraction import Products
-from codegen.fold import bits
-from codegen.forms import COEFFICIENT_BITS, ONE, Forms, added, content
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.program import Builder
+from codegen.derivatives.extraction import Products
+from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, added, content
+from codegen.ir.fold import bits
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.program import Builder
 
 COEFFICIENTS = st.fractions(-4, 4, max_denominator=4).map(lambda f: f or Fraction(1))
 SLOTS = 4

@@ -18,11 +18,11 @@ from benchmarks.expressions import (
     points,
 )
 from benchmarks.fuzz import Findings, Unit, check
-from codegen import native
-from codegen.interpret import Point
-from codegen.ops import OPS, TRUTH_VALUES
+from codegen.compiling.registry import ROWS
+from codegen.ir.interpret import Point
+from codegen.ir.ops import OPS, TRUTH_VALUES
+from codegen.native import native
 from codegen.targets import numpy_
-from codegen.targets.registry import ROWS
 from tests.codegen.test_compiled import SINGLE
 
 COUNT = 12

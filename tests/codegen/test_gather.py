@@ -6,14 +6,15 @@ import sympy as sp
 from hypothesis import given, settings
 
 import eom
-from codegen.gather import gather
-from codegen.interpret import Point, interpret, interpret_exactly, random_point
-from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.passes import prune
-from codegen.pipeline import join, specialised
-from codegen.program import Builder
-from codegen.rescale import rescale
-from codegen.stages import by_parameters, reciprocals
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret, interpret_exactly, random_point
+from codegen.ir.passes import prune
+from codegen.ir.program import Builder
+from codegen.passes.gather import gather
+from codegen.passes.pipeline import join, specialised
+from codegen.passes.rescale import rescale
+from codegen.passes.stages import by_parameters, reciprocals
 from eom.opening import load_scene
 from tests.codegen.scenes import SCENES
 from tests.codegen.test_compiled import TIME, expressions, modest, p, points, q, reliable, x, y, z

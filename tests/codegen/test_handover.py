@@ -12,12 +12,14 @@ import sympy as sp
 
 import eom
 from codegen import compile as compile_system
-from codegen import handover, handover_c, native, simulate
-from codegen.charts import Between, compile_charts
-from codegen.compiled import write_files
-from codegen.extended import Values
-from codegen.extended import integrate as integrate_exactly
-from codegen.integrate.written import Choice
+from codegen import simulate
+from codegen.compiling.compiled import write_files
+from codegen.loops.written import Choice
+from codegen.native import native
+from codegen.precision.extended import Values
+from codegen.precision.extended import integrate as integrate_exactly
+from codegen.runs import handover, handover_c
+from codegen.runs.charts import Between, compile_charts
 from eom.errors import InputError
 from eom.handover import charts, numbers
 from eom.kinematics import SEQUENCES, quaternion, quaternion_of_sequence, rotation_sequence

@@ -12,10 +12,11 @@ import sympy as sp
 
 from benchmarks import hostile_references
 from codegen import compile as compile_system
-from codegen import native, simulate
-from codegen.stress import hostile
-from codegen.stress.hostile_cases import FAMILIES, Hostile, cases
-from codegen.stress.record import FAIL, PASS, SIZES, Plan
+from codegen import simulate
+from codegen.measure.stress import hostile
+from codegen.measure.stress.hostile_cases import FAMILIES, Hostile, cases
+from codegen.measure.stress.record import FAIL, PASS, SIZES, Plan
+from codegen.native import native
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 x, v = sp.symbols("x v", real=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks import hostile_blind
-from codegen import native
+from codegen.native import native
 
 CASES = hostile_blind.cases()
 MENDED = {

@@ -12,13 +12,15 @@ from scipy.integrate._ivp import dop853_coefficients as published
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
-from codegen.compiled import generate
-from codegen.integrate import dp5, runge_kutta, scipy_, written
-from codegen.integrate.dop853 import DOP853
-from codegen.integrate.dp5 import DP5
-from codegen.integrate.trajectory import Problem
-from codegen.integrate.tsit5 import TSIT5
+from codegen import simulate
+from codegen.compiling.compiled import generate
+from codegen.integrate import scipy_
+from codegen.loops import dp5, runge_kutta, written
+from codegen.loops.dop853 import DOP853
+from codegen.loops.dp5 import DP5
+from codegen.loops.tsit5 import TSIT5
+from codegen.native import native
+from codegen.native.trajectory import Problem
 from eom.errors import InputError
 from eom.system import TIME, System
 

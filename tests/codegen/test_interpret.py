@@ -9,9 +9,15 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from codegen.interpret import Point, constants, interpret, interpret_exactly, interpret_with_bound
-from codegen.lower import lower_expressions
-from codegen.ops import OPS
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.interpret import (
+    Point,
+    constants,
+    interpret,
+    interpret_exactly,
+    interpret_with_bound,
+)
+from codegen.ir.ops import OPS
 
 x, y = sp.symbols("x y", real=True)
 

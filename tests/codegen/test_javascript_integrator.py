@@ -10,12 +10,12 @@ import sympy as sp
 
 import codegen
 import eom
-from codegen import native
-from codegen.compiled import generate
-from codegen.integrate import javascript
-from codegen.integrate.written import Choice
-from codegen.interpret import Point, interpret
-from codegen.narrow import narrow
+from codegen.compiling.compiled import generate
+from codegen.ir.interpret import Point, interpret
+from codegen.loops import javascript
+from codegen.loops.written import Choice
+from codegen.native import native
+from codegen.watch.narrow import narrow
 from eom.errors import InputError
 from eom.system import System
 from eom.tables import Table
@@ -187,7 +187,7 @@ def test_frames_do_not_change_the_motion(name, tmp_path):
 
 @needs
 def test_what_modules_export_to_be_watched_is_what_the_oracle_computes():
-    """Every program of `codegen.narrow`, with tables of its own, at random values of its slots."""
+    """Every program of `codegen.watch.narrow`, with tables of its own, at random values of its slots."""
     force = a * sp.exp(-(((t - b) / w) ** 2)) + PEAK(t) * PEAK(x) + sp.sign(x - v) + sp.log(x / b)
     system = System.from_rates("watched", {x: v, v: force}, time=t)
     compiled = codegen.compile(system, "python")

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 
 import eom
 from codegen import compile as compile_system
-from codegen.compiled import generate
-from codegen.interpret import Point, interpret
-from codegen.names import RESERVED, comment
-from codegen.ops import OPS
+from codegen.compiling.compiled import generate
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.names import RESERVED, comment
+from codegen.ir.ops import OPS
 from codegen.targets import javascript, python_
 from codegen.targets.javascript import JAVASCRIPT
 from eom.errors import InputError

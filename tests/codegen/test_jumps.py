@@ -11,10 +11,10 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
-from codegen.integrate import jumps
-from codegen.integrate.trajectory import Problem
-from codegen.simulation import Result
+from codegen.loops import jumps
+from codegen.native import native
+from codegen.native.trajectory import Problem
+from codegen.runs.simulation import Result
 from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="methods in C")

@@ -8,9 +8,10 @@ import sympy as sp
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
+from codegen import simulate
 from codegen.integrate import sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
+from codegen.native import native
 from eom.kinematics import quaternion_product
 from eom.rigidbody import free_rigid_body, heavy_top
 from eom.system import TIME, BodyAttitude, System

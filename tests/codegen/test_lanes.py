@@ -14,17 +14,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import compile as compile_system
-from codegen import native
-from codegen.batches import BLOCK, FEWEST, LEAST_WORK, divided
-from codegen.checked import CheckedFunction
-from codegen.compiled import batch_kernel, generate
-from codegen.interpret import Point, interpret, interpret_with_bound
-from codegen.layout import Layout
-from codegen.linsolve import Shape
-from codegen.names import identifier
-from codegen.ops import OPS
-from codegen.pipeline import specialised
-from codegen.program import Builder
+from codegen.compiling.batches import BLOCK, FEWEST, LEAST_WORK, divided
+from codegen.compiling.checked import CheckedFunction
+from codegen.compiling.compiled import batch_kernel, generate
+from codegen.frontend.layout import Layout
+from codegen.ir.interpret import Point, interpret, interpret_with_bound
+from codegen.ir.linsolve import Shape
+from codegen.ir.names import identifier
+from codegen.ir.ops import OPS
+from codegen.ir.program import Builder
+from codegen.native import native
+from codegen.passes.pipeline import specialised
 from codegen.targets import lanes
 from codegen.targets.lanes import single_text
 from codegen.targets.lanes_math import LARGEST_ANGLE, ULPS

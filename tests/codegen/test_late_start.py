@@ -8,11 +8,13 @@ from scipy.integrate import solve_ivp
 
 import eom
 from codegen import compile as compile_system
-from codegen import ensemble, handover, native, simulate
-from codegen.charts import compile_charts
-from codegen.events import Event
+from codegen import ensemble, simulate
+from codegen.compiling.events import Event
 from codegen.integrate import fleet, sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
+from codegen.native import native
+from codegen.runs import handover
+from codegen.runs.charts import compile_charts
 from eom.errors import InputError
 from eom.handover import charts
 from eom.kinematics import quaternion_product

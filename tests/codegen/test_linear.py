@@ -5,11 +5,11 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen.compiled import generate
-from codegen.elimination import ORDERS
-from codegen.linear import KINDS, compiled_jacobian, linearise, with_jacobians
-from codegen.names import identifier
-from codegen.pipeline import specialised
+from codegen.compiling.compiled import generate
+from codegen.compiling.linear import KINDS, compiled_jacobian, linearise, with_jacobians
+from codegen.derivatives.elimination import ORDERS
+from codegen.ir.names import identifier
+from codegen.passes.pipeline import specialised
 from codegen.targets import load_module
 from eom.errors import InputError
 from eom.opening import load_scene
@@ -117,7 +117,7 @@ def test_what_was_compiled_once_is_kept(compiled, monkeypatch):
     def never(*_):
         raise AssertionError("derived again")
 
-    monkeypatch.setattr("codegen.linear.derive", never)
+    monkeypatch.setattr("codegen.compiling.linear.derive", never)
     assert compiled.jacobian("states", "rates") is J is compiled_jacobian(compiled)
     assert compiled.jacobian("states", "rates").function is J.function
     again = linearise(compiled, (0.5, -1.0), P, (7.0,))

@@ -9,16 +9,16 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen.complex_step import complex_step
-from codegen.derivative import jacobian
-from codegen.deviations import closed, free_states, independent
-from codegen.equilibria import equilibrium
-from codegen.interpret import Point, interpret_exactly
-from codegen.linear_motion import eigenvalues, linearise_about, stability
-from codegen.lower import lower_system
-from codegen.ops import OPS, Instruction
-from codegen.tangents import tangents
-from codegen.unknowns import leaves_of
+from codegen.derivatives.derivative import jacobian
+from codegen.frontend.lower import lower_system
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.ops import OPS, Instruction
+from codegen.linearisation.complex_step import complex_step
+from codegen.linearisation.deviations import closed, free_states, independent
+from codegen.linearisation.equilibria import equilibrium
+from codegen.linearisation.linear_motion import eigenvalues, linearise_about, stability
+from codegen.linearisation.tangents import tangents
+from codegen.linearisation.unknowns import leaves_of
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Tree, derive
 from eom.system import Definition, Quantity, System

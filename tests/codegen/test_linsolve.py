@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from codegen import linsolve
-from codegen.interpret import Point, interpret, interpret_with_bound
-from codegen.linsolve import Shape
-from codegen.ops import OPS
-from codegen.program import Builder
+from codegen.ir import linsolve
+from codegen.ir.interpret import Point, interpret, interpret_with_bound
+from codegen.ir.linsolve import Shape
+from codegen.ir.ops import OPS
+from codegen.ir.program import Builder
 
 sizes = st.integers(1, 6)
 

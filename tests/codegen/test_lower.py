@@ -4,9 +4,9 @@ import mpmath
 import pytest
 import sympy as sp
 
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import lower_expressions, lower_system
-from codegen.passes import prune
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.passes import prune
 from eom.errors import InputError
 from eom.system import Quantity, System
 

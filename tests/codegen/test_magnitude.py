@@ -8,10 +8,10 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import interpret
-from codegen.compiled import compile as compile_system
-from codegen.lower import INVARIANTS
-from codegen.magnitude import Sizes, scale_of, sizes_program
+from codegen.compiling.compiled import compile as compile_system
+from codegen.ir import interpret
+from codegen.ir.groups import INVARIANTS
+from codegen.precision.magnitude import Sizes, scale_of, sizes_program
 from eom.rigidbody import free_rigid_body
 from eom.system import System
 

@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
 from codegen import compile as compile_system
-from codegen import massmatrix
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.elimination import ORDERS
-from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
-from codegen.lower import RATES, lower_system
-from codegen.passes import prune
-from codegen.program import Builder
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.derivatives.elimination import ORDERS
+from codegen.frontend import massmatrix
+from codegen.frontend.lower import lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
+from codegen.ir.passes import prune
+from codegen.ir.program import Builder
 from codegen.targets import c
 from eom.system import Quantity, System
 from tests.codegen.test_targets import COMPILERS, files_of, needs_compiler, strictly_compile

@@ -9,8 +9,9 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import Grid, Sampler, Uniform, memory
-from codegen.ensemble import size_of_one
+from codegen import Grid, Sampler, Uniform
+from codegen.ensembles.ensemble import size_of_one
+from codegen.native import memory
 from eom.errors import InputError
 from eom.system import System
 
@@ -149,7 +150,7 @@ def test_a_machine_that_says_nothing_has_all_that_it_has(machine, tmp_path, monk
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits of Linux")
 def test_the_limit_of_the_process_itself():
     code = (
-        "import resource; from codegen import memory; before = memory.available();"
+        "import resource; from codegen.native import memory; before = memory.available();"
         "resource.setrlimit(resource.RLIMIT_AS, (2**32, 2**32)); print(memory.available(), before)"
     )
     done = subprocess.run(

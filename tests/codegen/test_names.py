@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.names import HELPERS, RESERVED, comment, identifier, identifiers
+from codegen.ir.names import HELPERS, RESERVED, comment, identifier, identifiers
 
 TEXTS = st.one_of(
     st.text(max_size=80),

@@ -15,13 +15,15 @@ import sympy as sp
 from numpy.typing import NDArray
 
 import codegen
-from codegen import intervals, native, reach, scalars
-from codegen.compiled import generate
-from codegen.integrate import written
-from codegen.interpret import Point, interpret
-from codegen.narrow import ORDER, SOON, narrow
-from codegen.program import Builder
-from codegen.scalars import Scalar
+from codegen.compiling.compiled import generate
+from codegen.ir import scalars
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.program import Builder
+from codegen.ir.scalars import Scalar
+from codegen.loops import written
+from codegen.native import native
+from codegen.watch import intervals, reach
+from codegen.watch.narrow import ORDER, SOON, narrow
 from eom import Table
 from eom.errors import InputError
 from eom.structure import BodyAttitude

@@ -12,7 +12,8 @@ import pytest
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
+from codegen import simulate
+from codegen.native import native
 from eom.errors import InputError
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
@@ -68,7 +69,7 @@ def test_without_a_compiler_c_is_refused_and_auto_takes_numpy(cache, monkeypatch
 
 
 def test_files_of_c_are_generated_without_a_compiler(cache, monkeypatch):
-    from codegen.compiled import generate
+    from codegen.compiling.compiled import generate
 
     monkeypatch.setenv("CC", "/nowhere/cc")
     compiled = compile_system(eom.free_rigid_body(), "numpy")
@@ -187,7 +188,7 @@ def test_a_damaged_library_is_built_anew(cache, rubbish):
 
 CUT = """
 import ctypes, os, sys
-from codegen import native
+from codegen.native import native
 source, share = sys.stdin.read(), float(sys.argv[1])
 library = native.compile_library(source)
 whole = library.read_bytes()
@@ -331,7 +332,7 @@ def test_an_open_cache_is_an_error_and_no_reason_to_use_numpy_silently(cache):
 
 RACE = """
 import ctypes, sys
-from codegen import native
+from codegen.native import native
 source = sys.stdin.read()
 library = native.compile_library(source)
 f = ctypes.CDLL(str(library)).twice
@@ -365,7 +366,7 @@ def test_processes_that_compile_the_same_at_once_share_one_library(cache):
 
 @needs_compiler
 def test_with_and_without_the_quick_way_results_are_the_same(monkeypatch):
-    from codegen import fastcall
+    from codegen.native import fastcall
 
     quick = compile_system(eom.free_rigid_body("3-1-2"), "c")
     monkeypatch.setattr(fastcall, "_extension", lambda: None)

@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
 from codegen.integrate import onward
+from codegen.native import native
 from eom.errors import InputError
 from eom.system import TIME, System
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.ops import (
+from codegen.ir.ops import (
     INTEGER_FIRST,
     LEAVES,
     OPS,

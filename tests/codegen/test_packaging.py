@@ -11,14 +11,14 @@ import pytest
 import sympy as sp
 
 import eom
-from codegen import native
-from codegen.compiled import generate, write_files
-from codegen.derivative import jacobian
-from codegen.interpret import Point
-from codegen.layout import Layout
-from codegen.lower import lower_system
-from codegen.names import identifier
-from codegen.pipeline import specialised
+from codegen.compiling.compiled import generate, write_files
+from codegen.derivatives.derivative import jacobian
+from codegen.frontend.layout import Layout
+from codegen.frontend.lower import lower_system
+from codegen.ir.interpret import Point
+from codegen.ir.names import identifier
+from codegen.native import native
+from codegen.passes.pipeline import specialised
 from codegen.targets import c, checks, packaging
 from eom.system import Definition, Quantity, System
 from tests.codegen.test_compiled import system_of as expressions_of

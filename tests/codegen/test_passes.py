@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eom
-from codegen import passes
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import lower_expressions, lower_system
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir import passes
+from codegen.ir.interpret import Point, interpret, interpret_exactly
 
 x, y, p, q, r = sp.symbols("x y p q r", real=True)
 GROUPS = {

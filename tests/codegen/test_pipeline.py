@@ -10,14 +10,15 @@ from hypothesis import strategies as st
 from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
 import codegen
-from codegen.derivative import jacobian
-from codegen.elsewhere import as_system
-from codegen.fold import RULE_SETS
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.passes import prune
-from codegen.pipeline import PASSES, costs, join, optimise, steps
-from codegen.program import Builder
+from codegen.derivatives.derivative import jacobian
+from codegen.frontend.elsewhere import as_system
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.fold import RULE_SETS
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.passes import prune
+from codegen.ir.program import Builder
+from codegen.passes.pipeline import PASSES, costs, join, optimise, steps
 from eom import catalogue
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude
@@ -158,7 +159,7 @@ def test_rules_are_chosen_by_name(target):
     )
     assert algebraic.rhs(0.0, [np.inf, 1.0]).tolist()[0] == 0.0
     assert np.isnan(exact.rhs(0.0, [np.inf, 1.0])[0])
-    with pytest.raises(codegen.compiled.InputError, match="did you mean exact"):
+    with pytest.raises(codegen.compiling.compiled.InputError, match="did you mean exact"):
         codegen.compile(system, target, rules="exakt")
 
 

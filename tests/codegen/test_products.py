@@ -6,8 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.integrate.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
-from codegen.integrate.products import (
+from codegen.derivatives.taylor import prepare
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.program import Builder
+from codegen.loops.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
+from codegen.loops.products import (
     Coefficient,
     Term,
     forms,
@@ -17,10 +21,6 @@ from codegen.integrate.products import (
     tree,
     wide,
 )
-from codegen.interpret import Point, interpret_exactly
-from codegen.lower import RATES
-from codegen.program import Builder
-from codegen.taylor import prepare
 from tests.draws import nonzero
 
 STATES, PARAMETERS = 3, 2

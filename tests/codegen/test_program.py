@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 import pytest
 
-from codegen.program import Builder, Instruction, Name, Program
+from codegen.ir.program import Builder, Instruction, Name, Program
 
 
 def states(b, count=2):

@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
-from codegen.compiled import generate
-from codegen.integrate import methods, projection, written
+from codegen import simulate
+from codegen.compiling.compiled import generate
+from codegen.integrate import methods
 from codegen.integrate.projector import least_change
+from codegen.loops import projection, written
+from codegen.native import native
 from codegen.targets import packaging
 from eom.errors import InputError
 from eom.system import System

@@ -11,12 +11,12 @@ from click.testing import CliRunner
 
 import codegen
 import eom
-from codegen.closed_forms import find
-from codegen.held import Held, held
-from codegen.integrate.trajectory import Problem
-from codegen.layout import Layout, names_of, to_array
-from codegen.stress import forms
-from codegen.stress.record import SIZES, Plan
+from codegen.closed.closed_forms import find
+from codegen.closed.held import Held, held
+from codegen.frontend.layout import Layout, names_of, to_array
+from codegen.measure.stress import forms
+from codegen.measure.stress.record import SIZES, Plan
+from codegen.native.trajectory import Problem
 from eom.__main__ import main
 from eom.commands.stressing import _material
 from eom.errors import InputError

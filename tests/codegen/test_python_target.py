@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 import eom
 from codegen import compile as compile_system
 from codegen import simulate
-from codegen.compiled import generate
-from codegen.interpret import Point, interpret
-from codegen.names import RESERVED, identifier
-from codegen.ops import OPS, SOLVE
+from codegen.compiling.compiled import generate
+from codegen.ir.interpret import Point, interpret
+from codegen.ir.names import RESERVED, identifier
+from codegen.ir.ops import OPS, SOLVE
 from codegen.targets import load_module
 from codegen.targets.python_ import _HELPERS, PYTHON
 from eom.system import Definition, Quantity, System

@@ -8,12 +8,12 @@ import sympy as sp
 
 import codegen
 import eom
-from codegen import native
-from codegen.compiled import generate
-from codegen.events import checked, extended
-from codegen.integrate import crossings, written
-from codegen.interpret import Point, interpret
-from codegen.narrow import steady
+from codegen.compiling.compiled import generate
+from codegen.compiling.events import checked, extended
+from codegen.ir.interpret import Point, interpret
+from codegen.loops import crossings, written
+from codegen.native import native
+from codegen.watch.narrow import steady
 from eom.system import TIME, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")

@@ -11,10 +11,12 @@ from typing import Any
 import mpmath
 import pytest
 
-from codegen.interpret import Point, interpret_exactly
-from codegen.ops import OPS
-from codegen.program import Builder, Program
-from codegen.reach import (
+from codegen.derivatives.taylor import JET, prepare
+from codegen.derivatives.unrolled import unrolled
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.ops import OPS
+from codegen.ir.program import Builder, Program
+from codegen.watch.reach import (
     HONEST,
     LINEAR_SYSTEMS,
     PIECES,
@@ -24,8 +26,6 @@ from codegen.reach import (
     quiet_of,
     reach_of,
 )
-from codegen.taylor import JET, prepare
-from codegen.unrolled import unrolled
 from eom.errors import InputError
 
 M: Any = mpmath.mp.clone()

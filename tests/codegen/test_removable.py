@@ -10,10 +10,11 @@ import sympy as sp
 
 from codegen import compile as compile_system
 from codegen import compiled_jacobian
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.interpret import Point, interpret
-from codegen.lower import RATES, lower_expressions
-from codegen.removable import ROWS, Removable, rewrite
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.frontend.lower import lower_expressions
+from codegen.frontend.removable import ROWS, Removable, rewrite
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret
 from eom.system import System
 
 x, y, z, a = sp.symbols("x y z a", real=True)

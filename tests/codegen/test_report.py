@@ -1,10 +1,10 @@
 import pytest
 import sympy as sp
 
-from codegen.lower import RATES
-from codegen.passes import prune
-from codegen.pipeline import specialised
-from codegen.report import report, tree_operations
+from codegen.ir.groups import RATES
+from codegen.ir.passes import prune
+from codegen.passes.pipeline import specialised
+from codegen.precision.report import report, tree_operations
 from eom.opening import load_scene
 from eom.system import Definition, Quantity, System
 from tests.codegen.scenes import SCENES

@@ -8,7 +8,9 @@ import sympy as sp
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, requested, simulate
+from codegen import simulate
+from codegen.native import native
+from codegen.runs import requested
 from eom.errors import InputError
 from eom.system import Singularity, System
 

@@ -4,12 +4,21 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.elimination import ORDERS
-from codegen.interpret import Point, interpret_exactly
-from codegen.lower import INVARIANTS, OUTPUTS, RATES, lower_expressions, lower_system
-from codegen.passes import prune
-from codegen.reverse import HESSIAN, PRODUCT, gradient, hessian, hessian_product, jvp, vjp
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.derivatives.elimination import ORDERS
+from codegen.derivatives.reverse import (
+    HESSIAN,
+    PRODUCT,
+    gradient,
+    hessian,
+    hessian_product,
+    jvp,
+    vjp,
+)
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.passes import prune
 from eom.opening import load_scene
 from eom.scene import Scene
 from tests.codegen.scenes import SCENES

@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
-from codegen import free_motion, native, simulate
-from codegen.integrate import rkmk, runge_kutta
+from codegen import free_motion, simulate
+from codegen.integrate import rkmk
+from codegen.loops import runge_kutta
+from codegen.native import native
 from eom.errors import InputError
 from eom.kinematics import quaternion_product
 from eom.rigidbody import heavy_top

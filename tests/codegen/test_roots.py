@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from codegen import native
-from codegen.integrate import crossings
+from codegen.loops import crossings
+from codegen.native import native
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
 EPSILON = np.finfo(np.float64).eps

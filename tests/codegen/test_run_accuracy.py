@@ -10,13 +10,13 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
-from codegen.compiled import compile as compile_system
+from codegen.compiling.compiled import compile as compile_system
 from codegen.integrate import methods
 from codegen.integrate.methods import METHODS
-from codegen.propagation import growth
-from codegen.run_accuracy import LOST
-from codegen.second_run import CANDIDATES, FAMILIES
+from codegen.native import native
+from codegen.runs.propagation import growth
+from codegen.runs.run_accuracy import LOST
+from codegen.runs.second_run import CANDIDATES, FAMILIES
 from eom.errors import InputError
 from eom.rigidbody import free_rigid_body
 from eom.system import TIME, System
@@ -265,7 +265,7 @@ def test_stiff_motion():
 
 
 def test_an_implicit_second_run_is_compared_at_ends_of_its_steps(monkeypatch):
-    from codegen import second_run
+    from codegen.runs import second_run
 
     only = tuple(c for c in CANDIDATES if c.method == "scipy:Radau")
     monkeypatch.setattr(second_run, "CANDIDATES", only)

@@ -9,11 +9,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen import scalars
-from codegen.interpret import Point, interpret_exactly
-from codegen.ops import OPS
-from codegen.program import Builder
-from codegen.scalars import apply, constant, equal, sin, where
+from codegen.ir import scalars
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.ops import OPS
+from codegen.ir.program import Builder
+from codegen.ir.scalars import apply, constant, equal, sin, where
 from eom.errors import InputError
 from tests.draws import nonzero
 

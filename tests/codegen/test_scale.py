@@ -12,10 +12,11 @@ import sympy as sp
 
 from codegen import compile as compile_system
 from codegen import simulate
-from codegen.compiled import generate
-from codegen.derivative import jacobian
-from codegen.lower import RATES, lower_expressions
-from codegen.rescale import rescale
+from codegen.compiling.compiled import generate
+from codegen.derivatives.derivative import jacobian
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.groups import RATES
+from codegen.passes.rescale import rescale
 from eom.errors import InputError
 from eom.system import TIME, Definition, Quantity, System, free_symbols, nodes, replaced
 

@@ -9,8 +9,9 @@ import sympy as sp
 import codegen
 import eom
 from codegen import compile as compile_system
-from codegen import native, scales, simulate
-from codegen.integrate import sundials
+from codegen import simulate
+from codegen.integrate import scales, sundials
+from codegen.native import native
 from eom.problems import PROBLEMS
 from eom.system import TIME, Quantity, System
 
@@ -201,13 +202,13 @@ def test_passing_through_zero_forces_no_steps(method):
 @needs_compiler
 def test_a_given_tolerance_is_taken_as_it_is(small, monkeypatch):
     seen = []
-    whole = codegen.simulation._run
+    whole = codegen.runs.simulation._run
 
     def noted(part, problem, *others):
         seen.append(problem.atol)
         return whole(part, problem, *others)
 
-    monkeypatch.setattr(codegen.simulation, "_run", noted)
+    monkeypatch.setattr(codegen.runs.simulation, "_run", noted)
     for atol in (1e-5, [1e-5, 1e-300, 7.0]):
         simulate(small["grows"], (0, 0, 0), (0, 1), atol=atol, method="DOP853")
     np.testing.assert_array_equal(seen, [[1e-5] * 3, [1e-5, 1e-300, 7.0]])
@@ -250,8 +251,8 @@ def test_one_state_is_told_in_the_singular():
     units = [Quantity(X, "m", "place"), Quantity(Y, "kg", "mass")]
     assert [q.name for q in units] == ["x", "y"]
     system = System.from_rates("rest", {X: -X, Y: Y})
-    layout = codegen.layout.Layout.of(system)
-    layout = codegen.layout.replace(layout, states=tuple(units))
+    layout = codegen.frontend.layout.Layout.of(system)
+    layout = codegen.frontend.layout.replace(layout, states=tuple(units))
     _, told = scales.defaults(
         lambda t, x: np.array([-x[0], x[1]]), layout, np.array([[1.0], [0.0]]), (0.0, 1.0), 1e-6
     )

@@ -6,10 +6,11 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen.layout import names_of
-from codegen.lower import OUTPUTS, RATES, lower_system
-from codegen.ops import OPS
-from codegen.sensitivity import sensitivities, variational
+from codegen.frontend.layout import names_of
+from codegen.frontend.lower import lower_system
+from codegen.ir.groups import OUTPUTS, RATES
+from codegen.ir.ops import OPS
+from codegen.linearisation.sensitivity import sensitivities, variational
 from eom.errors import InputError
 from eom.opening import load_scene
 from eom.scene import Scene

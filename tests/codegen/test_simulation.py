@@ -11,10 +11,11 @@ import scipy.special
 import sympy as sp
 
 import eom
-from codegen import METHODS, Compiled, native, simulate
+from codegen import METHODS, Compiled, simulate
 from codegen import compile as compile_system
 from codegen.integrate import sundials
 from codegen.integrate.methods import OF_ATTITUDE
+from codegen.native import native
 from eom import catalogue
 from eom.errors import AssumptionError, InputError
 from eom.kinematics import SEQUENCES

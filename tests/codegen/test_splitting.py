@@ -13,10 +13,12 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
-from codegen import free_motion, native, simulate
-from codegen.integrate import group, rkmk, runge_kutta, splitting
+from codegen import free_motion, simulate
+from codegen.integrate import group, rkmk, splitting
 from codegen.integrate.splitting import RKN4, RKN6
-from codegen.integrate.trajectory import Problem
+from codegen.loops import runge_kutta
+from codegen.native import native
+from codegen.native.trajectory import Problem
 from codegen.targets import c
 from eom import torques
 from eom.errors import InputError

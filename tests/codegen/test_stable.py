@@ -11,13 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import compile as compile_system
-from codegen.identities import IDENTITIES, RANGE
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import lower_expressions
-from codegen.pipeline import as_written
-from codegen.program import Builder
-from codegen.stable import EVERY, rewritten, rewritten_freely
-from codegen.structure import Structure
+from codegen.frontend.lower import lower_expressions
+from codegen.frontend.structure import Structure
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.program import Builder
+from codegen.passes.identities import IDENTITIES, RANGE
+from codegen.passes.pipeline import as_written
+from codegen.passes.stable import EVERY, rewritten, rewritten_freely
 from eom import load_scene
 from eom.system import System
 from tests.codegen.scenes import SCENES

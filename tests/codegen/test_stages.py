@@ -10,11 +10,12 @@ from hypothesis import given, settings
 
 import eom
 from codegen import compile as compile_system
-from codegen import native
-from codegen.interpret import Point, interpret, interpret_exactly, random_point
-from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.ops import LEAVES
-from codegen.stages import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret, interpret_exactly, random_point
+from codegen.ir.ops import LEAVES
+from codegen.native import native
+from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
 from eom.opening import load_scene
 from eom.system import System
 from tests.codegen.scenes import SCENES

@@ -7,11 +7,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.interpret import Point, interpret, interpret_exactly
-from codegen.lower import lower_expressions
-from codegen.passes import prune
-from codegen.program import Builder
-from codegen.strength import REDUCTIONS, reduce_strength
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.passes import prune
+from codegen.ir.program import Builder
+from codegen.passes.strength import REDUCTIONS, reduce_strength
 from tests.draws import nonzero
 
 x, y, z, d = SYMBOLS = sp.symbols("x y z d", real=True)

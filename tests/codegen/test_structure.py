@@ -9,12 +9,13 @@ import sympy as sp
 
 import codegen
 import eom
-from codegen.interpret import Point, interpret_exactly
-from codegen.layout import names_of
-from codegen.lower import RATES, lower_expressions
-from codegen.passes import prune, substitute
-from codegen.pipeline import costs, specialised
-from codegen.structure import first_not_zero
+from codegen.frontend.layout import names_of
+from codegen.frontend.lower import lower_expressions
+from codegen.frontend.structure import first_not_zero
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.passes import prune, substitute
+from codegen.passes.pipeline import costs, specialised
 from eom.errors import AssumptionError, InputError
 from eom.rigidbody import principal_inertia, rigid_body
 from eom.system import Quantity, System

@@ -11,11 +11,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen import stumpff
-from codegen.compiled import TARGETS
-from codegen.derivative import PARTIALS
-from codegen.layout import Layout
-from codegen.program import Builder
+from codegen.compiling.compiled import TARGETS
+from codegen.derivatives.derivative import PARTIALS
+from codegen.frontend.layout import Layout
+from codegen.ir import stumpff
+from codegen.ir.program import Builder
 from eom.errors import InputError
 from eom.system import System
 

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from scipy import integrate
 
 import codegen
-from codegen import Event, native
-from codegen.integrate import taylor, taylor_lanes
-from codegen.lower import RATES
-from codegen.taylor import prepare
+from codegen import Event
+from codegen.derivatives.taylor import prepare
+from codegen.ir.groups import RATES
+from codegen.loops import taylor, taylor_lanes
+from codegen.native import native
 from eom.system import System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")

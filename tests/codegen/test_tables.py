@@ -15,8 +15,8 @@ from scipy.interpolate import CubicSpline
 import eom
 from codegen import compile as compile_system
 from codegen import compiled_jacobian, simulate
-from codegen.interpret import Point, interpret, interpret_exactly, interpret_with_bound
-from codegen.lower import lower_expressions
+from codegen.frontend.lower import lower_expressions
+from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 
 x, y = sp.symbols("x y", real=True)
 ODD = [-1.0, -0.25, 0.1, 0.7, 3.0], [2.0, -1.0, 1 / 3, 1 / 3, 1e3]

@@ -7,12 +7,12 @@ import pytest
 import sympy as sp
 
 from codegen import compile as compile_system
-from codegen import native
-from codegen.compiled import TARGETS, generate
-from codegen.interpret import Point, interpret_with_bound
-from codegen.layout import Layout
-from codegen.program import Builder
-from codegen.stumpff import LARGEST
+from codegen.compiling.compiled import TARGETS, generate
+from codegen.frontend.layout import Layout
+from codegen.ir.interpret import Point, interpret_with_bound
+from codegen.ir.program import Builder
+from codegen.ir.stumpff import LARGEST
+from codegen.native import native
 from eom.errors import InputError
 from eom.tables import Table
 from tests import node

@@ -13,11 +13,12 @@ from sympy.codegen import cfunctions
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate
-from codegen.compiled import generate, write_files
-from codegen.functions import BESSEL, FUNCTIONS
-from codegen.lower import _CHAINS, _COMPARISONS, lower_expressions
-from codegen.ops import BLOCKS, OPS, SOLVE
+from codegen import simulate
+from codegen.compiling.compiled import generate, write_files
+from codegen.frontend.functions import BESSEL, FUNCTIONS
+from codegen.frontend.lower import _CHAINS, _COMPARISONS, lower_expressions
+from codegen.ir.ops import BLOCKS, OPS, SOLVE
+from codegen.native import native
 from codegen.targets import c, load_module, numpy_
 from codegen.targets.render import Body, Line, split
 from eom.errors import InputError

@@ -12,13 +12,16 @@ from hypothesis import strategies as st
 
 import eom
 from codegen import compile as compile_system
-from codegen import native, simulate, taylor
-from codegen.integrate import taylor as method
-from codegen.interpret import Point, interpret_exactly
-from codegen.lower import RATES, lower_system
-from codegen.program import Builder
-from codegen.trust import limits
-from codegen.unrolled import unrolled
+from codegen import simulate
+from codegen.derivatives import taylor
+from codegen.derivatives.unrolled import unrolled
+from codegen.frontend.lower import lower_system
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.program import Builder
+from codegen.loops import taylor as method
+from codegen.native import native
+from codegen.watch.trust import limits
 from eom.errors import InputError
 from eom.system import TIME, System
 from tests.codegen.scenes import SCENES
@@ -98,7 +101,7 @@ def test_a_constant_exponent_and_a_selection(at, branch):
 
 def test_solutions_of_linear_systems_are_differentiated():
     """A(t) x = f(t) with a symmetric and another matrix, against mpmath's solution."""
-    from codegen.linsolve import Shape
+    from codegen.ir.linsolve import Shape
 
     for symmetric in (True, False):
         b = Builder()
@@ -288,7 +291,7 @@ COUPLED = System(
 @needs_compiler
 @pytest.mark.parametrize("system", [EVERY, COUPLED, RIGID, PENDULUM], ids=lambda s: s.name)
 def test_the_loop_over_the_orders_follows_the_solution(system, monkeypatch):
-    from codegen import massmatrix
+    from codegen.frontend import massmatrix
 
     monkeypatch.setattr(massmatrix, "UNROLLED", 0)
     compiled = compile_system(system, "c")

@@ -11,12 +11,12 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 import codegen
-from codegen import native
-from codegen.extended import Values, integrate
-from codegen.integrate import taylor, taylor_lanes
-from codegen.lower import RATES
-from codegen.taylor import prepare
-from codegen.trust import limits
+from codegen.derivatives.taylor import prepare
+from codegen.ir.groups import RATES
+from codegen.loops import taylor, taylor_lanes
+from codegen.native import native
+from codegen.precision.extended import Values, integrate
+from codegen.watch.trust import limits
 from eom.system import TIME, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
@@ -269,6 +269,6 @@ def test_smooth_motions_take_the_same_steps(name, monkeypatch):
         return found.steps
 
     guarded = [steps(rtol) for rtol in (1e-6, 1e-12)]
-    monkeypatch.setattr("codegen.integrate.jets.limits", lambda prepared, order: ())
+    monkeypatch.setattr("codegen.loops.jets.limits", lambda prepared, order: ())
     plain = [steps(rtol) for rtol in (1e-6, 1e-12)]
     assert all(a <= 1.1 * b + 1 for a, b in zip(guarded, plain, strict=True)), (guarded, plain)

@@ -7,8 +7,10 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import lower, native, telling
-from codegen.telling import EVERY, STAGES, STEP
+from codegen.frontend import lower
+from codegen.ir import telling
+from codegen.ir.telling import EVERY, STAGES, STEP
+from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
 
@@ -70,7 +72,7 @@ def test_without_a_listener_nothing_is_counted_and_code_is_the_same(monkeypatch)
     system = long_system(20)
     heard, _ = told_of(system, "python", stable=True)
     monkeypatch.setattr(lower, "nodes", None)
-    monkeypatch.setattr("codegen.pipeline.nodes", None)
+    monkeypatch.setattr("codegen.passes.pipeline.nodes", None)
     monkeypatch.setattr(telling, "_Told", None)
     assert codegen.compile(system, "python", stable=True).files == heard.files
 
@@ -119,7 +121,7 @@ def test_a_compiler_that_takes_long_is_told_of_and_ends_with_the_listener(tmp_pa
     compiler.chmod(0o755)
     monkeypatch.setenv("CC", str(compiler))
     monkeypatch.setenv(native.CACHE_VARIABLE, str(cache))
-    monkeypatch.setattr("codegen.children.HEARD_SECONDS", 0.01)
+    monkeypatch.setattr("codegen.native.children.HEARD_SECONDS", 0.01)
     started, popen = [], subprocess.Popen
 
     def start(*words, **options):

@@ -10,13 +10,13 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
 from codegen.integrate.methods import METHODS
-from codegen.patience import TooLongError
-from codegen.workprecision import case as cases
-from codegen.workprecision import measuring, programs, showing
-from codegen.workprecision.case import Case, Reference
-from codegen.workprecision.measuring import Plan, Point
+from codegen.measure.workprecision import case as cases
+from codegen.measure.workprecision import measuring, programs, showing
+from codegen.measure.workprecision.case import Case, Reference
+from codegen.measure.workprecision.measuring import Plan, Point
+from codegen.native import native
+from codegen.native.patience import TooLongError
 from eom.errors import InputError
 from eom.system import Quantity, System
 

@@ -24,13 +24,14 @@ from sympy.physics.mechanics import (
 from sympy.physics.mechanics.models import multi_mass_spring_damper, n_link_pendulum_on_cart
 
 import codegen
-from codegen import interpret as oracle
-from codegen.derivative import JACOBIAN, jacobian
-from codegen.elsewhere import as_system
-from codegen.interpret import interpret, interpret_exactly
-from codegen.lower import RATES, lower_expressions, lower_system
-from codegen.passes import prune
-from codegen.program import Program
+from codegen.derivatives.derivative import JACOBIAN, jacobian
+from codegen.frontend.elsewhere import as_system
+from codegen.frontend.lower import lower_expressions, lower_system
+from codegen.ir import interpret as oracle
+from codegen.ir.groups import RATES
+from codegen.ir.interpret import interpret, interpret_exactly
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
 from eom import catalogue
 from eom.kinematics import SEQUENCES, attitude
 from eom.opening import load_scene

@@ -9,13 +9,13 @@ from dataclasses import asdict, dataclass
 from importlib import resources
 from typing import Any
 
-from codegen.integrate import javascript as integrators
-from codegen.integrate.dop853 import DOP853
-from codegen.layout import Layout
-from codegen.lower import RATES
-from codegen.passes import prune
-from codegen.pipeline import specialised
-from codegen.program import Program
+from codegen.frontend.layout import Layout
+from codegen.ir.groups import RATES
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.loops import javascript as integrators
+from codegen.loops.dop853 import DOP853
+from codegen.passes.pipeline import specialised
 from codegen.targets import javascript
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.target import refuse_unsupported

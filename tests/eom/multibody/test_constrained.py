@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen import native
+from codegen.native import native
 from eom.errors import InputError
 from eom.multibody import (
     GROUND,

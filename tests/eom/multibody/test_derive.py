@@ -18,8 +18,8 @@ from sympy.physics.mechanics import (
 import codegen
 import eom
 from benchmarks.trees import LARGEST, derivatives, differences
-from codegen.lower import lower_system
-from codegen.passes import prune
+from codegen.frontend.lower import lower_system
+from codegen.ir.passes import prune
 from eom.errors import InputError
 from eom.identity import equal, is_invariant
 from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, derive

@@ -19,8 +19,8 @@ from sympy.physics.mechanics import (
 )
 
 import codegen
-from codegen.lower import lower_system
-from codegen.passes import prune
+from codegen.frontend.lower import lower_system
+from codegen.ir.passes import prune
 from eom.errors import InputError
 from eom.identity import equal, vanishes
 from eom.multibody import Body, Joint, Load, Motion, Placement, Reaction, Tree, derive, reaction

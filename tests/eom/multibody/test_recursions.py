@@ -11,8 +11,8 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen import scalars
-from codegen.program import Builder
+from codegen.ir import scalars
+from codegen.ir.program import Builder
 from eom.kinematics import SEQUENCES, quaternion, rotation_sequence
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.joints import KINDS, QUATERNION

@@ -9,8 +9,8 @@ import sympy as sp
 
 import codegen
 import eom
-from codegen.interpret import Point, interpret
-from codegen.lower import lower_system
+from codegen.frontend.lower import lower_system
+from codegen.ir.interpret import Point, interpret
 from eom import catalogue
 from eom.errors import InputError
 from eom.kinematics import rotation_sequence

@@ -2,8 +2,8 @@
 
 import pytest
 
-from codegen import scalars
-from codegen.program import Builder
+from codegen.ir import scalars
+from codegen.ir.program import Builder
 from eom.multibody import Body, Joint, Placement, Tree
 from eom.multibody.articulated import forward_dynamics
 from eom.multibody.scalars import Numbers

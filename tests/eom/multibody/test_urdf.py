@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import eom
-from codegen.interpret import Point, interpret
-from codegen.lower import lower_system
+from codegen.frontend.lower import lower_system
+from codegen.ir.interpret import Point, interpret
 from eom.errors import InputError
 from eom.multibody import urdf
 

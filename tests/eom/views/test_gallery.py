@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from codegen.workprecision import measuring, programs
+from codegen.measure.workprecision import measuring, programs
 from eom import InputError, load_scene
 from eom.views import gallery, printed, turned
 from eom.views.gallery import PICTURES, Ask

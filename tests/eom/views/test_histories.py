@@ -8,8 +8,8 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.drift import Drift
-from codegen.simulation import Result
+from codegen.runs.drift import Drift
+from codegen.runs.simulation import Result
 from eom.errors import InputError
 from eom.scene import Scene
 from eom.system import Quantity

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import codegen
 import eom
-from codegen import native
+from codegen.native import native
 from eom import rotations
 from eom.description import principal_values
 from eom.errors import InputError

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from codegen.workprecision.measuring import Point
+from codegen.measure.workprecision.measuring import Point
 from eom.errors import InputError
 from eom.views.picture import Curve, Marks
 from eom.views.work_precision import work_precision

@@ -1,0 +1,1 @@
+"""From a program and a target to functions: `Compiled`, its Jacobians, batches, events and inputs."""

@@ -1,0 +1,364 @@
+"""A compiled system: functions of one shape contract over any target.
+
+Arrays are ``(n,)`` for one point or ``(n, N)`` for N points, in double precision; time is a number
+or ``(N,)``. Whatever has no column axis is the same at every point.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from codegen.compiling.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
+from codegen.compiling.registry import ROWS, target_of
+from codegen.compiling.sparse import SparseJacobian
+from codegen.frontend.elsewhere import as_system
+from codegen.frontend.guard import Guard
+from codegen.frontend.layout import Layout, names_of
+from codegen.frontend.structure import Structure
+from codegen.ir import telling
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.names import identifier
+from codegen.ir.program import Program
+from codegen.loops.written import Choice
+from codegen.native import fastcall, native
+from codegen.passes.pipeline import fitted
+from codegen.passes.stages import by_parameters
+from codegen.targets import c, load_module, python_
+from codegen.targets.target import refuse_unsupported
+from eom.errors import InputError, typed, unknown_name
+from eom.system import BodyAttitude, System
+
+if TYPE_CHECKING:
+    from codegen.compiling.batches import Batch
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A system compiled for a target, made by `codegen.compile`.
+
+    ``rhs(t, x, p, u, out=None)`` gives d(states)/dt; ``outputs``, ``invariants`` and
+    ``singularities`` are like it, where the system has any. Shapes: ``t`` a number or (N,); ``x``, ``p``,
+    ``u`` (n,) or (n, N), in the order of ``layout``; results (k,) or (k, N). Units are those of the system.
+
+    ``system``: what was compiled; ``program``: its straight-line code; ``target``: c, numpy or python.
+    ``functions``: by group: rates, outputs, invariants, singularities. ``structure``: what was compiled in.
+    ``notice``: what the user should know, for example that there was no C compiler.
+    ``stable``: whether every identity against cancellation was applied, also those that cost time.
+    """
+
+    system: System
+    layout: Layout
+    program: Program
+    target: str
+    structure: Structure
+    functions: Mapping[str, Function]
+    notice: str = ""
+    origin: tuple[Callable[..., Compiled], tuple[Any, ...]] | None = None
+    """How it was made, where not by `compile`: a function of modules, and its arguments."""
+    stable: bool = False
+
+    def __repr__(self) -> str:
+        """Name the system, the target and the functions."""
+        names = self.structure.names
+        fixed = f", with {', '.join(names)} fixed" if names else ""
+        functions = ", ".join("rhs" if g == RATES else g for g in self.functions)
+        return f"Compiled({self.layout.name!r} for {self.target}{fixed}: {functions})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by what it was compiled from; the other side compiles, or finds it in its cache."""
+        if self.origin is not None:
+            return self.origin
+        s = self.structure
+        held = ({**s.parameters, **s.equal}, dict(s.states), dict(s.inputs))
+        return (compile, (self.system, self.target, *held, self.program.rules.name, self.stable))
+
+    @property
+    def fixed(self) -> Mapping[str, float]:
+        """The parameters that were fixed to numbers."""
+        return self.structure.parameters
+
+    @property
+    def rhs(self) -> Function:
+        """The right-hand side d(states)/dt."""
+        return self.functions[RATES]
+
+    @property
+    def outputs(self) -> Function:
+        """The outputs, in the order of ``layout.results["outputs"]``.
+
+        Raises `InputError` where the system has none.
+        """
+        return self._group(OUTPUTS)
+
+    @property
+    def invariants(self) -> Function:
+        """The constants of the motion. Raises `InputError` where the system has none."""
+        return self._group(INVARIANTS)
+
+    @property
+    def singularities(self) -> Function:
+        """The expressions that are zero in singular configurations.
+
+        Raises `InputError` where the system has none.
+        """
+        return self._group(SINGULARITIES)
+
+    def _group(self, group: str) -> Function:
+        if group not in self.functions:
+            raise InputError(f"system {self.layout.name!r} has no {group}")
+        return self.functions[group]
+
+    @cached_property
+    def guard(self) -> Guard:
+        """Tests values against the system's assumptions."""
+        guard = Guard.of(self.system)
+        return replace(guard, known=guard.known | {*names_of(self.layout.states)})
+
+    @cached_property
+    def derived(self) -> dict[tuple[str, ...], object]:
+        """What `codegen.compiling.linear` made of this object: it is derived and compiled once."""
+        return {}
+
+    @typed
+    def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
+        """Return the compiled derivatives of a group of results: see `codegen.compiling.linear`.
+
+        ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
+        singularities. Made at the first call and kept. Raises `InputError` for other words.
+        """
+        from codegen.compiling.linear import compiled_jacobian
+
+        return compiled_jacobian(self, wrt, of)
+
+    @typed
+    def batch(self, group: str = RATES, threads: int | None = None) -> Batch:
+        """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
+
+        ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
+        there are processors; results do not depend on it. See `codegen.compiling.batches`. Raises
+        `InputError` for an unknown group and a number of threads that is none.
+        """
+        from codegen.compiling.batches import batch
+
+        return batch(self, group, threads)
+
+    @cached_property
+    def files(self) -> Mapping[str, str]:
+        """The generated files by name; the same system gives the same bytes."""
+        return generate(self.program, self.layout, self.target)
+
+    @property
+    def source(self) -> str:
+        """The generated source text of the functions."""
+        name = identifier(self.layout.name)
+        return self.files[f"{name}.{ROWS[self.target].extension}"]
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write the generated files into ``folder``, each whole or not at all; return their paths.
+
+        Raises `InputError` where the folder cannot be made or written.
+        """
+        return write_files(self.files, folder)
+
+
+@typed
+def compile(  # noqa: A001 - the word that users expect
+    system: System | Any,
+    target: str = "auto",
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    rules: str = "algebraic",
+    stable: bool = False,
+    attitudes: Sequence[BodyAttitude] = (),
+    progress: Callable[[str, float], None] | None = None,
+) -> Compiled:
+    """Compile ``system`` for a target.
+
+    ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
+    ``system``: an `eom.System`, or what `codegen.frontend.elsewhere.as_system` accepts: SymPy's
+    KanesMethod, LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
+    ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
+    name of another parameter makes the two equal. ``states``: values at which states stay, as in
+    planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
+    ``rules``: the laws by which operations may be exchanged, of `codegen.ir.fold.RULE_SETS`:
+    ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
+    ``stable``: apply every identity of `codegen.passes.identities` against cancellation; those that cost no
+    time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
+    of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
+    ``progress``: called with the stage, one of `codegen.ir.telling.STAGES` in this order, and the share of
+    it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once more, for
+    NumPy. What it raises ends the compilation, and nothing of it is kept.
+
+    Units are those of the system, any consistent units.
+    Raises `InputError` for unknown names, states that do not stay, values that contradict the
+    system's assumptions, attitudes that are not so, and expressions without an operation;
+    `CompilerError` where target ``c`` cannot be compiled.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")
+    >>> oscillator.rhs(0, [1, 0], [4])  # t, x, p
+    array([ 0., -4.])
+    >>> oscillator.rhs(0, [[1, 2], [0, 3]], [4])  # two points: a column each
+    array([[ 0.,  3.],
+           [-4., -8.]])
+    """
+    build = TARGETS.get(target)
+    if build is None:
+        raise unknown_name("target", target, TARGETS)
+    system = as_system(system, attitudes=attitudes)
+    structure = Structure.of(system, parameters, states, inputs)
+    with telling.to(progress):
+        program, layout = fitted(system, structure, rules, stable)
+        used, functions, notice = build(program, layout)
+    return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
+
+
+def generate(
+    program: Program, layout: Layout, target: str, integrator: Choice | None = None
+) -> Mapping[str, str]:
+    """Return the generated files of a target by name; needs no compiler.
+
+    ``integrator``: what the target c writes beside the functions, by default DOP853.
+    Raises `InputError` for an unknown target or integrator, and for an operation that the target
+    cannot compute.
+    """
+    row = target_of(target, integrator)
+    refuse_unsupported(row, program, layout)
+    return row.files(program, layout)
+
+
+Functions = Mapping[str, Function]
+
+
+def _module_functions(
+    program: Program, layout: Layout, target: str, kernel: Callable[[Any], Kernel]
+) -> tuple[str, Functions, str]:
+    """Load the generated module; ``kernel`` makes a kernel of one of its functions."""
+    name = identifier(layout.name)
+    with telling.stage("text", lambda: len(program.instructions)):
+        text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
+    with telling.stage("compiler"):
+        module = load_module(text, name)
+    functions = {g: CheckedFunction(g, layout, kernel(getattr(module, g))) for g in layout.sizes}
+    return target, functions, ""
+
+
+def _quiet(function: Any) -> Kernel:
+    """Return a NumPy function without its warnings of values that are not finite."""
+
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        with np.errstate(all="ignore"):
+            function(t, x, p, u, out)
+
+    return run
+
+
+def _numpy(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    return _module_functions(program, layout, "numpy", _quiet)
+
+
+def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    return _module_functions(program, layout, "python", python_.over_columns)
+
+
+def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    with telling.stage("text", lambda: len(program.instructions)):
+        refuse_unsupported(ROWS["c"], program, layout)
+        text = c.single_text(program, layout)
+    flags = native.flags_for(max(layout.sizes.values()), len(program.instructions))
+    with telling.stage("compiler"):
+        library = native.load(native.compile_library(text, flags), text, flags)
+    name = identifier(layout.name)
+    functions = {}
+    prepare = _address(library, f"{name}_prepare")
+    constants = max(1, len(by_parameters(program, layout.sizes).values))
+    for group in layout.sizes:
+        checked = CheckedFunction(group, layout, batch_kernel(library, f"{name}_{group}_batch"))
+        lengths = (
+            len(layout.states),
+            len(layout.parameters),
+            len(layout.inputs),
+            layout.sizes[group],
+        )
+        addresses = _address(library, f"{name}_{group}"), prepare
+        functions[group] = fastcall.bind(addresses, lengths, constants, checked)
+    return "c", functions, ""
+
+
+def _address(library: ctypes.CDLL, symbol: str) -> int:
+    return ctypes.cast(getattr(library, symbol), ctypes.c_void_p).value or 0
+
+
+def batch_kernel(library: ctypes.CDLL, symbol: str) -> Kernel:
+    """Return the kernel of a C function over strided arrays of points."""
+    function = getattr(library, symbol)
+    array = [ctypes.c_void_p, ctypes.c_ssize_t, ctypes.c_ssize_t]
+    function.argtypes = [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_ssize_t, *array * 4]
+    function.restype = None
+
+    def strided(a: Array) -> tuple[int, int, int]:
+        steps = [s // a.itemsize for s in a.strides]
+        return a.ctypes.data, steps[0], steps[1] if a.ndim == 2 else 0
+
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        times = np.atleast_1d(np.asarray(t, dtype=np.float64))
+        times, x, p, u = (a if in_whole_doubles(a) else a.copy() for a in (times, x, p, u))
+        step = times.strides[0] // times.itemsize if np.ndim(t) else 0
+        count = out.shape[1] if out.ndim == 2 else 1
+        function(count, times.ctypes.data, step, *(v for a in (x, p, u, out) for v in strided(a)))
+
+    return run
+
+
+def _automatic(program: Program, layout: Layout) -> tuple[str, Functions, str]:
+    try:
+        return _native(program, layout)
+    except native.CompilerError as error:
+        _, functions, _ = _numpy(program, layout)
+        return "numpy", functions, f"{error.brief}: using the NumPy target"
+
+
+TARGETS: dict[str, Callable[[Program, Layout], tuple[str, Functions, str]]] = {
+    "auto": _automatic,
+    "c": _native,
+    "numpy": _numpy,
+    "python": _python,
+}
+
+
+def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
+    """Write texts into ``folder``, made if need be; each file appears whole or not at all.
+
+    Raises `InputError` where the folder cannot be made or written; no file is then changed.
+    """
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        taken = [name for name in files if (target / name).is_dir()]
+        if taken:
+            raise IsADirectoryError(errno.EISDIR, f"{taken[0]} is a folder")
+        with tempfile.TemporaryDirectory(prefix=".eom-", dir=target) as staging:
+            for name, text in files.items():
+                (Path(staging) / name).write_text(text, encoding="utf-8", newline="\n")
+            for name in files:
+                (Path(staging) / name).replace(target / name)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            "files cannot be written",
+            where=str(target),
+            got=reason,
+            hint="choose a folder that you can write",
+        ) from None
+    return [target / name for name in files]

@@ -1,0 +1,401 @@
+"""Derivatives of programs: Jacobians from instructions to instructions, sparse, value shared.
+
+A program is linearised, each operation by its partial derivatives, and the inner values are
+eliminated in the order that leaves the cheapest program (`codegen.derivatives.elimination`): forward,
+reverse or mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of
+atan2, at the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a
+derivative infinite; what a condition does not select cannot either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from codegen.derivatives.elimination import ORDERS, Edges, eliminate, products
+from codegen.derivatives.forms import Form, Forms, Monomial, added
+from codegen.derivatives.implicit import entry_of_solution, right_hand_sides, vertices
+from codegen.ir import fold, stumpff
+from codegen.ir.fold import constant
+from codegen.ir.ops import OPS, Instruction
+from codegen.ir.passes import depth_first, needed
+from codegen.ir.program import Builder, Program
+from codegen.passes.chains import share_sums
+from eom.errors import InputError
+from eom.tables import Table
+
+JACOBIAN = "jacobian"
+Partial = Callable[[Builder, int, Sequence[int]], tuple[int | None, ...]]
+"""From the numbers of value and arguments to those of the partial derivatives; None is zero."""
+Seeds = Sequence[Mapping[Instruction, Instruction]]
+"""Directions: for each column the slots that it moves, with the leaf that says how fast."""
+Weights = Sequence[Mapping[int, Instruction]]
+"""Sums of results: for each row the places of its results in their group, with their weights."""
+
+PROMISING = 2.0
+"""Orders are carried out that make at most so many times as many products as the best."""
+SUMS_SHARED = 2000
+"""Instructions up to which partial sums are shared: the search takes time by their square."""
+
+
+@dataclass(frozen=True)
+class Jacobian:
+    """A program with the results of a group and the entries of their Jacobian that are not zero.
+
+    ``pattern``: (row, column) of each entry, by rows: result and slot. ``mode``: the accumulation
+    that was cheapest, one of `codegen.derivatives.elimination.ORDERS`.
+    """
+
+    program: Program
+    pattern: tuple[tuple[int, int], ...]
+    mode: str = "forward"
+
+
+def jacobian(
+    program: Program, group: str, kind: str = "state", modes: Iterable[str] = tuple(ORDERS)
+) -> Jacobian:
+    """Differentiate the results ``group`` with respect to all slots of ``kind``.
+
+    ``kind``: state, parameter, input or time. ``modes``: what to choose from. Law: the entries are
+    the derivatives of the results in exact arithmetic, wherever these exist; the results
+    themselves do not change.
+    """
+    return derive(program, group, identity(program, group), slots(program, kind), modes)
+
+
+def slots(program: Program, kind: str) -> Seeds:
+    """Return one column a slot of ``kind``, up to the last one that the program reads."""
+    found = {i.slot: i for i in program.instructions if i.op == kind}
+    return [{found[k]: UNIT} if k in found else {} for k in range(max(found, default=-1) + 1)]
+
+
+UNIT = Instruction("const", (), Fraction(1))
+
+
+def identity(program: Program, group: str) -> Weights:
+    """Return one row a result of the group."""
+    return [{k: UNIT} for k in range(len(program.results[group]))]
+
+
+def derive(
+    program: Program,
+    group: str,
+    rows: Weights,
+    columns: Seeds,
+    modes: Iterable[str] = tuple(ORDERS),
+) -> Jacobian:
+    """Return the derivatives of weighted sums of results in given directions, mode by cost.
+
+    Law: entry (row, column) is the sum over results and slots of weight times partial derivative
+    times rate of the slot; ties between modes go to the first.
+    """
+    candidates = list(modes)
+    if len(candidates) > 1:
+        edges = _linearised(program, group, rows, columns)[2]
+        counts = {m: products(edges, ORDERS[m]) for m in candidates}
+        most = PROMISING * min(counts.values())
+        candidates = [m for m in candidates if counts[m] <= most]
+    found = [_by(mode, program, group, rows, columns) for mode in candidates]
+    return min(found, key=lambda d: d.program.cost())
+
+
+def _by(mode: str, program: Program, group: str, rows: Weights, columns: Seeds) -> Jacobian:
+    forms, copied, edges = _linearised(program, group, rows, columns)
+    b = forms.b
+    left = eliminate(forms, edges, ORDERS[mode])
+    first = vertices(program)[-1]
+    entries = {
+        (row, ~column): left[first + row][column]
+        for row in range(len(rows))
+        for column in sorted(left.get(first + row, {}), reverse=True)
+    }
+    numbers = dict(zip(entries, forms.numbers(list(entries.values())), strict=True))
+    pattern = tuple(place for place, number in numbers.items() if constant(b, number) != 0)
+    results = {group: [copied[k] for k in program.results[group]]}
+    whole = b.program({**results, JACOBIAN: [numbers[place] for place in pattern]})
+    return Jacobian(_finished(whole), pattern, mode)
+
+
+def _finished(program: Program) -> Program:
+    """Share partial sums of the entries where that is soon done and saves, and order everything."""
+    plain = depth_first(program)
+    if len(plain.instructions) > SUMS_SHARED:
+        return plain
+    return min(plain, depth_first(share_sums(plain)), key=Program.cost)
+
+
+def _linearised(
+    program: Program, group: str, rows: Weights, columns: Seeds
+) -> tuple[Forms, dict[int, int], Edges]:
+    """Copy the program and return its numbers and the edges between values that matter."""
+    b = Builder(program.rules)
+    copied: dict[int, int] = {}
+    order = sorted(needed(program, [group]))
+    for k in order:
+        copied[k] = b.again(program.instructions[k], copied)
+    for k, name in program.names.items():
+        if k in copied:
+            b.name(copied[k], name)
+    forms = Forms(b)
+    edges = _edges(forms, program, copied, columns)
+    numbers = vertices(program)
+    results = [numbers[k] for k in program.results[group]]
+    for row, weights in enumerate(rows):
+        sums: dict[int, dict[Monomial, Fraction]] = {}
+        for place, weight in weights.items():
+            if results[place] in edges:
+                added(sums.setdefault(results[place], {}), _weight(forms, weight))
+        edges[numbers[-1] + row] = sums
+    return forms, copied, _reaching(edges, numbers[-1])
+
+
+def _edges(
+    forms: Forms, program: Program, copied: Mapping[int, int], columns: Seeds
+) -> dict[int, Mapping[int, Form]]:
+    """Return the edges into the values of a program that vary with the columns."""
+    edges: dict[int, Mapping[int, Form]] = {}
+    numbers = vertices(program)
+    for k in copied:
+        leaf = op, args, _ = program.instructions[k]
+        if op == "back":
+            edges |= right_hand_sides(forms, program, k, copied, numbers, edges)
+            continue
+        if op == "item":
+            into = entry_of_solution(forms, program, k, copied, numbers, edges)
+        elif op in OPS:
+            varying = [numbers[a] if numbers[a] in edges else None for a in args]
+            into = _chain(forms, op, copied[k], [copied[a] for a in args], varying)
+        else:
+            into = {
+                ~j: _weight(forms, seeds[leaf]) for j, seeds in enumerate(columns) if leaf in seeds
+            }
+        if into:
+            edges[numbers[k]] = into
+    return edges
+
+
+def _weight(forms: Forms, leaf: Instruction) -> Form:
+    return forms.of(forms.b.leaf(leaf.op, leaf.value))
+
+
+def _chain(
+    forms: Forms, op: str, value: int, args: Sequence[int], varying: Sequence[int | None]
+) -> dict[int, Form]:
+    """Return the partial derivatives of an operation by the arguments that vary."""
+    if not any(a is not None for a in varying):
+        return {}
+    found: dict[int, dict[Monomial, Fraction]] = {}
+    for a, partial in zip(varying, PARTIALS[op](forms.b, value, args), strict=True):
+        if a is not None and partial is not None:
+            added(found.setdefault(a, {}), forms.of(partial))
+    return {a: form for a, form in found.items() if form}
+
+
+def _reaching(edges: Mapping[int, Mapping[int, Form]], first_row: int) -> Edges:
+    """Leave out the vertices from which no row is reached."""
+    reached: set[int] = set()
+    for v in sorted(edges, reverse=True):
+        if v >= first_row or v in reached:
+            reached.update(edges[v])
+    return {v: row for v, row in edges.items() if v >= first_row or v in reached}
+
+
+def _one(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    return (b.const(1),) * len(args)
+
+
+def _flat(_: Builder, __: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    return (None,) * len(args)
+
+
+def _unary(rule: Callable[[Builder, int, int], int]) -> Partial:
+    return lambda b, v, args: (rule(b, v, args[0]),)
+
+
+def _square(b: Builder, x: int) -> int:
+    return b.add("mul", x, x)
+
+
+def _over(b: Builder, divisor: int, numerator: int = 1) -> int:
+    return b.add("div", b.const(numerator), divisor)
+
+
+def _unless_zero(b: Builder, test: int, value: int) -> int:
+    """Return ``value``, or zero where ``test`` is zero."""
+    return b.add("select", b.add("eq", test, b.const(0)), b.const(0), value)
+
+
+def _div(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """1 / y and -v / y, by one division where the numerator varies and needs 1 / y anyway."""
+    x, y = args
+    inverse = _over(b, y)
+    quotient = b.add("mul", v, inverse) if b.binding[x] > 1 else b.add("div", v, y)
+    return (inverse, b.add("neg", quotient))
+
+
+def _sqrt(b: Builder, v: int, _: int) -> int:
+    return _unless_zero(b, v, b.add("div", b.const(1), b.add("mul", b.const(2), v)))
+
+
+def _pow(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """Y x^(y - 1) for a base that is zero, too; the exponent's derivative where the base is positive."""
+    x, y = args
+    lower = b.add("pow", x, b.add("sub", y, b.const(1)))
+    positive = b.add("lt", b.const(0), x)
+    growth = b.add("select", positive, b.add("mul", v, b.add("log", x)), b.const(0))
+    return (b.add("mul", y, lower), growth)
+
+
+def _atan2(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    y, x = args
+    square = b.add("add", _square(b, x), _square(b, y))
+    return tuple(
+        _unless_zero(b, square, b.add("div", part, square)) for part in (x, b.add("neg", y))
+    )
+
+
+def _arc(b: Builder, x: int) -> int:
+    """1 / sqrt(1 - x^2), zero at the ends."""
+    root = b.add("sqrt", b.add("sub", b.const(1), _square(b, x)))
+    return _unless_zero(b, root, _over(b, root))
+
+
+def _acosh(b: Builder, _: int, x: int) -> int:
+    below, above = b.add("sub", x, b.const(1)), b.add("add", x, b.const(1))
+    root = b.add("mul", b.add("sqrt", below), b.add("sqrt", above))
+    return _unless_zero(b, root, _over(b, root))
+
+
+def _smaller(first: str, b: Builder, args: Sequence[int]) -> tuple[int | None, ...]:
+    x, y = args if first == "min" else args[::-1]
+    chosen = b.add("le", x, y)
+    return (chosen, b.add("not", chosen))
+
+
+def _mod(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """1 and -floor(a/b), where a/b may have been rounded to a whole number: (a - v)/b is close to one."""
+    quotient = b.add("div", b.add("sub", args[0], v), args[1])
+    whole = b.add("floor", b.add("add", quotient, b.const(Fraction(1, 2))))
+    return (b.const(1), b.add("neg", whole))
+
+
+def _hypot(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    return tuple(_unless_zero(b, v, b.add("div", a, v)) for a in args)
+
+
+def _gauss(b: Builder, x: int) -> int:
+    """2 exp(-x^2) / sqrt(pi)."""
+    factor = b.add("div", b.const(2), b.add("sqrt", b.leaf("pi")))
+    return b.add("mul", factor, b.add("exp", b.add("neg", _square(b, x))))
+
+
+def _bessel(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """(C_{n-1} - C_{n+1})/2, and -C_1 for n = 0 (DLMF 10.6.1)."""
+    kind = b.instructions[v].op
+    n, x = fold.constant(b, args[0]), args[1]
+    assert n is not None
+    after = b.add(kind, b.const(n + 1), x)
+    if n == 0:
+        return (None, b.add("neg", after))
+    difference = b.add("sub", b.add(kind, b.const(n - 1), x), after)
+    return (None, b.add("mul", b.const(Fraction(1, 2)), difference))
+
+
+def _stumpff(b: Builder, _: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    """(k c_{k+2} - c_{k+1})/2. Raises `InputError` beyond the largest k that is tabulated."""
+    k, z = fold.constant(b, args[0]), args[1]
+    assert k is not None
+    if k + 2 > stumpff.LARGEST:
+        raise InputError("derivative of too high an order", got=f"Stumpff function c_{k + 2}",
+                         expected=f"up to c_{stumpff.LARGEST}")  # fmt: skip
+    second = b.add("mul", args[0], b.add("stumpff", b.const(k + 2), z))
+    difference = b.add("sub", second, b.add("stumpff", b.const(k + 1), z))
+    return (None, b.add("mul", b.const(Fraction(1, 2)), difference))
+
+
+def _table(b: Builder, v: int, args: Sequence[int]) -> tuple[int | None, ...]:
+    table = b.instructions[v].value
+    assert isinstance(table, Table)
+    derived = table.derivative
+    return (b.add("table", args[0], value=derived) if derived.degree >= 0 else None,)
+
+
+PARTIALS: dict[str, Partial] = {
+    "add": _one,
+    "sub": lambda b, v, args: (b.const(1), b.const(-1)),
+    "mul": lambda b, v, args: (args[1], args[0]),
+    "div": _div,
+    "neg": lambda b, v, args: (b.const(-1),),
+    "sqrt": _unary(_sqrt),
+    "pow": _pow,
+    "sin": _unary(lambda b, v, x: b.add("cos", x)),
+    "cos": _unary(lambda b, v, x: b.add("neg", b.add("sin", x))),
+    "tan": _unary(lambda b, v, x: b.add("add", b.const(1), _square(b, v))),
+    "asin": _unary(lambda b, v, x: _arc(b, x)),
+    "acos": _unary(lambda b, v, x: b.add("neg", _arc(b, x))),
+    "atan": _unary(lambda b, v, x: _over(b, b.add("add", b.const(1), _square(b, x)))),
+    "sinh": _unary(lambda b, v, x: b.add("cosh", x)),
+    "cosh": _unary(lambda b, v, x: b.add("sinh", x)),
+    "tanh": _unary(lambda b, v, x: b.add("sub", b.const(1), _square(b, v))),
+    "asinh": _unary(
+        lambda b, v, x: _over(b, b.add("sqrt", b.add("add", b.const(1), _square(b, x))))
+    ),
+    "acosh": _unary(_acosh),
+    "atanh": _unary(lambda b, v, x: _over(b, b.add("sub", b.const(1), _square(b, x)))),
+    "exp": _unary(lambda b, v, x: v),
+    "log": _unary(lambda b, v, x: _over(b, x)),
+    "atan2": _atan2,
+    "abs": _unary(lambda b, v, x: b.add("sign", x)),
+    "sign": _flat,
+    "min": lambda b, v, args: _smaller("min", b, args),
+    "max": lambda b, v, args: _smaller("max", b, args),
+    **dict.fromkeys(("lt", "le", "eq", "and", "or", "not"), _flat),
+    "floor": _flat,
+    "mod": _mod,
+    "hypot": _hypot,
+    "erf": _unary(lambda b, v, x: _gauss(b, x)),
+    "erfc": _unary(lambda b, v, x: b.add("neg", _gauss(b, x))),
+    "expm1": _unary(lambda b, v, x: b.add("exp", x)),
+    "log1p": _unary(lambda b, v, x: _over(b, b.add("add", b.const(1), x))),
+    "besselj": _bessel,
+    "bessely": _bessel,
+    "stumpff": _stumpff,
+    "table": _table,
+    "factor": _flat,
+    "select": lambda b, v, args: (
+        None,
+        b.add("not", b.add("eq", args[0], b.const(0))),
+        b.add("eq", args[0], b.const(0)),
+    ),
+}
+"""How each operation is differentiated, by further operations.
+
+Solutions of linear systems are left to `codegen.derivatives.implicit`; a factorisation has no
+derivative."""
+
+
+def columns(pattern: Iterable[tuple[int, int]]) -> dict[int, frozenset[int]]:
+    """Return the rows in which each column has an entry."""
+    found: dict[int, set[int]] = {}
+    for row, column in pattern:
+        found.setdefault(column, set()).add(row)
+    return {c: frozenset(rows) for c, rows in sorted(found.items())}
+
+
+def colouring(pattern: Iterable[tuple[int, int]]) -> dict[int, int]:
+    """Return a colour for each column so that columns of one colour share no row.
+
+    As many directional derivatives as there are colours give the whole matrix (Curtis, Powell and
+    Reid, 1974). Greedy, the fullest columns first; ties by number.
+    """
+    rows = columns(pattern)
+    colours: dict[int, int] = {}
+    taken: list[set[int]] = []
+    for c in sorted(rows, key=lambda c: (-len(rows[c]), c)):
+        free = next((k for k, used in enumerate(taken) if not used & rows[c]), len(taken))
+        if free == len(taken):
+            taken.append(set())
+        taken[free] |= rows[c]
+        colours[c] = free
+    return dict(sorted(colours.items()))

@@ -1,0 +1,394 @@
+"""Many trajectories of one system: over initial states and parameters, in lanes, threads, a cluster.
+
+Every trajectory's result is the same to the last bit for any chunking, any number of threads and any
+cluster of equal machines, and so are the statistics.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from codegen.compiling.batches import processors
+from codegen.compiling.compiled import Compiled
+from codegen.ensembles import store as stores
+from codegen.ensembles.chunks import Plan, clock_of_plan, integrator, run
+from codegen.ensembles.crews import Cluster, Threads, Work, pieces
+from codegen.ensembles.gathering import Gathered
+from codegen.ensembles.sampler import Sampler
+from codegen.ensembles.samples import Many, Population, population
+from codegen.ensembles.tallies import BLOCK, Statistics, Summary
+from codegen.frontend.layout import names_of, to_array
+from codegen.integrate import fleet, onward
+from codegen.integrate.fleet import Shared
+from codegen.ir.groups import INVARIANTS, OUTPUTS
+from codegen.ir.identity import SameObject
+from codegen.native import memory
+from codegen.native.trajectory import MAX_STEPS, Array
+from codegen.runs.arguments import grid as grid_of
+from codegen.runs.arguments import positive, relative
+from codegen.runs.arguments import span as span_of
+from codegen.runs.arguments import tolerances as tolerances_of
+from codegen.runs.simulation import DEFAULT_MARGIN
+from codegen.runs.simulation import _compile_once as compile_once
+from eom.errors import InputError, typed, unknown_name
+from eom.system import System
+
+LARGEST_CHUNK = 8192
+CHUNK_BYTES = 64_000_000
+CHUNKS = 8
+"""Chunks of a small ensemble: enough for the threads, and long enough that lanes are seldom empty."""
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """What many trajectories came to; all arrays have the trajectories as their last axis.
+
+    ``count``: N of them. ``names``, ``outputs``: of the n states and o outputs, in order. ``t`` (K,):
+    the stored times. ``counts``: how many trajectories ended by each reason: end, singular, not finite,
+    step, max_steps. ``stopped`` (2, M): numbers of the first 10,000 trajectories that did not reach the
+    end, and their status. ``statistics``, ``drift``: by name of the state or output, and of the constant
+    of the motion (largest change over its first value). ``columns``: ``y`` (n, K, N), ``outputs`` (o, K,
+    N), ``y_stop`` (n, N), ``t_stop``, ``status``, ``which``, ``steps``, ``rejected``, ``continued`` (N,),
+    ``drift`` (i, N), where they are kept: NaN at times that a trajectory did not reach; ``continued`` is 1
+    where another method went on, 2 where it may have passed what is singular. ``method``: what integrated,
+    in ``seconds``, with so many ``steps``; ``notice``: what the user should know. ``store``: the folder of
+    the trajectories, if there is one; ``computed``: chunks that were not read from it. Units are those of
+    the system.
+    """
+
+    count: int
+    t: Array
+    counts: Mapping[str, int]
+    stopped: NDArray[np.int64]
+    statistics: Mapping[str, Summary]
+    drift: Mapping[str, Summary]
+    columns: Mapping[str, NDArray[Any]] = field(repr=False)
+    names: tuple[str, ...]
+    outputs: tuple[str, ...]
+    method: str
+    notice: str
+    steps: int
+    computed: int
+    seconds: float
+    store: Path | None = None
+
+    def __repr__(self) -> str:
+        """Say how the trajectories ended."""
+        ends = ", ".join(f"{k}: {v:,}" for k, v in self.counts.items())
+        drift = "".join(f"; drift of {n} at most {d.maximum[0]:.1e}" for n, d in self.drift.items())
+        return f"Ensemble({self.count:,} trajectories, {ends}; {self.steps:,} steps{drift})"
+
+    @property
+    def success(self) -> bool:
+        """Whether every trajectory reached the end."""
+        return self.counts.get("end", 0) == self.count
+
+    @property
+    def y(self) -> Array:
+        """The states at the stored times, (n, K, N)."""
+        return self._column("y")
+
+    @property
+    def y_stop(self) -> Array:
+        """The states where each trajectory stopped, (n, N)."""
+        return self._column("y_stop")
+
+    @property
+    def t_stop(self) -> Array:
+        """The times at which they stopped, (N,)."""
+        return self._column("t_stop")
+
+    @property
+    def status(self) -> NDArray[np.int32]:
+        """Why each stopped, by number, (N,): `STATUS` names them.
+
+        Raises `InputError`, as all of these do, where the trajectories were not kept.
+        """
+        return self._column("status")
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values of a state or output by ``name`` at the stored times, (K, N).
+
+        Raises `InputError` for others, and where the trajectories were not kept.
+        """
+        for column, names in (("y", self.names), ("outputs", self.outputs)):
+            if name in names:
+                values: Array = self._column(column)[names.index(name)]
+                return values
+        raise unknown_name("state or output", name, [*self.names, *self.outputs])
+
+    def _column(self, name: str) -> NDArray[Any]:
+        if name not in self.columns:
+            raise InputError(
+                "the trajectories were not kept",
+                hint=f"they are in {self.store}" if self.store else "call ensemble with keep=True",
+            )
+        return self.columns[name]
+
+
+@typed
+def ensemble(
+    system: System | Compiled,
+    initial: Many,
+    t_span: tuple[float, float],
+    parameters: Many = None,
+    method: str = "auto",
+    rtol: float = 1e-9,
+    atol: ArrayLike | None = None,
+    t_eval: ArrayLike | None = None,
+    *,
+    inputs: Mapping[str, float] | None = None,
+    statistics: Statistics | Sequence[str] = (),
+    keep: bool | None = None,
+    store: str | Path | None = None,
+    store_format: str = "zarr",
+    chunk: int | None = None,
+    threads: int | None = None,
+    client: Any = None,
+    max_step: float = math.inf,
+    max_steps: int = MAX_STEPS,
+    margin: float = DEFAULT_MARGIN,
+    progress: Callable[[float], None] | None = None,
+) -> Ensemble:
+    """Integrate many trajectories of ``system`` over ``t_span`` (s).
+
+    ``initial``, ``parameters``: by name or in order, each a number for all or one a trajectory (N,); or
+    as ``initial`` a `Sampler` of states and parameters. ``method``: auto (Taylor series where every
+    operation has a rule, else DOP853), taylor or DOP853. ``rtol``, ``atol``, ``max_step``, ``max_steps``
+    and ``margin`` are those of `simulate`, ``atol`` by the scales of each trajectory, ``inputs`` numbers
+    by name. ``t_eval``: times to store; without it the end alone. ``statistics``: names of states and
+    outputs, or `Statistics`. ``keep``: whether the trajectories are kept in memory, by default where
+    there is no ``store``, a folder for them in ``store_format`` zarr or parquet; a run that broke off is
+    called again to go on. ``chunk``: trajectories of a task, made a multiple of 256. ``threads``: by
+    default one a processor; ``client``: a client of `dask.distributed` does it instead. ``progress``:
+    called with the share that is done.
+
+    Where auto's Taylor series is stuck DOP853 goes on, as in `simulate`; ``notice`` tells it.
+    Never raises for what happens on the way of a trajectory: its status says why it stopped. Raises
+    `InputError` for unusable arguments, samples that are not finite or contradict the system's
+    assumptions (`AssumptionError`), a store that cannot be written or holds another ensemble, and before
+    the run what cannot fit into memory: trajectories that are kept, chunks at work.
+    Units are those of the system. Sources: as of `simulate`; of means and variances Chan, Golub and
+    LeVeque, Am. Stat. 37 (1983) 242; of random numbers Salmon, Moraes, Dror and Shaw, SC 2011.
+
+    >>> import sympy as sp, codegen
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = codegen.compile(System.from_rates("oscillator", {y: v, v: -k * y}), "numpy")
+    >>> found = ensemble(oscillator, {"y": [1, 2, 3], "v": 0}, (0, sp.pi), {"k": 4})
+    >>> found.y.shape, found["y"].round(6)  # (n, K, N): one time, three trajectories
+    ((2, 1, 3), array([[1., 2., 3.]]))
+    """
+    compiled = system if isinstance(system, Compiled) else compile_once(SameObject(system))
+    shared = _shared(
+        compiled, t_span, inputs or {}, rtol, atol, t_eval, max_step, max_steps, margin
+    )
+    some = population(compiled, initial, parameters)
+    number = processors() if threads is None else _whole(threads, "threads")
+    kept = store is None if keep is None else keep
+    size = _chunk(chunk, some.count, shared, compiled)
+    plan = Plan(compiled, method, shared, _statistics(compiled, statistics), size, kept)
+    _refuse_what_does_not_fit(plan, some.count, number if client is None else 0)
+    work, mended = (run, "") if store is None else _stored(plan, some, store, store_format)
+    integrator(plan)  # before the threads that need it
+    notes = (_doubt(plan, some), mended)
+    began = time.perf_counter()
+    chunks = -(-some.count // plan.chunk)
+    gathered = _gathered(plan, some, work, min(number, max(1, chunks)), client, progress)
+    return _result(gathered, time.perf_counter() - began, store, notes)
+
+
+def _doubt(plan: Plan, some: Population) -> str:
+    """Return what a user should know of how well time is resolved, by the first chunk."""
+    clock = clock_of_plan(plan)
+    if clock is None:
+        return ""
+    return clock.doubt(some.draw(0, min(plan.chunk, some.count))[1], plan.shared.rtol)
+
+
+def _stored(
+    plan: Plan, some: Population, folder: str | Path, store_format: str
+) -> tuple[Work, str]:
+    """Return what computes chunks and writes them, or reads those that are there; and what was mended."""
+    found, mended = stores.opened(folder, _contents(plan, some, integrator(plan), store_format))
+    return partial(stores.work, found), mended
+
+
+def _gathered(
+    plan: Plan,
+    some: Population,
+    work: Work,
+    threads: int,
+    client: Any,
+    progress: Callable[[float], None] | None,
+) -> Gathered:
+    """Give out all chunks, and put together what comes back."""
+    gathered = Gathered(plan, some.count)
+    crew = (
+        Threads(plan, some, work, threads) if client is None else Cluster(plan, some, work, client)
+    )
+    with crew:
+        for piece in pieces(crew, iter(range(-(-some.count // plan.chunk)))):
+            gathered.take(piece)
+            if progress is not None:
+                progress(gathered.done / some.count)
+    return gathered
+
+
+def _shared(
+    compiled: Compiled,
+    t_span: tuple[float, float],
+    inputs: Mapping[str, float],
+    rtol: float,
+    atol: ArrayLike | None,
+    t_eval: ArrayLike | None,
+    max_step: float,
+    max_steps: int,
+    margin: float,
+) -> Shared:
+    span = span_of(t_span)
+    names = names_of(compiled.layout.inputs)
+    for name, value in inputs.items():
+        if callable(value):
+            raise InputError(
+                f"input {name} is a function", hint="write it into the system as a function of time"
+            )
+    return Shared(
+        t_span=span,
+        inputs=to_array(compiled.structure.without("input", inputs), names, "input"),
+        rtol=relative(rtol),
+        atol=None if atol is None else tolerances_of(atol, len(compiled.layout.states)),
+        margin=positive(margin, "margin"),
+        t_eval=grid_of(span[1:] if t_eval is None else t_eval, span),
+        max_step=positive(max_step, "max_step"),
+        max_steps=min(_whole(max_steps, "max_steps"), 2**31 - 1),
+    )
+
+
+def _whole(value: int, name: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise InputError(f"{name} is not a positive whole number", got=value)
+    return value
+
+
+def _statistics(compiled: Compiled, asked: Statistics | Sequence[str]) -> Statistics:
+    found = asked if isinstance(asked, Statistics) else Statistics(tuple(asked))
+    known = (*names_of(compiled.layout.states), *compiled.layout.results[OUTPUTS])
+    for name in found.names:
+        if name not in known:
+            raise unknown_name("state or output", name, known, "statistics")
+    return found
+
+
+def _chunk(asked: int | None, count: int, shared: Shared, compiled: Compiled) -> int:
+    """Return the trajectories of a chunk: whole blocks, so that statistics do not depend on it."""
+    if asked is None:
+        results = compiled.layout.results
+        rows = len(compiled.layout.states) + len(results[OUTPUTS])
+        bytes_each = 8 * (2 * rows * len(shared.t_eval) + len(results[INVARIANTS]) + rows)
+        asked = max(1, min(LARGEST_CHUNK, CHUNK_BYTES // bytes_each, count // CHUNKS))
+    return -(-_whole(asked, "chunk") // BLOCK) * BLOCK
+
+
+def size_of_one(compiled: Compiled, times: int) -> int:
+    """Return the bytes that one trajectory takes where it is kept, with so many stored ``times``."""
+    layout = compiled.layout
+    states, rows = len(layout.states), len(layout.states) + len(layout.results[OUTPUTS])
+    doubles = rows * times + states + len(layout.results[INVARIANTS]) + 1  # its end, and when
+    return 8 * doubles + 4 * len(stores.INTEGERS)
+
+
+def _refuse_what_does_not_fit(plan: Plan, count: int, threads: int) -> None:
+    """Raise `InputError` where what is kept, or the chunks at work, cannot fit into memory.
+
+    ``threads``: at work in this process. What is counted alone takes no room that grows with ``count``.
+    """
+    layout, times = plan.compiled.layout, len(plan.shared.t_eval)
+    each, chunk = size_of_one(plan.compiled, times), min(plan.chunk, count)
+    copies = 8 * times * (len(layout.states) + 2 * len(plan.statistics.names))
+    parallel = min(threads, -(-count // chunk))
+    working = parallel * chunk * (each + copies)
+    kept = count * each if plan.columns else 0
+    free = memory.available()
+    if working + kept <= free:
+        return
+    most, parts = int((free - working) // each), [f"{parallel} chunks of {chunk:,} at work"]
+    if kept:
+        parts.append(f"{count:,} that are kept, {each:,} bytes each")
+    raise InputError(
+        "the trajectories do not fit into memory",
+        got=f"{working + kept:,} bytes: {' and '.join(parts)}",
+        expected=f"at most {int(free):,} bytes" + (f", {most:,} trajectories" if most > 0 else ""),
+        hint="keep=False, with statistics or a store"
+        if working <= free
+        else "a smaller chunk, fewer threads, or fewer times",
+    )
+
+
+def _contents(
+    plan: Plan, some: Population, used: fleet.Built, store_format: str
+) -> stores.Contents:
+    """Return what a store of this ensemble holds."""
+    layout, shared = plan.compiled.layout, plan.shared
+    rows = {
+        "y": names_of(layout.states),
+        "outputs": layout.results[OUTPUTS],
+        "y_stop": names_of(layout.states),
+        "drift": layout.results[INVARIANTS],
+    }
+    digest = hashlib.sha256(used.text.encode())
+    for group in sorted(plan.compiled.files.values()):
+        digest.update(group.encode())
+    sampler = (
+        repr(some.sampler) if isinstance(some.sampler, Sampler) else type(some.sampler).__name__
+    )
+    digest.update(repr((shared, some.states, some.parameters, sampler)).encode())
+    for array in (shared.atol, shared.t_eval, shared.inputs, *some.columns.values()):
+        digest.update(b"" if array is None else array.tobytes())
+    for first in (0, max(0, some.count - BLOCK)):
+        for array in some.draw(first, min(first + BLOCK, some.count)):
+            digest.update(array.tobytes())
+    return stores.Contents(
+        digest.hexdigest(),
+        some.count,
+        plan.chunk,
+        tuple(shared.t_eval.tolist()),
+        rows,
+        store_format,
+    )
+
+
+def _result(
+    gathered: Gathered, seconds: float, store: str | Path | None, notes: Sequence[str]
+) -> Ensemble:
+    plan, layout = gathered.plan, gathered.plan.compiled.layout
+    used = integrator(plan)
+    empty = np.empty((2, 0), dtype=np.int64)
+    went_on = onward.told(gathered.continued)
+    reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
+    return Ensemble(
+        count=gathered.total,
+        t=plan.shared.t_eval,
+        counts={fleet.STATUS[number]: count for number, count in reasons},
+        stopped=gathered.stopped[0] if gathered.stopped else empty,
+        statistics=gathered.statistics(),
+        drift=gathered.drift(),
+        columns=gathered.columns,
+        names=names_of(layout.states),
+        outputs=layout.results[OUTPUTS],
+        method=used.method,
+        notice="; ".join(filter(None, (plan.compiled.notice, used.notice, went_on, *notes))),
+        steps=gathered.steps,
+        computed=gathered.computed,
+        seconds=seconds,
+        store=None if store is None else Path(store),
+    )

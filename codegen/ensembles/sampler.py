@@ -1,0 +1,251 @@
+"""Samples of states and parameters by seed and number: trajectory k is the same in any division.
+
+Random numbers are counter-based (Philox 4x64-10: Salmon, Moraes, Dror and Shaw, Parallel random
+numbers: as easy as 1, 2, 3, SC 2011): the numbers of trajectory k stand at places k c to k c + c - 1
+of the sequence of the seed, where c counters serve one trajectory. They can be had from any k on
+without those before.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from codegen.native.trajectory import Array
+from eom.errors import InputError, shown, typed, typed_fields
+
+A_COUNTER = 4
+"""Numbers of 64 bits that one counter gives."""
+Names = str | tuple[str, ...]
+
+
+class Distribution(Protocol):
+    """What `Sampler` takes: ``values(u)`` makes values (size, N) of numbers (draws, N) in (0, 1)."""
+
+    @property
+    def draws(self) -> int:
+        """How many random numbers it takes."""
+
+    @property
+    def size(self) -> int:
+        """How many names it gives values to."""
+
+    def values(self, u: Array) -> Array:
+        """Return values (size, N) for numbers ``u`` (draws, N) inside (0, 1)."""
+
+
+MOST_AT_ONCE = 10**8
+"""Samples that are drawn in one call."""
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Uniform:
+    """Between two limits, ``low`` and ``high``, each value as likely as the other.
+
+    In the unit of what is sampled. It takes one number (``draws``) for one name (``size``). Raises
+    `InputError` for limits that are not finite or not in order.
+    """
+
+    low: float
+    high: float
+    draws: int = field(default=1, init=False)
+    size: int = field(default=1, init=False)
+
+    def __post_init__(self) -> None:
+        """Refuse limits that are not in order."""
+        if not -math.inf < float(self.low) <= float(self.high) < math.inf:
+            raise InputError("limits do not fit", got=(self.low, self.high), expected="low <= high")
+
+    def values(self, u: Array) -> Array:
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        return self.low + (self.high - self.low) * u
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Normal:
+    """The normal distribution of a ``mean`` and a standard ``deviation``.
+
+    In the unit of what is sampled; by the inverse of its distribution function. It takes one number
+    (``draws``) for one name (``size``). Raises `InputError` for what is not finite, and a negative
+    deviation.
+    """
+
+    mean: float = 0.0
+    deviation: float = 1.0
+    draws: int = field(default=1, init=False)
+    size: int = field(default=1, init=False)
+
+    def __post_init__(self) -> None:
+        """Refuse what is no mean and no deviation."""
+        if not (math.isfinite(self.mean) and 0 <= float(self.deviation) < math.inf):
+            got = (self.mean, self.deviation)
+            raise InputError("wrong mean or deviation", got=got, expected="finite, deviation >= 0")
+
+    def values(self, u: Array) -> Array:
+        """Return values (1, N) for numbers ``u`` (1, N) inside (0, 1)."""
+        found: Array = self.mean + self.deviation * ndtri(u)
+        return found
+
+
+@dataclass(frozen=True)
+class UniformQuaternion:
+    """Every attitude as likely as the other; for four names, scalar first.
+
+    It takes three numbers (``draws``) for four names (``size``), a quaternion of unit norm.
+    Source: Shoemake, Uniform random rotations, in Graphics Gems III (1992).
+    """
+
+    draws: int = field(default=3, init=False)
+    size: int = field(default=4, init=False)
+
+    def values(self, u: Array) -> Array:
+        """Return unit quaternions (4, N) for numbers ``u`` (3, N) inside (0, 1)."""
+        one, other = np.sqrt(1.0 - u[0]), np.sqrt(u[0])
+        a, b = 2.0 * math.pi * u[1], 2.0 * math.pi * u[2]
+        return np.stack([other * np.cos(b), one * np.sin(a), one * np.cos(a), other * np.sin(b)])
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Grid:
+    """A ``count`` of values from ``low`` to ``high`` at equal distances, both included.
+
+    In the unit of what is sampled; grids of several names are crossed. It takes no random number
+    (``draws``) for one name (``size``). Raises `InputError` for limits that are not finite, and fewer
+    than one value.
+    """
+
+    low: float
+    high: float
+    count: int
+    draws: int = field(default=0, init=False)
+    size: int = field(default=1, init=False)
+
+    def __post_init__(self) -> None:
+        """Refuse empty grids."""
+        whole = isinstance(self.count, int) and self.count >= 1
+        if not (whole and math.isfinite(self.low) and math.isfinite(self.high)):
+            raise InputError("wrong grid", got=self, expected="finite limits, one value or more")
+
+    def values(self, u: Array) -> Array:
+        """Return the values (1, N) of places ``u`` (1, N), counted from 0."""
+        return self.low + (self.high - self.low) * (u / max(1, self.count - 1))
+
+
+Value = Distribution | float
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Sampler:
+    """Samples of states and parameters by name, ``count`` of them, a pure function of ``seed`` and number.
+
+    ``values``: for a name a number or a distribution, for four names `UniformQuaternion`. The first
+    grid changes slowest; with grids ``count`` may be left out: each combination once. More samples
+    go through the combinations again. Units are those of what is sampled. Raises `InputError` for what
+    does not fit.
+    Source: Salmon, Moraes, Dror and Shaw, Parallel random numbers: as easy as 1, 2, 3, SC 2011.
+
+    >>> Sampler({"k": Grid(1, 2, 3), "mass": 5.0}).sample(0, 3)
+    {'k': array([1. , 1.5, 2. ]), 'mass': array([5., 5., 5.])}
+    """
+
+    values: Mapping[Names, Value]
+    count: int = 0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the names and the count."""
+        for names, value in self.values.items():
+            size = 1 if isinstance(value, int | float) else getattr(value, "size", None)
+            if not isinstance(size, int) or not (size == 1 or hasattr(value, "values")):
+                raise InputError(
+                    "not a distribution", where=str(names), got=shown(value),
+                    expected="a number, Uniform, Normal, Grid or the like",
+                )  # fmt: skip
+            if len(_tuple(names)) != size:
+                raise InputError(
+                    "names do not fit the distribution", got=names, expected=f"{size} of them"
+                )
+        taken = [n for names in self.values for n in _tuple(names)]
+        if len(set(taken)) < len(taken):
+            raise InputError("a name has two distributions", got=", ".join(taken))
+        for what, value in (("count", self.count), ("seed", self.seed)):
+            if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < 2**64:
+                raise InputError(f"{what} is not a whole number from 0 to 2^64 - 1", got=value)
+        count = self.count or math.prod(grid.count for grid in self._grids)
+        if count > sys.maxsize:
+            raise InputError("too many samples", got=count, expected=f"at most {sys.maxsize}")
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        if self.count or not self._grids:
+            return self.count
+        return math.prod(grid.count for grid in self._grids)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Everything that gets values."""
+        return tuple(n for names in self.values for n in _tuple(names))
+
+    @property
+    def _grids(self) -> list[Grid]:
+        return [v for v in self.values.values() if isinstance(v, Grid)]
+
+    @typed
+    def sample(self, first: int, last: int) -> dict[str, Array]:
+        """Return the samples from number ``first`` to before ``last``, arrays (last - first,).
+
+        Raises `InputError` for numbers below zero or out of order, and for more than `MOST_AT_ONCE`.
+        """
+        if not 0 <= first <= last <= first + MOST_AT_ONCE:
+            raise InputError(
+                "no such samples", got=f"{first} to {last}",
+                expected=f"whole numbers in order, at most {MOST_AT_ONCE:,} at once",
+            )  # fmt: skip
+        u = self._uniform(first, last)
+        places = _places(np.arange(first, last), self._grids)
+        found: dict[str, Array] = {}
+        row = 0
+        for names, value in self.values.items():
+            if isinstance(value, int | float):
+                rows = np.full((1, last - first), float(value))
+            elif isinstance(value, Grid):
+                rows = value.values(next(places)[None])
+            else:
+                rows = value.values(u[row : row + value.draws])
+                row += value.draws
+            found.update(zip(_tuple(names), rows, strict=True))
+        return found
+
+    def _uniform(self, first: int, last: int) -> Array:
+        """Return numbers inside (0, 1), one row a draw."""
+        draws = sum(v.draws for v in self.values.values() if not isinstance(v, int | float))
+        if not draws:
+            return np.empty((0, last - first))
+        counters = -(-draws // A_COUNTER)
+        bits = np.random.Philox(key=self.seed, counter=first * counters)
+        width = counters * A_COUNTER
+        rows = bits.random_raw((last - first) * width).reshape(last - first, width)[:, :draws].T
+        return ((rows >> np.uint64(12)).astype(np.float64) + 0.5) * 2.0**-52
+
+
+def _places(numbers: NDArray[np.int64], grids: Sequence[Grid]) -> Iterator[Array]:
+    """Yield for each grid the place of every sample in it."""
+    size = math.prod(g.count for g in grids)
+    for grid in grids:
+        size //= grid.count
+        yield (numbers // size % grid.count).astype(np.float64)
+
+
+def _tuple(names: Names) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)

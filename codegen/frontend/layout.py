@@ -1,0 +1,129 @@
+"""What the arrays of a compiled system hold: names and units of each slot, and how they are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen.frontend.attitude import Stated, stated_of
+from codegen.ir.groups import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from eom.errors import InputError, shown, unknown_name
+from eom.system import Quantity, System
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Names and units of states, parameters, inputs and of each group of results.
+
+    ``states``, ``parameters``, ``inputs``: quantities in the order of the arrays ``x``, ``p``, ``u``.
+    """
+
+    name: str
+    title: str
+    states: tuple[Quantity, ...]
+    parameters: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    results: Mapping[str, tuple[str, ...]]
+    """Names of the results by group."""
+    coordinates: tuple[int, ...] = ()
+    """For each singularity the number of the state that it is about, or -1."""
+    described: Mapping[str, tuple[Quantity, ...]] = field(default_factory=dict)
+    """Quantities of the groups of results that have units: outputs and invariants."""
+
+    patterns: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
+    """Place (row, column) of each entry of a Jacobian, by the group that it is in the end of."""
+
+    attitudes: tuple[Stated, ...] = ()
+    """What the system states of its bodies."""
+
+    @classmethod
+    def of(cls, system: System) -> Layout:
+        """Return the layout of a system."""
+        results = {
+            RATES: system.state_names,
+            OUTPUTS: system.output_names,
+            INVARIANTS: system.invariant_names,
+            SINGULARITIES: tuple(str(s.expression) for s in system.singularities),
+        }
+        assert tuple(results) == GROUPS
+        title = system.title or system.name
+        number = {q.symbol: k for k, q in enumerate(system.states)}
+        coordinates = tuple(number.get(s.coordinate, -1) for s in system.singularities)
+        return cls(
+            system.name,
+            title,
+            system.states,
+            system.parameters,
+            system.inputs,
+            results,
+            coordinates,
+            {
+                OUTPUTS: tuple(d.quantity for d in system.outputs),
+                INVARIANTS: tuple(d.quantity for d in system.invariants),
+            },
+            attitudes=stated_of(system),
+        )
+
+    def without(self, fixed: Collection[str]) -> Layout:
+        """Return the layout without the parameters whose names are ``fixed`` to numbers."""
+        return replace(self, parameters=tuple(q for q in self.parameters if q.name not in fixed))
+
+    def quantities(self) -> dict[str, tuple[Quantity, ...]]:
+        """Return by kind (state, parameter, input, output, invariant) what has a name and a unit."""
+        results = {
+            kind: tuple(q for q in self.described.get(group, ()) if q.name in self.results[group])
+            for kind, group in (("output", OUTPUTS), ("invariant", INVARIANTS))
+        }
+        given = {"state": self.states, "parameter": self.parameters, "input": self.inputs}
+        return {**given, **results}
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Number of results of each group, the empty ones left out."""
+        return {g: len(names) for g, names in self.results.items() if names}
+
+
+def names_of(quantities: Sequence[Quantity]) -> tuple[str, ...]:
+    """Return the names of quantities."""
+    return tuple(q.name for q in quantities)
+
+
+def to_array(
+    values: Mapping[str, float] | Sequence[float] | NDArray[np.float64] | None,
+    names: Sequence[str],
+    kind: str,
+) -> NDArray[np.float64]:
+    """Return values by name, or in order, as an array; every name needs a finite number.
+
+    Raises `InputError` for unknown, missing and non-finite values and for wrong lengths.
+    """
+    if isinstance(values, Mapping):
+        values = _in_order(values, names, kind)
+    try:
+        array = np.array([] if values is None else values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{kind}s are not numbers", got=shown(values)) from None
+    if array.shape != (len(names),):
+        raise InputError(
+            f"wrong number of {kind}s",
+            got=f"shape {array.shape}",
+            expected=f"{len(names)}: {', '.join(names)}" if names else "none",
+            hint=f"give them by name: {{{names[0]!r}: ...}}" if len(names) else "",
+        )
+    for name, value in zip(names, array, strict=True):
+        if not np.isfinite(value):
+            raise InputError(f"{kind} {name} is not finite", got=value)
+    return array
+
+
+def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> list[float]:
+    unknown = [n for n in values if n not in names]
+    if unknown:
+        raise unknown_name(kind, str(unknown[0]), names)
+    missing = [n for n in names if n not in values]
+    if missing:
+        raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")
+    return [values[n] for n in names]

@@ -1,0 +1,420 @@
+"""SymPy expressions to programs, with an explicit stack: no recursion, each distinct node once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from codegen.frontend import massmatrix, removable
+from codegen.frontend.functions import BESSEL, FUNCTIONS, bessel, refusal
+from codegen.ir import fold, telling
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.program import Builder, Name, Program
+from eom.errors import InputError
+from eom.system import Definition, System, as_expression
+from eom.tables import TableFunction
+
+Expr = Any
+
+MAX_SPLIT_BITS = 53
+"""Larger numerators and denominators are rounded as one quotient: each alone would be rounded, too."""
+
+FAR = 500
+"""Binary exponent from which on a number is moved into the powers that it is multiplied by."""
+_CHAINS: dict[Any, str] = {sp.Min: "min", sp.Max: "max", sp.And: "and", sp.Or: "or"}
+_COMPARISONS: dict[Any, tuple[str, bool]] = {
+    sp.StrictLessThan: ("lt", False),
+    sp.StrictGreaterThan: ("lt", True),
+    sp.LessThan: ("le", False),
+    sp.GreaterThan: ("le", True),
+    sp.Equality: ("eq", False),
+}
+
+
+def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowering:
+    """Return a lowering over the slots of a system, in a builder of its own."""
+    b = Builder(rules)
+    slots = {system.time: b.leaf("time")}
+    for op, group in (
+        ("state", system.states),
+        ("parameter", system.parameters),
+        ("input", system.inputs),
+    ):
+        slots |= {q.symbol: b.leaf(op, k) for k, q in enumerate(group)}
+    return Lowering(b, slots, f"system {system.name!r}")
+
+
+def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
+    """Return the program of a system, with its results in `GROUPS`.
+
+    With a mass matrix the rates are the solution of a linear system (`codegen.frontend.massmatrix`).
+    Raises `InputError` for expressions without an operation.
+    """
+    lowering = lowering_of(system, rules)
+    b = lowering.b
+    for definition in system.definitions:
+        lowering.define(definition)
+    rates = [
+        lowering.lower(r, f"rate of {q.name}")
+        for q, r in zip(system.states, system.rates, strict=True)
+    ]
+    if system.mass_matrix is not None:
+        rates = massmatrix.solve(b, _lower_matrix(lowering, system.mass_matrix), rates)
+    results = {
+        RATES: rates,
+        OUTPUTS: [lowering.result(d, "output") for d in system.outputs],
+        INVARIANTS: [lowering.result(d, "invariant") for d in system.invariants],
+        SINGULARITIES: [lowering.lower(s.expression, "singularity") for s in system.singularities],
+    }
+    return b.program(results)
+
+
+def nodes(system: System) -> int:
+    """Return the number of different operations in the expressions of a system."""
+    named = (*system.definitions, *system.outputs, *system.invariants)
+    stack = [*system.rates, *(d.expression for d in named), *(system.mass_matrix or ())]
+    stack += [s.expression for s in system.singularities]
+    seen: set[Expr] = set()
+    while stack:
+        node = stack.pop()
+        if node.args and node not in seen:
+            seen.add(node)
+            stack.extend(node.args)
+    return len(seen)
+
+
+def lower_expressions(
+    expressions: Mapping[str, Sequence[Expr]],
+    states: Sequence[Expr],
+    parameters: Sequence[Expr] = (),
+) -> Program:
+    """Return the program of groups of expressions over ``states`` and ``parameters``."""
+    b = Builder()
+    slots = {s: b.leaf("state", k) for k, s in enumerate(states)}
+    slots |= {s: b.leaf("parameter", k) for k, s in enumerate(parameters)}
+    lowering = Lowering(b, slots)
+    return b.program(
+        {g: [lowering.lower(as_expression(e)) for e in group] for g, group in expressions.items()}
+    )
+
+
+def _name(definition: Definition) -> Name:
+    return Name(definition.name, definition.quantity.description)
+
+
+def _lower_matrix(lowering: Lowering, mass: Expr) -> list[list[int]]:
+    return [
+        [
+            lowering.lower(mass[i, j], f"mass matrix, entry ({i + 1}, {j + 1})")
+            for j in range(mass.cols)
+        ]
+        for i in range(mass.rows)
+    ]
+
+
+Exact = Fraction | int
+"""An exact number, an integer where it is one: their arithmetic is faster."""
+
+Factor = tuple[int, Exact, bool]
+"""Number of a value, its exponent, and whether it was written as a sum."""
+
+
+def _log2(number: Exact) -> int:
+    """Return the binary exponent of a number, to one; 0 of zero."""
+    return abs(number.numerator).bit_length() - number.denominator.bit_length() if number else 0
+
+
+def _split(term: Expr) -> tuple[Expr, Expr]:
+    """Return number and rest of a product; the sign alone where doubles may not hold the number."""
+    coefficient, rest = term.as_coeff_Mul()
+    if coefficient.is_Rational and abs(_log2(_exact(coefficient))) >= FAR:
+        return sp.sign(coefficient), abs(coefficient) * rest
+    return coefficient, rest
+
+
+def _exact(coefficient: Expr) -> Exact:
+    """Return a coefficient exactly."""
+    exact = coefficient if coefficient.is_Rational else sp.Rational(coefficient)
+    p, q = int(exact.p), int(exact.q)
+    return p if q == 1 else Fraction(p, q)
+
+
+def _size(x: Exact) -> Exact:
+    return x if x >= 0 else -x
+
+
+class Lowering:
+    """Lower expressions over symbols that have numbers; a memo keeps each node's number."""
+
+    def __init__(self, b: Builder, slots: Mapping[Expr, int], system: str = "") -> None:
+        self.b = b
+        self.memo: dict[Expr, int] = dict(slots)
+        self.system = self.where = system
+
+    def define(self, definition: Definition) -> None:
+        """Lower a definition; its symbol stands for the value from here on."""
+        self.memo[definition.symbol] = self.result(definition, "definition")
+
+    def result(self, definition: Definition, kind: str) -> int:
+        """Lower a named expression; its value has that name."""
+        number = self.lower(definition.expression, f"{kind} {definition.name}")
+        self.b.name(number, _name(definition))
+        return number
+
+    def lower(self, expression: Expr, part: str = "") -> int:
+        """Return the number of the value of ``expression``; ``part`` names it in errors."""
+        self.where = ": ".join(filter(None, (self.system, part)))
+        stack = [expression]
+        while stack:
+            node = stack[-1]
+            if node in self.memo:
+                stack.pop()
+                continue
+            children, build = self._rule(node)
+            missing = [c for c in children if c not in self.memo]
+            if missing:
+                stack.extend(reversed(missing))
+                continue
+            self.memo[node] = build([self.memo[c] for c in children])
+            stack.pop()
+            telling.done(1)
+        return self.memo[expression]
+
+    def _rule(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Return the children of a node and how to build its value from theirs."""
+        kind = type(node)
+        if kind in FUNCTIONS:
+            return node.args, lambda a: FUNCTIONS[kind](self.b, a)
+        if kind in _CHAINS:
+            return self._sorted(node.args), lambda a: self._chain(_CHAINS[kind], a)
+        if kind in _COMPARISONS:
+            op, swap = _COMPARISONS[kind]
+            return node.args, lambda a: self.b.add(op, *(a[::-1] if swap else a))
+        for test, rule in _RULES:
+            if isinstance(node, test):
+                return rule(self, node)
+        raise refusal(node, self.where)
+
+    @staticmethod
+    def _sorted(args: Iterable[Expr]) -> list[Expr]:
+        """Arguments of Min, Max, And, Or come as a set; a fixed order keeps the output the same."""
+        return sorted(args, key=lambda e: e.sort_key())
+
+    def _chain(self, op: str, numbers: list[int]) -> int:
+        result = numbers[0]
+        for number in numbers[1:]:
+            result = self.b.add(op, result, number)
+        return result
+
+    def number(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a rational or floating-point number exactly."""
+        exact = sp.Rational(node) if node.is_finite else None
+        if exact is None:
+            raise InputError("not a finite number", where=self.where, got=node)
+        return (), lambda _: self.b.const(Fraction(int(exact.p), int(exact.q)))
+
+    def sum(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a sum, positive terms first; a factor or sign that all terms share is taken out."""
+        simple = [self._simple(t) for t in node.args]
+        if None not in simple:
+            known = sorted((t for t in simple if t), key=lambda term: term[0] < 0)
+            return (), lambda _: self._added(
+                [c for c, _ in known],
+                [f[0][0] if len(f) == 1 else self._multiplied(1, f) for _, f in known],
+            )
+        found = removable.difference(node)
+        if found and found.name == "expm1":
+            return (found.x,), lambda a: self._scaled(self.b.add("expm1", *a), _exact(found.factor))
+        terms = sorted((_split(t) for t in node.args), key=lambda term: term[0].is_negative)
+        coefficients = [_exact(c) for c, _ in terms]
+        return [rest for _, rest in terms], lambda a: self._added(coefficients, a)
+
+    def _simple(self, node: Expr) -> tuple[Exact, list[Factor]] | None:
+        """Return coefficient and factors of a product of symbols that have numbers, else None."""
+        coefficient: Exact = 1
+        factors: Sequence[Expr] = (node,)
+        if node.is_Mul:
+            factors = node.args
+            if factors[0].is_Rational:
+                coefficient = _exact(factors[0])
+                factors = factors[1:]
+        numbers = [self.memo.get(f) if f.is_Symbol else None for f in factors]
+        if None in numbers:
+            return None
+        return coefficient, [(n, 1, False) for n in numbers if n is not None]
+
+    def _added(self, coefficients: Sequence[Exact], numbers: Sequence[int]) -> int:
+        """Return the sum of coefficients times values, those below zero last."""
+        sign = -1 if coefficients[0] < 0 else 1
+        sizes = {_size(c) for c in coefficients}
+        shared = sizes.pop() if len(sizes) == 1 else 1
+        first, *rest = (sign * (c if shared == 1 else 1 if c > 0 else -1) for c in coefficients)
+        total = self._scaled(numbers[0], _size(first))
+        total = total if first > 0 else self.b.add("neg", total)
+        for coefficient, number in zip(rest, numbers[1:], strict=True):
+            term = self._scaled(number, _size(coefficient))
+            total = self.b.add("sub" if coefficient < 0 else "add", total, term)
+        return self._scaled(total, sign * shared)
+
+    def _scaled(self, number: int, coefficient: Exact) -> int:
+        """Multiply by an exact number; a denominator other than a power of two divides."""
+        if coefficient == 1:
+            return number
+        p, q = coefficient.numerator, coefficient.denominator
+        if q & (q - 1) == 0 or max(p.bit_length(), q.bit_length()) > MAX_SPLIT_BITS:
+            return self.b.add("mul", self.b.const(coefficient), number)
+        return self.b.add("div", self.b.add("mul", self.b.const(p), number), self.b.const(q))
+
+    def product(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a product as one quotient: factors with negative exponents divide together.
+
+        Quotients such as sin(x)/x become functions of their own before.
+        """
+        simple = self._simple(node)
+        if simple:
+            return (), lambda _: self._multiplied(*simple)
+        regular = removable.rewrite(node)
+        if regular is not node:
+            return (regular,), lambda a: a[0]
+        coefficient, rest = node.as_coeff_Mul()
+        factors = [f.as_base_exp() for f in sp.Mul.make_args(rest)]
+        plain = [
+            (f, sp.Integer(1)) if e.is_Symbol or f is sp.I else (b, e)  # I, for SymPy, is a root
+            for f, (b, e) in zip(sp.Mul.make_args(rest), factors, strict=True)
+        ]
+        split = [removable.norm(b, e) if e.is_Rational else (b**e, sp.Integer(1)) for b, e in plain]
+        exponents = [Fraction(int(e.p), int(e.q)) for _, e in split]
+        is_sum = [b.is_Add for b, _ in split]
+        return [b for b, _ in split], lambda numbers: self._multiplied(
+            _exact(coefficient), list(zip(numbers, exponents, is_sum, strict=True))
+        )
+
+    def _multiplied(self, coefficient: Exact, factors: Sequence[Factor]) -> int:
+        """Return a number times the product of powers.
+
+        Parameters come first, so that their products are shared, then the numerical coefficient,
+        then sums of parameters; without parameters the coefficient comes last.
+        """
+        coefficient, factors = self._within_range(coefficient, factors)
+        below = self._powers((n, -e) for n, e, _ in factors if e < 0)
+        early = [(n, e, s) for n, e, s in factors if e > 0 and self.b.binding[n] <= 1]
+        late = [(n, e) for n, e, _ in factors if e > 0 and self.b.binding[n] > 1]
+        above = self._powers((n, e) for n, e, s in early if not s)
+        if early:
+            above = self._scaled(above, coefficient)
+            above = self._powers(((n, e) for n, e, s in early if s), above)
+            above = self._powers(late, above)
+        else:
+            above = self._scaled(self._powers(late), coefficient)
+        return self.b.add("div", above, below)
+
+    def _within_range(
+        self, coefficient: Exact, factors: Sequence[Factor]
+    ) -> tuple[Exact, Sequence[Factor]]:
+        """Return the same product with a number that doubles may not hold moved into the base of a power.
+
+        As a power of two, so that nothing is rounded: x^401/7^401 is (8/7)^401 (x/8)^401.
+        """
+        far = _log2(coefficient)
+        if abs(far) < FAR:
+            return coefficient, factors
+        sizes = [abs(int(e)) if e.denominator == 1 else 0 for _, e, _ in factors]
+        highest = max(sizes, default=0)
+        if highest < 2:
+            return coefficient, factors
+        place = sizes.index(highest)
+        base, exponent, is_sum = factors[place]
+        shift = Fraction(2) ** round(far / int(exponent))
+        scaled = self.b.add("mul", base, self.b.const(shift))
+        others = [f for k, f in enumerate(factors) if k != place]
+        rest = Fraction(coefficient) / shift ** int(exponent)
+        return rest, [*others, (scaled, exponent, is_sum)]
+
+    def _powers(self, factors: Iterable[tuple[int, Exact]], first: int | None = None) -> int:
+        """Return the product of powers, beginning with ``first``."""
+        product = self.b.const(1) if first is None else first
+        for number, exponent in factors:
+            product = self.b.add("mul", product, self._power(number, exponent))
+        return product
+
+    def power(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a power: products for integers, a square root for halves, pow otherwise."""
+        base, exponent = removable.norm(*node.as_base_exp())
+        if not exponent.is_Rational:
+            return (base, exponent), lambda a: self.b.add("pow", *a)
+        exact = Fraction(int(exponent.p), int(exponent.q))
+        if exact > 0:
+            return (base,), lambda a: self._power(a[0], exact)
+        return (base,), lambda a: self.b.add("div", self.b.const(1), self._power(a[0], -exact))
+
+    def _power(self, base: int, exact: Exact) -> int:
+        """Return a positive rational power."""
+        if exact == 1:
+            return base
+        unrolled = fold.power(self.b, base, Fraction(exact))
+        return self.b.add("pow", base, self.b.const(exact)) if unrolled is None else unrolled
+
+    def logarithm(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower log(1 + x) without the sum, which would round x away."""
+        rest = removable.after_one(node.args[0])
+        op = "log" if rest is None else "log1p"
+        return (node.args[0] if rest is None else rest,), lambda a: self.b.add(op, *a)
+
+    def bessel(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower a Bessel function of integer order."""
+        order, argument = node.args
+        if not order.is_Integer:
+            raise refusal(node, self.where)
+        return (argument,), lambda a: bessel(BESSEL[type(node)], int(order))(self.b, a)
+
+    def table(self, node: Any) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower the value of a table; one that was differentiated too often is zero."""
+        table = node.table
+        if table.degree < 0:
+            return (), lambda _: self.b.const(0)
+        return (node.args[1],), lambda a: self.b.add("table", *a, value=table)
+
+    def piecewise(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:
+        """Lower to nested selections; the last condition must be true everywhere."""
+        if node.args[-1].cond != sp.true:
+            raise InputError(
+                "Piecewise does not cover every case",
+                where=self.where,
+                got=node,
+                hint="end it with (value, True)",
+            )
+        children = [e for piece in node.args for e in (piece.expr, piece.cond)]
+
+        def build(numbers: list[int]) -> int:
+            result = numbers[-2]
+            for value, condition in zip(numbers[-4::-2], numbers[-3::-2], strict=True):
+                result = self.b.add("select", condition, value, result)
+            return result
+
+        return children, build
+
+
+_RULES: tuple[
+    tuple[Any, Callable[[Lowering, Any], tuple[Sequence[Expr], Callable[[list[int]], int]]]], ...
+] = (
+    ((sp.Rational, sp.Float), Lowering.number),
+    (sp.Add, Lowering.sum),
+    (sp.Mul, Lowering.product),
+    (sp.Pow, Lowering.power),
+    (sp.Piecewise, Lowering.piecewise),
+    (sp.log, Lowering.logarithm),
+    (tuple(BESSEL), Lowering.bessel),
+    (TableFunction, Lowering.table),
+    (removable.Removable, lambda s, n: ((n.operand,), lambda a: n.build(s.b, *a))),
+    (sp.sinc, lambda s, n: ((removable.sinc(n.args[0]),), lambda a: a[0])),
+    (type(sp.pi), lambda s, _: ((), lambda _a: s.b.leaf("pi"))),
+    (type(sp.E), lambda s, _: ((), lambda _a: s.b.add("exp", s.b.const(1)))),
+    (sp.Not, lambda s, n: (n.args, lambda a: s.b.add("not", *a))),
+    (sp.ITE, lambda s, n: (n.args, lambda a: s.b.add("select", *a))),
+    (sp.Unequality, lambda s, n: (n.args, lambda a: s.b.add("not", s.b.add("eq", *a)))),
+    (type(sp.true), lambda s, _: ((), lambda _a: s.b.const(1))),
+    (type(sp.false), lambda s, _: ((), lambda _a: s.b.const(0))),
+)

@@ -1,0 +1,238 @@
+"""The size that each state is measured by, from which default absolute tolerances follow.
+
+An absolute tolerance says which size of a state counts as zero. By default it is the relative tolerance
+times `PART` of the state's scale, so that it changes with the unit that a state is written in, and a
+state of size 1e-12 is held as well as one of size 1 beside it. The scale is
+
+* of a state that starts somewhere else than at zero its first value;
+* of a state that starts at zero what its rate makes of it in a time in which no group of states of one
+  unit, and no growth, changes by more than its own size: found by Euler's method as an iteration
+  (Picard's), so that a chain of integrators grows one link a turn;
+* where nothing makes it grow, the largest scale of its unit, of which then the last digits count;
+* else not known.
+
+A rate that is rounding of larger terms is no growth: what changes as a whole where the states change by
+1e-6 of themselves holds no digit, or is so sensitive that it says nothing of a size. The same is asked
+where a first value is below 1e-14 of others of its unit, as cos(pi/2) is.
+
+Sources: the first step of Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993),
+sect. II.4, compares sizes and rates likewise; they choose the scale of each component by hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen.compiling.compiled import Compiled
+from codegen.frontend.layout import Layout
+from codegen.native.trajectory import Array
+
+PART = 1e-3
+"""What counts as zero is this part of a scale, times the relative tolerance."""
+LEAST = 1e-150
+"""Absolute tolerances are at least this, so that squares of errors over them are finite."""
+RESIDUE = 2.0**-46
+"""A first value below this part of others of its unit may be what rounding left of zero."""
+ROUNDED = 2.0**-48
+"""Errors below this part of the others of its unit do not count in a state that does not grow."""
+MOVED, STEADY = 2.0**-20, 2.0**-8
+"""A rate is more than rounding if a relative change by the first changes it by the second at most."""
+LOOKS, GOLDEN = 6, 0.6180339887498949
+"""Neighbours of a point at which its rates are looked at, and by what share of a turn they go on."""
+DOUBTFUL = 2.0**-26
+"""Growth by less than this part of others of its unit may be rounding."""
+DEPTH, SHORTER, TURNS = 4, 8.0, 40
+"""Iterations of Picard's; the factor by which the time is shortened, and how often at most."""
+
+FEW = 5
+"""Names that a notice lists."""
+
+Rates = Callable[[Array, Array], Array]
+"""Rates (n, N) at times (N,) and states (n, N)."""
+Moment = tuple[Array, Array]
+"""Times (N,) and states (n, N)."""
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Scales (n, N) of states, NaN where none is known, and the largest of each one's unit (n, N)."""
+
+    values: Array
+    largest: Array
+    grows: NDArray[np.bool_]
+    """Where the scale is a first value or a growth, (n, N)."""
+
+    def tolerances(self, rtol: float) -> Array:
+        """Return default absolute tolerances (n, N); where no scale is known that of a scale of 1."""
+        plain = PART * rtol * np.where(np.isnan(self.values), 1.0, self.values)
+        rounding = np.minimum(plain, ROUNDED * self.largest)
+        return np.maximum(np.where(self.grows | (self.largest == 0), plain, rounding), LEAST)
+
+
+def scales(rates: Rates, units: Sequence[str], start: Array, t_span: tuple[float, float]) -> Scales:
+    """Return the scales of states that start at ``start`` (n, N) and run over ``t_span`` (s).
+
+    ``units``: of each state; of those without one, "", nobody knows whether they can be compared, and
+    each has a time of its own. No column depends on another one.
+    """
+    size = np.abs(start)
+    largest = _largest(units, size)
+    small = size <= RESIDUE * largest
+    if not small.any():
+        return Scales(size, largest, ~small)
+    alone = np.array([u == "" for u in units])[:, None]
+    bounds = np.where(alone, size, largest)
+    wanted = np.asarray(small.any(axis=0))
+    grown = _growth(rates, start, (bounds, largest), t_span, wanted)
+    own = np.where(small, np.where(grown > 0, np.maximum(grown, size), 0.0), size)
+    shared = _largest(units, own)
+    known = np.where(shared > 0, shared, np.nan)
+    return Scales(np.where(own > 0, own, known), shared, own > 0)
+
+
+def _largest(units: Sequence[str], size: Array) -> Array:
+    """Return the largest size of a state of the same unit, (n, N)."""
+    number = {unit: k for k, unit in enumerate(dict.fromkeys(units))}
+    group = np.array([number[u] for u in units], dtype=np.intp)
+    largest = np.zeros((len(number), size.shape[1]))
+    np.maximum.at(largest, group, size)
+    return np.asarray(largest[group])
+
+
+def _growth(
+    rates: Rates,
+    start: Array,
+    bounds: tuple[Array, Array],
+    t_span: tuple[float, float],
+    wanted: NDArray[np.bool_],
+) -> Array:
+    """Return how far each state goes at first, (n, N); 0 where it does not, or by rounding alone.
+
+    ``bounds``: by how much a state may change, and the largest of its unit, beside which it may be
+    rounding. ``wanted`` (N,): the columns that need it; the others are not waited for.
+    """
+    allowed, largest = bounds
+    direction = np.sign(t_span[1] - t_span[0])
+    with np.errstate(all="ignore"):
+        slope = rates(np.full(start.shape[1], t_span[0]), start)
+        length = _at_most(slope, allowed, t_span)
+        for _ in range(TURNS):
+            points, slopes = _iterated(rates, start, slope, t_span, direction * length)
+            fits = _fits(slopes, length, allowed) | ~wanted
+            if fits.all():
+                break
+            length = np.where(fits, length, length / SHORTER)
+        return _first_growth(rates, points, slopes, np.where(fits, length, 0.0), largest)
+
+
+def _first_growth(
+    rates: Rates, points: Sequence[Moment], slopes: Array, length: Array, largest: Array
+) -> Array:
+    """Return the growth of each state in the first iteration in which it has one, (n, N), or 0."""
+    grown = np.zeros_like(largest)
+    for (t, x), slope in zip(points, slopes, strict=True):
+        new = length * np.abs(slope)
+        new = np.where((grown == 0) & np.isfinite(new), new, 0.0)
+        if np.any((new > 0) & (new <= DOUBTFUL * np.where(largest > 0, largest, np.inf))):
+            new = np.where(_steady(rates, t, x, slope), new, 0.0)
+        grown += new
+    return grown
+
+
+def _at_most(slope: Array, largest: Array, t_span: tuple[float, float]) -> Array:
+    """Return a time (N,) in which rates as at first change no group by much more than its size.
+
+    It may be longer than the run; where all groups with a size are at rest it is that of the run.
+    """
+    pace = np.max(np.where(largest > 0, np.abs(slope) / largest, 0.0), axis=0)
+    span = abs(t_span[1] - t_span[0])
+    return np.where((pace > 0) & np.isfinite(SHORTER / pace), SHORTER / pace, span)
+
+
+def _iterated(
+    rates: Rates, start: Array, slope: Array, t_span: tuple[float, float], step: Array
+) -> tuple[list[Moment], Array]:
+    """Return times and states of Picard's iteration, each with Euler's rule, and their rates.
+
+    Times are those of the run: where the step is longer they are its end.
+    """
+    begin, end = np.full(len(step), t_span[0]), t_span[1]
+    then = np.where(np.abs(step) < abs(end - begin), begin + step, end)
+    points, slopes = [(begin, start)], [slope]
+    for _ in range(DEPTH - 1):
+        points.append((then, start + step * slopes[-1]))
+        slopes.append(rates(*points[-1]))
+    return points, np.array(slopes)
+
+
+def _fits(slopes: Array, length: Array, largest: Array) -> NDArray[np.bool_]:
+    """Tell of each column whether the time is short: no state changes its growth by more than itself."""
+    allowed = largest + length * np.abs(slopes[:-1])
+    short = length * np.abs(np.diff(slopes, axis=0)) <= allowed
+    return np.asarray(np.all(short | (allowed == 0), axis=(0, 1)))
+
+
+def _steady(rates: Rates, t: Array, x: Array, slope: Array) -> NDArray[np.bool_]:
+    """Tell where rates hold at least a few digits: `LOOKS` neighbours of a point agree with it."""
+    steady = np.ones(x.shape, dtype=np.bool_)
+    for look in range(1, LOOKS + 1):
+        apart = 2.0 * ((GOLDEN * look * np.arange(1, len(x) + 1)) % 1.0) - 1.0
+        change = np.abs(rates(t, x * (1.0 + MOVED * apart[:, None])) - slope)
+        steady &= change <= STEADY * np.abs(slope)
+    return steady
+
+
+def defaults(
+    rates: Rates, layout: Layout, start: Array, t_span: tuple[float, float], rtol: float
+) -> tuple[Array, str]:
+    """Return default absolute tolerances of states that start at ``start`` (n, N), and what to tell."""
+    found = scales(rates, [q.unit for q in layout.states], start, t_span)
+    unknown = [
+        q.name for q, row in zip(layout.states, found.values, strict=True) if np.isnan(row).any()
+    ]
+    return found.tolerances(rtol), _told(unknown, rtol) if unknown else ""
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a run starts: states, parameters, inputs, and the time of the system at which t is zero."""
+
+    states: Array
+    parameters: Array
+    inputs: Array
+    epoch: float
+
+
+def of_run(
+    compiled: Compiled,
+    start: Point,
+    t_span: tuple[float, float],
+    rtol: float,
+    signals: Callable[[float], Array] | None,
+) -> tuple[Array, str]:
+    """Return default absolute tolerances (n,) of a run, and what to tell.
+
+    ``signals``: inputs over time, where they are functions.
+    """
+
+    def rates(t: Array, x: Array) -> Array:
+        now, state = start.epoch + float(t[0]), np.ascontiguousarray(x[:, 0])
+        u = start.inputs if signals is None else signals(float(t[0]))
+        return compiled.rhs(now, state, start.parameters, u)[:, None]
+
+    column = start.states[:, None]
+    found, told = defaults(rates, compiled.layout, column, t_span, rtol)
+    return found[:, 0], told
+
+
+def _told(names: Sequence[str], rtol: float) -> str:
+    few = ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")
+    verb, whose = ("starts", "its") if len(names) == 1 else ("start", "their")
+    return (
+        f"no scale is known for {few}, which {verb} at zero and at rest: {whose} absolute tolerance "
+        f"is {PART * rtol:.1e} in {whose} own unit; give atol if that is not small"
+    )

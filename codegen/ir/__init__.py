@@ -1,0 +1,1 @@
+"""The program: operations, instructions, folding rules, groups of results, and the reference evaluator."""

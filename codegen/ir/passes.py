@@ -1,0 +1,128 @@
+"""Passes from program to program; each states its law and leaves a verified program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from types import MappingProxyType
+
+from codegen.ir.ops import OPS, Instruction
+from codegen.ir.program import Builder, Program
+
+Slot = tuple[str, int]
+"""A leaf that reads an array: state, parameter or input, and the place in it."""
+
+
+def needed(program: Program, groups: Iterable[str]) -> set[int]:
+    """Return the numbers of all values that ``groups`` of results depend on."""
+    found = {k for g in groups for k in program.results[g]}
+    for k in range(len(program.instructions) - 1, -1, -1):
+        if k in found:
+            found.update(program.instructions[k].args)
+    return found
+
+
+def dependence(program: Program, group: str, kind: str = "state") -> set[tuple[int, int]]:
+    """Return (result, slot) wherever a result can depend on a slot; nothing is differentiated.
+
+    Law: it covers the pattern of every Jacobian of the group.
+    """
+    reads: dict[int, frozenset[int]] = {}
+    for k in sorted(needed(program, [group])):
+        instruction = program.instructions[k]
+        own = frozenset([instruction.slot]) if instruction.op == kind else frozenset()
+        reads[k] = own.union(*(reads[a] for a in instruction.args))
+    return {(row, slot) for row, k in enumerate(program.results[group]) for slot in reads[k]}
+
+
+def prune(program: Program, groups: Iterable[str] | None = None) -> Program:
+    """Keep only ``groups`` of results (all if None) and what they need. Values do not change."""
+    kept = list(program.results if groups is None else groups)
+    order = sorted(needed(program, kept))
+    new = {old: k for k, old in enumerate(order)}
+    instructions = [
+        Instruction(i.op, tuple([new[a] for a in i.args]), i.value)
+        for i in map(program.instructions.__getitem__, order)
+    ]
+    results = {g: tuple(new[k] for k in program.results[g]) for g in kept}
+    names = {new[k]: name for k, name in program.names.items() if k in new}
+    return Program(
+        tuple(instructions), MappingProxyType(results), MappingProxyType(names), program.rules
+    )
+
+
+def depth_first(program: Program) -> Program:
+    """Order what results need by the result that needs it first, leaves before everything.
+
+    Values do not change; what is used late is computed late, so that fewer values wait at a time.
+    """
+    order = sorted(k for k in needed(program, program.results) if _is_leaf(program, k))
+    placed = set(order)
+    for result in (k for group in program.results.values() for k in group):
+        stack = [result]
+        while stack:
+            k = stack[-1]
+            waiting = [a for a in program.instructions[k].args if a not in placed]
+            if waiting and k not in placed:
+                stack.extend(reversed(waiting))
+                continue
+            stack.pop()
+            if k not in placed:
+                placed.add(k)
+                order.append(k)
+    return _copy(program, order, program.results)
+
+
+def _is_leaf(program: Program, k: int) -> bool:
+    return program.instructions[k].op not in OPS
+
+
+def specialise(program: Program, values: Mapping[int, float], count: int) -> Program:
+    """Fix parameter slots (of ``count``) to numbers, fold what becomes constant, and prune.
+
+    Values do not change in exact arithmetic. The remaining parameters close ranks, in order.
+    """
+    rest = [k for k in range(count) if k not in values]
+    leaves = {("parameter", old): ("parameter", new) for new, old in enumerate(rest)}
+    numbers = {("parameter", k): Fraction(v) for k, v in values.items()}
+    return substitute(program, {**leaves, **numbers})
+
+
+def substitute(program: Program, leaves: Mapping[Slot, Slot | Fraction]) -> Program:
+    """Read other slots, or numbers, instead of some slots; fold what becomes equal; prune.
+
+    Law: the new program has the values that the old one has where the old slots hold what the new
+    ones or the numbers give.
+    """
+
+    def leaf(instruction: Instruction) -> Instruction:
+        if not isinstance(instruction.value, int):
+            return instruction
+        new = leaves.get((instruction.op, instruction.value))
+        if isinstance(new, Fraction):
+            return Instruction("const", (), new)
+        return Instruction(new[0], (), new[1]) if new else instruction
+
+    return prune(_copy(program, range(len(program.instructions)), program.results, leaf))
+
+
+def _copy(
+    program: Program,
+    keep: Iterable[int],
+    results: Mapping[str, tuple[int, ...]],
+    leaf: Callable[[Instruction], Instruction] = lambda instruction: instruction,
+) -> Program:
+    """Build the instructions ``keep`` anew, leaves mapped by ``leaf``; names go along."""
+    b = Builder(program.rules)
+    new: dict[int, int] = {}
+    for k in keep:
+        op, args, data = instruction = program.instructions[k]
+        if op in OPS:
+            new[k] = b.add(op, *(new[a] for a in args), value=data)
+        else:
+            mapped = leaf(instruction)
+            new[k] = b.leaf(mapped.op, mapped.value)
+    for k, name in program.names.items():
+        if k in new:
+            b.name(new[k], name)
+    return b.program({g: [new[k] for k in r] for g, r in results.items()})

@@ -1,0 +1,1 @@
+"""Equilibria, linear motion about them, sensitivities."""

@@ -1,0 +1,405 @@
+"""States in which nothing changes, and steady motions, found numerically for any compiled system.
+
+    found = equilibrium(compiled, {"theta": 0.1, "omega": 0.0}, parameters)
+    trim = equilibrium(compiled, guess, parameters, free=["thrust"], hold={"height": 100.0})
+    steady = equilibrium(compiled, guess, parameters, cyclic=["phi"], hold={"spin": 20.0})
+
+Newton's method (`codegen.linearisation.newton`) with derivatives of the program
+(`codegen.linearisation.tangents`); where the equations leave a family of solutions open, it goes to a near
+one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found is told with
+its residual, and with the rank of the Jacobian: whether it stands alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen.compiling.compiled import Compiled
+from codegen.frontend.attitude import quaternions_of
+from codegen.frontend.layout import names_of, to_array
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
+from codegen.ir.passes import dependence
+from codegen.linearisation import newton
+from codegen.linearisation.nearby import NEAR, NEAR_POINTS, Near, scales_of
+from codegen.linearisation.steady import Equilibrium, together
+from codegen.linearisation.unknowns import Equations, maintained
+from eom.errors import InputError, near_matches, typed, unknown_name
+
+Array = NDArray[np.float64]
+
+ALIKE = 1e-6
+"""Solutions closer than this, relative to their size, are one."""
+DEGENERATE = "degenerate"
+CERTAIN = 1e-9
+"""Where Newton's method would still go farther than this, the place of a solution is not certain."""
+HIDDEN = 1e-8
+"""What is larger than this, in its scale, is no error of a search: it ends where its steps are as small."""
+MOST_STARTS = 100_000
+FAMILY_STEP = 1e-3
+"""How far along a family another member is looked for, relative to the size of the solution."""
+
+
+@typed
+def equilibrium(
+    compiled: Compiled,
+    guess: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | Sequence[float] | None = None,
+    *,
+    inputs: Mapping[str, float] | None = None,
+    free: Iterable[str] = (),
+    cyclic: Iterable[str] = (),
+    hold: Mapping[str, float] | None = None,
+    starts: int = 24,
+    seed: int = 0,
+    spread: float = 1.0,
+) -> Equilibrium:
+    """Return the solution nearest to the guess of those that are found from it and from points around it.
+
+    ``guess``: states by name, 0 where left out (1 in a quaternion's first place). ``parameters``:
+    numbers by name or in order. ``inputs``: their values, 0 where left out; those in ``free`` are looked
+    for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
+    states, outputs or invariants that the solution must have; the constraints that the system maintains
+    are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
+    the guess, in the scale of each state (`codegen.linearisation.balance`: 1 for angles, others by what
+    they do beside them), in which near is meant, too. Values that rounding hides are zero. The same
+    arguments give the same result. Units are those of the system. Raises `InputError` where nothing is
+    found, for unknown names, and for rates that depend on time. Source: Newton's method with steps of least
+    size, Ben-Israel, J. Math. Anal. Appl. 15 (1966) 243.
+
+    >>> import sympy as sp, codegen, eom
+    >>> q, u = sp.symbols("q u", real=True)
+    >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: sp.cos(q) - u}), "numpy")
+    >>> found = equilibrium(arm, {"q": 1.0})
+    >>> found.kind, round(found.states["q"], 6)
+    ('isolated', 1.570796)
+    """
+    search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
+    best: Array | None = None
+    for start in search.starts(starts, seed, spread):
+        if best is not None and search.near.distance(start) >= search.near.distance(best):
+            break
+        found = search.solve(start)
+        if found is not None:
+            found = search.wrapped(found)
+            if best is None or search.near.distance(found) < search.near.distance(best):
+                best = found
+    if best is None:
+        raise search.nothing(starts)
+    return search.told(best)
+
+
+@typed
+def equilibria(
+    compiled: Compiled,
+    guess: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | Sequence[float] | None = None,
+    *,
+    inputs: Mapping[str, float] | None = None,
+    free: Iterable[str] = (),
+    cyclic: Iterable[str] = (),
+    hold: Mapping[str, float] | None = None,
+    starts: int = 24,
+    seed: int = 0,
+    spread: float = 1.0,
+) -> tuple[Equilibrium, ...]:
+    """Return all solutions that are found from so many points, each once; see `equilibrium`.
+
+    Arguments, units, errors (`InputError`) and source as there.
+    Nearest to the guess first; angles are within half a turn of it where that changes nothing. Of families,
+    single members are told. None of this says that there are no others.
+
+    >>> import sympy as sp, codegen, eom
+    >>> x = sp.Symbol("x", real=True)
+    >>> logistic = codegen.compile(eom.System.from_rates("logistic", {x: x * (1 - x)}), "numpy")
+    >>> [round(found.states["x"], 6) for found in equilibria(logistic, {"x": 0.9})]
+    [1.0, 0.0]
+    """
+    search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
+    found: list[Array] = []
+    for start in search.starts(starts, seed, spread):
+        z = search.solve(start)
+        if z is None:
+            continue
+        z = search.wrapped(z)
+        if not any(_alike(z, other) for other in found):
+            found.append(z)
+    if not found:
+        raise search.nothing(starts)
+    told = [search.told(z) for z in sorted(found, key=search.near.distance)]
+    families = [e for e in told if e.kind == "family"][:1]
+    return tuple(e for e in told if e.kind != "family" or e in families)
+
+
+def _alike(a: Array, b: Array) -> bool:
+    return bool(np.max(np.abs(a - b), initial=0.0) <= ALIKE * (1 + np.max(np.abs(a), initial=0.0)))
+
+
+class _Search:
+    """What is looked for, and the way there; vectors hold the unknowns: states, then inputs."""
+
+    def __init__(
+        self,
+        compiled: Compiled,
+        guess: Mapping[str, float] | None,
+        parameters: Mapping[str, float] | Sequence[float] | None,
+        inputs: Mapping[str, float] | None,
+        free: Iterable[str],
+        cyclic: Iterable[str],
+        hold: Mapping[str, float] | None,
+    ) -> None:
+        self.asked = (compiled, guess, parameters, inputs, free, cyclic, hold)
+        layout = compiled.layout
+        self.compiled, self.name = compiled, f"system {layout.name!r}"
+        states, self.inputs = names_of(layout.states), names_of(layout.inputs)
+        self.p = to_array(parameters, names_of(layout.parameters), "parameter")
+        if dependence(compiled.program, RATES, "time"):
+            raise InputError("the rates depend on time: nothing is steady", where=self.name)
+        free = self._names(free, "input", self.inputs)
+        self.cyclic = cyclic = self._names(cyclic, "state", states)
+        hold = dict.fromkeys(maintained(compiled), 0.0) | dict(hold or {})
+        fours = self.fours = quaternions_of(layout.attitudes)
+        self.x = _start(guess or {}, states, fours)
+        self.u = to_array(
+            dict.fromkeys(self.inputs, 0.0) | dict(inputs or {}), self.inputs, "input"
+        )
+        held = self._held(hold, states, cyclic)
+        moving = [n for n in states if n not in held and n not in cyclic]
+        self.labels = [*states, *self.inputs]
+        self.unknowns = [self.labels.index(n) for n in (*moving, *free)]
+        conditions = {n: v for n, v in hold.items() if n not in states}
+        units = [f for f in fours if set(f) & {states.index(n) for n in moving}]
+        rows = [k for k, n in enumerate(states) if n not in cyclic]
+        self.equations = Equations(compiled, self.p, rows, conditions, units)
+        self.speeds = [q.unit.endswith("/s") for q in layout.states] + [False] * len(self.inputs)
+        self.angles = [q.unit == "rad" for q in layout.states] + [False] * len(self.inputs)
+        if not self.unknowns:
+            raise InputError(
+                "nothing is left to be found", where=self.name, hint="hold fewer states"
+            )
+
+    def _names(self, given: Iterable[str], kind: str, known: Sequence[str]) -> tuple[str, ...]:
+        names = (given,) if isinstance(given, str) else tuple(given)
+        for name in names:
+            if name not in known:
+                raise unknown_name(kind, name, known, self.name)
+        return names
+
+    def _held(
+        self, hold: Mapping[str, float], states: Sequence[str], cyclic: Sequence[str]
+    ) -> set[str]:
+        """Put held states to their values and return their names. Raises `InputError`."""
+        results = self.compiled.layout.results
+        known = (*states, *results[OUTPUTS], *results[INVARIANTS])
+        for name, value in hold.items():
+            if name not in known:
+                raise InputError(
+                    f"{name!r} cannot be held", where=self.name, got=name,
+                    expected="a state, an output or an invariant", hint=near_matches(name, known),
+                )  # fmt: skip
+            if not np.isfinite(value):
+                raise InputError("not a finite number", where=f"{self.name}: {name}", got=value)
+            if name in cyclic:
+                raise InputError("a cyclic state is not held", where=self.name, got=name)
+            if name in states:
+                self.x[states.index(name)] = value
+        return set(hold) & set(states)
+
+    def whole(self, z: Array) -> tuple[Array, Array]:
+        """Return states and inputs."""
+        both = np.concatenate([self.x, self.u])
+        both[self.unknowns] = z
+        return both[: self.x.size], both[self.x.size :]
+
+    def value(self, z: Array) -> Array:
+        """Return what should be zero."""
+        return self.equations.value(*self.whole(z))
+
+    def values(self, z: Array) -> tuple[Array, Array]:
+        """Return what should be zero, and its derivatives by the unknowns."""
+        f, J = self.equations(*self.whole(z))
+        return f, J[:, self.unknowns]
+
+    @cached_property
+    def first(self) -> Array:
+        """The unknowns of the guess."""
+        return np.concatenate([self.x, self.u])[self.unknowns]
+
+    @cached_property
+    def near(self) -> Near:
+        """What is near the guess: the scale of each unknown, whole turns, signs of quaternions."""
+        inside, own = {k for f in self.fours for k in f}, self.unknowns
+        turning = [a or k in inside for k, a in enumerate(self.angles)]
+        scales = scales_of(self.equations, self.x, self.u, turning)[own]
+        fours = [[own.index(k) for k in f] for f in self.fours if {*f} <= {*own}]
+        return Near(self.first, scales, [self.angles[k] for k in own], fours)
+
+    @property
+    def scales(self) -> Array:
+        """The scale of each unknown."""
+        return self.near.scales
+
+    @cached_property
+    def problem(self) -> newton.Problem:
+        """The equations over unknowns in their scales, with the size of derivatives around the guess."""
+        draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, self.first.size))
+        points = [self.first, *(self.first + NEAR * draw * self.scales)]
+        with np.errstate(all="ignore"):
+            size = newton.sizes(
+                [self.values(z)[1] * self.scales for z in points],
+                [self.equations.rounding(*self.whole(z)) for z in points],
+            )
+
+        def derived(y: Array) -> tuple[Array, Array]:
+            f, J = self.values(y * self.scales)
+            return f, J * self.scales
+
+        return newton.Problem(lambda y: self.value(y * self.scales), derived, size)
+
+    def solve(self, z: Array) -> Array | None:
+        """Return a solution from a start; None where none is found."""
+        found = newton.solve(self.problem, z / self.scales)
+        return None if found is None else found * self.scales
+
+    def starts(self, count: int, seed: int, spread: float) -> list[Array]:
+        """Return the guess, the guess with speeds of zero, and points around, the nearest first."""
+        if not (1 <= count <= MOST_STARTS and 0 < float(spread) < np.inf and seed >= 0):
+            raise InputError(
+                "unusable starts", where=self.name, got=f"starts={count}, seed={seed}, spread={spread}",
+                expected=f"1 to {MOST_STARTS:,} starts, a seed from 0, a spread above 0",
+            )  # fmt: skip
+        still = np.where([self.speeds[k] for k in self.unknowns], 0.0, self.first)
+        return self.near.starts(still, count, seed, spread)
+
+    def wrapped(self, z: Array) -> Array:
+        """Return angles and quaternions nearest to the guess where the equations hold there as well."""
+        turned = self.near.turned(z)
+        if np.array_equal(turned, z):
+            return z
+        again = self.solve(turned)
+        return z if again is None or not _alike(again, turned) else again
+
+    def exact(self, z: Array) -> Array:
+        """Return a solution with zeros for values that rounding hides.
+
+        As many of the smallest as leave the equations zero to rounding (a running error analysis says how
+        much that is), of those that are small enough to be errors of the search.
+        """
+        size = np.abs(z) / self.scales
+        order = [int(k) for k in np.argsort(size, kind="stable") if 0 < size[k] < HIDDEN]
+        for count in range(len(order), 0, -1):
+            other = z.copy()
+            other[order[:count]] = 0.0
+            with np.errstate(all="ignore"):
+                left, slack = np.abs(self.value(other)), self.equations.rounding(*self.whole(other))
+            if np.all(left <= slack):
+                return other
+        return z
+
+    def told(self, z: Array) -> Equilibrium:
+        """Return a solution with what is known of it."""
+        z = self.exact(z)
+        y = z / self.scales
+        f, J = self.problem.derived(y)
+        self._check_cyclic(z)
+        x, u = self.whole(z)
+        rank, null = newton.null_space(J, self.problem.size)
+        certain = np.max(np.abs(newton.step(self.problem, f, J))) <= CERTAIN * (
+            1 + np.max(np.abs(y))
+        )
+        kind = ("isolated" if certain else DEGENERATE) if rank == z.size else self._kind(y, null)
+        worst = int(np.argmax(np.abs(f)))
+        states = names_of(self.compiled.layout.states)
+        rates = self.compiled.rhs(0.0, x, self.p, u)
+        return Equilibrium(
+            dict(zip(states, map(float, x), strict=True)),
+            dict(zip(self.inputs, map(float, u), strict=True)),
+            dict(zip(names_of(self.compiled.layout.parameters), map(float, self.p), strict=True)),
+            float(abs(f[worst])),
+            float(np.max(np.abs(f) / newton.scale(self.problem, y))),
+            self.equations.labels[worst],
+            z.size,
+            rank,
+            kind,
+            tuple(self._named(v) for v in null.T) if kind == "family" else (),
+            {n: float(rates[states.index(n)]) for n in self.cyclic},
+        )
+
+    def _named(self, direction: Array) -> Mapping[str, float]:
+        direction = direction * self.scales / np.linalg.norm(direction * self.scales)
+        named = {self.labels[p]: float(v) for p, v in zip(self.unknowns, direction, strict=True)}
+        return {n: v for n, v in named.items() if abs(v) > newton.RANK}
+
+    def _kind(self, y: Array, null: Array) -> str:
+        """Tell a family from a degenerate point: along every direction there is another solution."""
+        step = FAMILY_STEP * (1 + float(np.max(np.abs(y))))
+        for v in null.T:
+            other = newton.solve(self.problem, y + step * v)
+            if other is None or abs(float(v @ (other - y))) < step / 2:
+                return DEGENERATE
+        return "family"
+
+    def _check_cyclic(self, z: Array) -> None:
+        """Raise `InputError` where an equation depends on a state that was said to be cyclic."""
+        draw = np.random.default_rng(0)
+        x, u = self.whole(z)
+        places = [names_of(self.compiled.layout.states).index(n) for n in self.cyclic]
+        for _ in range(3):
+            J = self.equations(x, u)[1]
+            size = np.max(np.abs(J), axis=1, initial=1e-300)
+            for place in places:
+                depends = np.abs(J[:, place]) > newton.RANK * size
+                if np.any(depends):
+                    raise InputError(
+                        f"{self.labels[place]} is not cyclic",
+                        where=self.name,
+                        got=f"the rate of {self.equations.labels[int(np.argmax(depends))]} depends on it",
+                        hint="hold it, or call the other state cyclic, too",
+                    )
+            x = x + 0.1 * draw.normal(size=x.size)
+
+    def nothing(self, starts: int) -> InputError:
+        """Return the error that nothing was found; it names states that would have to run."""
+        what = "steady motion" if self.cyclic else "equilibrium"
+        running = self._running()
+        hint = "give a closer guess, more starts, or free an input; there may be none"
+        if running:
+            given = " ".join(f"--cyclic {n}" for n in running)
+            hint = f"motions are steady in which {', '.join(running)} may run: {given}"
+        return InputError(
+            f"no {what} was found",
+            where=self.name,
+            got=f"{starts} starts around the guess",
+            hint=hint,
+        )
+
+    def _running(self) -> tuple[str, ...]:
+        """Return states of which one is steady where they run, the fewest; none where that does not help.
+
+        They may run together where no rate of another state depends on them.
+        """
+        states = names_of(self.compiled.layout.states)
+        own = {k for k in self.unknowns if k < len(states)}
+        compiled, guess, parameters, inputs, free, cyclic, hold = self.asked
+        for running in together(dependence(self.compiled.program, RATES), own):
+            names = tuple(states[k] for k in running)
+            other = _Search(compiled, guess, parameters, inputs, free, (*cyclic, *names), hold)
+            if any(other.solve(z) is not None for z in other.starts(4, 0, 1.0)):
+                return names
+        return ()
+
+
+def _start(
+    guess: Mapping[str, float], states: Sequence[str], fours: Sequence[Sequence[int]]
+) -> Array:
+    for name in guess:
+        if name not in states:
+            raise unknown_name("state", name, states)
+    x = to_array(dict.fromkeys(states, 0.0) | dict(guess), states, "state")
+    for four in fours:
+        if not any(x[k] for k in four):
+            x[min(four)] = 1.0
+    return x

@@ -1,0 +1,299 @@
+"""Linear motion about equilibria and steady motions: matrices with names, eigenvalues, stability.
+
+    point = equilibrium(compiled, guess, parameters)
+    near = linearise_about(compiled, point)
+    print(near.A, near.states, near.eigenvalues, near.stability.kind, near.agreement)
+
+``agreement`` says how far a complex step with 50 digits (`codegen.linearisation.complex_step`), which uses
+no rule of differentiation, is from the matrices. Along a trajectory `codegen.linearise` is quicker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen.compiling.compiled import Compiled
+from codegen.compiling.linear import Linear
+from codegen.frontend.attitude import quaternions_of
+from codegen.frontend.layout import names_of
+from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
+from codegen.ir.interpret import Point
+from codegen.linearisation.complex_step import complex_step
+from codegen.linearisation.deviations import closed, free_states, independent
+from codegen.linearisation.steady import Equilibrium
+from codegen.linearisation.tangents import tangents
+from codegen.linearisation.unknowns import leaves_of, maintained
+from eom.errors import InputError, near_matches, typed, unknown_name
+
+Array = NDArray[np.float64]
+
+ERROR_FACTOR = 100.0
+"""How many times the bound of first order an eigenvalue may be off before its sign is believed."""
+LEAST_ROW, DOUBT = 1e-3, 1e-6
+ATTITUDES = STATES, ANGLES = ("states", "angles")
+"""How deviations of unit quaternions are told."""
+STABLE, UNSTABLE, OPEN = "asymptotically stable", "unstable", "undecided"
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What the linear motion says of the motion near the point.
+
+    ``kind``: ``asymptotically stable`` if all real parts are negative beyond their error, ``unstable``
+    if one is positive beyond it; else ``undecided``: zero real parts prove nothing about stability.
+    ``growth``: the largest real part (1/s); ``error``: of the eigenvalue that it belongs to.
+    """
+
+    kind: str
+    growth: float
+    error: float
+
+
+@dataclass(frozen=True)
+class LinearMotion(Linear):
+    """A linear motion dz' = A dz + B du, dy = C dz + D du; ``states`` are the names of z.
+
+    ``A``, ``B``, ``C``, ``D``, ``inputs``, ``outputs``: as of `Linear`, with A (k, k) for k independent
+    states. ``point``: about which. ``eliminated``: what other states are by these, {state: {state:
+    factor}}. ``dropped``: cyclic states, which nothing depends on. ``hidden``: how many constraints
+    follow from those that were given; ``redundant``: those given that say nothing new. ``agreement``:
+    the largest difference to a complex step, relative to the largest entry of its row (at least a
+    thousandth of the largest of all rows); NaN where that could not be made. ``doubtful``: states by
+    their rates, and outputs, that differ by more than `DOUBT`: they have no derivative there, but a
+    corner.
+    """
+
+    point: Equilibrium
+    agreement: float
+    eliminated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    dropped: tuple[str, ...] = ()
+    hidden: int = 0
+    redundant: tuple[str, ...] = ()
+    doubtful: tuple[str, ...] = ()
+
+    @cached_property
+    def _eigen(self) -> tuple[NDArray[np.complex128], Array]:
+        return eigenvalues(self.A)
+
+    @property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """The eigenvalues of A (1/s), largest real part first, (k,)."""
+        return self._eigen[0]
+
+    @property
+    def errors(self) -> Array:
+        """How far each eigenvalue may be off by rounding, to first order (1/s), (k,)."""
+        return self._eigen[1]
+
+    @cached_property
+    def stability(self) -> Stability:
+        """What the eigenvalues say."""
+        return stability(*self._eigen)
+
+
+@typed
+def linearise_about(
+    compiled: Compiled,
+    point: Equilibrium,
+    *,
+    constraints: Iterable[str] = (),
+    independent_states: Iterable[str] = (),
+    attitude: str = STATES,
+    check: bool = True,
+) -> LinearMotion:
+    """Return the linear motion about a point that `codegen.equilibrium` found, by independent states.
+
+    ``point``: of the same system. ``constraints``: invariants or outputs that keep their values, beside
+    the constraints that the system maintains; what follows from them along the motion is kept, too. Unit
+    quaternions lose one state, or with ``attitude="angles"`` become three small angles about the body's
+    axes, ``angle_<state>``. Cyclic states are left out. ``independent_states``: to be kept. ``check``:
+    whether `agreement` is computed. Units are those of the system, eigenvalues are in 1/s. ``attitude``:
+    ``states`` or ``angles`` (rad). Raises `InputError` for unknown names, and a point of another system.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), app. A, on the stability of linear systems; the
+    check: Squire and Trapp, SIAM Review 40 (1998) 110.
+
+    >>> import sympy as sp, codegen, eom
+    >>> q, u = sp.symbols("q u", real=True)
+    >>> arm = codegen.compile(eom.System.from_rates("arm", {q: u, u: -sp.sin(q) - 2 * u}), "numpy")
+    >>> near = linearise_about(arm, codegen.equilibrium(arm, {"q": 3.0}))
+    >>> near.stability.kind, [round(float(value.real), 6) for value in near.eigenvalues]
+    ('unstable', [0.414214, -2.414214])
+    """
+    layout = compiled.layout
+    x, u, p = _arrays(compiled, point)
+    full = _whole(compiled, x, u, p)
+    cyclic = point.cyclic
+    if attitude not in ATTITUDES:
+        raise unknown_name("attitude", attitude, ATTITUDES)
+    fours = _quaternions(compiled, point)
+    turned = fours if attitude == ANGLES else []
+    unit = [] if attitude == ANGLES else fours
+    free = free_states(x, full.states, cyclic, turned)
+    given = (constraints,) if isinstance(constraints, str) else tuple(constraints)
+    names = tuple(dict.fromkeys((*maintained(compiled), *given)))
+    G = _slopes(compiled, names, x, u, p)
+    G = np.vstack([G, _norms(x, unit)])
+    labels = [*names, *(f"norm of {', '.join(full.states[k] for k in four)}" for four in unit)]
+    basis, redundant = closed(G @ free.T, free.dynamics(full.A))
+    preferred = _preferred(independent_states, free.names, layout.name)
+    kept, eliminated = independent(free, basis, preferred)
+    apart = (
+        _differences(compiled, full, x, u, p)
+        if check
+        else np.full(len(full.A) + len(full.C), np.nan)
+    )
+    return LinearMotion(
+        kept.dynamics(full.A), kept.S @ full.B, full.C @ kept.T, full.D,
+        kept.names, full.inputs, full.outputs, point,
+        _largest(apart),
+        eliminated, cyclic, len(basis) - len(G) + len(redundant),
+        tuple(labels[k] for k in redundant),
+        _doubtful(full, apart) if check else (),
+    )  # fmt: skip
+
+
+def _largest(apart: Array) -> float:
+    """Return the largest of what could be compared; NaN where nothing could."""
+    known = apart[np.isfinite(apart)]
+    return float(known.max(initial=0.0)) if known.size or not apart.size else float("nan")
+
+
+def _doubtful(full: Linear, apart: Array) -> tuple[str, ...]:
+    names = zip((*full.states, *full.outputs), apart, strict=True)
+    return tuple(n for n, far in names if not far <= DOUBT)
+
+
+def _arrays(compiled: Compiled, point: Equilibrium) -> tuple[Array, Array, Array]:
+    layout = compiled.layout
+    groups = (
+        ("states", point.states, layout.states),
+        ("inputs", point.inputs, layout.inputs),
+        ("parameters", point.parameters, layout.parameters),
+    )
+    found = []
+    for kind, given, known in groups:
+        if tuple(given) != names_of(known):
+            raise InputError(f"a point of another system: its {kind}", got=", ".join(given),
+                             expected=", ".join(names_of(known)))  # fmt: skip
+        found.append(np.array([*given.values()], dtype=np.float64))
+    x, u, p = found
+    return x, u, p
+
+
+def _quaternions(compiled: Compiled, point: Equilibrium) -> list[tuple[int, ...]]:
+    names = names_of(compiled.layout.states)
+    found = quaternions_of(compiled.layout.attitudes)
+    free = [f for f in found if not any(names[k] in point.cyclic for k in f)]
+    for four in found:
+        part = [names[k] in point.cyclic for k in four]
+        if any(part) and not all(part):
+            raise InputError("part of a quaternion is cyclic", got=", ".join(names[k] for k in four),
+                             hint="all four of its states run, or none")  # fmt: skip
+    return free
+
+
+def _preferred(given: Iterable[str], known: Sequence[str], where: str) -> tuple[str, ...]:
+    names = (given,) if isinstance(given, str) else tuple(given)
+    for name in names:
+        if name not in known:
+            raise unknown_name("state", name, known, f"system {where!r}")
+    return names
+
+
+def _whole(compiled: Compiled, x: Array, u: Array, p: Array) -> Linear:
+    """Return A, B, C, D by all states."""
+    layout, n = compiled.layout, x.size
+    point = Point(0.0, list(x), list(p), list(u))
+    _, J = tangents(compiled.program, _groups(compiled), leaves_of(n, u.size), point)
+    return Linear(
+        J[:n, :n], J[:n, n:], J[n:, :n], J[n:, n:],
+        names_of(layout.states), names_of(layout.inputs), layout.results[OUTPUTS],
+    )  # fmt: skip
+
+
+def _groups(compiled: Compiled) -> list[str]:
+    return [g for g in (RATES, OUTPUTS) if g in compiled.program.results]
+
+
+def _slopes(compiled: Compiled, names: Sequence[str], x: Array, u: Array, p: Array) -> Array:
+    """Return the derivatives of invariants and outputs by the states."""
+    results = compiled.layout.results
+    groups = [g for g in (OUTPUTS, INVARIANTS) if results[g]]
+    known = [n for g in groups for n in results[g]]
+    for name in names:
+        if name not in known:
+            raise InputError(
+                "unknown constraint", where=f"system {compiled.layout.name!r}", got=name,
+                expected="an invariant or an output", hint=near_matches(name, known),
+            )  # fmt: skip
+    if not names:
+        return np.zeros((0, x.size))
+    point = Point(0.0, list(x), list(p), list(u))
+    _, J = tangents(compiled.program, groups, leaves_of(x.size, 0), point)
+    return J[[known.index(name) for name in names]]
+
+
+def _norms(x: Array, fours: Sequence[Sequence[int]]) -> Array:
+    rows = np.zeros((len(fours), x.size))
+    for row, four in zip(rows, fours, strict=True):
+        row[list(four)] = x[list(four)]
+    return rows
+
+
+def _differences(compiled: Compiled, full: Linear, x: Array, u: Array, p: Array) -> Array:
+    """Return how far a complex step is from the derivatives, for each row relative to its largest.
+
+    Rows that vanish do so to the rounding of terms that cancel: sizes are at least `LEAST_ROW` of the
+    largest.
+    """
+    ours = np.block([[full.A, full.B], [full.C, full.D]])
+    point = Point(0.0, list(x), list(p), list(u))
+    leaves = leaves_of(x.size, u.size)
+    other = complex_step(compiled.program, _groups(compiled), leaves, point)
+    known = np.where(np.isfinite(other), np.abs(other), 0.0)
+    size = np.max(known, axis=1, initial=0.0, keepdims=True)
+    size = np.maximum(size, LEAST_ROW * np.max(size, initial=0.0))
+    apart = np.abs(ours - other) / np.where(size > 0, size, 1.0)
+    return np.asarray(np.max(apart, axis=1, initial=0.0))
+
+
+def eigenvalues(A: Array) -> tuple[NDArray[np.complex128], Array]:
+    """Return the eigenvalues, largest real part first, and how far rounding may put each off.
+
+    To first order an eigenvalue moves by |y| |x| / |y* x| of a change of A, x and y its right and left
+    vectors (Golub and Van Loan, Matrix Computations, 4th ed., sec. 7.2.2); A is taken as known to its
+    rounding. Multiple eigenvalues are known to a part of the digits, and told so.
+    """
+    from scipy.linalg import eig
+
+    if not A.size:
+        return np.zeros(0, dtype=np.complex128), np.zeros(0)
+    found: tuple[Any, ...] = eig(A, left=True, right=True)
+    values, left, right = found
+    cosines = np.abs(np.sum(left.conj() * right, axis=0))
+    with np.errstate(divide="ignore"):
+        errors = np.finfo(float).eps * np.linalg.norm(A) / cosines
+    order = sorted(
+        range(len(values)), key=lambda k: (-values[k].real, abs(values[k].imag), -values[k].imag)
+    )
+    return values[order], errors[order]
+
+
+def stability(values: NDArray[np.complex128], errors: Array) -> Stability:
+    """Return what eigenvalues and their errors say; with care about zero real parts."""
+    if not values.size:
+        return Stability(OPEN, 0.0, 0.0)
+    bounds = ERROR_FACTOR * errors
+    first = int(np.argmax(values.real))
+    kind = OPEN
+    if np.any(values.real > bounds):
+        kind = UNSTABLE
+    elif np.all(values.real < -bounds):
+        kind = STABLE
+    return Stability(kind, float(values.real[first]), float(errors[first]))

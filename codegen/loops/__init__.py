@@ -1,0 +1,1 @@
+"""The texts of integrators with their whole loop, by program."""

@@ -1,0 +1,484 @@
+"""Explicit Runge-Kutta methods with their whole loop in generated C, and the way to call it."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from codegen.frontend.layout import Layout
+from codegen.ir.groups import RATES, SINGULARITIES
+from codegen.ir.names import comment, identifier
+from codegen.ir.program import Program
+from codegen.loops import crossings, jumps, lookout, projection
+from codegen.loops.tableau import Row, Tableau
+from codegen.native import native
+from codegen.native.stepwise import Stepwise
+from codegen.native.trajectory import Array, Problem, Stop, Trajectory
+from codegen.passes.stages import by_parameters
+from codegen.targets import c
+
+NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED, EVENT = -2, -1, 0, 1, 2, 3, 5
+COARSE = 6
+"""Of a method with equal steps: they are too long, and the run begins again."""
+THIN = 7
+"""Of a method that moves momentum: it cannot tell a body rate about an axis of small moment."""
+STEPS_A_CALL, FIRST_CALL = 50_000, 50
+"""Steps that generated code makes in one call, at most and at first."""
+CALL_SECONDS = 0.05
+"""What a call takes, about: between two calls Python sees that the user has interrupted it."""
+FIRST_CAPACITY = 2_048
+
+
+def files(tableau: Tableau, program: Program, layout: Layout) -> Mapping[str, str]:
+    """Return header and source of the integrator by file name."""
+    values = _values(tableau, program, layout)
+    return {
+        f"{values['PREFIX']}.{kind}": fill(f"runge_kutta.{kind}", values) for kind in ("h", "c")
+    }
+
+
+def single_text(tableau: Tableau, program: Program, layout: Layout) -> str:
+    """Return functions and integrator as one text that compiles by itself."""
+    name = identifier(layout.name)
+    header, source = files(tableau, program, layout).values()
+    rest = (header + source).replace(f'#include "{name}.h"\n', "")
+    return c.single_text(program, layout) + rest.replace(
+        f'#include "{name}_{tableau.name}.h"\n', ""
+    )
+
+
+SHARED = {"NUMBERS": "numbers.c", "START": "start.c", "EVENTS": "events.c", "STEPS": "steps.c",
+          "INTERFACE": "interface.h", "OUTPUT": "output.h"}  # fmt: skip
+"""What the texts of several methods have in common, by file."""
+
+
+def fill(template: str, values: Mapping[str, str]) -> str:
+    """Return a template of this folder with its keys replaced, those of the shared parts first."""
+    text = _template(template)
+    shared = {key: _template(file) for key, file in SHARED.items()}
+    for key, value in {**shared, **_without_events(values), **values}.items():
+        text = text.replace(f"@{key}@", value)
+    return text
+
+
+def _without_events(values: Mapping[str, str]) -> dict[str, str]:
+    return {
+        **crossings.NONE,
+        "FURTHER_STATUS": "",
+        "STOPPED": f"{values.get('UPPER', '')}_SINGULAR",
+    }
+
+
+def _template(name: str) -> str:
+    return resources.files("codegen.loops").joinpath(name).read_text(encoding="ascii")
+
+
+_KEEP = """\
+        for (int i = 0; i < N; ++i)
+            keep_jump(s, i, s->t, fabs(off[i]), s->atol[i] + s->rtol * fmax(fabs(s->x[i]), fabs(x_new[i])));
+"""
+
+
+def _watch(tableau: Tableau, program: Program, prefix: str) -> lookout.Lookout:
+    n = len(program.results[RATES])
+    return lookout.of(program, prefix, lookout.Steps(tableau, n, n, _KEEP))
+
+
+def _values(tableau: Tableau, program: Program, layout: Layout) -> dict[str, str]:
+    name, last = identifier(layout.name), tableau.main_stages
+    singular, n = len(layout.results[SINGULARITIES]), len(layout.states)
+    prefix = f"{name}_{tableau.name}"
+    watch = _watch(tableau, program, prefix)
+    rates = _rates(name, prefix, watch)
+    main = [_stage(tableau, rates, s) for s in range(1, last)]
+    dense = [
+        f"        s->dense[{3 + d}][i] = h * ({_sum(row)});" for d, row in enumerate(tableau.dense)
+    ]
+    return {
+        "TITLE": comment(layout.title),
+        "METHOD": f"{tableau.name.upper()}, an explicit Runge-Kutta method of order {tableau.order},",
+        "NAME": name,
+        "PREFIX": prefix,
+        "UPPER": prefix.upper(),
+        "HEADER": f"{prefix}.h",
+        "STATES": str(n),
+        "SINGULARITIES": str(singular),
+        "COORDINATES": ", ".join(map(str, layout.coordinates)),
+        "SINGULAR_ROOM": str(max(1, singular)),
+        "ORDER": str(tableau.order),
+        "LAST": str(last),
+        "ALL_STAGES": str(len(tableau.stages)),
+        "DENSE_TERMS": str(tableau.dense_terms),
+        "DENSE_SHAPE": f"[{tableau.dense_terms}][n]",
+        "STACK": f"about {8 * n * (len(tableau.stages) + 8)}",
+        "EVALUATIONS": str(last),
+        "STAGES": "\n".join(main),
+        "DENSE_COEFFICIENTS": "\n".join(dense),
+        "DENSE_FACTOR": "theta" if tableau.dense_terms % 2 else "(1.0 - theta)",
+        "UPDATE": _sum(tableau.stages[last]),
+        "ROOT": _root(tableau.order),
+        **_of_rates(rates, n, watch.width),
+        **_further_stages(tableau, rates),
+        **_error(tableau),
+        **projection.texts(layout, prefix, projection.RUNGE_KUTTA.format(name=name, last=last)),
+        **crossings.of_values(program, layout, prefix),
+        **watch.texts,
+    }
+
+
+def _root(order: int) -> str:
+    return "sqrt(sqrt(sqrt(error)))" if order == 8 else f"pow(error, 1.0 / {order}.0)"
+
+
+class _Rates(NamedTuple):
+    """How the rates are called: the function, its arguments before the array of results, and behind."""
+
+    name: str
+    before: str
+    after: str
+
+
+def _of_rates(rates: _Rates, n: int, width: int) -> dict[str, str]:
+    return {
+        "WIDTH": "W" if width else "N",
+        "RATES_ROOM": str(n + width),
+        "RATES_AT": rates.name,
+        "RATES_WITH": rates.before,
+        "RATES_END": rates.after,
+    }
+
+
+def _rates(name: str, prefix: str, watch: lookout.Lookout) -> _Rates:
+    if not watch.width:
+        return _Rates(f"{name}_rates", "&s->constants, u, ", "")
+    return _Rates(f"{prefix}_watched", "1, s->of_watched, NULL, u, 1, ", ", 1")
+
+
+_IN_WORDS = {
+    0: "no further evaluation",
+    1: "one more evaluation",
+    2: "two more evaluations",
+    3: "three more evaluations",
+}
+
+
+def _further_stages(tableau: Tableau, rates: _Rates) -> dict[str, str]:
+    """Return how the stages that dense output alone needs are computed, and what they cost."""
+    further = range(tableau.main_stages + 1, len(tableau.stages))
+    lines = ["    double y[N];", *(_stage(tableau, rates, s) for s in further)]
+    lines += [f"    s->evaluations += {len(further)};"]
+    none = "    (void)u; /* the stages of the step are enough */"
+    return {
+        "DENSE_STAGES": "\n".join(lines) if further else none,
+        "DENSE_COST": _IN_WORDS.get(len(further), f"{len(further)} more evaluations"),
+    }
+
+
+def _error(tableau: Tableau) -> dict[str, str]:
+    """Return the sums of the error estimates, and the error: the norm of one, or of their mixture."""
+    estimates = {"high": tableau.error_high, "low": tableau.error_low}
+    used = {name: row for name, row in estimates.items() if row}
+    indent = "            "
+    terms = [f"{indent}const double e_{n} = scale * ({_sum(row)});" for n, row in used.items()]
+    terms += [f"{indent}{n} += e_{n} * e_{n};" for n in used]
+    mixed = "high > 0.0 ? fabs(h) * high / sqrt((high + 0.01 * low) * N) : high"
+    return {
+        "ERROR_SUMS": ", ".join(f"{n} = 0.0" for n in used),
+        "ERROR_TERMS": "\n".join(terms),
+        "ERROR": mixed if tableau.error_low else "fabs(h) * sqrt(high / N)",
+    }
+
+
+def _sum(row: Row) -> str:
+    return " + ".join(f"{weight!r} * k[{j}][i]" for j, weight in enumerate(row) if weight).replace(
+        "+ -", "- "
+    )
+
+
+def _stage(tableau: Tableau, rates: _Rates, s: int) -> str:
+    indent = "        " if s < tableau.main_stages else "    "
+    return (
+        f"{indent}for (int i = 0; i < N; ++i) y[i] = s->x[i] + h * ({_sum(tableau.stages[s])});\n"
+        f"{indent}{rates.name}(s->t + {tableau.nodes[s]!r} * h, y, {rates.before}k[{s}]{rates.after});"
+    )
+
+
+@cache
+def _structures(
+    prefix: str,
+    n: int,
+    room: int,
+    terms: int,
+    constants: int,
+    events: tuple[int, int],
+    watched: tuple[tuple[str, Any], ...],
+    width: int,
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Mirror the two structures of runge_kutta.h."""
+    double: Any = ctypes.c_double
+    vector: Any = double * n
+    state: list[tuple[str, Any]] = [
+        (f, double)
+        for f in ("t", "t_end", "h", "h_max", "rtol", "margin", "t_low", "t_old", "h_old")
+    ]
+    state += [(f, vector) for f in ("atol", "x", "x_low")]
+    state += [("f", double * (n + width)), ("x_old", vector)]
+    state += [("dense", vector * terms), ("singular", double * room), ("closest", double * room)]
+    state += [(f, ctypes.c_longlong) for f in ("steps", "rejected", "evaluations")]
+    state += [(f, ctypes.c_int) for f in ("status", "which", "after_rejection")]
+    state += [("constants", double * constants), *watched]
+    state += crossings.fields(events, 0)
+    return structures(prefix, state)
+
+
+def structures(
+    prefix: str, state: Sequence[tuple[str, Any]]
+) -> tuple[type[ctypes.Structure], type[ctypes.Structure]]:
+    """Return the structure of an integrator from its fields, and that of its output."""
+    output: list[tuple[str, Any]] = [(f, ctypes.c_void_p) for f in ("t", "x", "dense", "grid")]
+    output += [(f, ctypes.c_size_t) for f in ("capacity", "count", "grid_count", "next")]
+    kinds = (
+        type(f"{prefix}{suffix}", (ctypes.Structure,), {"_fields_": f})
+        for suffix, f in (("", state), ("_output", output))
+    )
+    first, second = kinds
+    return first, second
+
+
+@dataclass(frozen=True)
+class NativeMethod:
+    """An integrator compiled for one system: functions, structures, and what its dense output is.
+
+    ``terms``: coefficients a state and step; ``solution(t, h, x, coefficients)`` evaluates them.
+    """
+
+    terms: int
+    solution: Callable[[Array, Array, Array, Array], Any]
+    start: Any
+    run: Any
+    state: type[ctypes.Structure]
+    output: type[ctypes.Structure]
+    library: ctypes.CDLL
+    most_events: int = 0
+    """What a step may find, where there are events."""
+    told: Callable[[Any, Problem], str] = lambda state, problem: ""
+    """What is to be told of a run, from the state of the integrator at its end."""
+    overflows: Callable[[Any], bool] = lambda state: False
+    """Whether Taylor coefficients where it stopped are not finite, those of the first order apart."""
+
+
+def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
+    """Compile the integrator of a system for this machine. Raises `CompilerError` if that fails."""
+    text = single_text(tableau, program, layout)
+    flags = native.flags_for(0, len(program.instructions))
+    prefix = f"{identifier(layout.name)}_{tableau.name}"
+    n, singular = len(layout.states), len(layout.results[SINGULARITIES])
+    constants = max(1, len(by_parameters(program, layout.sizes).values))
+    events, room = crossings.sizes(program, layout), crossings.most(layout)
+    terms = tableau.dense_terms
+    watch = _watch(tableau, program, prefix)
+    state, output = _structures(
+        prefix, n, max(1, singular), terms, constants, events, watch.fields, watch.width
+    )
+    start, run, library = loaded(text, flags, prefix, state)
+    told = crossings.told(program, layout)
+    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room, told)
+
+
+def loaded(
+    text: str, flags: Sequence[str], prefix: str, state: type[ctypes.Structure]
+) -> tuple[Any, Any, ctypes.CDLL]:
+    """Compile and load an integrator; return its two functions and the library."""
+    library = native.load(native.compile_library(text, flags), text, flags)
+    size = getattr(library, f"{prefix}_size")
+    size.restype = ctypes.c_size_t
+    assert size() == ctypes.sizeof(state)
+    start, run = getattr(library, f"{prefix}_start"), getattr(library, f"{prefix}_run")
+    start.argtypes = [ctypes.c_void_p] * 3
+    run.argtypes = [*[ctypes.c_void_p] * 3, ctypes.c_longlong]
+    return start, run, library
+
+
+def integrate(method: NativeMethod, problem: Problem) -> Trajectory:
+    """Integrate a problem; stop at its end, at a singular configuration, or where numbers fail."""
+    s = method.state(
+        t=problem.t_span[0], t_end=problem.t_span[1], rtol=problem.rtol, margin=problem.margin
+    )
+    s.h, s.h_max = problem.first_step or 0.0, problem.max_step
+    s.x[:], s.atol[:] = problem.x0.tolist(), problem.atol.tolist()
+    p, u = _pointer(problem.parameters), _pointer(problem.inputs)
+    store, clock = _Store(method, problem), _Clock()
+    store.finder.attach(s, method.most_events)
+    status = clock.timed(method.start, ctypes.addressof(s), p, u)
+    output = ctypes.addressof(store.output)
+    look = problem.watch_every if problem.watch else problem.max_steps
+    most = min(FIRST_CALL, STEPS_A_CALL)
+    while status in {PAUSED, FULL}:
+        left = problem.max_steps - s.steps - s.rejected
+        if left <= 0:
+            break
+        store.finder.empty(s)
+        if not store.make_room():
+            return store.trajectory(s, Stop("memory", s.t), problem, clock.seconds)
+        attempts = min(most, left, look - s.steps - s.rejected)
+        status = clock.timed(method.run, ctypes.addressof(s), u, output, attempts)
+        most = _next_call(most, clock.last)
+        if status == COARSE and store.begins_again(s, problem):
+            status = clock.timed(method.start, ctypes.addressof(s), p, u)
+        problem.report(s.t)
+        if problem.watch and status == PAUSED and s.steps + s.rejected >= look:
+            look += problem.watch_every
+            if problem.watch(s.t, np.array(s.x[:]), s.h_old):
+                return store.trajectory(s, Stop("left", s.t), problem, clock.seconds)
+    overflows = status in {NOT_FINITE, STEP_TOO_SMALL} and method.overflows(s)
+    stop = Stop(_STOPS[status], s.t, s.which, overflows)
+    return store.trajectory(s, stop, problem, clock.seconds)
+
+
+class _Clock:
+    """Seconds in generated code, in all and in the last call."""
+
+    def __init__(self) -> None:
+        self.seconds = self.last = 0.0
+
+    def timed(self, function: Callable[..., int], *args: object) -> int:
+        """Call a function and add its time."""
+        began = time.perf_counter()
+        status = function(*args)
+        self.last = time.perf_counter() - began
+        self.seconds += self.last
+        return status
+
+
+def _next_call(most: int, seconds: float) -> int:
+    """Return how many steps the next call may make; what is computed does not depend on it."""
+    return min(STEPS_A_CALL, 2 * most) if seconds < CALL_SECONDS else max(1, most // 2)
+
+
+_STOPS = {
+    DONE: "end",
+    SINGULAR: "singular",
+    EVENT: "event",
+    NOT_FINITE: "not finite",
+    STEP_TOO_SMALL: "step",
+    COARSE: "coarse",
+    THIN: "thin",
+    PAUSED: "max_steps",
+    FULL: "max_steps",
+}
+
+
+def _pointer(array: Array) -> int | None:
+    return array.ctypes.data if array.size else None
+
+
+def _doubled(array: Array) -> Array:
+    larger = np.empty((2 * len(array), *array.shape[1:]))
+    larger[: len(array)] = array
+    return larger
+
+
+class _Store:
+    """Growing arrays of times, states and, where asked for, interpolants."""
+
+    def __init__(self, method: NativeMethod, problem: Problem) -> None:
+        self.n, self.finder = len(problem.x0), crossings.Finder(problem)
+        self.terms, self.solution, self.told = method.terms, method.solution, method.told
+        self.grid = None if problem.dense_output else problem.t_eval
+        self.dense_output = problem.dense_output
+        capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
+        self.t, self.x = np.empty(capacity), np.empty((capacity, self.n))
+        self.dense = np.empty((capacity if self.dense_output else 0, self.terms, self.n))
+        self.output = method.output(capacity=capacity)
+        if self.grid is not None:
+            self.output.grid, self.output.grid_count = (
+                _pointer(self.grid) or self.t.ctypes.data,
+                len(self.grid),
+            )
+        self._point()
+
+    def _point(self) -> None:
+        self.output.t, self.output.x = self.t.ctypes.data, self.x.ctypes.data
+        self.output.dense = self.dense.ctypes.data if self.dense_output else None
+
+    def make_room(self) -> bool:
+        """Double the arrays if they are full; False if there is no memory for that."""
+        if self.grid is not None or self.output.count < self.output.capacity:
+            return True
+        try:
+            self.t, self.x = _doubled(self.t), _doubled(self.x)
+            if self.dense_output:
+                self.dense = _doubled(self.dense)
+        except MemoryError:
+            return False
+        self.output.capacity = len(self.t)
+        self._point()
+        return True
+
+    def begins_again(self, s: Any, problem: Problem) -> bool:
+        """Forget a run whose equal steps were too long; True if the next ones are few enough.
+
+        C says the next length, with a minus, in ``h``.
+        """
+        self.output.count = self.output.next = 0
+        s.t, s.x[:], s.steps = problem.t_span[0], problem.x0.tolist(), 0
+        length = abs(problem.t_span[1] - problem.t_span[0])
+        return bool(length <= -s.h * (problem.max_steps - s.rejected))
+
+    def trajectory(self, s: Any, stop: Stop, problem: Problem, seconds: float) -> Trajectory:
+        """Return what was stored; without a grid the start is the first point."""
+        count = self.output.count
+        self.finder.empty(s)
+        t, x = self.t[:count], self.x[:count]
+        solution = None
+        if self.grid is None:
+            t = np.concatenate([[problem.t_span[0]], t])
+            x = np.concatenate([problem.x0[None, :], x])
+        if self.dense_output:
+            h = np.diff(t)
+            if count:
+                h[-1] = s.h_old
+            solution = self.solution(t, h, x, self.dense[:count].copy())
+            if problem.t_eval is not None:
+                direction = np.sign(problem.t_span[1] - problem.t_span[0])
+                reached = s.steps > 0 or stop.kind == "end"
+                t = problem.t_eval[reached & (direction * (problem.t_eval - s.t) <= 0)]
+                x = solution(t).T
+        return Trajectory(
+            t=t if problem.t_eval is None else t.copy(),
+            y=np.ascontiguousarray(x.T),
+            stop=stop,
+            state_at_stop=np.array(s.x[:]),
+            closest=tuple(s.closest[: problem.singularities]),
+            evaluations=s.evaluations,
+            steps=s.steps,
+            rejected=s.rejected,
+            solution=solution,
+            seconds=seconds,
+            found=self.finder.found() if problem.events else None,
+            notice="; ".join(filter(None, (self.told(s, problem), _of_jumps(s, problem)))),
+        )
+
+
+def _of_jumps(s: Any, problem: Problem) -> str:
+    return jumps.told(s, problem) if hasattr(s, "off_at") else ""
+
+
+class DenseSolution(Stepwise):
+    """Polynomials of a tableau's interpolant."""
+
+    def _within(self, k: NDArray[np.intp], since: Array) -> Array:
+        theta = (since / self._h[k])[:, None]
+        terms = self._rows[k]
+        value = terms[:, -1] * (theta if terms.shape[1] % 2 else 1 - theta)
+        for j in range(terms.shape[1] - 2, -1, -1):
+            value = (value + terms[:, j]) * (1 - theta if j % 2 else theta)
+        return np.asarray(value + self._x[k])

@@ -1,0 +1,1 @@
+"""Tools that measure: run time against error, numerical stability."""

@@ -1,0 +1,149 @@
+"""Every method on every problem: finer tolerances, and there and back.
+
+A method promises local errors of at most rtol (|x| + 1e-3) in each state and step. What so many steps may
+make at the end, all errors in the worst sense, is their number times the amplification of the
+problem (`codegen.measure.stress.amplification`) times rtol. Rounding is a local error of a few units in the
+last place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from codegen.compiling.compiled import Compiled
+from codegen.measure.stress.amplification import UNKNOWN, Amplification, amplification
+from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
+from codegen.measure.stress.running import Collector, Run
+from codegen.measure.workprecision.case import Case, Reference, reference
+from eom.errors import InputError
+
+ROUNDING = 8 * EPSILON
+"""Local error of a step by rounding, of the size of a state."""
+PROMISED = 1.0
+"""By which factor an error may exceed the promise: methods measure local errors in their own norm."""
+RISE = 3.0
+"""By which factor an error may exceed that at the coarser tolerance before."""
+RETURN_RTOL = 1e-9
+
+
+@dataclass(frozen=True)
+class Track:
+    """A case with its compiled functions, its end, and what its errors are amplified by."""
+
+    case: Case
+    compiled: Compiled
+    end: float
+    gain: Amplification
+
+
+def _tracks(material: Material, plan: Plan, found: Collector) -> list[Track]:
+    """Return the problems that can be judged; the others are named in the findings."""
+    tracks = []
+    for case in material.problems:
+        compiled, end = case.compiled(), case.end * plan.size.share
+        gain = amplification(case, compiled, end, 20 * plan.size.limit)
+        if isinstance(gain, str):
+            found.refused.setdefault(("amplification", gain), []).append(case.name)
+        else:
+            tracks.append(Track(case, compiled, end, gain))
+    return tracks
+
+
+def tolerances(material: Material, plan: Plan) -> Findings:
+    """Compare the ends of all methods at all tolerances with ends of many digits."""
+    found = Collector()
+    tracks = _tracks(material, plan, found)
+    for k, track in enumerate(tracks):
+        try:
+            known = reference(_shortened(track), track.compiled)
+        except InputError as error:
+            found.refused.setdefault(("reference", error.what), []).append(track.case.name)
+            continue
+        for method in plan.methods:
+            _sweep(track, known, method, plan, found)
+        found.late.clear()
+        plan.progress((k + 1) / len(tracks))
+    return found.findings()
+
+
+def _shortened(track: Track) -> Case:
+    return replace(track.case, end=track.end)
+
+
+def _sweep(track: Track, known: Reference, method: str, plan: Plan, found: Collector) -> None:
+    """Append what one method does on one problem: worst share of the promise, worst rise."""
+    times = np.array([0.0, track.end])
+    start = {n: track.case.start[n] for n in track.compiled.system.state_names}
+    promises: list[Figure] = []
+    rises: list[Figure] = []
+    before = math.inf
+    for rtol in plan.size.tolerances:
+        where = f"{track.case.name} at {rtol:.0e}"
+        run = Run(track.compiled, start, times, track.case.inputs, limit=plan.size.limit)
+        result = found.result(run, method, rtol, where)
+        if result is None:
+            break
+        what = f"{track.case.name}: {method}"
+        if result.status != 0 or not np.isfinite(result.y_stop).all():
+            promises.append(Figure(what, math.inf, 0.0, f"at {rtol:.0e}: {result.message}"))
+            break
+        error = known.distance(result.y_stop)
+        floor = known.error + _summed(track.gain.forward, result.steps, ROUNDING)
+        promise = PROMISED * (_summed(track.gain.forward, result.steps, rtol) + floor)
+        note = f"at {rtol:.0e}: error {error:.1e}, {result.steps} steps"
+        promises.append(Figure(f"{what}: error over promise", error / promise, 1.0, note))
+        rise = error / (RISE * max(before, PROMISED * floor))
+        rises.append(Figure(f"{what}: rise with a finer tolerance", rise, 1.0, note))
+        before = error
+    found.figures += [*_worst(promises), *_worst(rises)]
+
+
+def _worst(figures: Sequence[Figure]) -> list[Figure]:
+    """Return the figure that is the largest, if there is one; NaN counts as larger than all."""
+    return (
+        [max(figures, key=lambda f: math.inf if math.isnan(f.value) else f.value)]
+        if figures
+        else []
+    )
+
+
+def _summed(gain: float, steps: int, local: float) -> float:
+    return max(1, steps) * gain * local
+
+
+def there_and_back(material: Material, plan: Plan) -> Findings:
+    """Integrate to the end and back; compare with the start, where errors do not grow beyond use."""
+    found = Collector()
+    tracks = _tracks(material, plan, found)
+    for k, track in enumerate(tracks):
+        if not track.gain.back < UNKNOWN:
+            text = f"errors may grow more than {UNKNOWN:.0e} times on the way back: all may be lost"
+            found.refused.setdefault(("any method", text), []).append(track.case.name)
+            continue
+        for method in plan.methods:
+            _return(track, method, plan, found)
+        plan.progress((k + 1) / len(tracks))
+    return found.findings()
+
+
+def _return(track: Track, method: str, plan: Plan, found: Collector) -> None:
+    case, compiled, name = track.case, track.compiled, track.case.name
+    start = np.array([case.start[n] for n in compiled.system.state_names])
+    steps, state, what = 0, start, f"{name}: {method}"
+    for times in (np.array([0.0, track.end]), np.array([track.end, 0.0])):
+        run = Run(compiled, state, times, case.inputs, limit=plan.size.limit)
+        result = found.result(run, method, RETURN_RTOL, name)
+        if result is None:
+            return
+        if result.status != 0:
+            found.figures.append(Figure(what, math.inf, 0.0, result.message))
+            return
+        state, steps = result.y_stop, steps + result.steps
+    error = float(np.max(np.abs(state - start) / track.gain.sizes))
+    bound = PROMISED * _summed(track.gain.back, steps, RETURN_RTOL + ROUNDING)
+    note = f"{steps} steps, an error grows up to {track.gain.back:.1e} times"
+    found.figures.append(Figure(what, error, bound, note))

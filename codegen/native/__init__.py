@@ -1,0 +1,1 @@
+"""The C compiler and its cache, children and memory; what loops and drivers hand each other."""

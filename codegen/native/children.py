@@ -1,0 +1,75 @@
+"""Child processes that end with what they started: none outlives a command that is interrupted.
+
+A compiler is a driver with children of its own. To end the driver alone leaves them at work, so each child
+gets a process group, and the group is ended.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+
+from codegen.ir import telling
+
+HEARD_SECONDS = 0.1
+"""Between two times that who listens to the compilation is told that a command goes on."""
+PATIENCE_SECONDS = 0.3
+"""What an interrupted process gets to end by itself."""
+
+
+def finished(
+    command: Sequence[str], *, seconds: float, environment: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a command, a list that no shell reads, to its end; return its status and what it printed.
+
+    Bytes that are no UTF-8 are replaced. Raises `OSError` where it cannot be started and
+    `subprocess.TimeoutExpired` after ``seconds``; then, and at an interruption, it and its children are
+    ended.
+    """
+    process = subprocess.Popen(  # noqa: S603 - a list, no shell
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+        env=None if environment is None else dict(environment),
+        start_new_session=True,
+    )
+    with process:
+        try:
+            out, err = _communicated(process, seconds)
+        except BaseException:
+            _end(process)
+            raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
+    """Return what a process prints; whoever listens is told now and then that it goes on."""
+    end = time.monotonic() + seconds
+    while telling.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
+        try:
+            return process.communicate(timeout=min(HEARD_SECONDS, rest))
+        except subprocess.TimeoutExpired:
+            telling.beat()
+    return process.communicate(timeout=end - time.monotonic())
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a process and its group: first as an interruption does, so that it ends its own children.
+
+    Its number is taken until it is waited for.
+    """
+    if hasattr(os, "killpg"):
+        for number in (signal.SIGINT, signal.SIGKILL):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, number)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(PATIENCE_SECONDS)
+    process.kill()

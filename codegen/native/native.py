@@ -1,0 +1,287 @@
+"""The edge to the C compiler: compile into a private cache by content hash, and load.
+
+A shared library is compiled into a temporary file and renamed into place, so that processes that
+work at the same time never see half of one. The key, a folder's name, covers the source, the flags,
+the compiler and, since the code is for this machine, the processor. The library in it is named by the
+digest of its bytes: to load one that was damaged could end the process, so that one is built anew.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import signal
+import stat
+import subprocess
+import sysconfig
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+import platformdirs
+
+from codegen.native import children
+from eom.errors import InputError
+
+FLAGS = ("-std=c99", "-O3", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math")
+NATIVE_FLAGS = ("-march=native", "-fno-semantic-interposition", "-ffp-contract=off")
+"""Flags that some compilers lack. The second lets functions of one library be inlined; the third
+keeps clang from fusing products into sums, so that every compiler gives the same numbers."""
+MANY_RESULTS = 16
+STORES_APART = ("-fno-tree-slp-vectorize",)
+"""For functions of more than `MANY_RESULTS` results: there gcc packs little but the stores, in groups
+of four, and runs out of registers (Jacobian of the satellite: 389 instructions with, 364 without)."""
+MANY_INSTRUCTIONS = 2000
+QUICKLY = ("-O1", "-ftree-vectorize")
+"""For programs of more than `MANY_INSTRUCTIONS`: straight-line code gains nothing from -O3, whose time
+grows faster (pendulum of 20 links: 1.24 s and 2.1 us a call with -O3, 0.89 s and 2.1 us with these)."""
+TIMEOUT_SECONDS = 600
+CACHE_VARIABLE = "EOM_CACHE_DIR"
+
+
+class CompilerError(InputError):
+    """Say that there is no C compiler, or that it failed.
+
+    An `InputError` with the same parts: ``got`` is what the compiler said.
+    """
+
+    @property
+    def brief(self) -> str:
+        """One line: what failed, and the first line of what was said."""
+        said = self.got.splitlines()
+        return f"{self.what} ({said[0]})" if said else self.what
+
+
+class CacheError(CompilerError):
+    """Say that compiled code cannot be kept: the cache cannot be made or written, or is full.
+
+    A `CompilerError`, since nothing can be compiled then: target ``auto`` goes on with NumPy.
+    """
+
+    @classmethod
+    def of(cls, error: OSError, folder: Path) -> CacheError:
+        """Return the error for what the operating system said of a folder."""
+        return cls(
+            "compiled code cannot be kept in the cache",
+            where=str(folder),
+            got=error.strerror or str(error),
+            hint=f"set {CACHE_VARIABLE} to a folder of your own with room in it, or use the target numpy",
+        )
+
+
+def _words(command: str) -> list[str]:
+    """Return the words of a command as a shell splits them; none where a quote is not closed."""
+    try:
+        return shlex.split(command)
+    except ValueError:
+        return []
+
+
+@cache
+def _which(command: str, search: str | None) -> tuple[str, ...]:
+    parts = _words(command)
+    found = shutil.which(parts[0], path=search) if parts else None
+    return (found, *parts[1:]) if found else ()
+
+
+def compiler() -> tuple[str, ...]:
+    """Return the C compiler's command, or an empty tuple.
+
+    The environment variable ``CC`` decides where it is set; otherwise cc, gcc or clang is taken.
+    """
+    search = os.environ.get("PATH")
+    if os.environ.get("CC"):
+        return _which(os.environ["CC"], search)
+    return next((c for name in ("cc", "gcc", "clang") if (c := _which(name, search))), ())
+
+
+def require_compiler() -> tuple[str, ...]:
+    """Return the C compiler's command. Raises `CompilerError` where there is none."""
+    command = compiler()
+    if not command:
+        asked = os.environ.get("CC")
+        if asked and asked.strip() and not _words(asked):
+            raise CompilerError(
+                "the variable CC is not a command: a quote is not closed",
+                got=f"CC={asked}",
+                hint="write it as in a shell, for example CC='gcc -O2'",
+            )
+        raise CompilerError(
+            "no C compiler found",
+            got=f"CC={asked}" if asked else "none of cc, gcc, clang on the PATH",
+            hint="install gcc or clang, set CC to its path, or use the target numpy",
+        )
+    return command
+
+
+def cache_folder() -> Path:
+    """Return the cache folder, made private to the user.
+
+    Raises `CacheError` where it cannot be made or written, and another `InputError` where it belongs
+    to somebody else.
+    """
+    folder = Path(os.environ.get(CACHE_VARIABLE) or platformdirs.user_cache_path("eom-toolkit"))
+    hint = f"set {CACHE_VARIABLE} to a folder of your own"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        status = folder.stat()
+    except OSError as error:
+        raise CacheError.of(error, folder) from None
+    if hasattr(os, "getuid"):
+        if status.st_uid != os.getuid():
+            raise InputError("cache folder belongs to another user", where=str(folder), hint=hint)
+        if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise InputError(
+                "others can write to the cache folder",
+                where=str(folder),
+                hint=f"chmod go-w it, or {hint}",
+            )
+    if not os.access(folder, os.W_OK):
+        raise CacheError.of(PermissionError(errno.EACCES, os.strerror(errno.EACCES)), folder)
+    return folder
+
+
+@cache
+def _processor() -> str:
+    """Return what tells this processor from others with another instruction set."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return f"{platform.machine()} {platform.processor()}"
+    relevant = [
+        line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))
+    ]
+    return "\n".join([platform.machine(), *sorted(set(relevant))])
+
+
+def _identity(command: Sequence[str]) -> str:
+    """Return what changes when the compiler is replaced, without running it."""
+    real = Path(command[0]).resolve()
+    status = real.stat()
+    return f"{real} {status.st_size} {status.st_mtime_ns} {' '.join(command[1:])}"
+
+
+def flags_for(results: int, instructions: int = 0) -> tuple[str, ...]:
+    """Return further flags that suit functions of at most so many results, and a program's length."""
+    long = QUICKLY if instructions > MANY_INSTRUCTIONS else ()
+    return long + (STORES_APART if results > MANY_RESULTS else ())
+
+
+def compile_library(source: str, extra_flags: Sequence[str] = (), suffix: str = ".so") -> Path:
+    """Return the shared library of a C source text, compiled if the cache does not have it.
+
+    Raises `CompilerError` where there is no compiler, it fails, or the cache cannot be written; the
+    cache is then unchanged.
+    """
+    command = require_compiler()
+    flags = (*FLAGS, *NATIVE_FLAGS, *extra_flags)
+    key = "\0".join([source, *flags, _identity(command), _processor()])
+    folder = cache_folder() / hashlib.sha256(key.encode()).hexdigest()[:40]
+    try:
+        return _found(folder, suffix) or _compile(command, flags, source, folder, suffix)
+    except OSError as error:
+        raise CacheError.of(error, folder.parent) from None
+
+
+def _digest(library: Path) -> str:
+    return hashlib.blake2b(library.read_bytes(), digest_size=16).hexdigest()
+
+
+def _is_whole(library: Path) -> bool:
+    """Tell whether a library is there and holds what was compiled."""
+    try:
+        return _digest(library) == library.name.partition(".")[0]
+    except OSError:
+        return False
+
+
+def _found(folder: Path, suffix: str) -> Path | None:
+    """Return the library of a folder of the cache, if there is a whole one; remove damaged ones."""
+    for library in sorted(folder.glob(f"*{suffix}")):
+        if _is_whole(library):
+            return library
+        library.unlink(missing_ok=True)
+    return None
+
+
+def _compile(
+    command: Sequence[str], flags: Sequence[str], source: str, folder: Path, suffix: str
+) -> Path:
+    """Return the library that the compiler makes, in its folder of the cache. Raises `CompilerError`."""
+    with tempfile.TemporaryDirectory(prefix="build-", dir=folder.parent) as build:
+        text, made = Path(build) / "source.c", Path(build) / "library"
+        text.write_text(source, encoding="ascii")
+        attempts = [flags, [f for f in flags if f not in NATIVE_FLAGS]]
+        for attempt in attempts:
+            run = [*command, *attempt, "-o", str(made), str(text), "-lm"]
+            failure = _run(run, build)
+            if failure is None and made.exists():
+                folder.mkdir(mode=0o700, exist_ok=True)
+                return made.replace(folder / f"{_digest(made)}{suffix}")
+        raise CompilerError(
+            "the C compiler failed",
+            where=" ".join(run),
+            got=(failure or "it made no file")[:2000],
+            hint="set CC to another compiler, or use the target numpy",
+        )
+
+
+def _run(command: Sequence[str], folder: str) -> str | None:
+    """Run a command; return what it printed if it failed, None if it succeeded.
+
+    Its temporary files go into ``folder``, as it cannot remove them itself where it is ended.
+    """
+    environment = {**os.environ, "LC_ALL": "C", "TMPDIR": folder}
+    try:
+        done = children.finished(command, seconds=TIMEOUT_SECONDS, environment=environment)
+    except OSError as error:
+        return str(error)
+    except subprocess.TimeoutExpired as error:
+        said = (error.stderr or error.stdout or b"").decode(errors="replace").strip()
+        return f"stopped after {TIMEOUT_SECONDS:g} s\n{said}".strip()
+    if done.returncode == 0:
+        return None
+    return f"{_ending(done.returncode)}\n{(done.stderr or done.stdout).strip()}".strip()
+
+
+def _ending(status: int) -> str:
+    """Return how a command ended, in words; a negative status is a signal."""
+    if status >= 0:
+        return f"exit status {status}"
+    name = next((s.name for s in signal.Signals if s == -status), "an unknown one")
+    return f"ended by signal {-status} ({name})"
+
+
+def load(library: Path, source: str, extra_flags: Sequence[str] = ()) -> ctypes.CDLL:
+    """Load a compiled library; one that is damaged or cannot be loaded is compiled anew, once.
+
+    Raises `CompilerError` where the new one cannot be loaded either; the cache then lacks it.
+    """
+    if _is_whole(library):
+        try:
+            return ctypes.CDLL(str(library))
+        except OSError:
+            library.unlink(missing_ok=True)
+    made = compile_library(source, extra_flags)
+    try:
+        return ctypes.CDLL(str(made))
+    except OSError as error:
+        shutil.rmtree(made.parent, ignore_errors=True)
+        raise CompilerError(
+            "the C compiler made a library that cannot be loaded",
+            where=str(made),
+            got=str(error),
+            hint="set CC to another compiler, or use the target numpy",
+        ) from None
+
+
+def python_headers() -> Path | None:
+    """Return the folder of Python.h, or None where the headers are not installed."""
+    folder = Path(sysconfig.get_paths()["include"])
+    return folder if (folder / "Python.h").is_file() else None

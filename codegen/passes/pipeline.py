@@ -1,0 +1,201 @@
+"""The passes that every compiled program goes through, as a table, and how they are applied."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+from codegen.frontend.layout import Layout
+from codegen.frontend.lower import lower_system, nodes
+from codegen.frontend.structure import Structure, fit
+from codegen.ir import telling
+from codegen.ir.fold import ALGEBRAIC, RULE_SETS
+from codegen.ir.ops import Instruction, cost_of
+from codegen.ir.passes import prune
+from codegen.ir.program import Name, Program, bindings
+from codegen.passes.chains import share_products, share_sums
+from codegen.passes.factoring import factor_sums
+from codegen.passes.gather import gather
+from codegen.passes.rescale import rescale
+from codegen.passes.schedule import schedule, without_unused
+from codegen.passes.stable import rewritten, rewritten_freely
+from codegen.passes.stages import reciprocals
+from codegen.passes.strength import reduce_strength
+from eom.errors import unknown_name
+from eom.system import System
+
+
+@dataclass(frozen=True)
+class Pass:
+    """A pass with its name in reports and its law."""
+
+    name: str
+    run: Callable[[Program], Program]
+    law: str
+    exact: bool = False
+    """Whether results stay the same bit for bit, for NaN and infinities too."""
+
+
+REAL = "equal in exact arithmetic, up to rounding in double precision"
+
+ROUND = (
+    Pass("partial products shared", share_products, REAL),
+    Pass("common factors taken out", factor_sums, REAL),
+    Pass("partial sums shared", share_sums, REAL),
+)
+"""Each of these makes work for the others: they are repeated while the cost falls."""
+
+MAX_ROUNDS = 4
+WORTHWHILE = 0.95
+"""Another round follows where one leaves at most this share of the cost."""
+
+INVERT = Pass("divisors known early inverted once", reciprocals, f"{REAL}: one more rounding")
+GATHER = Pass("early factors gathered", gather, REAL)
+"""What these two add is computed once, with the parameters; each call does less."""
+
+STRENGTH = Pass("strength reduced", reduce_strength, f"{REAL}, as `strength.REDUCTIONS` says")
+SCALES = Pass("powers of two moved", rescale, "the same values but for overflow and underflow")
+ORDER = Pass("ordered for registers", schedule, "the same values bit for bit", exact=True)
+
+PASSES = (INVERT, GATHER, *ROUND, STRENGTH, SCALES, ORDER)
+"""All passes; early factors are gathered once more before the scales."""
+BEFORE, AFTER = (INVERT, GATHER), (STRENGTH, GATHER, SCALES)
+MOST_PASSES = len(BEFORE) + MAX_ROUNDS * len(ROUND) + len(AFTER)
+"""Applied to one group of results at most, the order left out."""
+
+
+def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
+    """Apply the passes to a program that is one function; yield each that changed it.
+
+    A result that costs more in what varies with states, inputs and time is dropped. Where the
+    program's rules are exact, passes that are not are left out.
+    """
+    if program.rules is ALGEBRAIC:
+        size = len(program.instructions)
+        program = yield from _applied(program, BEFORE, size)
+        for left in reversed(range(MAX_ROUNDS)):
+            before = program
+            program = yield from _applied(program, ROUND, size)
+            if program.cost() > WORTHWHILE * before.cost():
+                telling.done(size * len(ROUND) * left)
+                break
+        program = yield from _applied(program, AFTER, size)
+    after = ORDER.run(program)
+    if after is not program:
+        yield ORDER, after
+
+
+def _applied(
+    program: Program, passes: Iterable[Pass], size: int
+) -> Generator[tuple[Pass, Program], None, Program]:
+    """Apply passes; yield each that made the program cheaper, and return the last program.
+
+    ``size``: units of work that one is told to be.
+    """
+    for p in passes:
+        after = _cheaper(program, p)
+        telling.done(size)
+        if after is not program:
+            program = after
+            yield p, program
+    return program
+
+
+def _cheaper(program: Program, p: Pass) -> Program:
+    result = p.run(program)
+    if result is program:
+        return program
+    result = without_unused(result)
+    return result if costs(result) < costs(program) else program
+
+
+@lru_cache(maxsize=16)
+def costs(program: Program) -> tuple[int, int]:
+    """Return the cost of what does not depend on constants and parameters alone, and of all."""
+    known = bindings(program)
+    late = (cost_of(i) for i, when in zip(program.instructions, known, strict=True) if when > 1)
+    return sum(late), program.cost()
+
+
+def optimise(program: Program) -> Program:
+    """Apply the passes to each group of results alone, since each becomes a function of its own.
+
+    Law: results are equal in exact arithmetic, and the same bit for bit where the program's rules
+    are exact; no group costs more than before.
+    """
+    parts = {g: prune(program, [g]) for g in program.results}
+    work = MOST_PASSES * sum(len(part.instructions) for part in parts.values())
+    with telling.stage("passes", lambda: work):
+        return join({g: _optimised(part) for g, part in parts.items()})
+
+
+def _optimised(program: Program) -> Program:
+    for _, cheaper in steps(program):
+        program = cheaper
+    return program
+
+
+def join(programs: Mapping[str, Program]) -> Program:
+    """Return one program with the results of several; nothing is folded, equal values are one."""
+    numbers: dict[Instruction, int] = {}
+    names: dict[int, Name] = {}
+    results: dict[str, tuple[int, ...]] = {}
+    for program in programs.values():
+        new: list[int] = []
+        for k, (op, args, value) in enumerate(program.instructions):
+            instruction = Instruction(op, tuple(new[a] for a in args), value)
+            new.append(numbers.setdefault(instruction, len(numbers)))
+            if k in program.names:
+                names.setdefault(new[k], program.names[k])
+        results |= {g: tuple(new[k] for k in r) for g, r in program.results.items()}
+    (rules,) = {p.rules for p in programs.values()}
+    return Program(tuple(numbers), MappingProxyType(results), MappingProxyType(names), rules)
+
+
+def specialised(
+    system: System,
+    parameters: Mapping[str, float | str] | None = None,
+    states: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
+    *,
+    stable: bool = False,
+) -> tuple[Program, Layout]:
+    """Return program and layout with what is fixed compiled in, as `compile` describes it."""
+    return fitted(system, Structure.of(system, parameters, states, inputs), stable=stable)
+
+
+def fitted(
+    system: System, structure: Structure, rules: str = "algebraic", stable: bool = False
+) -> tuple[Program, Layout]:
+    """Return the program that is compiled, and its layout.
+
+    Raises `InputError` for an unknown set of rules.
+    """
+    program, layout = as_written(system, structure, rules)
+    return optimise(formed(program, stable)), layout
+
+
+def as_written(
+    system: System, structure: Structure, rules: str = "algebraic"
+) -> tuple[Program, Layout]:
+    """Return the program before any pass, with what is fixed compiled in, and its layout.
+
+    Raises `InputError` for an unknown set of rules.
+    """
+    if rules not in RULE_SETS:
+        raise unknown_name("set of rules", rules, RULE_SETS)
+    with telling.stage("lowering", lambda: nodes(system)):
+        return fit(lower_system(system, RULE_SETS[rules]), system, structure)
+
+
+def formed(program: Program, stable: bool) -> Program:
+    """Return the program in forms that keep digits: all of them if ``stable``, else what is free.
+
+    Where the program's rules are exact, it stays as it is.
+    """
+    if program.rules is not ALGEBRAIC:
+        return program
+    with telling.stage("stable forms", lambda: len(program.instructions)):
+        return (rewritten if stable else rewritten_freely)(program).program

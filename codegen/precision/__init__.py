@@ -1,0 +1,1 @@
+"""How accurate generated code is, and solutions with many digits."""

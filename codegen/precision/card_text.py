@@ -1,0 +1,270 @@
+"""An accuracy card as tables and sentences for a terminal, and as plain data."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from codegen.compiling.compiled import Compiled
+from codegen.ir.groups import RATES
+from codegen.precision.accuracy import SAMPLES, accuracy
+from codegen.precision.card import (
+    ACCURATE,
+    ALL_DIGITS,
+    EXACT,
+    ILL,
+    NOT_A_NUMBER,
+    OVERFLOWS,
+    UNDERFLOWS,
+    UNSTABLE,
+    VERDICTS,
+    Card,
+    Change,
+    Finding,
+    Gain,
+    Row,
+)
+from codegen.precision.domain import EXTREME, REGIONS, SINGULAR, TYPICAL, ZERO, Range
+from eom.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+WIDTH = 132
+"""Columns that a table may take, also where a terminal has fewer: nothing is cut off."""
+MAX_POINTS = 6
+"""Results whose worst points are printed; the worst verdicts first."""
+
+TITLES: Mapping[str, str] = {ZERO: "at zero", SINGULAR: "near singular", EXTREME: "extreme"}
+PLACES: Mapping[str, str] = {
+    TYPICAL: "in the domain",
+    ZERO: "at zero",
+    SINGULAR: "near a singularity",
+    EXTREME: "at an extreme",
+}
+
+ADVICE: Mapping[str, str] = {
+    ILL: "a rounding error in the arguments changes the result as much: no formula cures that",
+    UNSTABLE: "the formula loses digits that the arguments do not; no identity known here cures it",
+    UNDERFLOWS: "an intermediate value is below the doubles: scale the states, or choose other units",
+    OVERFLOWS: "an intermediate value is beyond the doubles: scale the states, or choose other units",
+    NOT_A_NUMBER: "rounding leaves the domain of a function: bound its argument, or rewrite it",
+}
+"""What to do about a verdict where no rewriting helps."""
+
+
+def table(card: Card) -> Table:
+    """Return one line a result: errors in ulps in the domain, and the worst of the other regions."""
+    from rich.table import Table
+
+    shown = [r for r in TITLES if any(row.region == r for row in card.rows)]
+    grid = Table(box=None, pad_edge=False)
+    grid.add_column("result", no_wrap=True)
+    for title in ("typical", "worst", "bound", "condition", *(TITLES[r] for r in shown)):
+        grid.add_column(title, justify="right")
+    grid.add_column("verdict")
+    grid.add_column("where")
+    for key in dict.fromkeys((row.group, row.result) for row in card.rows):
+        rows = {row.region: row for row in card.rows if (row.group, row.result) == key}
+        grid.add_row(*_line(rows, shown))
+    return grid
+
+
+def _line(rows: Mapping[str, Row], shown: Sequence[str]) -> list[str]:
+    first = rows[TYPICAL]
+    worst = first.worst
+    gravest = max(rows.values(), key=lambda r: VERDICTS.index(r.verdict))
+    return [
+        label(first),
+        ulps(first.typical),
+        "" if worst is None else ulps(worst.ulps),
+        "" if worst is None else ulps(worst.bound),
+        "" if worst is None else number(worst.condition),
+        *(_worst(rows.get(region)) for region in shown),
+        gravest.verdict,
+        "" if gravest.verdict in {EXACT, ACCURATE} else PLACES[gravest.region],
+    ]
+
+
+def _worst(row: Row | None) -> str:
+    if row is None or row.worst is None:
+        return "-"
+    return ulps(row.worst.ulps)
+
+
+def label(row: Row | Gain) -> str:
+    """Return what a result is called: the rate of theta is theta'."""
+    return f"{row.result}'" if row.group == RATES else row.result
+
+
+def number(value: float) -> str:
+    """Return a number with two digits."""
+    return f"{value:.2g}"
+
+
+def ulps(value: float) -> str:
+    """Return an error in ulps with two digits; beyond those that a double has, ``all``."""
+    return number(value) if value < ALL_DIGITS / 2 else "all" if math.isfinite(value) else "-"
+
+
+def _in_ulps(value: float) -> str:
+    return f"{ulps(value)} ulps" if value < ALL_DIGITS / 2 else "no digit right"
+
+
+def sentences(card: Card) -> Iterator[str]:
+    """Return what follows the table: the worst points with causes and advice, then rewritings."""
+    grave = [r for r in card.rows if r.verdict not in {EXACT, ACCURATE}]
+    order = sorted(grave, key=_gravity)
+    first = {(r.group, r.result): r for r in reversed(order)}
+    kept = [r for r in order if first[r.group, r.result] is r]
+    for row in kept[:MAX_POINTS]:
+        yield ""
+        yield from _about(card, row)
+    if len(kept) > MAX_POINTS:
+        yield f"\n{len(kept) - MAX_POINTS} more results with such points: see --json"
+    yield ""
+    yield from _rewritings(card)
+
+
+def _gravity(row: Row) -> tuple[int, int, float]:
+    """Sort by verdict, the domain before other regions, then by size of the error."""
+    size = row.worst.ulps if row.worst is not None else 0.0
+    return -VERDICTS.index(row.verdict), REGIONS.index(row.region), -size
+
+
+def _gravest(row: Row) -> Finding:
+    found = [f for f in (row.judged, row.worst, row.failed) if f is not None]
+    return next(f for f in found if f.verdict == row.verdict)
+
+
+def _about(card: Card, row: Row) -> Iterator[str]:
+    finding = _gravest(row)
+    where = f" ({finding.how})" if finding.how else ""
+    yield f"{label(row)}: {finding.verdict} {PLACES[row.region]}{where}"
+    yield f"  value:     {finding.value!r}, exact {finding.exact!r}"
+    if math.isfinite(finding.ulps):
+        yield (
+            f"  error:     {_in_ulps(finding.ulps)}; condition {number(finding.condition)}, "
+            f"{row.operations} operations, bound {_in_ulps(finding.bound)}"
+        )
+    yield f"  point:     {', '.join(f'{n}={v!r}' for n, v in finding.at.items())}"
+    if finding.cause is not None:
+        yield f"  cause:     {_cause(finding)}"
+    yield f"  advice:    {_advice(card, row)}"
+
+
+def _cause(finding: Finding) -> str:
+    cause = finding.cause
+    assert cause is not None
+    given = ", ".join(f"{v:.6g}" for v in cause.operands)
+    numbers = f"{given} give {cause.value:.6g}" if given else f"it is {cause.value:.6g}"
+    if cause.digits >= 1:
+        return f"{cause.formula} loses {cause.digits:.1f} digits: {numbers}"
+    return f"{cause.formula} rounds ({cause.share:.0%} of the error): {numbers}"
+
+
+def _advice(card: Card, row: Row) -> str:
+    for gain in card.possible.gains:
+        if (gain.group, gain.result) == (row.group, row.result) and row.verdict != ILL:
+            return f"compile with stable=True (eom: --stable): {_from_to(gain)}"
+    return ADVICE[row.verdict]
+
+
+def _from_to(gain: Gain) -> str:
+    before = _in_ulps(gain.before)
+    return f"{before} before, {number(gain.after)} after, {PLACES[gain.region]}"
+
+
+def _rewritings(card: Card) -> Iterator[str]:
+    yield from _change(card.made, "rewritten", "gained")
+    yield from _change(card.possible, "stable=True would rewrite", "would gain")
+    if not card.made.identities and not card.possible.identities:
+        yield "rewritten: nothing; no identity against cancellation fits this system"
+
+
+def _change(change: Change, verb: str, gained: str) -> Iterator[str]:
+    for identity, where in change.identities:
+        yield f"{verb}: {where}, by {identity}"
+    for gain in change.gains:
+        yield f"  {label(gain)} {gained}: {_from_to(gain)}"
+    if change.identities and not change.gains:
+        yield f"  no result {gained} more than rounding on these points"
+
+
+def heading(card: Card) -> Iterator[str]:
+    """Return what was measured and where."""
+    form = ", stable forms" if card.stable else ""
+    yield f"{card.system} for {card.target}{form}: errors in units in the last place (ulps)"
+    unit = {name for names in card.unit for name in names}
+    ranges = [f"{n} {_range(low, high)}" for n, (low, high) in card.domain.items() if n not in unit]
+    ranges += [f"({', '.join(names)}) of fixed norm" for names in card.unit]
+    yield f"domain: {'; '.join(ranges)}; {card.samples} samples, seed {card.seed}"
+
+
+def _range(low: float, high: float) -> str:
+    return f"= {low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+
+
+def as_data(card: Card) -> dict[str, Any]:
+    """Return a card as plain values for JSON; infinities and NaN as text."""
+    data = _plain(asdict(card))
+    assert isinstance(data, dict)
+    for row, plain in zip(card.rows, data["rows"], strict=True):
+        plain["verdict"] = row.verdict
+    return {"regions": list(REGIONS), **data}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float) and not math.isfinite(value):
+        return repr(value)
+    if isinstance(value, Mapping):
+        return {k: _plain(v) for k, v in value.items()}
+    return [_plain(v) for v in value] if isinstance(value, list | tuple) else value
+
+
+def measured(
+    compiled: Compiled,
+    values: Mapping[str, float],
+    ranges: Sequence[str],
+    samples: int | None,
+    seed: int,
+    jacobian: Sequence[str],
+    progress: Callable[[float], None] | None,
+) -> Card:
+    """Return the card for the words of a command line: ``ranges`` as name=low:high or name=value."""
+    domain = dict(_stated(text) for text in ranges)
+    count = SAMPLES if samples is None else samples
+    return accuracy(
+        compiled, domain, count, seed, around=values, jacobians=jacobian, progress=progress
+    )
+
+
+def _stated(text: str) -> tuple[str, Range | float]:
+    name, _, span = text.partition("=")
+    try:
+        numbers = [float(part) for part in span.split(":")]
+    except ValueError:
+        numbers = []
+    if not name or len(numbers) not in {1, 2}:
+        raise InputError(
+            "not a range", where="--range", got=text, expected="NAME=LOW:HIGH or NAME=VALUE"
+        )
+    return name.strip(), numbers[0] if len(numbers) == 1 else (numbers[0], numbers[1])
+
+
+def show(card: Card, as_json: bool) -> None:
+    """Print a card: as tables and sentences, or as JSON."""
+    from rich.console import Console
+
+    console = Console(soft_wrap=True, highlight=False, markup=False)
+    if as_json:
+        print(json.dumps(as_data(card), ensure_ascii=False, indent=1))
+        return
+    for line in heading(card):
+        console.print(line)
+    Console(width=max(console.width, WIDTH), highlight=False).print(table(card))
+    for line in sentences(card):
+        console.print(line)

@@ -1,0 +1,1 @@
+"""One run: arguments in, a `Result` out, and how good it is."""

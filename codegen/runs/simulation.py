@@ -1,0 +1,445 @@
+"""Simulate a system: integrate, evaluate outputs, and measure the drift of every invariant."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from codegen.compiling import events as looked_for
+from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import compile as compile_system
+from codegen.compiling.events import Event, Given, Occurrences
+from codegen.compiling.signals import Inputs
+from codegen.frontend.layout import names_of, to_array
+from codegen.integrate import scales as sizes_of
+from codegen.integrate.methods import Task, can_project, integrator_of
+from codegen.ir.groups import INVARIANTS, OUTPUTS, SINGULARITIES
+from codegen.ir.identity import SameObject
+from codegen.loops.projection import chosen
+from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
+from codegen.runs import arguments, requested
+from codegen.runs.clock import Clock, clock_of, told
+from codegen.runs.drift import Drift, Terms, drift_of
+from codegen.runs.ending import message
+from codegen.runs.second_run import Origin
+from eom.errors import InputError, typed, unknown_name
+from eom.system import System
+
+if TYPE_CHECKING:
+    from codegen.runs.run_accuracy import Accuracy
+
+DEFAULT_MARGIN = 1e-6
+
+Values = Mapping[str, float] | Sequence[float] | Array | None
+InputValue = float | Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class NotKept:
+    """What stands for a dense output that was not made: it is false, and says so when it is called.
+
+    Raises `InputError` when it is called.
+    """
+
+    def __bool__(self) -> bool:
+        """Return False."""
+        return False
+
+    def __call__(self, *_: ArrayLike) -> Array:
+        """Raise `InputError`: there are no values at any time (s)."""
+        raise InputError(
+            "the run has no dense output",
+            hint="simulate with dense_output=True, or ask for times by t_eval",
+        )
+
+
+@dataclass(frozen=True)
+class Result:
+    """A trajectory, with SciPy's field names and what belongs to mechanics.
+
+    ``t`` (N,), ``y`` (n, N), ``sol`` (dense output, or `NotKept`, which is false), ``nfev``,
+    ``status`` (0: end reached;
+    1: stopped at a singular configuration; 2: at a terminal event; -1: stopped because numbers
+    failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
+    ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
+    order of ``y``; ``result[name]`` gives one of them, or an output.
+    ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
+    ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
+    where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
+    the method was chosen and not given. ``steps`` were made, ``rejected`` tried in vain. ``notice``: what
+    the user should know. Units are those of the system.
+    """
+
+    t: Array
+    y: Array
+    sol: Any
+    nfev: int
+    status: int
+    message: str
+    outputs: Mapping[str, Array]
+    drift: Mapping[str, Drift]
+    margin: Mapping[str, float]
+    t_stop: float
+    y_stop: Array
+    method: str
+    steps: int
+    rejected: int
+    seconds: float = 0.0
+    notice: str = ""
+    why: str = ""
+    names: tuple[str, ...] = field(default=())
+    left_out: tuple[str, ...] = ()
+    """States and constants of the motion that the requested outputs do not need."""
+    changes: tuple[float, ...] = field(default=(), repr=False)
+    """Times at which angles were handed over and taken back (`codegen.runs.handover`)."""
+    events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
+    origin: object = field(default=None, repr=False, compare=False)
+    """What it came from, for `accuracy`; it stays behind when a result is pickled."""
+    estimate: Accuracy | None = field(default=None, repr=False, compare=False)
+    """What `with_accuracy` found."""
+
+    @typed
+    def accuracy(self, limit: float | None = None) -> Accuracy:
+        """Return an estimate of the error of every state, and of how errors grow.
+
+        A second run, by another kind of method at a thousandth of the tolerance or less, tells the error;
+        the derivative along it tells how errors grow. ``limit``: seconds of processor time for that, by
+        default five times what the run took, 2 s at least; where they do not do, the estimate says so.
+        Units are those of the system. Raises `InputError` for a result that was pickled, read or put
+        together, and so does not know what it came from. See `codegen.Accuracy`.
+        """
+        from codegen.runs.run_accuracy import accuracy_of
+
+        return self.estimate or accuracy_of(self, limit)
+
+    @typed
+    def with_accuracy(self, limit: float | None = None) -> Result:
+        """Return the same with the estimate of `accuracy`, whose warning then is in ``notice``.
+
+        ``limit`` and what is raised: as for `accuracy`.
+        """
+        found = self.accuracy(limit)
+        told = "" if self.estimate else found.warning
+        return replace(self, estimate=found, notice=_joined(self.notice, told))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle and copy what was found, not what it came from."""
+        return {**self.__dict__, "origin": None}
+
+    def __copy__(self) -> Result:
+        """Copy with what it came from."""
+        return replace(self)
+
+    def __post_init__(self) -> None:
+        """Put in place of a dense output that was not made what says so."""
+        if self.sol is None:
+            object.__setattr__(self, "sol", NotKept())
+
+    def __repr__(self) -> str:
+        """Say how the run ended and what it holds."""
+        names = ", ".join((*self.names, *self.outputs))
+        drift = ", ".join(f"{n} {d.relative:.1e}" for n, d in self.drift.items())
+        drifts = f"; drift {drift}" if drift else ""
+        return (
+            f"Result({self.message}; {len(self.t)} points of {names}; {self.steps} steps{drifts})"
+        )
+
+    @property
+    def success(self) -> bool:
+        """True if the end, a singular configuration or a terminal event was reached."""
+        return self.status >= 0
+
+    @property
+    def t_events(self) -> list[Array]:
+        """Times (K,) of each event, in order."""
+        return [found.t for found in self.events.values()]
+
+    @property
+    def y_events(self) -> list[Array]:
+        """States (K, n) at each event, in order."""
+        return [found.y.T for found in self.events.values()]
+
+    def __getitem__(self, name: str) -> Array:
+        """Return the values (N,) of a state or output by ``name``. Raises `InputError` for others."""
+        if name in self.outputs:
+            return self.outputs[name]
+        if name in self.names:
+            row: Array = self.y[self.names.index(name)]
+            return row
+        raise unknown_name("state or output", name, [*self.names, *self.outputs])
+
+
+@typed
+def simulate(
+    system: System | Compiled,
+    initial: Values,
+    t_span: tuple[float, float],
+    parameters: Values = None,
+    method: str = "auto",
+    rtol: float = 1e-9,
+    atol: ArrayLike | None = None,
+    t_eval: ArrayLike | None = None,
+    *,
+    inputs: Mapping[str, InputValue] | None = None,
+    outputs: Sequence[str] | None = None,
+    dense_output: bool = False,
+    first_step: float | None = None,
+    max_step: float = math.inf,
+    max_steps: int = MAX_STEPS,
+    margin: float = DEFAULT_MARGIN,
+    project: bool | str | Sequence[str] | None = None,
+    events: Given = None,
+    epoch: float = 0.0,
+    accuracy: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Integrate ``system`` from ``initial`` over ``t_span`` (s); backwards if the end is earlier.
+
+    ``initial``, ``parameters``: numbers by name or in order. ``inputs``: a number or a function of
+    time for each input; functions are called from Python, and may state their knots and longest step
+    (`codegen.Signal`). ``method``: one of `METHODS`.
+    ``outputs``: names of outputs and states; only states that these need are integrated. ``rtol``,
+    ``atol``: steps meet the local error atol + rtol |x| (``atol``, a number or (n,): rtol / 1000 of the
+    scale of each state unless given, see `codegen.integrate.scales`). ``t_eval``: times to store; without
+    it every step, with a closed form 1001 times at equal distances. ``dense_output``: whether ``sol`` is
+    made, a function of time. ``first_step``, ``max_step``: limits of steps (s); a feature of the rates that
+    is narrower than a step may be stepped over, unless ``max_step`` is shorter. ``max_steps``: of their
+    number. ``margin``: the run stops where a singularity's expression gets below it. ``progress``:
+    called with the share that is done, 0 to 1.
+
+    ``project``: invariants, by name or True for all, onto which the state is brought back after each
+    step, by the least change (`codegen.loops.projection`); all stored points lie on them. Without
+    it, those that the system maintains: what constraints leave, if the method can project. The
+    dense output goes through the points of the steps, and off the invariants between them by its own
+    error. Methods that carry values of earlier steps along cannot project. ``events``: zeros of
+    expressions to find, `codegen.compiling.events.Event` or expressions, in order or by name; of the
+    methods that run in generated C, taylor, DOP853, DP5 and Tsit5 find them. The states that they read are
+    integrated with those that ``outputs`` need.
+
+    ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are
+    given or returned are since then, with digits of their own. A run that starts late without one keeps
+    its digits too (`codegen.compiling.epoch`), but its times are then rounded where they are stored.
+    ``accuracy``: whether the error is estimated by a second run, so that ``notice`` says where no digit
+    is left (`Result.accuracy`, which by itself tells the same afterwards).
+
+    Never raises for what happens on the way: it keeps what it has and says in ``status`` and
+    ``message`` which quantity failed and when. Raises `InputError` for unusable arguments, and
+    `AssumptionError` for values that contradict the system's assumptions. Units are those of the system.
+    Sources: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sect. II.5 and
+    II.6; Jorba and Zou, Experimental Mathematics 14 (2005); others in the modules of `codegen.integrate`.
+
+    >>> import sympy as sp
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> energy = {"energy": (v**2 + k * y**2) / 2}
+    >>> oscillator = System.from_rates("oscillator", {y: v, v: -k * y}, invariants=energy)
+    >>> compiled = compile_system(oscillator, "numpy")
+    >>> run = simulate(compiled, {"y": 1, "v": 0}, (0, sp.pi), {"k": 4}, "scipy:DOP853")
+    >>> run.status, round(float(run["y"][-1]), 6), run.drift["energy"].relative < 1e-8
+    (0, 1.0, True)
+    """
+    found, span = looked_for.checked(events), arguments.span(t_span)
+    part = _part(_compiled(system), outputs, found)
+    x0, values, held, signals = _numbers(part, initial, parameters, inputs or {})
+    rtol, since = arguments.relative(rtol), arguments.finite(epoch, "epoch")
+    point = sizes_of.Point(x0, values, held, since)
+    smallest, unknown = _smallest(part.compiled, atol, point, span, rtol, signals)
+    problem = Problem(
+        x0, span, values, held, rtol, smallest, arguments.positive(margin, "margin"),
+        singularities=len(part.compiled.layout.results[SINGULARITIES]), progress=progress,
+        t_eval=None if t_eval is None else arguments.grid(t_eval, span),
+        dense_output=dense_output, first_step=arguments.optional(first_step, "first_step"),
+        max_step=arguments.positive(max_step, "max_step"), max_steps=arguments.count(max_steps),
+        project=_projected(part.compiled, project, method), events=looked_for.filters(found),
+    )  # fmt: skip
+    clock = clock_of(part.compiled, span, since, found)
+    result = _told(_run(part, problem, method, signals, found, clock), unknown)
+    return result.with_accuracy() if accuracy else result
+
+
+def _told(result: Result, unknown: str) -> Result:
+    """Return a result that says which scales of states are not known."""
+    return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
+
+
+def _smallest(
+    compiled: Compiled,
+    atol: ArrayLike | None,
+    point: sizes_of.Point,
+    span: tuple[float, float],
+    rtol: float,
+    signals: Inputs | None,
+) -> tuple[Array, str]:
+    """Return absolute tolerances, given or by the scales of the states, and which scales are not known."""
+    if atol is None:
+        return sizes_of.of_run(compiled, point, span, rtol, signals)
+    return arguments.tolerances(atol, len(point.states)), ""
+
+
+def _joined(*notices: str) -> str:
+    return "; ".join(n for n in notices if n)
+
+
+def _projected(
+    compiled: Compiled, project: bool | str | Sequence[str] | None, method: str
+) -> tuple[str, ...]:
+    """Return the invariants to project onto: by default those maintained, where the method can."""
+    if project is not None:
+        return chosen(compiled.layout, project)
+    known = compiled.layout.results[INVARIANTS]
+    maintained = tuple(n for n in compiled.system.maintained if n in known)
+    return maintained if can_project(method) else ()
+
+
+def _part(
+    compiled: Compiled, outputs: Sequence[str] | None, events: Sequence[Event]
+) -> requested.Part:
+    """Return what the outputs, and the expressions of events, need of a system."""
+    if outputs is None:
+        return requested.part(compiled, None)
+    return requested.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
+
+
+def _numbers(
+    part: requested.Part, initial: Values, parameters: Values, inputs: Mapping[str, InputValue]
+) -> tuple[Array, Array, Array, Inputs | None]:
+    """Return initial state, parameters, held inputs, and the function of all if one is a function."""
+    held, signals = _inputs(part.compiled, inputs)
+    x0 = _start(part.compiled, part.start(initial))
+    return x0, _parameters(part.compiled, parameters, x0, held), held, signals
+
+
+def _run(
+    part: requested.Part,
+    problem: Problem,
+    method: str,
+    signals: Inputs | None,
+    events: tuple[Event, ...],
+    clock: Clock | None,
+) -> Result:
+    if clock is None:
+        return _result_of(Task(part.compiled, problem, signals, events), method, part.left_out)
+    doubt = clock.doubt(problem.parameters, problem.rtol, signals)
+    moved, inputs = clock.problem(problem), clock.signals(signals)
+    task = Task(clock.relative.compiled, moved, inputs, events)
+    return told(_result_of(task, method, part.left_out), clock, problem, doubt)
+
+
+def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
+    """Integrate, over the time of a task's problem."""
+    problem, events = task.problem, task.events
+    integrator, used = integrator_of(task, method)
+    began = time.perf_counter()
+    trajectory = integrator(problem)
+    seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
+    problem.report(trajectory.stop.t)
+    return replace(
+        _result(task, trajectory),
+        events=looked_for.occurrences(events, trajectory.found),
+        method=trajectory.method or used,
+        why=trajectory.why,
+        left_out=left_out,
+        seconds=seconds,
+        origin=Origin(
+            task.compiled,
+            replace(problem, progress=None),
+            task.signals,
+            method,
+            trajectory.methods or (method,),
+        ),
+    )
+
+
+def _compiled(system: System | Compiled) -> Compiled:
+    return system if isinstance(system, Compiled) else _compile_once(SameObject(system))
+
+
+@lru_cache(maxsize=64)
+def _compile_once(key: SameObject[System]) -> Compiled:
+    return compile_system(key.value)
+
+
+def _start(compiled: Compiled, initial: Values) -> Array:
+    free = compiled.structure.without("state", initial)
+    return to_array(free, names_of(compiled.layout.states), "initial value")
+
+
+def _inputs(compiled: Compiled, given: Mapping[str, InputValue]) -> tuple[Array, Inputs | None]:
+    """Return held values and, if any input is a function, the function of all inputs."""
+    names = names_of(compiled.layout.inputs)
+    inputs = compiled.structure.without("input", given)
+    functions = {n: v for n, v in inputs.items() if callable(v)}
+    values = {n: (0.0 if callable(v) else v) for n, v in inputs.items()}
+    held = to_array(values, names, "input")
+    return held, Inputs(held, names, functions) if functions else None
+
+
+def _parameters(compiled: Compiled, parameters: Values, x0: Array, held: Array) -> Array:
+    """Return the parameters in order; test all values against what the system assumes."""
+    layout = compiled.layout
+    names = names_of(layout.parameters)
+    given = compiled.structure.without("parameter", parameters)
+    spoken = given if isinstance(parameters, Mapping) else {}
+    kept = {n: v for n, v in spoken.items() if n in names}
+    known = dict(zip(names_of(layout.states), x0, strict=True))
+    known |= dict(zip(names_of(layout.inputs), held, strict=True))
+    if spoken != kept:
+        compiled.guard.check(compiled.structure.completed({**known, **spoken}))
+    values = to_array(kept if isinstance(parameters, Mapping) else parameters, names, "parameter")
+    everything = {**known, **spoken, **dict(zip(names, values, strict=True))}
+    compiled.guard.check(compiled.structure.completed(everything))
+    return values
+
+
+def _result(task: Task, trajectory: Trajectory) -> Result:
+    compiled, problem, layout = task.compiled, task.problem, task.compiled.layout
+    values = {
+        g: _evaluate(compiled, problem, trajectory, g, task.signals) for g in (OUTPUTS, INVARIANTS)
+    }
+    outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
+    terms = Terms(compiled, problem, trajectory, values[INVARIANTS], task.signals)
+    rows = enumerate(zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True))
+    drift = {n: drift_of(v, partial(terms.scale, k)) for k, (n, v) in rows}
+    stop, blind = trajectory.stop, task.signals.notice if task.signals else ""
+    return Result(
+        t=trajectory.t,
+        y=trajectory.y,
+        sol=trajectory.solution,
+        nfev=trajectory.evaluations,
+        status={"end": 0, "singular": 1, "event": 2}.get(stop.kind, -1),
+        message=message(compiled, trajectory, problem, [e.label for e in task.events]),
+        outputs=outputs,
+        drift=drift,
+        margin=dict(zip(layout.results[SINGULARITIES], trajectory.closest, strict=True)),
+        t_stop=stop.t,
+        y_stop=trajectory.state_at_stop,
+        method="",
+        steps=trajectory.steps,
+        rejected=trajectory.rejected,
+        notice=_joined(compiled.notice, trajectory.notice, blind),
+        names=names_of(layout.states),
+    )
+
+
+def _evaluate(
+    compiled: Compiled,
+    problem: Problem,
+    trajectory: Trajectory,
+    group: str,
+    signals: Inputs | None,
+) -> Array:
+    """Evaluate a group of results at the stored points."""
+    function = compiled.functions.get(group)
+    count = len(trajectory.t)
+    if function is None:
+        return np.empty((0, count))
+    u = problem.inputs
+    if signals is not None:
+        u = np.array([signals(t) for t in trajectory.t]).reshape(count, len(problem.inputs)).T
+    return function(trajectory.t, trajectory.y, problem.parameters, u)
