@@ -5,6 +5,11 @@ eliminated in the order that leaves the cheapest program (`codegen.derivatives.e
 reverse or mixed accumulation. Where an operation has no derivative, at zero of a root, of a norm or of
 atan2, at the ends of asin, it counts as zero, so that nothing but the mathematics at hand can make a
 derivative infinite; what a condition does not select cannot either.
+
+Linear systems inside programs: A x = f gives A dx = df - dA x. The right-hand sides r_j of that become
+vertices of the linearised graph: each depends on the entries of its row and of f with the solution as
+weights, and the solution depends on it by the inverse of A, whose columns are solutions for unit vectors
+with the factorisation that is there (Griewank and Walther, Evaluating Derivatives, 2nd ed., sect. 15.2).
 """
 
 from __future__ import annotations
@@ -15,9 +20,9 @@ from fractions import Fraction
 
 from codegen.derivatives.elimination import ORDERS, Edges, eliminate, products
 from codegen.derivatives.forms import Form, Forms, Monomial, added
-from codegen.derivatives.implicit import entry_of_solution, right_hand_sides, vertices
 from codegen.ir import fold, stumpff
 from codegen.ir.fold import constant
+from codegen.ir.linsolve import Shape
 from codegen.ir.ops import OPS, Instruction
 from codegen.ir.passes import depth_first, needed
 from codegen.ir.program import Builder, Program
@@ -371,7 +376,7 @@ PARTIALS: dict[str, Partial] = {
 }
 """How each operation is differentiated, by further operations.
 
-Solutions of linear systems are left to `codegen.derivatives.implicit`; a factorisation has no
+Solutions of linear systems are left to `codegen.derivatives.derivative`; a factorisation has no
 derivative."""
 
 
@@ -399,3 +404,73 @@ def colouring(pattern: Iterable[tuple[int, int]]) -> dict[int, int]:
         taken[free] |= rows[c]
         colours[c] = free
     return dict(sorted(colours.items()))
+
+
+def vertices(program: Program) -> list[int]:
+    """Return a number for each value, with room before each solution for its right-hand sides.
+
+    The last entry is the first number that is free.
+    """
+    numbers, room = [], 0
+    for k, (op, args, _) in enumerate(program.instructions):
+        room += len(args) - 1 if op == "back" else 0
+        numbers.append(k + room)
+    return [*numbers, len(program.instructions) + room]
+
+
+def right_hand_sides(
+    forms: Forms,
+    program: Program,
+    solution: int,
+    copied: Mapping[int, int],
+    numbers: Sequence[int],
+    edges: Mapping[int, Mapping[int, Form]],
+) -> dict[int, dict[int, Form]]:
+    """Return the edges into the right-hand sides of the ``back`` instruction ``solution``.
+
+    ``copied``: numbers in the builder of ``forms``; ``numbers``: those of `vertices`; ``edges``:
+    the vertices that vary.
+    """
+    factor, *right = program.instructions[solution].args
+    shape = program.instructions[factor].value
+    assert isinstance(shape, Shape)
+    b = forms.b
+    x = [b.add("item", copied[solution], value=i) for i in range(shape.size)]
+    rows: list[dict[int, dict[Monomial, Fraction]]] = [{} for _ in right]
+
+    def weigh(row: int, entry: int, weight: int) -> None:
+        vertex = numbers[entry]
+        if vertex in edges:
+            added(rows[row].setdefault(vertex, {}), forms.of(weight))
+
+    for row, entry in enumerate(right):
+        weigh(row, entry, b.const(1))
+    for (i, j), entry in zip(shape.places, program.instructions[factor].args, strict=True):
+        weigh(i, entry, b.add("neg", x[j]))
+        if shape.symmetric and i != j:
+            weigh(j, entry, b.add("neg", x[i]))
+    first = numbers[solution] - shape.size
+    return {first + row: dict(into) for row, into in enumerate(rows) if into}
+
+
+def entry_of_solution(
+    forms: Forms,
+    program: Program,
+    item: int,
+    copied: Mapping[int, int],
+    numbers: Sequence[int],
+    edges: Mapping[int, Mapping[int, Form]],
+) -> dict[int, Form]:
+    """Return the edges from the right-hand sides to the ``item`` instruction ``item``."""
+    (solution,), entry = program.instructions[item].args, program.instructions[item].slot
+    b = forms.b
+    factor = b.instructions[copied[solution]].args[0]
+    size = len(program.instructions[solution].args) - 1
+    first = numbers[solution] - size
+    found: dict[int, Form] = {}
+    for row in range(size):
+        if first + row in edges:
+            unit = (b.const(int(k == row)) for k in range(size))
+            column = b.add("back", factor, *unit)
+            found[first + row] = forms.of(b.add("item", column, value=entry))
+    return found

@@ -24,7 +24,7 @@ from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import identifier
 from codegen.ir.program import Program
 from codegen.loops import runge_kutta, taylor, taylor_lanes
-from codegen.loops.dop853 import DOP853
+from codegen.loops.tableaux import DOP853
 from codegen.native import halting, native
 from codegen.native.trajectory import Array, Problem
 from eom.errors import InputError, unknown_name

@@ -16,10 +16,7 @@ from codegen.ir.identity import SameObject
 from codegen.ir.program import Program
 from codegen.loops import projection, runge_kutta, taylor
 from codegen.loops.crossings import GROUP
-from codegen.loops.dop853 import DOP853
-from codegen.loops.dp5 import DP5
-from codegen.loops.tableau import Tableau
-from codegen.loops.tsit5 import TSIT5
+from codegen.loops.tableaux import DOP853, DP5, TSIT5, Tableau
 from codegen.native.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
 

@@ -40,9 +40,8 @@ from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import identifier
 from codegen.ir.program import Program
 from codegen.loops import lookout, runge_kutta
-from codegen.loops.dop853 import DOP853
 from codegen.loops.runge_kutta import NativeMethod
-from codegen.loops.tableau import Row, Tableau
+from codegen.loops.tableaux import DOP853, Row, Tableau
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.passes.stages import by_parameters

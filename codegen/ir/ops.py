@@ -216,8 +216,8 @@ class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
     ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
-    ``constant`` or ``clock`` (see `codegen.passes.stages`) or ``turned`` (`codegen.targets.circles`), the table of a ``table``, what
-    `codegen.ir.linsolve` says; None otherwise.
+    ``constant`` or ``clock`` (see `codegen.passes.stages`) or ``turned`` (`codegen.targets.sincos`), the
+    table of a ``table``, what `codegen.ir.linsolve` says; None otherwise.
     """
 
     op: str

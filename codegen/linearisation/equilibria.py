@@ -64,7 +64,7 @@ def equilibrium(
     for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
     states, outputs or invariants that the solution must have; the constraints that the system maintains
     are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess, in the scale of each state (`codegen.linearisation.balance`: 1 for angles, others by what
+    the guess, in the scale of each state (`codegen.linearisation.nearby`: 1 for angles, others by what
     they do beside them), in which near is meant, too. Values that rounding hides are zero. The same
     arguments give the same result. Units are those of the system. Raises `InputError` where nothing is
     found, for unknown names, and for rates that depend on time. Source: Newton's method with steps of least

@@ -4,8 +4,21 @@
     near = linearise_about(compiled, point)
     print(near.A, near.states, near.eigenvalues, near.stability.kind, near.agreement)
 
-``agreement`` says how far a complex step with 50 digits (`codegen.linearisation.complex_step`), which uses
-no rule of differentiation, is from the matrices. Along a trajectory `codegen.linearise` is quicker.
+``agreement`` says how far a complex step with 50 digits, which uses no rule of differentiation, is from the
+matrices. Along a trajectory `codegen.linearise` is quicker.
+
+The complex step: Im f(x + i h) / h = f'(x) + O(h^2): nothing is subtracted, so that h may be so small that
+the error is that of the arithmetic (Squire and Trapp, SIAM Review 40, 1998, p. 110). Operations that are no
+analytic functions are extended by f(a + i b) = f(a) + i (f(a + b) - f(a - b))/2, which with so many digits
+leaves more than double precision has; at a corner, where the three values do not lie on a line, there is
+none. No rule of `codegen.derivatives.derivative` is used.
+
+Which small deviations keep the constraints, and what the others are by these: a deviation of the states
+that keeps functions G constant satisfies dG dx = 0, and what follows from it along the motion, dG A dx = 0
+and so on: for a constraint of places its rate is found by itself. All of dG counts, also its part by the
+coordinates of a constraint on speeds: without that, terms in proportion to the speed of the steady motion
+would be lost (Meijaard, Papadopoulos, Ruina, Schwab, Proc. R. Soc. A 463, 2007, p. 1955). Unit quaternions
+may deviate by three small angles.
 """
 
 from __future__ import annotations
@@ -15,6 +28,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import mpmath
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +38,9 @@ from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.interpret import Point
-from codegen.linearisation.complex_step import complex_step
-from codegen.linearisation.deviations import closed, free_states, independent
+from codegen.ir.ops import OPS, SOLVE, Instruction, Op, row_of
+from codegen.ir.passes import needed
+from codegen.ir.program import Program
 from codegen.linearisation.steady import Equilibrium
 from codegen.linearisation.tangents import tangents
 from codegen.linearisation.unknowns import leaves_of, maintained
@@ -297,3 +312,198 @@ def stability(values: NDArray[np.complex128], errors: Array) -> Stability:
     elif np.all(values.real < -bounds):
         kind = STABLE
     return Stability(kind, float(values.real[first]), float(errors[first]))
+
+
+DIGITS = 50
+STEP_DIGITS = 20
+"""The step is 10 to minus this: its square, and what differences lose, are below 1e-29."""
+_ANALYTIC = frozenset({
+    "add", "sub", "mul", "div", "neg", "sqrt", "pow", "sin", "cos", "tan", "atan", "sinh", "cosh",
+    "tanh", "asinh", "exp", "log", "log1p", "expm1", *SOLVE,
+})  # fmt: skip
+"""Operations whose row at any precision holds for complex numbers as it is."""
+
+
+def complex_step(
+    program: Program, groups: Sequence[str], by: Sequence[Instruction], point: Point
+) -> Array:
+    """Return the derivatives of groups of results, one after the other, by leaves: (results, leaves).
+
+    ``by``: instructions of states, inputs, parameters or time, without operands. NaN where an operation
+    has no value or a corner.
+    """
+    m = mpmath.mp.clone()
+    m.dps = DIGITS
+    step = m.mpf(10) ** -STEP_DIGITS
+    order = sorted(needed(program, list(groups)))
+    places = [k for group in groups for k in program.results[group]]
+    columns = [_values(m, program, order, point, leaf, step) for leaf in by]
+    found = np.array(
+        [[float(m.im(column[k]) / step) for column in columns] for k in places], dtype=np.float64
+    )
+    return found.reshape(len(places), len(by))
+
+
+def _values(
+    m: Any,
+    program: Program,
+    order: Sequence[int],
+    point: Point,
+    seed: Instruction,
+    step: Any,
+) -> Mapping[int, Any]:
+    values: dict[int, Any] = {}
+    for k in order:
+        instruction = program.instructions[k]
+        if instruction.op in OPS:
+            args = [values[a] for a in instruction.args]
+            values[k] = _operation(m, row_of(instruction), args)
+        else:
+            values[k] = _leaf(m, instruction, point)
+            if instruction == seed:
+                values[k] = m.mpc(values[k], step)
+    return values
+
+
+def _leaf(m: Any, instruction: Instruction, point: Point) -> Any:
+    if instruction.op == "const":
+        number: Any = instruction.value
+        return m.mpf(number.numerator) / number.denominator
+    return +m.pi if instruction.op == "pi" else m.mpf(point.slot(instruction))
+
+
+def _operation(m: Any, row: Op, args: list[Any]) -> Any:
+    """Return a value; real where all operands are, so that what does not vary stays exact."""
+    varies = row.name in SOLVE or any(isinstance(a, m.mpc) for a in args)
+    try:
+        if row.name in _ANALYTIC or not varies:
+            return row.exact(m, *args)
+        if row.name == "select":
+            return row.exact(m, m.re(args[0]), *args[1:])
+        return _extended(m, row, args)
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return m.nan
+
+
+def _extended(m: Any, row: Op, args: list[Any]) -> Any:
+    here = [m.re(a) for a in args]
+    value = row.exact(m, *here)
+    above, below = (
+        row.exact(m, *(a + sign * m.im(b) if isinstance(b, m.mpc) else a
+                       for a, b in zip(here, args, strict=True)))
+        for sign in (1, -1)
+    )  # fmt: skip
+    most = max(abs(m.im(a)) for a in args)
+    if abs(above + below - 2 * value) > most * m.sqrt(most):  # in proportion to the step: a corner
+        return m.nan
+    return m.mpc(value, (above - below) / 2)
+
+
+SPAN = 1e-9
+"""Rows that differ relatively less than this from combinations of others are combinations of them."""
+NOISE = 1e-12
+"""What follows along the motion counts from this on, relative to the matrix of the motion."""
+
+
+@dataclass(frozen=True)
+class Deviations:
+    """Deviations dx = T dz of the states, dz = S dx; ``names`` of dz. S T = 1."""
+
+    T: Array
+    S: Array
+    names: tuple[str, ...]
+
+    def dynamics(self, A: Array) -> Array:
+        """Return the matrix of dz by that of dx."""
+        return np.asarray(self.S @ A @ self.T)
+
+
+def free_states(
+    x: Array, names: Sequence[str], dropped: Sequence[str], fours: Sequence[Sequence[int]] = ()
+) -> Deviations:
+    """Return deviations of the states but those that are dropped.
+
+    Each of the unit quaternions ``fours`` (at rest, scalar first) has three small angles about the body's
+    axes instead: dq = q (0, theta) / 2, theta = 2 vec(q* dq).
+    """
+    inside = {k for four in fours for k in four}
+    plain = [k for k, n in enumerate(names) if n not in dropped and k not in inside]
+    columns, rows = [np.eye(len(names))[:, plain]], [np.eye(len(names))[plain]]
+    labels = [names[k] for k in plain]
+    for four in fours:
+        block = np.zeros((len(names), 3))
+        block[list(four)] = _products(x[list(four)])
+        columns.append(block / 2)
+        rows.append(2 * block.T)
+        labels += [f"angle_{names[k]}" for k in four[1:]]
+    return Deviations(np.hstack(columns), np.vstack(rows), tuple(labels))
+
+
+def _products(q: Array) -> Array:
+    """Return the columns of q (0, e_k)."""
+    a, b, c, d = q
+    return np.array([[-b, -c, -d], [a, -d, c], [d, a, -b], [-c, b, a]])
+
+
+def closed(G: Array, A: Array) -> tuple[Array, list[int]]:
+    """Return an orthonormal basis of the rows G, G A, G A^2, ..., and the rows of G that add nothing."""
+    basis = np.zeros((0, A.shape[0]))
+    redundant = []
+    for k, row in enumerate(G):
+        longer = _with(basis, row, SPAN * float(np.linalg.norm(row)))
+        if longer is None:
+            redundant.append(k)
+        else:
+            basis = longer
+    done = 0
+    while done < len(basis):
+        longer = _with(basis, basis[done] @ A, NOISE * float(np.linalg.norm(A)))
+        basis = basis if longer is None else longer
+        done += 1
+    return basis, redundant
+
+
+def _with(basis: Array, row: Array, least: float) -> Array | None:
+    """Return a basis with what a row adds to it; None if that is no longer than ``least``."""
+    rest = row - basis.T @ (basis @ row)
+    rest = rest - basis.T @ (basis @ rest)
+    if np.linalg.norm(rest) <= least:
+        return None
+    return np.vstack([basis, rest / np.linalg.norm(rest)])
+
+
+def independent(
+    before: Deviations, basis: Array, preferred: Sequence[str] = ()
+) -> tuple[Deviations, dict[str, dict[str, float]]]:
+    """Return deviations that keep the rows of a basis, by some of the names before; and the others.
+
+    Which become dependent is chosen by the largest pivots, not among ``preferred``. They are told
+    as {dependent: {independent: factor}}. Raises `InputError` where the preferred ones are not independent.
+    """
+    rows, places = basis.copy(), []
+    for k in range(len(rows)):
+        open_ = [j for j in range(rows.shape[1]) if before.names[j] not in preferred]
+        sizes = np.abs(rows[k:][:, open_])
+        if not open_ or np.max(sizes) <= SPAN:
+            raise InputError(
+                "these states are not independent", got=", ".join(preferred),
+                expected=f"{rows.shape[1] - len(rows)} that the constraints leave free",
+            )  # fmt: skip
+        i, j = np.unravel_index(int(np.argmax(sizes)), sizes.shape)
+        place = open_[int(j)]
+        rows[[k, k + int(i)]] = rows[[k + int(i), k]]
+        rows[k] /= rows[k, place]
+        for other in range(len(rows)):
+            if other != k:
+                rows[other] -= rows[other, place] * rows[k]
+        places.append(place)
+    kept = [j for j in range(rows.shape[1]) if j not in places]
+    T = np.zeros((rows.shape[1], len(kept)))
+    T[kept, range(len(kept))] = 1.0
+    for row, place in zip(rows, places, strict=True):
+        T[place] = -row[kept]
+    S = np.eye(rows.shape[1])[kept]
+    names = tuple(before.names[j] for j in kept)
+    told = {before.names[p]: {n: float(f) for n, f in zip(names, T[p], strict=True) if abs(f) > SPAN}
+            for p in sorted(places)}  # fmt: skip
+    return Deviations(before.T @ T, S @ before.S, names), told

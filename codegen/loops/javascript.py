@@ -13,10 +13,7 @@ from collections.abc import Mapping
 from importlib import resources
 
 from codegen.loops import lookout
-from codegen.loops.dop853 import DOP853
-from codegen.loops.dp5 import DP5
-from codegen.loops.tableau import Row, Tableau
-from codegen.loops.tsit5 import TSIT5
+from codegen.loops.tableaux import DOP853, DP5, TSIT5, Row, Tableau
 from eom.errors import InputError
 
 TABLEAUX: Mapping[str, Tableau] = {t.name: t for t in (DOP853, DP5, TSIT5)}

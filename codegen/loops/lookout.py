@@ -17,7 +17,7 @@ from typing import Any
 from codegen.ir.groups import RATES
 from codegen.ir.program import Program
 from codegen.loops import jumps
-from codegen.loops.tableau import Tableau
+from codegen.loops.tableaux import Tableau
 from codegen.targets import c
 from codegen.targets.c_helpers import table_function
 from codegen.targets.render import table_names

@@ -18,7 +18,7 @@ from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import comment, identifier
 from codegen.ir.program import Program
 from codegen.loops import crossings, jumps, lookout, projection
-from codegen.loops.tableau import Row, Tableau
+from codegen.loops.tableaux import Row, Tableau
 from codegen.native import native
 from codegen.native.stepwise import Stepwise
 from codegen.native.trajectory import Array, Problem, Stop, Trajectory

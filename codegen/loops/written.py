@@ -8,10 +8,7 @@ from dataclasses import dataclass
 from codegen.frontend.layout import Layout
 from codegen.ir.program import Program
 from codegen.loops import runge_kutta, taylor
-from codegen.loops.dop853 import DOP853
-from codegen.loops.dp5 import DP5
-from codegen.loops.tableau import Tableau
-from codegen.loops.tsit5 import TSIT5
+from codegen.loops.tableaux import DOP853, DP5, TSIT5, Tableau
 from eom.errors import InputError, unknown_name
 
 Files = Callable[[Program, Layout, float], Mapping[str, str]]

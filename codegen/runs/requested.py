@@ -1,7 +1,7 @@
 """Keep of a compiled system what requested outputs need: fewer states are then integrated.
 
 A state is needed if a requested result, or the rate of a needed state, depends on it in the program
-(`codegen.derivatives.derivative.dependence`), after everything that is fixed was folded away. Constants of
+(`codegen.ir.passes.dependence`), after everything that is fixed was folded away. Constants of
 the motion and singular configurations that need a state that is left out are left out with it.
 
 A cyclic angle that is asked for is integrated with the rest. Gauss-Legendre quadrature of order 10

@@ -15,7 +15,6 @@ from codegen.ir.program import Program
 from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, table_function
 from codegen.targets.c_lines import assigned, guarded, name_function, part_lines, variables
-from codegen.targets.circles import circles
 from codegen.targets.render import (
     ATOM,
     Body,
@@ -29,6 +28,7 @@ from codegen.targets.render import (
     table_names,
     with_slots_of,
 )
+from codegen.targets.sincos import circles
 from eom.system import Quantity
 
 

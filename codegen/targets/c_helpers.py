@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from codegen.ir.linsolve import C_HELPERS
 from codegen.ir.names import comment
 from codegen.ir.stumpff import SERIES
-from codegen.targets.circle import CIRCLE
+from codegen.targets.sincos import CIRCLE
 from eom.tables import Table
 
 HELPERS = {

@@ -12,8 +12,8 @@ Errors in units in the last place, held by tests: `ULPS`.
 from __future__ import annotations
 
 from codegen.targets import c_helpers
-from codegen.targets.circle import COSINE, LARGEST_ANGLE, SINE, horner
-from codegen.targets.circle import WHOLE as _WHOLE
+from codegen.targets.sincos import COSINE, LARGEST_ANGLE, SINE, horner
+from codegen.targets.sincos import WHOLE as _WHOLE
 
 ULPS: dict[str, float] = {
     "sin": 1.0,

@@ -18,6 +18,7 @@ from codegen.frontend.layout import Layout
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.precision import card_text
+from codegen.precision.accuracy import MAX_LENGTH, formula
 from codegen.precision.card import (
     ACCURATE,
     EXACT,
@@ -39,7 +40,6 @@ from codegen.precision.domain import (
     domain_of,
     places,
 )
-from codegen.precision.formula import MAX_LENGTH, formula
 from eom import Scene, load_scene
 from eom.errors import InputError
 from eom.system import TIME, Quantity, System

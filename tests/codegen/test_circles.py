@@ -15,8 +15,7 @@ from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.passes import prune
 from codegen.native import native
-from codegen.targets.circle import CIRCLE
-from codegen.targets.circles import BLOCK, MANY_ANGLES, TURNED, circles
+from codegen.targets.sincos import BLOCK, CIRCLE, MANY_ANGLES, TURNED, circles
 from eom.system import Quantity, System
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import codegen
 import eom
-from codegen.linearisation import balance, newton
+from codegen.linearisation import nearby, newton
 from codegen.linearisation.equilibria import equilibria, equilibrium
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Tree, derive
@@ -270,7 +270,7 @@ def test_a_balanced_matrix_has_equal_sums_and_no_units():
     draw = np.random.default_rng(3)
     A = draw.normal(size=(5, 5))
     units = 10.0 ** np.array([-9, 0, 4, 7, -3])
-    d, other = balance.balanced(A), balance.balanced(units[:, None] * A / units)
+    d, other = nearby.balanced(A), nearby.balanced(units[:, None] * A / units)
     assert other / units / (other[0] / units[0]) == pytest.approx(d / d[0], rel=1e-2)
     size = np.abs(A) * d / d[:, None]
     np.fill_diagonal(size, 0)

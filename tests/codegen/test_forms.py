@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.derivatives.extraction import Products
-from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, added, content
+from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, Products, added, content
 from codegen.ir.fold import bits
 from codegen.ir.interpret import Point, interpret, interpret_exactly
 from codegen.ir.program import Builder

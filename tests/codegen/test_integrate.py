@@ -15,10 +15,8 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.compiling.compiled import generate
 from codegen.integrate import scipy_
-from codegen.loops import dp5, runge_kutta, written
-from codegen.loops.dop853 import DOP853
-from codegen.loops.dp5 import DP5
-from codegen.loops.tsit5 import TSIT5
+from codegen.loops import runge_kutta, tableaux, written
+from codegen.loops.tableaux import DOP853, DP5, TSIT5
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from eom.errors import InputError
@@ -139,8 +137,8 @@ PAIRS = {"DP5": (DP5, Fraction(0)), "Tsit5": (TSIT5, Fraction(2, 10**14))}
 def rows_of(tableau):
     """Stages, error weights and interpolant as rational numbers: those of DP5, else the doubles'."""
     if tableau is DP5:
-        stages, error, dense = dp5.STAGES, dp5.ERROR, dp5.DENSE
-        return [*map(dp5.exact, stages)], dp5.exact(error), dp5.exact(dense)
+        stages, error, dense = tableaux.DP5_STAGES, tableaux.DP5_ERROR, tableaux.DP5_DENSE
+        return [*map(tableaux.exact, stages)], tableaux.exact(error), tableaux.exact(dense)
     parts = ([*tableau.stages], [tableau.error_high], [*tableau.dense])
     stages, error, dense = ([tuple(map(Fraction, row)) for row in part] for part in parts)
     return stages, error[0], dense[0]
@@ -182,7 +180,11 @@ def test_order_conditions_of_the_pairs_hold_in_rational_arithmetic(pair):
 def test_nodes_of_the_pairs_are_the_sums_of_their_rows(pair):
     tableau, allowed = pair
     rows, _, _ = rows_of(tableau)
-    nodes = dp5.exact(dp5.NODES) if tableau is DP5 else [Fraction(c) for c in tableau.nodes]
+    nodes = (
+        tableaux.exact(tableaux.DP5_NODES)
+        if tableau is DP5
+        else [Fraction(c) for c in tableau.nodes]
+    )
     assert max(abs(sum(row) - c) for row, c in zip(rows, nodes, strict=True)) <= allowed
 
 

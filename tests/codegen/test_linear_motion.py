@@ -13,10 +13,16 @@ from codegen.derivatives.derivative import jacobian
 from codegen.frontend.lower import lower_system
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import OPS, Instruction
-from codegen.linearisation.complex_step import complex_step
-from codegen.linearisation.deviations import closed, free_states, independent
 from codegen.linearisation.equilibria import equilibrium
-from codegen.linearisation.linear_motion import eigenvalues, linearise_about, stability
+from codegen.linearisation.linear_motion import (
+    closed,
+    complex_step,
+    eigenvalues,
+    free_states,
+    independent,
+    linearise_about,
+    stability,
+)
 from codegen.linearisation.tangents import tangents
 from codegen.linearisation.unknowns import leaves_of
 from eom.errors import InputError

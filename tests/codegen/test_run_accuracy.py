@@ -14,8 +14,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.integrate import methods
 from codegen.integrate.methods import METHODS
 from codegen.native import native
-from codegen.runs.propagation import growth
-from codegen.runs.run_accuracy import LOST
+from codegen.runs.run_accuracy import LOST, growth
 from codegen.runs.second_run import CANDIDATES, FAMILIES
 from eom.errors import InputError
 from eom.rigidbody import free_rigid_body

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from codegen import compile, simulate
-from codegen.integrate import derivatives
+from codegen.integrate import scipy_
 from eom import dissipation
 from eom.system import TIME, System
 
@@ -27,7 +27,7 @@ def test_sparse_differences_give_the_same_motion_with_fewer_evaluations(rod, met
     start = np.linspace(1, 0.2, CELLS)
     runs = []
     for least in (CELLS + 1, CELLS):
-        monkeypatch.setattr(derivatives, "SPARSE_FROM", least)
+        monkeypatch.setattr(scipy_, "SPARSE_FROM", least)
         runs.append(
             simulate(rod, start, (0, 0.1), {"k": 500.0}, f"scipy:{method}", 1e-8, t_eval=[0.05])
         )
@@ -36,17 +36,17 @@ def test_sparse_differences_give_the_same_motion_with_fewer_evaluations(rod, met
     assert sparse.success
     np.testing.assert_allclose(sparse.y, full.y, rtol=1e-6)
     assert sparse.nfev <= full.nfev
-    sparsity = derivatives.sparsity(rod)
+    sparsity = scipy_.sparsity(rod)
     assert sparsity.nnz == 3 * CELLS - 2
 
 
 def test_full_and_small_systems_are_left_alone():
     x = sp.symbols("x1:4", real=True)
     small = System.from_rates("small", dict(zip(x, x, strict=True)))
-    assert derivatives.sparsity(compile(small, "numpy")) is None
-    many = sp.symbols(f"x1:{derivatives.SPARSE_FROM + 1}", real=True)
+    assert scipy_.sparsity(compile(small, "numpy")) is None
+    many = sp.symbols(f"x1:{scipy_.SPARSE_FROM + 1}", real=True)
     full = System.from_rates("full", {s: -s - sum(many) for s in many})
-    assert derivatives.sparsity(compile(full, "numpy")) is None
+    assert scipy_.sparsity(compile(full, "numpy")) is None
 
 
 # --- generated Jacobians ------------------------------------------------------------------------------
@@ -76,9 +76,9 @@ def solutions(name, method, target, monkeypatch, rtol=1e-7):
     system, start, span, p, atol = STIFF[name]
     compiled = compile(system, target)
     runs = []
-    for most in (0, derivatives.JACOBIAN_UP_TO):
+    for most in (0, scipy_.JACOBIAN_UP_TO):
         with monkeypatch.context() as patch:
-            patch.setattr(derivatives, "JACOBIAN_UP_TO", most)
+            patch.setattr(scipy_, "JACOBIAN_UP_TO", most)
             runs.append(simulate(compiled, start, span, p, f"scipy:{method}", rtol, atol=atol))
     return runs
 
@@ -117,16 +117,16 @@ def test_a_derivative_that_is_not_finite_ends_the_run_with_its_reason(target):
 
 def test_large_programs_are_differentiated_on_demand_alone(rod, monkeypatch):
     """Once the Jacobian is made it is used, as a sparse matrix where few rates hear of few states."""
-    assert derivatives.jacobian_of(compile(ROBERTSON, "numpy")).shape == (3, 3)
-    assert derivatives.jacobian_of(rod) is None
+    assert scipy_.jacobian_of(compile(ROBERTSON, "numpy")).shape == (3, 3)
+    assert scipy_.jacobian_of(rod) is None
     start, values = np.linspace(1, 0.2, CELLS), {"k": 500.0}
     plain = simulate(rod, start, (0, 0.1), values, "scipy:Radau", 1e-8)
     fresh = compile(rod.system, "numpy")
-    assert derivatives.jacobian_of(fresh) is None
+    assert scipy_.jacobian_of(fresh) is None
     made = fresh.jacobian("states")
-    assert derivatives.jacobian_of(fresh) is made
+    assert scipy_.jacobian_of(fresh) is made
     for least in (CELLS + 1, CELLS):
-        monkeypatch.setattr(derivatives, "SPARSE_FROM", least)
+        monkeypatch.setattr(scipy_, "SPARSE_FROM", least)
         run = simulate(fresh, start, (0, 0.1), values, "scipy:Radau", 1e-8)
         np.testing.assert_allclose(run.y_stop, plain.y_stop, rtol=1e-7)
         assert run.nfev < plain.nfev

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from codegen import compile as compile_system
 from codegen import simulate
-from codegen.integrate import derivatives, sundials
+from codegen.integrate import scipy_, sundials
 from codegen.integrate.sundials import Polynomial
 from eom.errors import InputError
 from eom.system import System
@@ -57,8 +57,8 @@ def test_generated_jacobians_save_evaluations(extra, monkeypatch, kind):
         (VAN_DER_POL, (2.0, 0.0), (0, 1e5)) if kind == "BDF" else (ROBERTSON, (1, 0, 0), (0, 1))
     )
     runs = []
-    for most in (0, derivatives.JACOBIAN_UP_TO):
-        monkeypatch.setattr(derivatives, "JACOBIAN_UP_TO", most)
+    for most in (0, scipy_.JACOBIAN_UP_TO):
+        monkeypatch.setattr(scipy_, "JACOBIAN_UP_TO", most)
         runs.append(simulate(*problem, method=f"sundials:{kind}", rtol=1e-7, atol=1e-10))
     plain, exact = runs
     assert plain.success
@@ -71,7 +71,7 @@ def test_generated_jacobians_save_evaluations(extra, monkeypatch, kind):
 def test_large_sparse_systems_are_solved_as_such(extra, monkeypatch, known):
     """The same motion as with full matrices; differences or the generated Jacobian fill them."""
     count = 30
-    monkeypatch.setattr(derivatives, "SPARSE_FROM", count)
+    monkeypatch.setattr(scipy_, "SPARSE_FROM", count)
     compiled, start, told = rod(count, "numpy"), np.linspace(1, 0.2, count), []
     if known:
         compiled.jacobian("states")

@@ -14,7 +14,7 @@ from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.loops import javascript as integrators
-from codegen.loops.dop853 import DOP853
+from codegen.loops.tableaux import DOP853
 from codegen.passes.pipeline import specialised
 from codegen.targets import javascript
 from codegen.targets.javascript import JAVASCRIPT
