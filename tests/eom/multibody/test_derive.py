@@ -331,15 +331,15 @@ def test_repeated_names_are_one_error():
 
 # --- a body that turns about a point: what is stated of it -----------------------------------------
 
+QUARTER = ((0, -1, 0), (1, 0, 0), (0, 0, 1))
 PIVOT = {"m": 1.5, "l": 0.3, "J": 0.4, "M": 0.25, "g": 9.81, "c": 0.0, "k": 0.0}
 THERE = {"quaternion": [0.9, 0.1, -0.3, 0.3], "3-1-3": [0.2, 0.7, -0.4]}
 
 
-def pivoted(attitude, centre, *, turned=(), loads=(), springs=(), **more):
+def pivoted(attitude, centre, *, loads=(), springs=(), **more):
     """A body on a ball joint: its moments about the joint are J + m l^2 (twice) and M."""
-    placed = Placement((0, 0, 0), turned) if turned else "ground"
     body = Body("b", m, centre, (J, J, M))
-    joint = Joint("j", "spherical", placed, "b", attitude=attitude, **more)
+    joint = Joint("j", "spherical", "ground", "b", attitude=attitude, **more)
     return derive(Tree("t", (body,), (joint,), (0, 0, -g), tuple(loads), springs=tuple(springs)))
 
 
@@ -382,6 +382,21 @@ def test_what_acts_on_a_body_on_a_ball_joint_is_in_its_torque():
         for n in ("rkmk", "DOP853")
     ]
     np.testing.assert_allclose(runs[0].y_stop, runs[1].y_stop, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    "placed",
+    [
+        {"on_parent": Placement((l, 0, 0), QUARTER)},
+        {"on_child": Placement((l, 0, l / 2), QUARTER)},
+        {"force": (M, 0, k)},
+    ],
+)
+def test_where_the_joint_lies_and_what_it_exerts_is_in_what_is_stated(placed):
+    """A wrong inertia or torque is refused where the system is made, whose rates are the recursion's."""
+    stated = pivoted("quaternion", (0, 0, l), **placed).attitudes[0]
+    assert stated.inertia is not None
+    assert any(stated.torque)
 
 
 def test_inertia_of_others_is_not_stated():
