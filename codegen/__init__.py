@@ -14,6 +14,7 @@ from codegen.linearisation.equilibria import equilibria, equilibrium
 from codegen.linearisation.linear_motion import LinearMotion, linearise_about
 from codegen.linearisation.sensitivity import Sensitivities, sensitivities
 from codegen.linearisation.steady import Equilibrium
+from codegen.native.native import CompilerError
 from codegen.native.trajectory import Stop
 from codegen.precision.accuracy import accuracy
 from codegen.precision.card import Card
@@ -26,6 +27,7 @@ __all__ = [
     "Accuracy",
     "Card",
     "Compiled",
+    "CompilerError",
     "Drift",
     "Ensemble",
     "Equilibrium",

@@ -588,6 +588,6 @@ FACTS = {
     ),
     "eom.torques.weight": ("3 x 3", "in metres", "Gravity acts along -a3", "lecture 002 eq. 3.20"),
     "eom.verification.DerivationError": (NONE, NONE, NONE, NONE),
-    "codegen.native.native.CompilerError": (NONE, NONE, NONE, NONE),
+    "codegen.CompilerError": (NONE, NONE, NONE, NONE),
 }
 """A row a public name."""

@@ -64,7 +64,6 @@ MODULES = {
     "eom.views.turned": "figure",
     "eom.views.wheel": "wheel wheel_of",
     "eom.views.work_precision": "work_precision",
-    "codegen.native.native": "CompilerError",
 }
 """Names of modules that documents tell users to import, beside those of the packages."""
 DUNDERS = ("__call__", "__getitem__")
