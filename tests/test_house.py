@@ -1,5 +1,12 @@
 """How large the product is and how it hangs together: no figure gets worse."""
 
+import dataclasses
+import importlib
+import re
+from functools import cache
+
+import pytest
+
 import codegen
 import eom
 from benchmarks import house
@@ -45,3 +52,53 @@ def test_packages_show_their_public_names_alone():
     for package in (codegen, eom):
         assert dir(package) == sorted(package.__all__)
         assert all(hasattr(package, name) for name in package.__all__)
+
+
+@cache
+def is_there(name):
+    """Whether a dotted name is a module, or an attribute or a field of what it begins with."""
+    home, _, last = name.rpartition(".")
+    if not home:
+        return True
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        try:
+            found = importlib.import_module(home)
+        except ImportError:
+            found = getattr(importlib.import_module(home.rpartition(".")[0]), home.split(".")[-1])
+        fields = dataclasses.fields(found) if dataclasses.is_dataclass(found) else ()
+        return hasattr(found, last) or last in {f.name for f in fields}
+    return True
+
+
+TEXTS = [
+    f
+    for part in (
+        "eom",
+        "codegen",
+        "benchmarks",
+        "docs",
+        "README.md",
+        "CONTRIBUTING.md",
+        "CHANGELOG.md",
+    )
+    for f in ([house.ROOT / part] if "." in part else sorted((house.ROOT / part).rglob("*")))
+    if f.suffix in {".py", ".md", ".c", ".h", ".mjs"}
+]
+
+
+def test_names_in_texts_exist():
+    """What stands between backticks in docstrings, comments and documents: a move forgets none of it."""
+    named = {
+        (str(f.relative_to(house.ROOT)), name)
+        for f in TEXTS
+        for name in re.findall(r"`((?:eom|codegen)(?:\.\w+)+)`", f.read_text(encoding="utf-8"))
+    }
+    assert len(named) > 300
+    assert [place for place in sorted(named) if not is_there(place[1])] == []
+
+
+@pytest.mark.parametrize("name", ["codegen.compiled", "codegen.nobody", "codegen.Result.nothing"])
+def test_a_name_that_moved_is_seen(name):
+    assert not is_there(name)
