@@ -86,8 +86,8 @@ HOSTILE = (
 """Without what is a value of every argument; a function's arity is asked where it is called."""
 
 MADE = {
-    "codegen": "Accuracy Card Compiled Drift Ensemble Equilibrium FreeMotion Linear LinearMotion Result "
-    "Sensitivities SparseJacobian Stop Summary",
+    "codegen": "Accuracy Card Compiled CompilerError Drift Ensemble Equilibrium FreeMotion Linear "
+    "LinearMotion Result Sensitivities SparseJacobian Stop Summary",
     "eom": "Derivation AssumptionError InputError",
     "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor",
 }
