@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import Any
 
 from eom.multibody import GROUND, Body, Joint, Placement, Tree
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.skeleton import skeleton
 
 Scalar = Any
 Function = Callable[[Scalar], Scalar]

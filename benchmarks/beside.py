@@ -53,9 +53,9 @@ def texts() -> dict[str, str]:
     from codegen import compile as compile_system
     from codegen.ir.names import identifier
     from codegen.loops import taylor
-    from eom import catalogue
     from eom.opening import load_scene
     from eom.problems import PROBLEMS, from_scene
+    from eom.scenes import catalogue
 
     scenes = (from_scene(load_scene(name)) for name in catalogue.names())
     found = {}

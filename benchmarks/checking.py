@@ -27,14 +27,14 @@ from time import perf_counter
 import click
 
 from benchmarks.table import time_text
-from eom.checker.documents import KINDS, Document, Piece, load
-from eom.checker.in_words import in_words
-from eom.checker.lexicon import Lexicon
-from eom.checker.lexicon_files import lexicon_for, parse_lexicon
-from eom.checker.notes import Understood, understand
-from eom.checker.report import Finding
-from eom.checker.review import Reviewed, review
-from eom.checker.verdicts import NONE, verdict
+from eom.checker.judge.notes import Understood, understand
+from eom.checker.judge.verdicts import NONE, verdict
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon
+from eom.checker.note.review import Reviewed, review
+from eom.checker.prose_claims.in_words import in_words
+from eom.checker.read.documents import KINDS, Document, Piece, load
+from eom.checker.reports import Finding
 from eom.errors import InputError
 
 LETTERS = {"display": "E", "inline": "i"}

@@ -20,21 +20,21 @@ import click
 from benchmarks import checking
 from benchmarks.checking import GIVEN, LETTERS, lexicon_of, read_truth
 from benchmarks.table import time_text
-from eom.checker.claims import Claim
-from eom.checker.contexts import contexts
-from eom.checker.documents import load, read_document
-from eom.checker.explaining import explain
 from eom.checker.explanation import Explanation
-from eom.checker.grammar import read_formula
-from eom.checker.lexicon import Lexicon
-from eom.checker.lines import place
-from eom.checker.notes import Understood, reread, understand
-from eom.checker.repairs import apply
-from eom.checker.values import mixed
-from eom.checker.verdicts import GRAVE, verdict
+from eom.checker.judge.contexts import contexts
+from eom.checker.judge.notes import Understood, reread, understand
+from eom.checker.judge.verdicts import GRAVE, verdict
+from eom.checker.mean.claims import Claim
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.values import mixed
+from eom.checker.read.documents import load, read_document
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.repairs import apply
+from eom.checker.repair.explaining import explain
+from eom.checker.repair.lines import place
 from eom.errors import InputError
-from eom.series import PRIME
-from eom.worlds import closure
+from eom.exact.series import PRIME
+from eom.worlds.worlds import closure
 
 SHOWN = 3
 """Corrections among which the right one should be."""

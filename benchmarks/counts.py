@@ -17,7 +17,7 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import compile as compile_system
 from codegen.native import native
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 
 LARGEST_RATIO = 1.0
 QUICK_RATIO = 1.15

@@ -8,8 +8,8 @@ import sys
 
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from eom.meshes import mesh_properties
-from eom.solids import SOLIDS
+from eom.mass.meshes import mesh_properties
+from eom.mass.solids import SOLIDS
 from tests.eom.test_meshes import icosphere
 from tests.eom.test_solids import cubature_error
 
@@ -28,7 +28,7 @@ for name in names():
 _SOLIDS = """
 import time
 from sympy.core.cache import clear_cache
-from eom import solids
+from eom.mass import solids
 for name in solids.SOLIDS:
     clear_cache()
     start = time.process_time()

@@ -26,16 +26,17 @@ import click
 
 from benchmarks.checking import GIVEN, lexicon_of, note, read_truth
 from benchmarks.correcting import SHOWN, same
-from eom.checker.claims import Claim, claims, defined
-from eom.checker.documents import load
-from eom.checker.explaining import corrected
-from eom.checker.judge import HOLDS, UNDER, equations
-from eom.checker.looks import DOTS, Look
-from eom.checker.notes import Understood, reread, understand
-from eom.checker.places import Source, Span
-from eom.checker.reading import Formula, read_piece
-from eom.checker.statements import split
-from eom.checker.syntax import (
+from eom.checker.judge.judge import HOLDS, UNDER, equations
+from eom.checker.judge.notes import Understood, reread, understand
+from eom.checker.judge.verdicts import GRAVE, Verdict, verdict
+from eom.checker.mean.claims import Claim, claims, defined
+from eom.checker.mean.values import Value
+from eom.checker.read.documents import load
+from eom.checker.read.looks import DOTS, Look
+from eom.checker.read.places import Source, Span
+from eom.checker.read.reading import Formula, read_piece
+from eom.checker.read.statements import split
+from eom.checker.read.syntax import (
     Accent,
     Addition,
     Call,
@@ -49,10 +50,9 @@ from eom.checker.syntax import (
     Scripts,
     Symbol,
 )
-from eom.checker.trees import transform, walk
-from eom.checker.values import Value
-from eom.checker.verdicts import GRAVE, Verdict, verdict
-from eom.checker.writing import latex
+from eom.checker.read.trees import transform, walk
+from eom.checker.read.writing import latex
+from eom.checker.repair.explaining import corrected
 from eom.errors import InputError
 from tests.eom import oracle
 

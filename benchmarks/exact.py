@@ -26,7 +26,7 @@ from codegen.closed import closed_c
 from codegen.closed.closed_forms import Closed, find
 from codegen.native import native
 from codegen.native.trajectory import Problem
-from eom.rigidbody import heavy_top
+from eom.mechanics.rigidbody import heavy_top
 
 SEPARATRIX = "on the separatrix"
 """Its oracle is a Taylor series, in the tests: Legendre's integrals are infinite there."""

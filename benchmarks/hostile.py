@@ -24,11 +24,11 @@ from types import FrameType
 import click
 
 from benchmarks import reading
-from eom.checker.documents import KINDS, decoded, read_document
-from eom.checker.lexicon import Lexicon
-from eom.checker.lexicon_files import lexicon_for, preset
-from eom.checker.notes import understand
-from eom.checker.verdicts import NONE, ORDER, verdict
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import NONE, ORDER, verdict
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import lexicon_for, preset
+from eom.checker.read.documents import KINDS, decoded, read_document
 from eom.errors import InputError
 
 MAX_SECONDS = 20

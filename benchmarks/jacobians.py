@@ -14,8 +14,8 @@ from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.passes.stages import by_parameters
-from eom import catalogue
-from eom.scene import Scene
+from eom.scenes import catalogue
+from eom.scenes.scene import Scene
 
 LARGEST_RATIO = 3.0
 """Of both together to the right-hand side, by operations and by instructions of the processor."""

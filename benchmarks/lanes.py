@@ -24,8 +24,8 @@ from codegen import compile as compile_system
 from codegen.ir.names import identifier
 from codegen.native import native
 from codegen.targets import c, lanes
-from eom import catalogue
-from eom.scene import Scene
+from eom.scenes import catalogue
+from eom.scenes.scene import Scene
 
 POINTS = 500
 CALLS = 40

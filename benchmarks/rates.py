@@ -10,7 +10,7 @@ from benchmarks.pairs import Pairs, joined, paired, settled
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen import compile as compile_system
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 
 LARGEST_RATIO = 1.1
 QUICK_RATIO = 1.25

@@ -15,7 +15,7 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
 from codegen.native import native
 from codegen.targets import c
-from eom import catalogue
+from eom.scenes import catalogue
 
 TO_TEXT = ("derive", "lower", "generate")
 TO_CODE = ("compile", "load")
@@ -51,7 +51,7 @@ def stages(name: str) -> dict[str, Any]:
     from codegen.frontend.lower import lower_system
     from codegen.ir.groups import RATES
     from codegen.ir.passes import prune
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
     marks = [perf_counter()]
 

@@ -25,12 +25,12 @@ from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.program import Builder
 from eom.multibody import Tree
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.motion import coordinate_rates
-from eom.multibody.quantities import flow, gravity_potential, kinetic_energy
-from eom.multibody.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import Skeleton, skeleton
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.motion import coordinate_rates
+from eom.multibody.recursion.quantities import flow, gravity_potential, kinetic_energy
+from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from tests.eom.multibody.peer import SHARED, pinocchio, shared_tree, their_state
 
 COUNT = 200

@@ -9,24 +9,24 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from eom.checker.checking import check as check
-    from eom.checker.grading import check_files as check_files
-    from eom.derivation import Derivation as Derivation
+    from eom.checker.note.checking import check as check
+    from eom.checker.note.grading import check_files as check_files
     from eom.derivations import derive as derive
+    from eom.derivations.derivation import Derivation as Derivation
     from eom.errors import AssumptionError as AssumptionError
     from eom.errors import InputError as InputError
-    from eom.multibody.scene import TreeScene as TreeScene
+    from eom.mechanics.rigidbody import euler_equations as euler_equations
+    from eom.mechanics.rigidbody import free_rigid_body as free_rigid_body
+    from eom.mechanics.rigidbody import full_inertia as full_inertia
+    from eom.mechanics.rigidbody import gravity_gradient_satellite as gravity_gradient_satellite
+    from eom.mechanics.rigidbody import heavy_top as heavy_top
+    from eom.mechanics.rigidbody import principal_inertia as principal_inertia
+    from eom.mechanics.rigidbody import rigid_body as rigid_body
+    from eom.mechanics.spinning import SpinningSymmetricBody as SpinningSymmetricBody
+    from eom.mechanics.spinning import lecture_torque as lecture_torque
+    from eom.multibody.files.scene import TreeScene as TreeScene
     from eom.opening import load_scene as load_scene
-    from eom.rigidbody import euler_equations as euler_equations
-    from eom.rigidbody import free_rigid_body as free_rigid_body
-    from eom.rigidbody import full_inertia as full_inertia
-    from eom.rigidbody import gravity_gradient_satellite as gravity_gradient_satellite
-    from eom.rigidbody import heavy_top as heavy_top
-    from eom.rigidbody import principal_inertia as principal_inertia
-    from eom.rigidbody import rigid_body as rigid_body
-    from eom.scene import Scene as Scene
-    from eom.spinning import SpinningSymmetricBody as SpinningSymmetricBody
-    from eom.spinning import lecture_torque as lecture_torque
+    from eom.scenes.scene import Scene as Scene
     from eom.system import Assumption as Assumption
     from eom.system import BodyAttitude as BodyAttitude
     from eom.system import Definition as Definition
@@ -39,24 +39,24 @@ __version__ = "0.1.0"
 """The version of both packages, `eom` and `codegen`, as text: major.minor.patch."""
 
 _HOME = {
-    "check": "checker.checking",
-    "check_files": "checker.grading",
-    "Derivation": "derivation",
+    "check": "checker.note.checking",
+    "check_files": "checker.note.grading",
+    "Derivation": "derivations.derivation",
     "derive": "derivations",
     "AssumptionError": "errors",
     "InputError": "errors",
-    "euler_equations": "rigidbody",
-    "free_rigid_body": "rigidbody",
-    "full_inertia": "rigidbody",
-    "gravity_gradient_satellite": "rigidbody",
-    "heavy_top": "rigidbody",
-    "principal_inertia": "rigidbody",
-    "rigid_body": "rigidbody",
-    "Scene": "scene",
-    "TreeScene": "multibody.scene",
+    "euler_equations": "mechanics.rigidbody",
+    "free_rigid_body": "mechanics.rigidbody",
+    "full_inertia": "mechanics.rigidbody",
+    "gravity_gradient_satellite": "mechanics.rigidbody",
+    "heavy_top": "mechanics.rigidbody",
+    "principal_inertia": "mechanics.rigidbody",
+    "rigid_body": "mechanics.rigidbody",
+    "Scene": "scenes.scene",
+    "TreeScene": "multibody.files.scene",
     "load_scene": "opening",
-    "SpinningSymmetricBody": "spinning",
-    "lecture_torque": "spinning",
+    "SpinningSymmetricBody": "mechanics.spinning",
+    "lecture_torque": "mechanics.spinning",
     "Assumption": "system",
     "BodyAttitude": "system",
     "Definition": "system",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eom import catalogue
 from eom.errors import typed
-from eom.multibody.scene import TreeScene
-from eom.multibody.urdf import load_urdf
-from eom.scene import Scene
-from eom.scene_files import data_of
+from eom.multibody.files.scene import TreeScene
+from eom.multibody.files.urdf import load_urdf
+from eom.scenes import catalogue
+from eom.scenes.scene import Scene
+from eom.scenes.scene_files import data_of
 
 AnyScene = Scene | TreeScene
 """A scene of one body, or of many."""

@@ -16,12 +16,12 @@ from math import cos, pi, sin
 
 import sympy as sp
 
-from eom import catalogue
-from eom.dissipation import viscous_slug
 from eom.errors import unknown_name
+from eom.mechanics.dissipation import viscous_slug
+from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
+from eom.mechanics.spinning import lecture_torque
 from eom.opening import AnyScene, load_scene
-from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
-from eom.spinning import lecture_torque
+from eom.scenes import catalogue
 from eom.system import TIME, System
 
 ORBIT = 1.13e-3

@@ -1,9 +1,9 @@
 """Whether what is stated of a system's structure holds: proved as identities modulo a prime.
 
 Each statement is an equation between rates of the system and expressions; both sides are evaluated at
-random points as `eom.identity` says, modulo `LARGE_PRIME`: a false statement of total degree d survives
-both points with a chance of at most (d / 2**529)**2. Quaternions are of unit length there, since that is
-what is stated of them.
+random points as `eom.exact.identity` says, modulo `LARGE_PRIME`: a false statement of total degree d
+survives both points with a chance of at most (d / 2**529)**2. Quaternions are of unit length there, since
+that is what is stated of them.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, near_matches
-from eom.frames import vector
-from eom.identity import RandomPoint
-from eom.kinematics import SEQUENCES
-from eom.kinematics import attitude as coordinates_of
-from eom.series import Field, Singular, solve
+from eom.exact.identity import RandomPoint
+from eom.exact.series import Field, Singular, solve
+from eom.kinematics.coordinates import SEQUENCES
+from eom.kinematics.coordinates import attitude as coordinates_of
+from eom.kinematics.frames import vector
 from eom.structure import COUNTS, LARGE_PRIME, QUATERNION, BodyAttitude
 from eom.system import System
 

@@ -230,7 +230,7 @@ class System:
         )
 
     def __repr__(self) -> str:
-        """Name what there is; `eom.printing.show` writes it out."""
+        """Name what there is; `eom.typeset.printing.show` writes it out."""
         groups = {
             "states": self.state_names,
             "parameters": self.parameter_names,

@@ -38,13 +38,13 @@ INNER = frozenset(
         "codegen.ensembles.tallies.Bins",
         "codegen.ensembles.tallies.Moments",
         "eom.exercises.slips.Around",
-        "eom.letters.Notation",
+        "eom.typeset.letters.Notation",
         "eom.multibody.closed.readable.Writer",
-        "eom.multibody.dependence.Sample",
-        "eom.multibody.joints.Kind",
-        "eom.terms.Equation",
-        "eom.terms.Term",
-        "eom.views.figures.Figures",
+        "eom.multibody.constrained.dependence.Sample",
+        "eom.multibody.model.joints.Kind",
+        "eom.terms.terms.Equation",
+        "eom.terms.terms.Term",
+        "eom.views.animation.figures.Figures",
     }
 )
 """Classes that users come to and need not know: how results are computed, written or verified."""
@@ -55,8 +55,8 @@ NEVER = {
     "eom.full_inertia": OWN,
     "eom.principal_inertia": OWN,
     "eom.lecture_torque": OWN,
-    "eom.torques.gravity_gradient": OWN,
-    "eom.torques.weight": OWN,
+    "eom.mechanics.torques.gravity_gradient": OWN,
+    "eom.mechanics.torques.weight": OWN,
     "eom.multibody.ClosedForm.system": OWN,
     "eom.multibody.Joint.motors": OWN,
     "eom.multibody.Rotor.states": OWN,
@@ -257,29 +257,34 @@ FACTS = {
         "units, frames, signs and sources",
         "as of `closed_form`",
     ),
-    "eom.views.animation.animation_of": (NONE, "``seconds`` (s)", "components in A", NONE),
-    "eom.views.animation_page.page": (NONE, NONE, NONE, NONE),
-    "eom.views.body_sketch.body_sketch": (NONE, NONE, "along -a3", NONE),
-    "eom.views.cones.cones": (
+    "eom.views.animation.animation.animation_of": (
+        NONE,
+        "``seconds`` (s)",
+        "components in A",
+        NONE,
+    ),
+    "eom.views.animation.animation_page.page": (NONE, NONE, NONE, NONE),
+    "eom.views.body.body_sketch.body_sketch": (NONE, NONE, "along -a3", NONE),
+    "eom.views.body.cones.cones": (
         NONE,
         "without a unit",
         "in the frame in which attitude is measured",
         "as of `free_cones`",
     ),
-    "eom.views.cones.free_cones": (
+    "eom.views.body.cones.free_cones": (
         NONE,
         "``seconds`` (s)",
         "rolls on the space cone along omega",
         "Goldstein, Classical Mechanics (2002), sect. 5.6",
     ),
-    "eom.views.frame_sketches.frame_sketch": (
+    "eom.views.body.frame_sketches.frame_sketch": (
         NONE,
         "``angles`` (rad)",
         "a positive turn is anticlockwise",
         NONE,
     ),
-    "eom.views.free.FreeBody": ("three principal", "kg m^2", "scalar first", NONE),
-    "eom.views.free.free_body": (
+    "eom.views.body.free.FreeBody": ("three principal", "kg m^2", "scalar first", NONE),
+    "eom.views.body.free.free_body": (
         NONE,
         "units and frames as of `FreeBody`",
         "units and frames as of `FreeBody`",
@@ -290,63 +295,93 @@ FACTS = {
     "eom.views.gallery.available": (NONE, NONE, NONE, NONE),
     "eom.views.gallery.picture": (NONE, NONE, NONE, NONE),
     "eom.views.gallery.pictures": (NONE, NONE, NONE, NONE),
-    "eom.views.histories.histories": (NONE, "over time (s)", "value less first value", NONE),
-    "eom.views.histories.histories_of": (NONE, "``seconds`` (s)", NONE, NONE),
-    "eom.views.histories.quantities": (NONE, "with their units", NONE, NONE),
-    "eom.views.joint_trees.joint_tree": (NONE, "no units", NONE, NONE),
+    "eom.views.time.histories.histories": (NONE, "over time (s)", "value less first value", NONE),
+    "eom.views.time.histories.histories_of": (NONE, "``seconds`` (s)", NONE, NONE),
+    "eom.views.time.histories.quantities": (NONE, "with their units", NONE, NONE),
+    "eom.views.tree.joint_trees.joint_tree": (NONE, "no units", NONE, NONE),
     "eom.views.live.page.page": (NONE, "in SI units", NONE, NONE),
-    "eom.views.momentum_path.momentum_path": (
+    "eom.views.body.momentum_path.momentum_path": (
         "(N, 3)",
         "(N m s)",
         "along the principal axes",
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 5",
     ),
-    "eom.views.motions.animation_of_motion": ("(N, 4)", "(rad/s)", "scalar first", NONE),
-    "eom.views.picture.COLOURS": (NONE, NONE, NONE, "Okabe and Ito, Color universal design (2008)"),
-    "eom.views.picture.Arrow": ("(2,) or (3,)", "in the units of the panel's axes", NONE, NONE),
-    "eom.views.picture.Axis": (NONE, "in that unit", NONE, NONE),
-    "eom.views.picture.Curve": ("(N, 2) or (N, 3)", "in the units of the panel's axes", NONE, NONE),
-    "eom.views.picture.Marks": ("(N, 2) or (N, 3)", "in the units of the panel's axes", NONE, NONE),
-    "eom.views.picture.Panel": (NONE, "in the units of its ``axes``", NONE, NONE),
-    "eom.views.picture.Picture": (NONE, "in inches", NONE, NONE),
-    "eom.views.picture.Surface": (
+    "eom.views.animation.motions.animation_of_motion": ("(N, 4)", "(rad/s)", "scalar first", NONE),
+    "eom.views.draw.picture.COLOURS": (
+        NONE,
+        NONE,
+        NONE,
+        "Okabe and Ito, Color universal design (2008)",
+    ),
+    "eom.views.draw.picture.Arrow": (
+        "(2,) or (3,)",
+        "in the units of the panel's axes",
+        NONE,
+        NONE,
+    ),
+    "eom.views.draw.picture.Axis": (NONE, "in that unit", NONE, NONE),
+    "eom.views.draw.picture.Curve": (
+        "(N, 2) or (N, 3)",
+        "in the units of the panel's axes",
+        NONE,
+        NONE,
+    ),
+    "eom.views.draw.picture.Marks": (
+        "(N, 2) or (N, 3)",
+        "in the units of the panel's axes",
+        NONE,
+        NONE,
+    ),
+    "eom.views.draw.picture.Panel": (NONE, "in the units of its ``axes``", NONE, NONE),
+    "eom.views.draw.picture.Picture": (NONE, "in inches", NONE, NONE),
+    "eom.views.draw.picture.Surface": (
         "``vertices`` of shape (N, 3)",
         "in the units of the panel's axes",
         NONE,
         NONE,
     ),
-    "eom.views.picture.Words": ("(2,) or (3,)", "in the units of the panel's axes", NONE, NONE),
-    "eom.views.picture.check": (NONE, NONE, NONE, NONE),
-    "eom.views.picture.points": ("(N, 2) or (N, 3)", "Units stay", NONE, NONE),
-    "eom.views.poinsot.herpolhode": (
+    "eom.views.draw.picture.Words": (
+        "(2,) or (3,)",
+        "in the units of the panel's axes",
+        NONE,
+        NONE,
+    ),
+    "eom.views.draw.picture.check": (NONE, NONE, NONE, NONE),
+    "eom.views.draw.picture.points": ("(N, 2) or (N, 3)", "Units stay", NONE, NONE),
+    "eom.views.body.poinsot.herpolhode": (
         NONE,
         "omega (rad/s)",
         "the third along H",
         "Goldstein, Classical Mechanics (2002), sect. 5.6",
     ),
-    "eom.views.polhodes.ellipsoids": (NONE, "axes (rad/s)", "axes (rad/s)", "as of `polhodes`"),
-    "eom.views.polhodes.polhodes": (
+    "eom.views.body.polhodes.ellipsoids": (
+        NONE,
+        "axes (rad/s)",
+        "axes (rad/s)",
+        "as of `polhodes`",
+    ),
+    "eom.views.body.polhodes.polhodes": (
         NONE,
         "omega (rad/s)",
         "along the principal axes",
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 4",
     ),
-    "eom.views.printed.figure": (NONE, "in inches", NONE, NONE),
-    "eom.views.rotating.Turning": (
+    "eom.views.draw.printed.figure": (NONE, "in inches", NONE, NONE),
+    "eom.views.body.rotating.Turning": (
         "(N, 3, 3)",
         "rad/s",
         "C_BI, whose rows are the body axes",
         NONE,
     ),
-    "eom.views.rotating.turning": (NONE, "how long (s)", NONE, NONE),
-    "eom.views.saving.save": (NONE, "in inches", NONE, NONE),
-    "eom.views.sphere.sphere": (NONE, NONE, "along the axes of the frame", NONE),
-    "eom.views.tree_frames.tree_frames": (NONE, NONE, "the axes x, y, z of the ground", NONE),
-    "eom.views.tree_sketch.tree_sketch": (NONE, "to scale (m)", "on the child", NONE),
-    "eom.views.turned.figure": (NONE, "in inches", NONE, NONE),
-    "eom.views.wheel.wheel": (NONE, "(rad)", "turns about axes 3, 1 and 2", "lecture 001"),
-    "eom.views.wheel.wheel_of": (NONE, "the time (s)", "axes as of `wheel`", "as of `wheel`"),
-    "eom.views.work_precision.work_precision": (NONE, "time (s)", NONE, NONE),
+    "eom.views.body.rotating.turning": (NONE, "how long (s)", NONE, NONE),
+    "eom.views.draw.saving.save": (NONE, "in inches", NONE, NONE),
+    "eom.views.body.sphere.sphere": (NONE, NONE, "along the axes of the frame", NONE),
+    "eom.views.tree.tree_frames.tree_frames": (NONE, NONE, "the axes x, y, z of the ground", NONE),
+    "eom.views.tree.tree_sketch.tree_sketch": (NONE, "to scale (m)", "on the child", NONE),
+    "eom.views.draw.turned.figure": (NONE, "in inches", NONE, NONE),
+    "eom.views.body.wheel.wheel": (NONE, "(rad)", "turns about axes 3, 1 and 2", "lecture 001"),
+    "eom.views.body.wheel.wheel_of": (NONE, "the time (s)", "axes as of `wheel`", "as of `wheel`"),
+    "eom.views.time.work_precision.work_precision": (NONE, "time (s)", NONE, NONE),
     "codegen.METHODS": (
         NONE,
         NONE,
@@ -467,127 +502,157 @@ FACTS = {
         "backwards if the end is earlier",
         "Jorba and Zou, Experimental Mathematics 14 (2005)",
     ),
-    "eom.conventions.Convention": (NONE, NONE, "takes components in the reference axes", NONE),
-    "eom.conventions.Stated": ("(3, 3)", "``inertia`` in kg m^2", "in the body's axes", NONE),
-    "eom.conventions.attitude_of_angles": (
+    "eom.scenes.conventions.Convention": (
+        NONE,
+        NONE,
+        "takes components in the reference axes",
+        NONE,
+    ),
+    "eom.scenes.conventions.Stated": (
+        "(3, 3)",
+        "``inertia`` in kg m^2",
+        "in the body's axes",
+        NONE,
+    ),
+    "eom.scenes.conventions.attitude_of_angles": (
         "three ``angles``",
         "(rad)",
         "the angles turn about axes of the body",
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
     ),
-    "eom.conventions.attitude_of_matrix": (
+    "eom.scenes.conventions.attitude_of_matrix": (
         "three of three numbers",
         "no unit",
         "takes components in the reference axes (east, north, up)",
         NONE,
     ),
-    "eom.conventions.attitude_of_quaternion": (
+    "eom.scenes.conventions.attitude_of_quaternion": (
         "four numbers",
         "unit quaternion",
         "scalar first or last",
         "Shuster, J. Astronaut. Sci. 41 (1993)",
     ),
-    "eom.conventions.book": (NONE, NONE, NONE, NONE),
-    "eom.conventions.changed": (NONE, NONE, NONE, NONE),
-    "eom.conventions.of_scene": (
+    "eom.scenes.conventions.book": (NONE, NONE, NONE, NONE),
+    "eom.scenes.conventions.changed": (NONE, NONE, NONE, NONE),
+    "eom.scenes.conventions.of_scene": (
         NONE,
         "units and axes as of `Stated`",
         "axes as of `Stated`",
         NONE,
     ),
-    "eom.conventions.state": (
+    "eom.scenes.conventions.state": (
         "(3, 3)",
         "kg m^2",
         "minus the products of inertia",
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
     ),
     "eom.derivations.lectures.equation_map": (NONE, NONE, NONE, "lectures 000, 001 and 002"),
-    "eom.frames.vector": ("three numbers", "Any consistent units", "in a ``frame``", NONE),
-    "eom.kinematics.attitude": (
+    "eom.kinematics.frames.vector": (
+        "three numbers",
+        "Any consistent units",
+        "in a ``frame``",
+        NONE,
+    ),
+    "eom.kinematics.coordinates.attitude": (
         NONE,
         "(rad)",
         "scalar first",
         "Shuster, J. Astronaut. Sci. 41 (1993)",
     ),
-    "eom.kinematics.elementary": (
+    "eom.kinematics.coordinates.elementary": (
         "3 x 3",
         "(rad)",
         "takes components in A to components in B",
         "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-10",
     ),
-    "eom.mass.MassProperties": (
+    "eom.mass.properties.MassProperties": (
         "(3, 3)",
         "(kg m^2)",
         "in the body's axes",
         "Huygens and Steiner's theorem; lecture 002",
     ),
-    "eom.multibody.from_sympy.tree_from_sympy": (
+    "eom.multibody.sympy.from_sympy.tree_from_sympy": (
         NONE,
         "units, frames and signs stay",
         "units, frames and signs stay",
         NONE,
     ),
-    "eom.multibody.to_sympy.lagranges_method": (
+    "eom.multibody.sympy.to_sympy.lagranges_method": (
         NONE,
         "Units, frames and signs",
         "Units, frames and signs",
         "Goldstein, Classical Mechanics (2002), ch. 1",
     ),
-    "eom.multibody.to_sympy.to_sympy": (NONE, "Units, frames and signs", "act on the child", NONE),
-    "eom.principal.definiteness": ("as of `principal_axes`", "(kg m^2)", NONE, NONE),
-    "eom.principal.principal_axes": (
+    "eom.multibody.sympy.to_sympy.to_sympy": (
+        NONE,
+        "Units, frames and signs",
+        "act on the child",
+        NONE,
+    ),
+    "eom.mass.principal.definiteness": ("as of `principal_axes`", "(kg m^2)", NONE, NONE),
+    "eom.mass.principal.principal_axes": (
         "3 x 3",
         "(kg m^2)",
         "minus the products of inertia",
         "lecture 002 eq. 3.28-3.35",
     ),
-    "eom.printing.show": (NONE, "Units stand with the quantities", NONE, NONE),
-    "eom.recognition.recognise": (
+    "eom.typeset.printing.show": (NONE, "Units stand with the quantities", NONE, NONE),
+    "eom.mechanics.recognition.recognise": (
         "three of three",
         "angles in radians",
         "from reference to body components",
         "Hughes, Spacecraft Attitude Dynamics (1986), ch. 2",
     ),
-    "eom.regions.Region": ("three expressions", "any consistent units", "in the body's axes", NONE),
-    "eom.regions.properties": (
+    "eom.mass.regions.Region": (
+        "three expressions",
+        "any consistent units",
+        "in the body's axes",
+        NONE,
+    ),
+    "eom.mass.regions.properties": (
         "Units (kg, m where the region has them), shapes",
         "Units (kg, m",
         "axes as of `MassProperties`",
         NONE,
     ),
-    "eom.regions.simplex": (
+    "eom.mass.regions.simplex": (
         "three coordinates",
         "any consistent units",
         "along the body's axes",
         NONE,
     ),
-    "eom.rotations.matrix_of_quaternion": (
+    "eom.kinematics.rotations.matrix_of_quaternion": (
         "(3, 3)",
         "unit quaternion",
         "scalar first",
         "Hughes, Spacecraft Attitude Dynamics (1986), eq. 2.2-27",
     ),
-    "eom.solids.inertia": (
+    "eom.mass.solids.inertia": (
         "3 x 3",
         "(kg m^2)",
         "minus the products of inertia",
         "as of `mass_properties`",
     ),
-    "eom.solids.mass_properties": (
+    "eom.mass.solids.mass_properties": (
         NONE,
         "(kg, m)",
         "in axes whose third",
-        "as of `eom.regions.properties`",
+        "as of `eom.mass.regions.properties`",
     ),
-    "eom.torques.applied": (NONE, "(N m)", "in B", NONE),
-    "eom.torques.gravity_gradient": (
+    "eom.mechanics.torques.applied": (NONE, "(N m)", "in B", NONE),
+    "eom.mechanics.torques.gravity_gradient": (
         "3 x 3",
         "(kg m^2)",
         "a3 the orbit normal",
         "Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1",
     ),
-    "eom.torques.weight": ("3 x 3", "in metres", "Gravity acts along -a3", "lecture 002 eq. 3.20"),
-    "eom.verification.DerivationError": (NONE, NONE, NONE, NONE),
+    "eom.mechanics.torques.weight": (
+        "3 x 3",
+        "in metres",
+        "Gravity acts along -a3",
+        "lecture 002 eq. 3.20",
+    ),
+    "eom.derivations.verification.DerivationError": (NONE, NONE, NONE, NONE),
     "codegen.CompilerError": (NONE, NONE, NONE, NONE),
 }
 """A row a public name."""

@@ -15,8 +15,8 @@ import codegen
 import eom
 from eom import multibody
 from eom.checker.settings import Settings
-from eom.frames import vector
-from eom.torques import applied
+from eom.kinematics.frames import vector
+from eom.mechanics.torques import applied
 
 y, v, k, M = sp.symbols("y v k M", real=True)
 OSCILLATOR = eom.System.from_rates(

@@ -189,7 +189,13 @@ def main(pages: list[Path]) -> None:
     if len(pages) == 1:
         print(run(pages[0]))
         return
-    for name in ("codegen", "eom.__main__", "eom.scene", "eom.multibody", "eom.checker.checking"):
+    for name in (
+        "codegen",
+        "eom.__main__",
+        "eom.scenes.scene",
+        "eom.multibody",
+        "eom.checker.note.checking",
+    ):
         importlib.import_module(name)
     print(json.dumps({str(page): apart(page) for page in pages}))
 

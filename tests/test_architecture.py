@@ -80,7 +80,7 @@ DERIVING = [n for n in EOM if n not in COMMAND_LINE and n not in SHOWING]
 
 
 def test_the_packages_are_found():
-    assert {"eom.system", "eom.errors", "eom.scene"} <= set(EOM)
+    assert {"eom.system", "eom.errors", "eom.scenes.scene"} <= set(EOM)
     assert {"codegen.frontend.lower", "codegen.targets.c", "codegen.runs.simulation"} <= set(
         CODEGEN
     )
@@ -136,7 +136,7 @@ def test_import_graph_has_no_cycle():
         graph = {n: targets - set(free) for n, targets in graph.items() if n not in free}
 
 
-@pytest.mark.parametrize("module", ["eom", "eom.errors", "eom.catalogue"])
+@pytest.mark.parametrize("module", ["eom", "eom.errors", "eom.scenes.catalogue"])
 def test_import_is_light(module):
     code = f"import {module}, sys; print(*sorted({{'sympy', 'numpy', 'scipy'}} & set(sys.modules)))"
     run = subprocess.run(

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from eom import problems
 from eom.__main__ import main
 from eom.commands import benching
-from eom.views import saving
+from eom.views.draw import saving
 
 METHODS = "DOP853,solve_ivp:LSODA"
 

@@ -12,8 +12,8 @@ import pytest
 from click.testing import CliRunner
 
 from eom.__main__ import main
-from eom.checker.report_data import COLUMNS
-from eom.worlds import ASSUMPTIONS
+from eom.checker.report.report_data import COLUMNS
+from eom.worlds.worlds import ASSUMPTIONS
 
 RIGHT, WRONG = r"\vec H_C = I_C\vec\omega", r"\vec H_C = I_C\vec\omega + \vec\omega"
 NOTE = f"""# Note
@@ -121,7 +121,7 @@ def test_standard_input_is_a_note(check, note):
 
 def test_json_is_that_of_the_schema(check, note):
     jsonschema = pytest.importorskip("jsonschema")
-    file = resources.files("eom.checker") / "report.schema.json"
+    file = resources.files("eom.checker.report") / "report.schema.json"
     schema = json.loads(file.read_text(encoding="utf-8"))
     done = check(note, *ARROWS, "--json")
     assert done.exit_code == 1
@@ -207,7 +207,7 @@ def test_given_is_shown_and_can_be_nothing(check):
 def test_help_lists_assumptions_presets_and_the_rule_for_words(check):
     output = " ".join(check("--help").output.split())
     assert all(name in output for name in ASSUMPTIONS)
-    from eom.checker.lexicon_files import PRESETS
+    from eom.checker.mean.lexicon_files import PRESETS
 
     assert all(p in output.replace("- ", "-") for p in PRESETS)
     assert "[default: constant_mass]" in output

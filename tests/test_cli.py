@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from eom import catalogue, derivations
+from eom import derivations
 from eom.__main__ import main
+from eom.scenes import catalogue
 
 
 @pytest.fixture

@@ -15,11 +15,12 @@ import pytest
 from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
-from eom import catalogue, derivations
+from eom import derivations
 from eom.__main__ import INTERRUPTED, UNUSABLE, Commands, main
 from eom.commands import shared
 from eom.commands.completing import SHELLS, VARIABLE, WORDS
 from eom.errors import InputError
+from eom.scenes import catalogue
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*(3[0-8]|4[0-8]|9[0-7]|10[0-7])[;0-9]*m")
 

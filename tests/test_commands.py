@@ -10,8 +10,8 @@ from click.testing import CliRunner
 from codegen.integrate import methods
 from codegen.loops import written
 from codegen.native import native
-from eom import catalogue
 from eom.__main__ import main
+from eom.scenes import catalogue
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 needs_make = pytest.mark.skipif(

@@ -15,7 +15,7 @@ import codegen
 import eom
 from codegen.native import native
 from eom import multibody
-from eom.checker import grading
+from eom.checker.note import grading
 from eom.errors import MOST_ENTRIES, InputError, printable, typed
 from tests.hostile_calls import HOSTILE, MADE, METHODS, M, Unending, k, right, v, within, y
 

@@ -17,7 +17,7 @@ import eom
 import eom.exercises
 import eom.multibody
 from eom.__main__ import COMMANDS
-from eom.conventions import BOOKS
+from eom.scenes.conventions import BOOKS
 from tests.public import public
 
 for needed in ("sphinx", "myst_nb", "furo"):
@@ -29,7 +29,7 @@ QUIET = (
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
     "--disable-component-update --disable-sync"
 ).split()
-TABLES = {"eom.views.gallery.PICTURES", "eom.views.picture.COLOURS"}
+TABLES = {"eom.views.gallery.PICTURES", "eom.views.draw.picture.COLOURS"}
 """Constants that pages speak of, and need not list."""
 PATIENCE = 600
 """Seconds to wait for another process that builds the site."""

@@ -21,7 +21,7 @@ from codegen.native import native
 from eom import problems
 from eom.__main__ import main
 from eom.commands import random_scenes
-from eom.rigidbody import free_rigid_body
+from eom.mechanics.rigidbody import free_rigid_body
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 SHORT = Size("quick", 100, 4, (1e-4, 1e-8, 2.0**-52), 0.05, 0.5, 4, 2, 10_000, 10)

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from eom.__main__ import main
 from eom.multibody import absolute_angles, tree_page
-from eom.multibody.scene import TreeScene
+from eom.multibody.files.scene import TreeScene
 
 WALKER = Path(__file__).parent / "eom" / "multibody" / "robots" / "walker.urdf"
 SPRING = """

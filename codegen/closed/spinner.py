@@ -1,7 +1,8 @@
 """The symmetric 3-1-2 spinner without torque, by elementary functions.
 
 A body of moments I1 about b1, b3 and I2 about its axle b2, where B turns with the axle alone (see
-`eom.spinning`): states are theta, theta', psi', and psi, phi, C = phi' + psi' sin(theta) where needed.
+`eom.mechanics.spinning`): states are theta, theta', psi', and psi, phi, C = phi' + psi' sin(theta) where
+needed.
 
     theta'' = psi' cos(theta) (k - psi' sin(theta)),  psi'' cos(theta) = theta' (2 psi' sin(theta) - k)
 

@@ -6,7 +6,7 @@ goes back. Both stops are located as any singular configuration is, by every met
 backwards. The transfers are closed expressions, right to rounding divided by the singular function.
 
 Angles are reported as continuous functions of time: whole turns are counted, and the sign of the
-singular function (see `eom.handover`) stays while the motion passes the singular configuration at a
+singular function (see `eom.scenes.handover`) stays while the motion passes the singular configuration at a
 distance. Where the singular function is smaller than ``margin`` the first angle has no meaning; it keeps
 the value that it had before, and the third angle is what the attitude then requires. Behind such a
 passage the sign is the one with which the first angle is nearest to its value before: a body that turns

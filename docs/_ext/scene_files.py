@@ -11,8 +11,8 @@ from docutils.parsers.rst import Directive
 from shown_tables import Rows, inline, table
 from sphinx.application import Sphinx
 
-from eom.description import Description, Formula, Number, Positive, Triple
-from eom.multibody.description import TreeDescription
+from eom.multibody.files.description import TreeDescription
+from eom.scenes.description import Description, Formula, Number, Positive, Triple
 
 MODELS = {"one": Description, "tree": TreeDescription}
 SCALARS = ((Formula, "number or formula"), (Number, "number"), (Positive, "positive number"))

@@ -15,7 +15,7 @@ Rows = list[tuple[str, ...]]
 
 
 def _books() -> Rows:
-    from eom.conventions import BOOKS
+    from eom.scenes.conventions import BOOKS
 
     return [
         (f"`{name}`", title, made.direction, made.order, made.scalar, made.products,
@@ -25,7 +25,7 @@ def _books() -> Rows:
 
 
 def _choices() -> Rows:
-    from eom.conventions import CHOICES, HOUSE
+    from eom.scenes.conventions import CHOICES, HOUSE
 
     return [
         (name, f"{value} (here)" if value == getattr(HOUSE, name) else value, meaning)
@@ -42,7 +42,7 @@ def _methods() -> Rows:
 
 
 def _assumptions() -> Rows:
-    from eom.worlds import ASSUMPTIONS
+    from eom.worlds.worlds import ASSUMPTIONS
 
     return [
         (f"`{name}`", row.meaning, ", ".join(f"`{n}`" for n in row.needs))
@@ -51,7 +51,7 @@ def _assumptions() -> Rows:
 
 
 def _scenes() -> Rows:
-    from eom import catalogue
+    from eom.scenes import catalogue
 
     return [(f"`{name}`", title) for name, title in catalogue.titles().items()]
 
@@ -65,7 +65,7 @@ def _targets() -> Rows:
 def _presets() -> Rows:
     from importlib import resources
 
-    folder = resources.files("eom.checker") / "presets"
+    folder = resources.files("eom.checker.mean") / "presets"
     files = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
     texts = [(p.name.removesuffix(".toml"), p.read_text(encoding="utf-8")) for p in files]
     return [(f"`{name}`", _first_sentence(text)) for name, text in texts]
@@ -78,7 +78,7 @@ def _first_sentence(text: str) -> str:
 
 
 def _tree_outputs() -> Rows:
-    from eom.multibody.outputs import GROUPS
+    from eom.multibody.files.outputs import GROUPS
 
     told = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
     return [

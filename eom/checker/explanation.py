@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from eom.checker.places import NOWHERE, Span
+from eom.checker.read.places import NOWHERE, Span
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from eom.checker.report import Report
+from eom.checker.reports import Report
 
 
 @dataclass(frozen=True)

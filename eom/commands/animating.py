@@ -21,7 +21,7 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
-    from eom.views.animation import Animation
+    from eom.views.animation.animation import Animation
 
 PAGE = ".html"
 FILMS = (".gif", ".png", ".apng", ".webp")
@@ -99,8 +99,8 @@ def _film(
                     "this option is for slides", where=name, hint=f"--out FILE{FILMS[0]}"
                 )
         return None
-    from eom.views.filming import Film
-    from eom.views.slides import checked
+    from eom.views.animation.filming import Film
+    from eom.views.animation.slides import checked
 
     wide, high = _size(size) if size else (Film.width, Film.height)
     rate = Film.fps if fps is None else fps
@@ -118,8 +118,8 @@ def _size(text: str) -> tuple[int, int]:
 def _animation(
     scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
 ) -> Animation:
-    from eom.views.animation import animation_of
-    from eom.views.robot_shapes import shapes_of_file
+    from eom.views.animation.animation import animation_of
+    from eom.views.animation.robot_shapes import shapes_of_file
 
     with progress_of("integrating") as progress:
 
@@ -132,7 +132,7 @@ def _animation(
 
 
 def _page(animation: Animation) -> bytes:
-    from eom.views.animation_page import page
+    from eom.views.animation.animation_page import page
 
     return page(animation).encode("utf-8")
 
@@ -140,8 +140,8 @@ def _page(animation: Animation) -> bytes:
 def _filmed(
     animation: Animation, file: Path, film: tuple[int, float | None, tuple[int, int], bool]
 ) -> bytes:
-    from eom.views.filming import Film
-    from eom.views.slides import film_bytes
+    from eom.views.animation.filming import Film
+    from eom.views.animation.slides import film_bytes
 
     fps, length, (wide, high), dark = film
     with progress_of("drawing") as progress:

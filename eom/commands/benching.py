@@ -177,8 +177,8 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
 def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> list[Path]:
     from codegen.compiling.compiled import write_files
     from codegen.measure.workprecision import showing
-    from eom.views.saving import can_write, save
-    from eom.views.work_precision import work_precision
+    from eom.views.draw.saving import can_write, save
+    from eom.views.time.work_precision import work_precision
 
     name = diagram.case.name
     files = {f"{name}.json": showing.data(diagram, about), f"{name}.txt": text}

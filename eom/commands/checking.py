@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eom.checker.graded import Graded
-    from eom.checker.inputs import Note
-    from eom.checker.report_text import Line
+    from eom.checker.read.inputs import Note
+    from eom.checker.report.report_text import Line
     from eom.checker.settings import Settings
 
 WRONG, UNUSABLE = 1, 2
@@ -33,7 +33,7 @@ COLOURS: dict[str, dict[str, Any]] = {
 
 
 def _assumptions() -> Rows:
-    from eom.worlds import ASSUMPTIONS
+    from eom.worlds.worlds import ASSUMPTIONS
 
     return [(name, row.meaning) for name, row in ASSUMPTIONS.items()]
 
@@ -144,7 +144,7 @@ def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> N
     if options["table"] is not None:
         _write_table(graded, options["table"])
     if options["as_json"]:
-        from eom.checker.report_data import to_json
+        from eom.checker.report.report_data import to_json
 
         click.echo(to_json(graded), nl=False)
     else:
@@ -174,9 +174,9 @@ def _settings(
     **_: Any,
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
-    from eom.checker.inputs import TEXT_KINDS
+    from eom.checker.read.inputs import TEXT_KINDS
     from eom.checker.settings import GIVEN, Settings
-    from eom.worlds import closure
+    from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:
         raise unknown_name("kind of text", kind, TEXT_KINDS, "--as")
@@ -189,7 +189,7 @@ def _settings(
 
 def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
     """Return the verdicts that are told; words may be joined by hyphens or blanks."""
-    from eom.checker.report import ORDER
+    from eom.checker.reports import ORDER
 
     known = {v.replace(" ", "-"): v for v in ORDER}
     wanted = [v.replace(" ", "-") for v in only]
@@ -204,8 +204,8 @@ def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
 
 def _note(word: str) -> Note:
     """Return the note that an argument stands for; standard input is read."""
-    from eom.checker.documents import MAX_BYTES, decoded
-    from eom.checker.inputs import Text, is_file
+    from eom.checker.read.documents import MAX_BYTES, decoded
+    from eom.checker.read.inputs import Text, is_file
 
     if word != "-":
         text = word.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
@@ -218,17 +218,17 @@ def _checked(
     words: Sequence[str], settings: Settings, jobs: int
 ) -> tuple[list[Note], tuple[Graded, ...]]:
     """Return the notes and what became of them: one alone is checked here, many in processes."""
-    from eom.checker.inputs import notes_of
+    from eom.checker.read.inputs import notes_of
 
     notes = notes_of([_note(word) for word in words])
     if not notes:
         raise InputError("there are no notes here", got=", ".join(words), expected="Markdown, ...")
     if len(notes) == 1:
-        from eom.checker.checking import grade
+        from eom.checker.note.checking import grade
 
         with waiting_for("check"):
             return notes, (grade(notes[0], settings),)
-    from eom.checker.grading import check_notes
+    from eom.checker.note.grading import check_notes
 
     with progress_of("check") as progress:
         return notes, check_notes(notes, settings, jobs, progress)
@@ -236,8 +236,8 @@ def _checked(
 
 def _propose(words: Sequence[str], kind: str) -> None:
     """Print the draft of a lexicon. Raises `InputError` for more than one note."""
-    from eom.checker.inputs import document_of, notes_of
-    from eom.checker.origins import proposed
+    from eom.checker.mean.origins import proposed
+    from eom.checker.read.inputs import document_of, notes_of
 
     notes = notes_of([_note(word) for word in words])
     if len(notes) != 1:
@@ -247,7 +247,7 @@ def _propose(words: Sequence[str], kind: str) -> None:
 
 def _write_table(graded: Sequence[Graded], file: Path) -> None:
     """Write the table of all notes."""
-    from eom.checker.report_data import to_csv, to_table_json
+    from eom.checker.report.report_data import to_csv, to_table_json
 
     as_json = file.suffix.lower() == ".json"
     text = to_table_json(graded) if as_json else to_csv(graded)
@@ -260,8 +260,8 @@ def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, ki
 
     Raises `InputError` where a folder is needed and there is a file, or the other way round.
     """
-    from eom.checker.inputs import document_of
-    from eom.checker.page import index, page
+    from eom.checker.read.inputs import document_of
+    from eom.checker.report.page import index, page
 
     several = len(notes) > 1
     if path.is_dir() != several and path.exists():
@@ -294,7 +294,7 @@ def _status(graded: Sequence[Graded]) -> int:
 
 def _print(graded: Sequence[Graded], only: Sequence[str], quiet: bool) -> None:
     """Print reports, unusable notes to standard error, and how many notes are what."""
-    from eom.checker.report_text import told, total
+    from eom.checker.report.report_text import told, total
 
     for k, one in enumerate(graded):
         for line in told(one, only, quiet):

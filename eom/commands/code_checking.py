@@ -23,12 +23,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eom.checker.places import printable
+from eom.checker.read.places import printable
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from eom.checker.code import CodeReport, Point
-    from eom.checker.model import Model
+    from eom.checker.code.comparison import CodeReport, Point
+    from eom.checker.mean.model import Model
 
 SECONDS = 20
 PLACE = "namespace"
@@ -69,8 +69,8 @@ def check_code(target: str, system: Any, *, seconds: int = SECONDS, seed: int = 
     ``system``: a `System`, `Scene` or `Model`, or the name of one, or a scene file. Raises `InputError`
     for code that cannot be run, and for systems that are not known.
     """
-    from eom.checker.code import compare, points
-    from eom.checker.model import model_from
+    from eom.checker.code.comparison import compare, points
+    from eom.checker.mean.model import model_from
 
     file, name = _parsed(target)
     model = model_from(system)

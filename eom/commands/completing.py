@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable
 import click
 from click.shell_completion import CompletionItem, get_completion_class
 
-from eom import catalogue
 from eom.errors import unknown_name
+from eom.scenes import catalogue
 
 SHELLS = ("bash", "zsh", "fish")
 VARIABLE = "_EOM_COMPLETE"
@@ -29,7 +29,7 @@ def _methods() -> Iterable[str]:
 
 
 def _presets() -> Iterable[str]:
-    from eom.checker.lexicon_files import PRESETS
+    from eom.checker.mean.lexicon_files import PRESETS
 
     return PRESETS
 

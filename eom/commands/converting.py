@@ -14,9 +14,9 @@ from eom.commands.shared import Rows, WithTable, scene_of
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from eom.conventions import Convention, Stated
-    from eom.rotations import Matrix
-    from eom.scene import Scene
+    from eom.kinematics.rotations import Matrix
+    from eom.scenes.conventions import Convention, Stated
+    from eom.scenes.scene import Scene
 
 MOST_READINGS = 3
 DIGITS = 10
@@ -27,7 +27,7 @@ FIELDS = ("direction", "order", "scalar", "products", "reference", "body", "sequ
 
 
 def _books() -> Rows:
-    from eom.conventions import BOOKS
+    from eom.scenes.conventions import BOOKS
 
     return [(name, title) for name, (title, _) in BOOKS.items()]
 
@@ -99,7 +99,7 @@ def convert(scene: str, recognise: str, as_json: bool, **options: Any) -> None:
 
 
 def _stated(kind: str, text: str, options: dict[str, Any]) -> Stated:
-    from eom import conventions
+    from eom.scenes import conventions
 
     chosen = {name: options[name] for name in FIELDS if options[name] is not None}
     target = conventions.changed(conventions.book(options["target"]), chosen)
@@ -110,7 +110,7 @@ def _stated(kind: str, text: str, options: dict[str, Any]) -> Stated:
 
 
 def _single(name: str) -> Scene:
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
     scene = scene_of(name)
     if not isinstance(scene, Scene):
@@ -121,7 +121,7 @@ def _single(name: str) -> Scene:
 
 
 def _attitude(kind: str, text: str, source: Convention, radians: bool) -> Matrix:
-    from eom import conventions
+    from eom.scenes import conventions
 
     if kind == "matrix":
         rows = [_numbers(row, "--matrix") for row in text.split(";")]
@@ -135,7 +135,7 @@ def _attitude(kind: str, text: str, source: Convention, radians: bool) -> Matrix
 
 
 def _numbers(text: str, where: str) -> list[float]:
-    from eom.parse import parse
+    from eom.scenes.parse import parse
 
     return [float(parse(part, {}, where)) for part in text.split(",")]
 
@@ -143,8 +143,8 @@ def _numbers(text: str, where: str) -> list[float]:
 def _recognise(text: str, as_json: bool) -> None:
     import sympy as sp
 
-    from eom.parse import FUNCTIONS, parse
-    from eom.recognition import recognise
+    from eom.mechanics.recognition import recognise
+    from eom.scenes.parse import FUNCTIONS, parse
 
     entries = [[part.strip() for part in row.split(",")] for row in text.split(";")]
     words = set(re.findall(r"[A-Za-z_]\w*", text)) - {*FUNCTIONS, "pi"}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from eom import catalogue
 from eom.commands.shared import print_equations, scene_of, waiting_for
 from eom.errors import InputError, unknown_name
+from eom.scenes import catalogue
 
 
 @click.command()
@@ -94,7 +94,7 @@ _TREES = "scenes of many bodies"
 def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
     """Return the page of a tree's closed form. Raises `InputError` for other scenes."""
     from eom.multibody import absolute_angles, tree_page
-    from eom.multibody.scene import TreeScene
+    from eom.multibody.files.scene import TreeScene
 
     scene = scene_of(name)
     if not isinstance(scene, TreeScene):
@@ -127,9 +127,9 @@ def _refuse(name: str, kind: str, options: dict[str, object]) -> None:
 
 
 def _print_derivation(name: str, style: str, notation: str, steps: bool, lexicon: bool) -> None:
-    from eom.checker.derived import front_matter
+    from eom.checker.note.derived import front_matter
     from eom.derivations import derive
-    from eom.showing import check_choices, show_derivation
+    from eom.derivations.showing import check_choices, show_derivation
 
     check_choices(style, notation)
     with waiting_for("deriving"):

@@ -27,7 +27,7 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen.loops.written import Choice
     from eom.opening import AnyScene
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
 
 def _integrators() -> Rows:
@@ -146,7 +146,7 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
 def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str]:
     from codegen.runs import handover_c
     from codegen.runs.charts import compile_charts
-    from eom.handover import charts
+    from eom.scenes.handover import charts
 
     with waiting_for("writing code"):
         return handover_c.files(compile_charts(charts(scene), "python"), integrator)

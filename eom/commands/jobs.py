@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from codegen import Compiled, Result
     from codegen.runs.charts import CompiledCharts
     from eom.opening import AnyScene
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
     from eom.system import System
 
 Progress = Callable[[float], None]
@@ -104,7 +104,7 @@ def _in_one(scene: AnyScene, target: str, project: tuple[str, ...], events: tupl
 def _with_handover(scene: Scene, target: str, project: tuple[str, ...]) -> Job:
     from codegen.runs import handover
     from codegen.runs.charts import compile_charts
-    from eom.handover import charts, numbers
+    from eom.scenes.handover import charts, numbers
 
     if project:
         raise InputError(

@@ -74,7 +74,7 @@ def _value(given: str, parameters: Mapping[str, float]) -> tuple[str, float]:
     """Return a name and its value, a formula over the parameters."""
     import sympy as sp
 
-    from eom.parse import parse
+    from eom.scenes.parse import parse
 
     name, sign, formula = (part.strip() for part in given.partition("="))
     where = f"--at {given!r}"

@@ -6,7 +6,7 @@ import json
 
 import click
 
-from eom import catalogue
+from eom.scenes import catalogue
 
 WIDE = 120
 """Columns where nobody looks at a terminal: a name and its title stay on one line."""

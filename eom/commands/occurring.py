@@ -47,7 +47,7 @@ def events_of(texts: Sequence[str], system: System) -> tuple[Event, ...]:
 
 def _event(text: str, names: Mapping[str, Any]) -> Event:
     from codegen import Event
-    from eom.parse import parse
+    from eom.scenes.parse import parse
 
     where = f"--event {text!r}"
     found = _END.match(text)

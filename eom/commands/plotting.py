@@ -59,7 +59,7 @@ def plot(scene: str, names: str, file: Path | None, listed: bool, **options: Any
     Examples: eom plot t-handle --out polhodes.svg; eom plot --moments 1,2,3 --omega 0.1,2,0.1 --what cones
     """
     from eom.views import gallery
-    from eom.views.saving import kind_of, save
+    from eom.views.draw.saving import kind_of, save
 
     if listed and not (scene or options["moments"]):
         _list(tuple(gallery.PICTURES))
@@ -100,7 +100,7 @@ def _chosen(scene: str, moments: str, omega: str) -> AnyScene:
         )
     if scene:
         return scene_of(scene)
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
     rates = zip(("omega_1", "omega_2", "omega_3"), _three(omega, "--omega"), strict=True)
     return Scene(
@@ -114,7 +114,7 @@ def _chosen(scene: str, moments: str, omega: str) -> AnyScene:
 
 
 def _three(text: str, where: str) -> list[float]:
-    from eom.parse import parse
+    from eom.scenes.parse import parse
 
     numbers = [float(parse(part, {}, where)) for part in text.split(",")] if text else []
     if len(numbers) != 3:

@@ -71,7 +71,7 @@ def draw_scene(seed: int, number: int, kinds: int) -> Case:
     """Return scene ``number`` as a case; ``title`` says what was drawn."""
     from codegen.measure.workprecision.case import Case
     from eom.problems import from_scene
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
     scene = Scene(**description(seed, number, kinds))
     problem = from_scene(scene)

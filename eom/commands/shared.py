@@ -81,7 +81,7 @@ def methods() -> Rows:
 
 def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
     """Print the equations of a scene and, if asked for, what they leave out."""
-    from eom.printing import show
+    from eom.typeset.printing import show
 
     with waiting_for("deriving"):
         shown = show(scene.derive(), style)

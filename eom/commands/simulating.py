@@ -156,7 +156,7 @@ def run(
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen.compiling.compiled import write_files
-    from eom.views.saving import can_write
+    from eom.views.draw.saving import can_write
 
     chosen = scene_of(scene, handover=handover)
     job = job_of(chosen, target, project)
@@ -210,8 +210,8 @@ def _save(
 
 def _draw(job: Job, result: Result, file: Path) -> list[Path]:
     """Draw histories; a run that stopped before there is anything to draw is told of, and not drawn."""
-    from eom.views.histories import histories_asked
-    from eom.views.saving import save
+    from eom.views.draw.saving import save
+    from eom.views.time.histories import histories_asked
 
     try:
         picture = histories_asked(result, job.system, job.requested_names(), job.scene)
@@ -223,7 +223,7 @@ def _draw(job: Job, result: Result, file: Path) -> list[Path]:
 
 def _check_picture(file: Path) -> None:
     """Raise `InputError` for a kind of picture that cannot be written."""
-    from eom.views.saving import kind_of
+    from eom.views.draw.saving import kind_of
 
     kind_of(file)
 

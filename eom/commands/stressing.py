@@ -96,9 +96,10 @@ def _plan(methods: tuple[str, ...], quick: bool, full: bool, seed: int) -> Plan:
 def _material() -> Material:
     """Derive what is measured on."""
     from codegen.measure.stress.record import Material
-    from eom import catalogue, problems
+    from eom import problems
     from eom.commands.random_scenes import draw_scene
-    from eom.rigidbody import free_rigid_body
+    from eom.mechanics.rigidbody import free_rigid_body
+    from eom.scenes import catalogue
 
     ready, scenes = catalogue.names(), catalogue.single()
     return Material(
@@ -122,10 +123,10 @@ def _trials() -> tuple[Trial, ...]:
 def _closed() -> Iterator[Case]:
     """Yield every kind of system that has a closed form, by kind of attitude and what is left out."""
     from codegen.measure.workprecision.case import Case
-    from eom import reduce
-    from eom.rigidbody import free_rigid_body, full_inertia, heavy_top, rigid_body
-    from eom.spinning import SpinningSymmetricBody
-    from eom.torques import applied
+    from eom.mechanics.rigidbody import free_rigid_body, full_inertia, heavy_top, rigid_body
+    from eom.mechanics.spinning import SpinningSymmetricBody
+    from eom.mechanics.torques import applied
+    from eom.scenes import reduce
 
     moments = {"I1": 1.25, "I2": 1.25, "I3": 2.0}
     matrix = {"J11": 2.0, "J12": 0.25, "J13": -0.125, "J22": 2.5, "J23": 0.0625, "J33": 1.75}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from eom.errors import typed, unknown_name
 
 if TYPE_CHECKING:
-    from eom.derivation import Derivation
+    from eom.derivations.derivation import Derivation
 
 _MAKERS = {
     "point-mass": ("pointmass", "point_mass", "Particles", "Dynamics of a point mass"),

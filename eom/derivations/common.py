@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivation import Maker
-from eom.terms import Equation, Term, column, dot, entries, expr
-from eom.vocabulary import unit
+from eom.derivations.derivation import Maker
+from eom.terms.terms import Equation, Term, column, dot, entries, expr
+from eom.terms.vocabulary import unit
 
 
 def name_components(

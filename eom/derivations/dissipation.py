@@ -6,13 +6,15 @@ from typing import Any
 
 import sympy as sp
 
-from eom import dissipation as model
-from eom import steady
-from eom.derivation import Derivation, Maker
-from eom.frames import vector
-from eom.freebody import MOMENTS, H, T
-from eom.rigidbody import OMEGA, angular_momentum
-from eom.rules import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.kinematics.frames import vector
+from eom.kinematics.transport import first_derivative, time_derivative
+from eom.mechanics import dissipation as model
+from eom.mechanics import steady
+from eom.mechanics.freebody import MOMENTS, H, T
+from eom.mechanics.rigidbody import OMEGA, angular_momentum
+from eom.system import System
+from eom.terms.rules import (
     combine,
     differentiate,
     differentiate_terms,
@@ -22,10 +24,8 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.system import System
-from eom.terms import Equation, add, der, dot, entries, expr, mul, number, zero
-from eom.transport import first_derivative, time_derivative
-from eom.vocabulary import omega, quantity
+from eom.terms.terms import Equation, add, der, dot, entries, expr, mul, number, zero
+from eom.terms.vocabulary import omega, quantity
 
 Expr = Any
 W, SIGMA = omega("B"), omega("S", "B")

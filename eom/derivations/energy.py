@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from eom.derivation import Derivation, Maker
+from eom.derivations.derivation import Derivation, Maker
 from eom.derivations.rigid import BODY_MASS, FORCE, RHO, R, W
-from eom.rules import (
+from eom.terms.rules import (
     bac_cab,
     combine,
     commute,
@@ -28,19 +28,8 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import (
-    Equation,
-    Term,
-    add,
-    cross,
-    der,
-    dot,
-    integral,
-    mul,
-    number,
-    zero,
-)
-from eom.vocabulary import position, quantity, velocity
+from eom.terms.terms import Equation, Term, add, cross, der, dot, integral, mul, number, zero
+from eom.terms.vocabulary import position, quantity, velocity
 
 T = quantity("kinetic_energy", "body")
 ROTATION = quantity("rotational_energy", "body", "C")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.algebra import gather
-from eom.derivation import Derivation, Maker
 from eom.derivations.common import explicit
-from eom.kinematics import attitude
-from eom.rigidbody import OMEGA, principal_inertia, rigid_body
-from eom.rules import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.exact.algebra import gather
+from eom.kinematics.coordinates import attitude
+from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
+from eom.mechanics.torques import applied
+from eom.system import Quantity, System
+from eom.terms.rules import (
     apply,
     compute,
     differentiate,
@@ -20,8 +22,7 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.system import Quantity, System
-from eom.terms import (
+from eom.terms.terms import (
     Equation,
     add,
     column,
@@ -34,8 +35,7 @@ from eom.terms import (
     tilde,
     zero,
 )
-from eom.torques import applied
-from eom.vocabulary import omega, quantity, unit
+from eom.terms.vocabulary import omega, quantity, unit
 
 W = omega()
 J = quantity("inertia", "C")

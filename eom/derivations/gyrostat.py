@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivation import Derivation, Maker
-from eom.frames import vector
-from eom.gyrostat import gyrostat
-from eom.rigidbody import OMEGA
-from eom.rules import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.kinematics.frames import vector
+from eom.kinematics.transport import first_derivative, time_derivative
+from eom.mechanics.gyrostat import gyrostat
+from eom.mechanics.rigidbody import OMEGA
+from eom.system import System
+from eom.terms.rules import (
     differentiate,
     differentiate_under,
     distribute,
@@ -18,10 +20,8 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.system import System
-from eom.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
-from eom.transport import first_derivative, time_derivative
-from eom.vocabulary import omega, quantity
+from eom.terms.terms import Equation, add, cross, der, dot, entries, expr, mul, number, total, zero
+from eom.terms.vocabulary import omega, quantity
 
 W = omega()
 J, H = quantity("inertia", "C"), quantity("angular_momentum", "body", "C")

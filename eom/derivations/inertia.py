@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivation import Derivation, Maker
-from eom.inertia import principal_conditions
-from eom.rules import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.mass.inertia import principal_conditions
+from eom.terms.rules import (
     associate,
     bac_cab,
     distribute,
@@ -18,7 +18,7 @@ from eom.rules import (
     take_out,
     use,
 )
-from eom.terms import (
+from eom.terms.terms import (
     Equation,
     Term,
     add,
@@ -37,7 +37,7 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.vocabulary import position, quantity, unit
+from eom.terms.vocabulary import position, quantity, unit
 
 RHO = position("dm", "O")
 J = quantity("inertia", "O")

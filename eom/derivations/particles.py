@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from eom.derivation import Chain, Derivation, Maker
+from eom.derivations.derivation import Chain, Derivation, Maker
 from eom.derivations.pointmass import SPLIT
-from eom.rules import (
+from eom.terms.rules import (
     combine,
     differentiate,
     differentiate_under,
@@ -23,8 +23,8 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import Equation, Term, add, cross, der, mul, relabel, total, zero
-from eom.vocabulary import mass, position, quantity, velocity
+from eom.terms.terms import Equation, Term, add, cross, der, mul, relabel, total, zero
+from eom.terms.vocabulary import mass, position, quantity, velocity
 
 EXTERNAL = quantity("external_force", "system")
 MOMENTUM = quantity("linear_momentum", "system")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from eom.derivation import Chain, Derivation, Maker
-from eom.rules import (
+from eom.derivations.derivation import Chain, Derivation, Maker
+from eom.terms.rules import (
     by_way_of,
     combine,
     commute,
@@ -20,8 +20,8 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import Equation, add, column, der, mul, zero
-from eom.vocabulary import mass, position, quantity, velocity
+from eom.terms.terms import Equation, add, column, der, mul, zero
+from eom.terms.vocabulary import mass, position, quantity, velocity
 
 M, FORCE = mass("P"), quantity("force", "P")
 NEWTON = Equation(FORCE, mul(M, der(velocity("P"))))

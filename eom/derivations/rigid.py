@@ -6,11 +6,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivation import Chain, Derivation, Maker
 from eom.derivations.common import explicit
+from eom.derivations.derivation import Chain, Derivation, Maker
 from eom.derivations.particles import differentiate_constant
-from eom.inertia import inertia_of_second_moments
-from eom.rules import (
+from eom.mass.inertia import inertia_of_second_moments
+from eom.terms.rules import (
     associate,
     bac_cab,
     components,
@@ -27,7 +27,7 @@ from eom.rules import (
     use,
     vanish,
 )
-from eom.terms import (
+from eom.terms.terms import (
     Equation,
     add,
     column,
@@ -40,7 +40,7 @@ from eom.terms import (
     tilde,
     zero,
 )
-from eom.vocabulary import omega, position, quantity, velocity
+from eom.terms.vocabulary import omega, position, quantity, velocity
 
 W = omega()
 R = position("dm", "C")

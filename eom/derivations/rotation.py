@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom.derivation import Derivation, Maker
 from eom.derivations.common import explicit, name_components
-from eom.rules import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.terms.rules import (
     Rule,
     bac_cab,
     by_way_of,
@@ -27,7 +27,7 @@ from eom.rules import (
     transport,
     use,
 )
-from eom.terms import (
+from eom.terms.terms import (
     Equation,
     Term,
     add,
@@ -42,7 +42,7 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.vocabulary import omega, position, quantity, unit
+from eom.terms.vocabulary import omega, position, quantity, unit
 
 V, A, B, C = (quantity("vector", n) for n in ("v", "a", "b", "c"))
 W = omega()
@@ -123,7 +123,7 @@ def _first(d: Maker, poisson: list[Equation]) -> None:
 
 def _fold_sum(named: Equation) -> Rule:
     """Replace the terms of a named sum, where all of them occur, by its name."""
-    from eom.terms import replace
+    from eom.terms.terms import replace
 
     wanted = named.right.args
 

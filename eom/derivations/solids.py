@@ -6,11 +6,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.derivation import Derivation, Maker
-from eom.mass import MassProperties
-from eom.regions import Region, X, properties
-from eom.solids import CENTRE, MASS, SOLIDS, mass_properties
-from eom.terms import Equation, entries, expr
+from eom.derivations.derivation import Derivation, Maker
+from eom.mass.properties import MassProperties
+from eom.mass.regions import Region, X, properties
+from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
+from eom.terms.terms import Equation, entries, expr
 
 Expr = Any
 PREFIX = "inertia-of-"

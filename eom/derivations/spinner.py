@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from eom import spinning
-from eom.derivation import Derivation, Maker
-from eom.rules import components, compute, transport, use
-from eom.spinning import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.mechanics import spinning
+from eom.mechanics.spinning import (
     I1,
     I2,
     OMEGA,
@@ -22,19 +21,9 @@ from eom.spinning import (
     THETA_DOT,
     SpinningSymmetricBody,
 )
-from eom.terms import (
-    Equation,
-    Term,
-    add,
-    column,
-    cross,
-    der,
-    dot,
-    entries,
-    expr,
-    number,
-)
-from eom.vocabulary import omega, quantity, unit
+from eom.terms.rules import components, compute, transport, use
+from eom.terms.terms import Equation, Term, add, column, cross, der, dot, entries, expr, number
+from eom.terms.vocabulary import omega, quantity, unit
 
 H, TORQUE = (quantity(n, "body", "C") for n in ("angular_momentum", "torque"))
 J = quantity("inertia", "C")

@@ -6,14 +6,14 @@ from typing import Any
 
 import sympy as sp
 
-from eom import freebody, steady
-from eom.derivation import Derivation, Maker
 from eom.derivations.common import explicit
-from eom.freebody import MOMENTS
-from eom.herpolhode import herpolhode_rate
-from eom.rigidbody import OMEGA, angular_momentum, free_rigid_body
-from eom.rules import components, compute, scalars_in, use
-from eom.terms import (
+from eom.derivations.derivation import Derivation, Maker
+from eom.mechanics import freebody, steady
+from eom.mechanics.freebody import MOMENTS
+from eom.mechanics.herpolhode import herpolhode_rate
+from eom.mechanics.rigidbody import OMEGA, angular_momentum, free_rigid_body
+from eom.terms.rules import components, compute, scalars_in, use
+from eom.terms.terms import (
     Equation,
     add,
     column,
@@ -28,7 +28,7 @@ from eom.terms import (
     tilde,
     zero,
 )
-from eom.vocabulary import omega, quantity, unit
+from eom.terms.vocabulary import omega, quantity, unit
 
 Expr = Any
 W = omega()

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from eom.derivation import Derivation
+from eom.derivations.derivation import Derivation
 from eom.exercises.making import Exercise
 from eom.exercises.moodle import typed_answer
 from eom.exercises.page import line_latex, marker, steps, student
-from eom.notation import notation_named, write
+from eom.typeset.notation import notation_named, write
 
 
 def as_data(made: Exercise) -> dict[str, Any]:

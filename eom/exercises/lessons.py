@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from eom import derivations
-from eom.checker.derived import front_matter
-from eom.derivation import Derivation, Step
+from eom.checker.note.derived import front_matter
+from eom.derivations.derivation import Derivation, Step
+from eom.derivations.showing import Item, only_names, symbols
 from eom.errors import typed, unknown_name
 from eom.exercises.solids import front_matter_of, legend, solid_of, told
-from eom.notation import NOTATIONS, Notation
-from eom.showing import Item, only_names, symbols
+from eom.typeset.notation import NOTATIONS, Notation
 
 RELATIONS = ("=", ":=")
 

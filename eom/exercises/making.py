@@ -12,18 +12,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 
-import eom.checker.checking as checker
+import eom.checker.note.checking as checker
 from eom.checker.explanation import Counterexample
-from eom.checker.report import FAULTS, Finding
-from eom.derivation import Derivation, Step
+from eom.checker.reports import FAULTS, Finding
+from eom.derivations.derivation import Derivation, Step
+from eom.derivations.showing import Item
+from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import page, slips
 from eom.exercises.lessons import Lesson, lesson
 from eom.exercises.slips import Planted
-from eom.notation import notation_named
-from eom.showing import Item
-from eom.terms import Equation
-from eom.verification import verify
+from eom.terms.terms import Equation
+from eom.typeset.notation import notation_named
 
 LINES = 6
 """Lines of an exercise where nobody says how many."""
@@ -121,9 +121,9 @@ def planted_in(
 ) -> Exercise:
     """Return an exercise made from a lesson, ``about``.
 
-    ``seed``: of what is drawn; ``notation``: one of `eom.notation.NOTATIONS`; ``lines``: at most so many,
-    2 to 40; ``slip``: a kind of slip, "" for any. Raises `InputError` for unknown names, for other numbers
-    of lines, and where no slip can be planted that the checker finds.
+    ``seed``: of what is drawn; ``notation``: one of `eom.typeset.notation.NOTATIONS`; ``lines``: at most
+    so many, 2 to 40; ``slip``: a kind of slip, "" for any. Raises `InputError` for unknown names, for
+    other numbers of lines, and where no slip can be planted that the checker finds.
 
     >>> from eom.exercises import lesson
     >>> len(planted_in(lesson("point-mass"), lines=4).right.steps)

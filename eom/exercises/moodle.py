@@ -31,8 +31,8 @@ from eom.exercises.page import (
     steps,
     task,
 )
-from eom.markup import render, symbol_latex
-from eom.notation import notation_named
+from eom.typeset.markup import render, symbol_latex
+from eom.typeset.notation import notation_named
 
 if TYPE_CHECKING:
     from eom.exercises.making import Exercise

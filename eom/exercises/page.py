@@ -6,13 +6,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from eom import pages
-from eom.blocks import Block, Bullets, Heading, Paragraph, Steps
-from eom.derivation import Derivation, Step, meaning_of
+from eom.derivations.derivation import Derivation, Step, meaning_of
+from eom.derivations.showing import separate
 from eom.errors import typed
-from eom.notation import Notation, notation_named, write
-from eom.showing import separate
-from eom.terms import Term
+from eom.terms.terms import Term
+from eom.typeset import pages
+from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
+from eom.typeset.notation import Notation, notation_named, write
 
 if TYPE_CHECKING:
     from eom.exercises.making import Exercise, Sheet

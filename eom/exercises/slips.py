@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.terms import SCALAR, Equation, Term, cross, der, expr, mul, nodes, rebuild
+from eom.terms.terms import SCALAR, Equation, Term, cross, der, expr, mul, nodes, rebuild
 
 Expr = Any
 Path = tuple[int, ...]

@@ -12,16 +12,16 @@ from typing import Any
 import sympy as sp
 
 from eom import derivations
-from eom.boxes import Formula
-from eom.checker.solid_models import COORDINATES, SPELLINGS
-from eom.derivation import Derivation, Step
+from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.derivations import SOLIDS
-from eom.markup import symbol_latex
-from eom.mass import MassProperties
-from eom.showing import Item
-from eom.solids import MASS, mass_properties
-from eom.solids import SOLIDS as CATALOGUE
-from eom.terms import Equation, expr, integral
+from eom.derivations.derivation import Derivation, Step
+from eom.derivations.showing import Item
+from eom.mass.properties import MassProperties
+from eom.mass.solids import MASS, mass_properties
+from eom.mass.solids import SOLIDS as CATALOGUE
+from eom.terms.terms import Equation, expr, integral
+from eom.typeset.boxes import Formula
+from eom.typeset.markup import symbol_latex
 
 Expr = Any
 PREFIX = "inertia-of-"

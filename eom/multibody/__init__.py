@@ -1,7 +1,5 @@
 """Many bodies: trees of joints, their recursions, and the systems that they give."""
 
-from eom.multibody.attachments import Rotor, Spring
-from eom.multibody.base import BaseParameters, base_parameters
 from eom.multibody.closed import (
     ClosedForm,
     Comparison,
@@ -10,8 +8,12 @@ from eom.multibody.closed import (
     compare,
     tree_page,
 )
-from eom.multibody.consistent import Assembly, assemble
-from eom.multibody.constraints import (
+from eom.multibody.constrained.consistent import Assembly, assemble
+from eom.multibody.constrained.dependence import Examination, examine
+from eom.multibody.identify.base import BaseParameters, base_parameters
+from eom.multibody.identify.regressor import Regressor, regressor
+from eom.multibody.model.attachments import Rotor, Spring
+from eom.multibody.model.constraints import (
     Coupling,
     Distance,
     Equation,
@@ -20,12 +22,10 @@ from eom.multibody.constraints import (
     Skate,
     SpeedEquation,
 )
-from eom.multibody.dependence import Examination, examine
-from eom.multibody.derive import derive
-from eom.multibody.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
-from eom.multibody.points import Point
-from eom.multibody.reactions import Reaction, reaction
-from eom.multibody.regressor import Regressor, regressor
+from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
+from eom.multibody.recursion.points import Point
+from eom.multibody.system.derive import derive
+from eom.multibody.system.reactions import Reaction, reaction
 
 __all__ = [
     "GROUND",

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from eom.errors import InputError, unknown_name
-from eom.views.formulas import plain
-from eom.views.free import free_body, not_free
-from eom.views.picture import Panel, Picture
+from eom.views.body.free import free_body, not_free
+from eom.views.draw.formulas import plain
+from eom.views.draw.picture import Panel, Picture
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
@@ -41,39 +41,39 @@ class Entry:
 
 
 def _polhodes(ask: Ask) -> Picture:
-    from eom.views.polhodes import polhodes
+    from eom.views.body.polhodes import polhodes
 
     return polhodes(free_body(ask.scene, "polhode"))
 
 
 def _ellipsoids(ask: Ask) -> Picture:
-    from eom.views.polhodes import ellipsoids
+    from eom.views.body.polhodes import ellipsoids
 
     return ellipsoids(free_body(ask.scene, "ellipsoid"))
 
 
 def _herpolhode(ask: Ask) -> Picture:
-    from eom.views.poinsot import herpolhode
+    from eom.views.body.poinsot import herpolhode
 
     return herpolhode(free_body(ask.scene, "herpolhode"), ask.seconds, ask.points)
 
 
 def _cones(ask: Ask) -> Picture:
-    from eom.views.cones import cones
-    from eom.views.rotating import turning
+    from eom.views.body.cones import cones
+    from eom.views.body.rotating import turning
 
     return cones(turning(ask.scene, ask.seconds, ask.points), ask.seconds)
 
 
 def _sphere(ask: Ask) -> Picture:
-    from eom.views.rotating import turning
-    from eom.views.sphere import sphere
+    from eom.views.body.rotating import turning
+    from eom.views.body.sphere import sphere
 
     return sphere(turning(ask.scene, ask.seconds, ask.points))
 
 
 def _histories(ask: Ask) -> Picture:
-    from eom.views.histories import histories_of
+    from eom.views.time.histories import histories_of
 
     return histories_of(ask.scene, ask.seconds, ask.points)
 
@@ -83,7 +83,7 @@ def _work_precision(ask: Ask) -> Picture:
     from codegen.measure.workprecision.case import Case
     from codegen.measure.workprecision.measuring import QUICK, measure
     from codegen.measure.workprecision.programs import programs
-    from eom.views.work_precision import work_precision
+    from eom.views.time.work_precision import work_precision
 
     scene = ask.scene
     numbers = (scene.initial_values(), scene.parameter_values(), scene.input_values())
@@ -93,22 +93,22 @@ def _work_precision(ask: Ask) -> Picture:
 
 
 def _joints(ask: Ask) -> Picture:
-    from eom.views.joint_trees import joint_tree
+    from eom.views.tree.joint_trees import joint_tree
 
     assert ask.scene.model == "tree"
     return joint_tree(ask.scene.tree, ask.scene.title)
 
 
 def _sketch(ask: Ask) -> Picture:
-    from eom.views.body_sketch import body_sketch
-    from eom.views.tree_sketch import tree_sketch
+    from eom.views.body.body_sketch import body_sketch
+    from eom.views.tree.tree_sketch import tree_sketch
 
     return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
 
 
 def _frames(ask: Ask) -> Picture:
-    from eom.views.frame_sketches import frame_sketch, sequence_of
-    from eom.views.tree_frames import tree_frames
+    from eom.views.body.frame_sketches import frame_sketch, sequence_of
+    from eom.views.tree.tree_frames import tree_frames
 
     return (
         tree_frames(ask.scene)
@@ -118,7 +118,7 @@ def _frames(ask: Ask) -> Picture:
 
 
 def _wheel(ask: Ask) -> Picture:
-    from eom.views.wheel import wheel_of
+    from eom.views.body.wheel import wheel_of
 
     return wheel_of(ask.scene, ask.seconds)
 
@@ -136,7 +136,7 @@ def _no_spinner(scene: AnyScene) -> str:
 
 
 def _no_angles(scene: AnyScene) -> str:
-    from eom.views.frame_sketches import sequence_of
+    from eom.views.body.frame_sketches import sequence_of
 
     return "" if scene.model == "tree" or sequence_of(scene) else "its attitude has no angles"
 
@@ -146,7 +146,7 @@ def _no_single_body(scene: AnyScene) -> str:
 
 
 def _no_cones(scene: AnyScene) -> str:
-    from eom.scene import Scene
+    from eom.scenes.scene import Scene
 
     if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
         return "its attitude is measured in a frame that turns with an orbit"
@@ -229,7 +229,7 @@ def picture(name: str, ask: Ask) -> Picture:
     """Return the picture ``name``, a key of `PICTURES`, of what ``ask`` names.
 
     Raises `InputError` for other names, for a picture that the scene cannot have, and as the function of
-    the picture does (`eom.views.polhodes.polhodes` and its like).
+    the picture does (`eom.views.body.polhodes.polhodes` and its like).
 
     >>> import eom
     >>> made = picture("polhodes", Ask(eom.load_scene("t-handle")))
@@ -274,7 +274,7 @@ def pictures(names: Sequence[str], ask: Ask) -> Picture:
 
 def _size(made: Sequence[Picture]) -> tuple[float, float] | None:
     """Return the size of pictures below each other, if one of them needs a size of its own."""
-    from eom.views.printed import size_of
+    from eom.views.draw.printed import size_of
 
     sizes = [size_of(one) for one in made]
     if all(one.size is None for one in made):

@@ -1,5 +1,5 @@
 """Ready scenes for tests that look at every instruction: those of one body, and the smallest tree."""
 
-from eom import catalogue
+from eom.scenes import catalogue
 
 SCENES = [*catalogue.single(), "double-pendulum"]

@@ -28,14 +28,10 @@ from codegen.integrate.momentum import (
 from codegen.ir.interpret import Point, interpret, random_point
 from codegen.ir.program import Builder
 from codegen.ir.residues import LARGEST, PRIME, RandomPoint, Unlucky, degree, residue
-from eom import BodyAttitude, InputError, torques
-from eom.kinematics import attitude, quaternion_product
-from eom.rigidbody import (
-    full_inertia,
-    gravity_gradient_satellite,
-    heavy_top,
-    rigid_body,
-)
+from eom import BodyAttitude, InputError
+from eom.kinematics.coordinates import attitude, quaternion_product
+from eom.mechanics import torques
+from eom.mechanics.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
 from eom.system import TIME, System
 
 

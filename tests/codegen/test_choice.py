@@ -19,7 +19,7 @@ from codegen.loops import taylor
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.watch.trust import is_analytic
-from eom.dissipation import viscous_slug
+from eom.mechanics.dissipation import viscous_slug
 from eom.system import TIME, System
 
 x, v, k, mu = sp.symbols("x v k mu", real=True)

@@ -21,9 +21,9 @@ from scipy.spatial.transform import Rotation
 
 import codegen
 import eom
-import eom.kinematics
-import eom.rigidbody
-import eom.torques
+import eom.kinematics.coordinates
+import eom.mechanics.rigidbody
+import eom.mechanics.torques
 from codegen.closed import closed_c
 from codegen.closed.closed_forms import find
 from codegen.closed.exact import CHUNK
@@ -353,7 +353,7 @@ def taylor_top(mu, ratio, w, q, t, order=40):
 
 
 def top_problem(mu, ratio, w, q, attitude="quaternion"):
-    system = eom.rigidbody.heavy_top(attitude)
+    system = eom.mechanics.rigidbody.heavy_top(attitude)
     start = dict(zip(system.state_names, (*w, *q), strict=True))
     values = {
         "I1": 1.0,
@@ -582,11 +582,11 @@ def test_the_ready_t_handle_and_what_has_no_closed_form():
 def test_tops_that_are_not_symmetric_are_not_taken(change):
     system, start, values = top_problem(2.0, 0.3, (0.1, 0.2, 5.0), unit(TILTED))
     if "r1" in change:
-        law = eom.torques.weight
-        system = eom.rigidbody.rigid_body(
-            eom.rigidbody.principal_inertia(),
+        law = eom.mechanics.torques.weight
+        system = eom.mechanics.rigidbody.rigid_body(
+            eom.mechanics.rigidbody.principal_inertia(),
             lambda C, J: law(C, (True, False, True)),
-            eom.kinematics.quaternion(),
+            eom.kinematics.coordinates.quaternion(),
         )
     assert found(system, start, {**values, **change}) is None
 
@@ -615,7 +615,9 @@ def check_angles(closed, sequence, angles, reference, count):
     assert (np.abs(np.diff(x, 2)) <= 0.2).all()
 
 
-SHAPES = [(s, tuple(1.0 + 0.5 * np.eye(3)[int(s[-1]) - 1])) for s in eom.kinematics.SEQUENCES]
+SHAPES = [
+    (s, tuple(1.0 + 0.5 * np.eye(3)[int(s[-1]) - 1])) for s in eom.kinematics.coordinates.SEQUENCES
+]
 SHAPES += [("3-2-1", (2.0, 2.0, 2.0)), ("1-3-1", (2.0, 2.0, 2.0)), ("3-2-1", (1.0, 1.0, 1.6))]
 
 

@@ -20,11 +20,11 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.passes.pipeline import costs
 from eom.errors import AssumptionError, InputError
-from eom.kinematics import SEQUENCES, attitude
-from eom.rigidbody import full_inertia, rigid_body
+from eom.kinematics.coordinates import SEQUENCES, attitude
+from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.mechanics.torques import applied, gravity_gradient
 from eom.system import TIME, Definition, Quantity, System
 from eom.tables import Table
-from eom.torques import applied, gravity_gradient
 from tests.codegen.scenes import SCENES
 
 x, y, z, p, q = sp.symbols("x y z p q", real=True)

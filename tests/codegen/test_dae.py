@@ -9,7 +9,7 @@ import codegen
 from codegen.native import native
 from eom.errors import InputError
 from eom.multibody import assemble, derive
-from eom.multibody.implicit import implicit
+from eom.multibody.system.implicit import implicit
 from tests.eom.multibody.bound import LENGTHS, NEAR, four_bar, point_mass_free, sleigh
 
 pytest.importorskip("sksundae")

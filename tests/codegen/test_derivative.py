@@ -12,11 +12,11 @@ from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
 from codegen.ir.passes import dependence, prune
 from codegen.ir.program import Builder
-from eom.kinematics import attitude
+from eom.kinematics.coordinates import attitude
+from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.mechanics.torques import weight
 from eom.opening import load_scene
-from eom.rigidbody import full_inertia, rigid_body
 from eom.tables import Table
-from eom.torques import weight
 from tests.codegen.scenes import SCENES
 from tests.draws import nonzero
 

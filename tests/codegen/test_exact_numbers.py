@@ -12,9 +12,9 @@ from codegen.ir import scalars
 from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.program import Builder
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.skeleton import skeleton
 from tests.clock import growth_in_calls
 from tests.eom.multibody.trees import state, tree
 

@@ -21,8 +21,13 @@ from codegen.precision.extended import integrate as integrate_exactly
 from codegen.runs import handover, handover_c
 from codegen.runs.charts import Between, compile_charts
 from eom.errors import InputError
-from eom.handover import charts, numbers
-from eom.kinematics import SEQUENCES, quaternion, quaternion_of_sequence, rotation_sequence
+from eom.kinematics.coordinates import (
+    SEQUENCES,
+    quaternion,
+    quaternion_of_sequence,
+    rotation_sequence,
+)
+from eom.scenes.handover import charts, numbers
 
 MATRIX_OF_Q = sp.lambdify(quaternion().symbols, quaternion().matrix)
 TARGET = "python"

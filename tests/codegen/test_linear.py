@@ -13,7 +13,7 @@ from codegen.passes.pipeline import specialised
 from codegen.targets import load_module
 from eom.errors import InputError
 from eom.opening import load_scene
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 from eom.system import Definition, Quantity, System
 from tests.codegen.scenes import SCENES
 

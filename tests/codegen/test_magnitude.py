@@ -12,7 +12,7 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.ir import interpret
 from codegen.ir.groups import INVARIANTS
 from codegen.precision.magnitude import Sizes, scale_of, sizes_program
-from eom.rigidbody import free_rigid_body
+from eom.mechanics.rigidbody import free_rigid_body
 from eom.system import System
 
 x, y, v, k = sp.symbols("x y v k", real=True)

@@ -19,12 +19,12 @@ from codegen.ir.interpret import Point, interpret, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import Builder
 from codegen.passes.pipeline import PASSES, costs, join, optimise, steps
-from eom import catalogue
-from eom.gyrostat import gyrostat
-from eom.kinematics import attitude
+from eom.kinematics.coordinates import attitude
+from eom.mechanics.gyrostat import gyrostat
+from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.mechanics.torques import weight
 from eom.opening import load_scene
-from eom.rigidbody import full_inertia, rigid_body
-from eom.torques import weight
+from eom.scenes import catalogue
 from tests.clock import growth_in_calls
 
 ULP = 2.0**-53

@@ -20,7 +20,7 @@ from codegen.native.trajectory import Problem
 from eom.__main__ import main
 from eom.commands.stressing import _material
 from eom.errors import InputError
-from eom.kinematics import attitude
+from eom.kinematics.coordinates import attitude
 from eom.system import TIME, System
 
 SECONDS = 60
@@ -61,7 +61,7 @@ def form(system, start, parameters, truth=None):
 def satellite(torque, kind=None):
     return eom.rigid_body(
         eom.principal_inertia(),
-        lambda C, J: eom.torques.applied((torque, 0, 0), [eom.Quantity(M)]),
+        lambda C, J: eom.mechanics.torques.applied((torque, 0, 0), [eom.Quantity(M)]),
         attitude(kind) if kind else None,
     )
 

@@ -20,7 +20,7 @@ from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune
 from eom.opening import load_scene
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 from tests.codegen.scenes import SCENES
 from tests.codegen.test_derivative import EXPRESSIONS, SYSTEMS, values
 from tests.draws import nonzero

@@ -17,7 +17,7 @@ from codegen.native import native
 from codegen.runs.run_accuracy import LOST, growth
 from codegen.runs.second_run import CANDIDATES, FAMILIES
 from eom.errors import InputError
-from eom.rigidbody import free_rigid_body
+from eom.mechanics.rigidbody import free_rigid_body
 from eom.system import TIME, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="methods in C")

@@ -6,7 +6,7 @@ import sympy as sp
 
 from codegen import compile, simulate
 from codegen.integrate import scipy_
-from eom import dissipation
+from eom.mechanics import dissipation
 from eom.system import TIME, System
 
 CELLS = 60

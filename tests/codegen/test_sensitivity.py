@@ -13,7 +13,7 @@ from codegen.ir.ops import OPS
 from codegen.linearisation.sensitivity import sensitivities, variational
 from eom.errors import InputError
 from eom.opening import load_scene
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 from eom.system import System
 from tests.codegen.scenes import SCENES
 

@@ -16,10 +16,10 @@ from codegen import compile as compile_system
 from codegen.integrate import sundials
 from codegen.integrate.methods import OF_ATTITUDE
 from codegen.native import native
-from eom import catalogue
 from eom.errors import AssumptionError, InputError
-from eom.kinematics import SEQUENCES
-from eom.rigidbody import free_rigid_body
+from eom.kinematics.coordinates import SEQUENCES
+from eom.mechanics.rigidbody import free_rigid_body
+from eom.scenes import catalogue
 from eom.system import TIME, System
 
 x, v, k, u, w = sp.symbols("x v k u w", real=True)

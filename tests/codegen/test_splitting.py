@@ -20,10 +20,10 @@ from codegen.loops import runge_kutta
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.targets import c
-from eom import torques
 from eom.errors import InputError
-from eom.kinematics import attitude, quaternion_product
-from eom.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
+from eom.kinematics.coordinates import attitude, quaternion_product
+from eom.mechanics import torques
+from eom.mechanics.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
 from eom.system import TIME, BodyAttitude, Singularity, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

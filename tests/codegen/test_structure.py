@@ -17,9 +17,9 @@ from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune, substitute
 from codegen.passes.pipeline import costs, specialised
 from eom.errors import AssumptionError, InputError
-from eom.rigidbody import principal_inertia, rigid_body
+from eom.mechanics.rigidbody import principal_inertia, rigid_body
+from eom.mechanics.torques import applied
 from eom.system import Quantity, System
-from eom.torques import applied
 
 PLANAR = {"psi": 0.0, "phi": 0.0, "omega_2": 0.0, "omega_3": 0.0}
 """A top that swings about one axis."""

@@ -32,11 +32,11 @@ from codegen.ir.groups import RATES
 from codegen.ir.interpret import interpret, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
-from eom import catalogue
-from eom.kinematics import SEQUENCES, attitude
+from eom.kinematics.coordinates import SEQUENCES, attitude
+from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.mechanics.torques import gravity_gradient, weight
 from eom.opening import load_scene
-from eom.rigidbody import full_inertia, rigid_body
-from eom.torques import gravity_gradient, weight
+from eom.scenes import catalogue
 
 LARGEST = 1e300
 NEAR = (1e-8, 1e-16)

@@ -9,9 +9,10 @@ from itertools import pairwise
 
 import sympy as sp
 
+from eom.derivations.verification import DerivationError, plain, verify
 from eom.errors import InputError
-from eom.rules.calculus import BILINEAR
-from eom.terms import (
+from eom.terms.rules.calculus import BILINEAR
+from eom.terms.terms import (
     INDICES,
     Equation,
     Term,
@@ -25,7 +26,6 @@ from eom.terms import (
     rebuild,
     transpose,
 )
-from eom.verification import DerivationError, plain, verify
 from tests.eom import oracle
 
 SENSELESS = (sp.nan, sp.zoo, sp.oo, sp.I)

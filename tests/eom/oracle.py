@@ -3,7 +3,7 @@
 Every quantity is a table of values at `NODES` Chebyshev points of a short span of time; a derivative is
 that of the polynomial through them. Frames turn by products of elementary rotations whose angles are
 smooth functions, paths are sines, and motions that obey a condition on torques are solved for by Picard
-iteration. `eom.terms` gives the shape of an equation; nothing else of the checker is used.
+iteration. `eom.terms.terms` gives the shape of an equation; nothing else of the checker is used.
 """
 
 import random
@@ -16,7 +16,7 @@ import mpmath as mp
 import numpy as np
 import sympy as sp
 
-from eom.terms import INDICES, nodes
+from eom.terms.terms import INDICES, nodes
 
 DIGITS, NODES = 60, 15
 STEP = Decimal("0.001")

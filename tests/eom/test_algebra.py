@@ -6,7 +6,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom.algebra import explicit_rates, gather, operations
+from eom.exact.algebra import explicit_rates, gather, operations
 
 a, b, x, y = sp.symbols("a b x y")
 

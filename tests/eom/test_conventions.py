@@ -8,7 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from eom.conventions import (
+from eom.errors import InputError
+from eom.kinematics.coordinates import SEQUENCES, quaternion, rotation_sequence
+from eom.kinematics.rotations import angles_of_matrix, matrix_of_quaternion, quaternion_of_matrix
+from eom.scenes.conventions import (
     BOOKS,
     CHOICES,
     HOUSE,
@@ -21,10 +24,7 @@ from eom.conventions import (
     of_scene,
     state,
 )
-from eom.errors import InputError
-from eom.kinematics import SEQUENCES, quaternion, rotation_sequence
-from eom.rotations import angles_of_matrix, matrix_of_quaternion, quaternion_of_matrix
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 
 ANGLE = st.floats(-3.1, 3.1)
 ANGLES = st.tuples(ANGLE, ANGLE, ANGLE)

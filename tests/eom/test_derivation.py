@@ -3,11 +3,12 @@
 import pytest
 import sympy as sp
 
-from eom import rules
-from eom.derivation import Derivation, Maker, meaning_of
 from eom.derivations import derive, names, titles
+from eom.derivations.derivation import Derivation, Maker, meaning_of
+from eom.derivations.verification import DerivationError, decide, is_plain, not_negative, verify
 from eom.errors import InputError
-from eom.terms import (
+from eom.terms import rules
+from eom.terms.terms import (
     Equation,
     add,
     column,
@@ -23,8 +24,7 @@ from eom.terms import (
     total,
     zero,
 )
-from eom.verification import DerivationError, decide, is_plain, not_negative, verify
-from eom.vocabulary import mass, position, quantity, unit, velocity
+from eom.terms.vocabulary import mass, position, quantity, unit, velocity
 
 A, B = quantity("vector", "a"), quantity("vector", "b")
 SAME = Equation(cross(A, B), -cross(B, A))

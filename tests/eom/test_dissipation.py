@@ -12,16 +12,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from eom import InputError, dissipation
-from eom.dissipation import (
-    damped_spin,
-    damped_stability,
-    excess_energy,
-    viscous_slug,
-)
-from eom.identity import equal, is_invariant
-from eom.kinematics import attitude
-from eom.steady import linearised, spin_stability
+from eom import InputError
+from eom.exact.identity import equal, is_invariant
+from eom.kinematics.coordinates import attitude
+from eom.mechanics import dissipation
+from eom.mechanics.dissipation import damped_spin, damped_stability, excess_energy, viscous_slug
+from eom.mechanics.steady import linearised, spin_stability
 from tests.eom.motion import run
 
 I1, I2, I3, J_s, c = sp.symbols("I1 I2 I3 J_s c", positive=True)

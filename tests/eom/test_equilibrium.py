@@ -5,19 +5,19 @@ import doctest
 import pytest
 import sympy as sp
 
-import eom.equilibrium
-from eom.equilibrium import is_equilibrium, remainders
+import eom.mechanics.equilibrium
 from eom.errors import InputError
-from eom.identity import vanishes
+from eom.exact.identity import vanishes
+from eom.mechanics.equilibrium import is_equilibrium, remainders
+from eom.mechanics.rigidbody import free_rigid_body
 from eom.multibody import Body, Joint, Placement, Tree, derive
-from eom.rigidbody import free_rigid_body
 from eom.system import Quantity, System
 
 m, l, g, k, J = sp.symbols("m l g k J", positive=True)
 
 
 def test_example():
-    assert doctest.testmod(eom.equilibrium).failed == 0
+    assert doctest.testmod(eom.mechanics.equilibrium).failed == 0
 
 
 def double_pendulum():

@@ -3,12 +3,10 @@
 import pytest
 import sympy as sp
 
-from eom import series
 from eom.errors import InputError
-from eom.evaluate import Evaluator
-from eom.generators import world
-from eom.series import Series
-from eom.terms import (
+from eom.exact import series
+from eom.exact.series import Series
+from eom.terms.terms import (
     HEADS,
     Equation,
     Term,
@@ -29,8 +27,10 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.vocabulary import mass, position, quantity
-from eom.worlds import closure
+from eom.terms.vocabulary import mass, position, quantity
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.generators import world
+from eom.worlds.worlds import closure
 
 A, B, D = quantity("vector", "a"), quantity("vector", "b"), quantity("dyadic", "d")
 C = quantity("rotation", "B", "I")
@@ -172,7 +172,7 @@ def test_every_coefficient_counts(here):
 
 
 def test_every_head_has_a_rule(here):
-    from eom import evaluate
+    from eom.worlds import evaluate
 
     assert set(evaluate._RULES) == {*HEADS, "expr", "zero", "atom"}
     assert isinstance(here.value(Term("expr", (), (sp.Integer(3),))), Series)

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from eom import InputError
-from eom.exact import TOLERANCE, number, sign, tolerance
+from eom.exact.numbers import TOLERANCE, number, sign, tolerance
 
 
 def test_floats_become_the_fractions_that_they_are():

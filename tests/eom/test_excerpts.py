@@ -4,7 +4,7 @@ import pytest
 
 import eom
 from eom.checker.graded import Graded
-from eom.checker.report_text import text, told
+from eom.checker.report.report_text import text, told
 
 
 def labels(excerpt):

@@ -33,8 +33,8 @@ from eom.exercises import (
 from eom.exercises.maxima import RESERVED, maxima, names_for
 from eom.exercises.moodle import typed_answer
 from eom.exercises.slips import SLIPS, around, names, planted
-from eom.notation import NOTATIONS
-from eom.terms import expr
+from eom.terms.terms import expr
+from eom.typeset.notation import NOTATIONS
 
 FAULTS = {"wrong", "ill-formed", "ambiguous"}
 LONG = {"inertia-of-frustum"}

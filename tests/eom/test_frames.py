@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.errors import InputError
-from eom.frames import Rotation, tilde, unit_vector, vector
-from eom.kinematics import elementary
+from eom.kinematics.coordinates import elementary
+from eom.kinematics.frames import Rotation, tilde, unit_vector, vector
 
 numbers = st.integers(-99, 99)
 triples = st.tuples(numbers, numbers, numbers)

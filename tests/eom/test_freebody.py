@@ -13,9 +13,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from eom import InputError, freebody
-from eom.freebody import H, T, classify, projection
-from eom.identity import equal
+from eom import InputError
+from eom.exact.identity import equal
+from eom.mechanics import freebody
+from eom.mechanics.freebody import H, T, classify, projection
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
 w = sp.symbols("omega_1:4", real=True)

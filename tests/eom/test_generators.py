@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom import series
-from eom.generators import world
-from eom.motions import Body, free_attitude
-from eom.series import Field, Series, Singular
-from eom.shapes import Draw, along, mirrored, shape
-from eom.turning import elementary
-from eom.worlds import LENGTH, closure
+from eom.exact import series
+from eom.exact.series import Field, Series, Singular
+from eom.worlds.generators import world
+from eom.worlds.motions import Body, free_attitude
+from eom.worlds.shapes import Draw, along, mirrored, shape
+from eom.worlds.turning import elementary
+from eom.worlds.worlds import LENGTH, closure
 
 SHAPES = ("rigid", "thin_rod", "principal_axes", "symmetric", "spin_312")
 seeds = st.integers(0, 10**6)

@@ -5,10 +5,10 @@ import math
 import pytest
 import sympy as sp
 
-from eom.generators import worlds
-from eom.terms import Equation, add, cross, dot, expr, mul, number, zero
-from eom.verification import decide
-from eom.vocabulary import quantity
+from eom.derivations.verification import decide
+from eom.terms.terms import Equation, add, cross, dot, expr, mul, number, zero
+from eom.terms.vocabulary import quantity
+from eom.worlds.generators import worlds
 
 SMALL = 1e-4
 

@@ -11,12 +11,14 @@ from scipy.integrate import solve_ivp
 from sympy.physics import mechanics as me
 
 import eom
-from eom import InputError, gyrostat, reduce
-from eom.identity import equal, is_invariant
-from eom.kinematics import attitude
-from eom.rigidbody import full_inertia
-from eom.spinning import SpinningSymmetricBody
-from eom.steady import SPIN_RATE, linearised
+from eom import InputError
+from eom.exact.identity import equal, is_invariant
+from eom.kinematics.coordinates import attitude
+from eom.mechanics import gyrostat
+from eom.mechanics.rigidbody import full_inertia
+from eom.mechanics.spinning import SpinningSymmetricBody
+from eom.mechanics.steady import SPIN_RATE, linearised
+from eom.scenes import reduce
 from eom.system import Quantity
 
 I1, I2, I3, Js_1, Js_2 = sp.symbols("I1:4 Js_1:3", positive=True)

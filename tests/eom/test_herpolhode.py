@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from eom import InputError
-from eom.freebody import OMEGA, H, T, classify
-from eom.herpolhode import (
+from eom.exact.identity import equal, vanishes
+from eom.kinematics.coordinates import quaternion
+from eom.mechanics.freebody import OMEGA, H, T, classify
+from eom.mechanics.herpolhode import (
     Herpolhode,
     herpolhode,
     herpolhode_radius,
     herpolhode_rate,
     turning_point,
 )
-from eom.identity import equal, vanishes
-from eom.kinematics import quaternion
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
 w = sp.symbols("omega_1:4", real=True)

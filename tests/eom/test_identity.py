@@ -7,7 +7,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom.identity import equal, is_invariant, vanishes
+from eom.exact.identity import equal, is_invariant, vanishes
 from eom.system import Quantity, System
 
 x, y, z, k, m = sp.symbols("x y z k m", real=True)

@@ -10,9 +10,9 @@ import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from eom import inertia
 from eom.errors import InputError
-from eom.inertia import (
+from eom.mass import inertia
+from eom.mass.inertia import (
     check_matrix,
     check_principal_moments,
     inertia_of_second_moments,

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.errors import InputError
-from eom.identity import equal
-from eom.integrals import MAX_DEGREE, antiderivative, definite
+from eom.exact.identity import equal
+from eom.exact.integrals import MAX_DEGREE, antiderivative, definite
 
 x, a, b = (sp.Symbol(n, positive=True) for n in "xab")
 phase = sp.Symbol("phase", real=True)

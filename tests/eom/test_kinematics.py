@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation as SciPyRotation
 from sympy.physics.vector import ReferenceFrame, dynamicsymbols
 
-from eom import kinematics
 from eom.errors import InputError
-from eom.frames import tilde, vector
-from eom.identity import equal
-from eom.kinematics import SEQUENCES, attitude, rotation_sequence
+from eom.exact.identity import equal
+from eom.kinematics import coordinates as kinematics
+from eom.kinematics.coordinates import SEQUENCES, attitude, rotation_sequence
+from eom.kinematics.frames import tilde, vector
 
 ANGLES = sp.symbols("psi theta phi", real=True)
 W = sp.symbols("w1:4", real=True)

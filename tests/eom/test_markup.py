@@ -5,7 +5,8 @@ from xml.etree import ElementTree
 import pytest
 import sympy as sp
 
-from eom.boxes import (
+from eom.errors import InputError
+from eom.typeset.boxes import (
     GREEK,
     STYLES,
     Accent,
@@ -23,8 +24,7 @@ from eom.boxes import (
     accented,
     symbol,
 )
-from eom.errors import InputError
-from eom.markup import (
+from eom.typeset.markup import (
     ACCENTS,
     OPERATORS,
     RENDERERS,

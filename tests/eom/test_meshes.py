@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.errors import InputError
-from eom.meshes import mesh_properties, read_mesh
-from eom.solids import mass_properties
+from eom.mass.meshes import mesh_properties, read_mesh
+from eom.mass.solids import mass_properties
 
 BOX_FACES = [
     *((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6)),

@@ -9,8 +9,8 @@ import random
 import pytest
 
 from eom.derivations import derive, names
-from eom.terms import Equation, column, cross, der, dot, integral, matmul, number, tilde, zero
-from eom.vocabulary import omega, position, quantity, unit, velocity
+from eom.terms.terms import Equation, column, cross, der, dot, integral, matmul, number, tilde, zero
+from eom.terms.vocabulary import omega, position, quantity, unit, velocity
 from tests.eom import mutants as trial
 from tests.eom import oracle
 from tests.eom.mutants import Count, edits_of, judged_steps, mutants

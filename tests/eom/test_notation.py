@@ -10,17 +10,7 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.letters import ROLES
-from eom.notation import (
-    ALIASES,
-    LETTERS,
-    NOTATIONS,
-    PLAIN,
-    notation_named,
-    write,
-    write_equation,
-)
-from eom.terms import (
+from eom.terms.terms import (
     COLUMN,
     DYADIC,
     HEADS,
@@ -50,8 +40,18 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.vocabulary import QUANTITIES, definition, mass, omega, position, quantity, unit
-from eom.writing import RULES
+from eom.terms.vocabulary import QUANTITIES, definition, mass, omega, position, quantity, unit
+from eom.typeset.letters import ROLES
+from eom.typeset.notation import (
+    ALIASES,
+    LETTERS,
+    NOTATIONS,
+    PLAIN,
+    notation_named,
+    write,
+    write_equation,
+)
+from eom.typeset.writing import RULES
 
 W = omega()
 R_C = position("dm", "C")

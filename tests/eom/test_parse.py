@@ -10,10 +10,10 @@ import sympy as sp
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from eom import parse as parser
 from eom.errors import InputError
-from eom.identity import equal
-from eom.parse import FUNCTIONS, parse
+from eom.exact.identity import equal
+from eom.scenes import parse as parser
+from eom.scenes.parse import FUNCTIONS, parse
 from tests.clock import calls
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -376,7 +376,7 @@ def test_nothing_is_evaluated(tmp_path):
     target = tmp_path / "made"
     attack = f"__import__('pathlib').Path({str(target)!r}).touch()"
     code = (
-        "from eom.parse import parse\ntry:\n"
+        "from eom.scenes.parse import parse\ntry:\n"
         f"    parse({attack!r}, {{}})\nexcept ValueError:\n    print('refused')"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from eom import InputError, gyrostat
-from eom.identity import equal
-from eom.kinematics import attitude
-from eom.precession import precession
+from eom import InputError
+from eom.exact.identity import equal
+from eom.kinematics.coordinates import attitude
+from eom.mechanics import gyrostat
+from eom.mechanics.precession import precession
 from tests.draws import nonzero
 
 I1, I2, I3, Js_1 = sp.symbols("I1:4 Js_1", positive=True)

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
-from eom.inertia import check_matrix
-from eom.principal import KINDS, TRIANGLE, definiteness, principal_axes
+from eom.mass.inertia import check_matrix
+from eom.mass.principal import KINDS, TRIANGLE, definiteness, principal_axes
 from tests.draws import nonzero
 
 x = sp.Symbol("x", real=True)

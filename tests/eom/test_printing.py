@@ -5,10 +5,11 @@ import re
 import pytest
 import sympy as sp
 
-from eom import Scene, catalogue, load_scene
+from eom import Scene, load_scene
 from eom.errors import InputError
-from eom.printing import FORMATS, show
+from eom.scenes import catalogue
 from eom.system import Definition, Quantity, System
+from eom.typeset.printing import FORMATS, show
 
 
 @pytest.mark.parametrize("name", catalogue.names())

@@ -8,12 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from eom import proof, reduce, torques
-from eom.dissipation import viscous_slug
+from eom import proof
 from eom.errors import InputError
-from eom.gyrostat import gyrostat
-from eom.kinematics import SEQUENCES, attitude
-from eom.rigidbody import full_inertia, rigid_body
+from eom.kinematics.coordinates import SEQUENCES, attitude
+from eom.mechanics import torques
+from eom.mechanics.dissipation import viscous_slug
+from eom.mechanics.gyrostat import gyrostat
+from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.scenes import reduce
 from eom.structure import form_of
 from eom.system import TIME, BodyAttitude, System
 

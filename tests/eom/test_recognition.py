@@ -6,9 +6,9 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.identity import vanishes
-from eom.kinematics import SEQUENCES, elementary, quaternion, rotation_sequence
-from eom.recognition import recognise
+from eom.exact.identity import vanishes
+from eom.kinematics.coordinates import SEQUENCES, elementary, quaternion, rotation_sequence
+from eom.mechanics.recognition import recognise
 
 a, b, c = sp.symbols("a b c", real=True)
 

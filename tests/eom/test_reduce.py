@@ -7,8 +7,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom import reduce
-from eom.reduce import Explanation, Reduction
+from eom.scenes import reduce
+from eom.scenes.reduce import Explanation, Reduction
 from eom.system import Definition, Quantity, Singularity, System
 
 a, b, c, k, d, e, t = sp.symbols("a b c k d e t", real=True)

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.errors import InputError
-from eom.frames import Rotation
-from eom.identity import equal
-from eom.mass import MassProperties
-from eom.regions import Region, X, check, properties, reduce_circles, simplex
+from eom.exact.identity import equal
+from eom.kinematics.frames import Rotation
+from eom.mass.properties import MassProperties
+from eom.mass.regions import Region, X, check, properties, reduce_circles, simplex
 
 x, y, z = X
 u, v, w, t = (sp.Symbol(n, real=True) for n in "uvwt")

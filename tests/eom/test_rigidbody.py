@@ -9,11 +9,12 @@ from scipy.integrate import solve_ivp
 from sympy.physics import mechanics as me
 
 import eom
-from eom import reduce, rigidbody, torques
-from eom.frames import vector
-from eom.identity import equal, is_invariant
-from eom.kinematics import attitude
-from eom.rigidbody import euler_equations, full_inertia, principal_inertia
+from eom.exact.identity import equal, is_invariant
+from eom.kinematics.coordinates import attitude
+from eom.kinematics.frames import vector
+from eom.mechanics import rigidbody, torques
+from eom.mechanics.rigidbody import euler_equations, full_inertia, principal_inertia
+from eom.scenes import reduce
 
 w = sp.symbols("omega_1:4", real=True)
 wd = sp.symbols("wd_1:4", real=True)

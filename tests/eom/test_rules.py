@@ -5,8 +5,9 @@ import random
 import pytest
 import sympy as sp
 
-from eom import rules
-from eom.terms import (
+from eom.derivations.verification import decide
+from eom.terms import rules
+from eom.terms.terms import (
     Equation,
     add,
     column,
@@ -28,8 +29,7 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.verification import decide
-from eom.vocabulary import mass, omega, position, quantity, unit, velocity
+from eom.terms.vocabulary import mass, omega, position, quantity, unit, velocity
 
 A, B, V = (quantity("vector", n) for n in "abv")
 D, J = quantity("dyadic", "d"), quantity("inertia", "C")

@@ -9,12 +9,12 @@ import pytest
 import sympy as sp
 
 import codegen
-from eom import catalogue, start
 from eom.errors import AssumptionError, InputError
-from eom.identity import equal
-from eom.reduce import cost
-from eom.scene import Scene
-from eom.scene_files import MAX_FILE_BYTES
+from eom.exact.identity import equal
+from eom.scenes import catalogue, start
+from eom.scenes.reduce import cost
+from eom.scenes.scene import Scene
+from eom.scenes.scene_files import MAX_FILE_BYTES
 
 MOMENTS = {"moments": [1.0, 2.0, 2.5]}
 WHEEL = {"moments": [0.06, 0.12]}
@@ -235,13 +235,13 @@ def run(system, scene, t_end=2.0):
 
 
 def scene_start(scene):
-    from eom import start
+    from eom.scenes import start
 
     return start.states(scene, scene.full_system)
 
 
 def scene_constants(scene):
-    from eom import start
+    from eom.scenes import start
 
     return start.constants(scene)
 
@@ -861,7 +861,7 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_no_parameter_can_take_a_name_of_the_model(name):
     """Whatever a model calls its definitions and outputs is refused as a parameter's name."""
-    from eom.assembly import MODEL_NAMES
+    from eom.scenes.assembly import MODEL_NAMES
 
     system = SCENES[name].full_system
     named = {*system.output_names, *(d.name for d in system.definitions)}

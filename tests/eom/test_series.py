@@ -9,9 +9,9 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom import series
 from eom.errors import InputError
-from eom.series import PRIME, Field, Series, Singular
+from eom.exact import series
+from eom.exact.series import PRIME, Field, Series, Singular
 
 LENGTH = 6
 FIELDS = (Field(0), Field(), Field(1009))

@@ -9,14 +9,14 @@ import pytest
 import sympy as sp
 
 from eom import derivations
-from eom.derivation import Maker
+from eom.derivations.derivation import Maker
+from eom.derivations.showing import FORMATS, chains, show_derivation
 from eom.errors import InputError
-from eom.notation import NOTATIONS
-from eom.rigidbody import free_rigid_body
-from eom.rules import transport
-from eom.showing import FORMATS, chains, show_derivation
-from eom.terms import Equation, cross, der, dot, entries, mul, number
-from eom.vocabulary import mass, omega, position, quantity
+from eom.mechanics.rigidbody import free_rigid_body
+from eom.terms.rules import transport
+from eom.terms.terms import Equation, cross, der, dot, entries, mul, number
+from eom.terms.vocabulary import mass, omega, position, quantity
+from eom.typeset.notation import NOTATIONS
 
 V = quantity("vector", "v")
 M = sp.Symbol("mass_1", positive=True)

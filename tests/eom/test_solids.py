@@ -11,21 +11,14 @@ import pytest
 import sympy as sp
 from sympy.core.cache import clear_cache
 
-from eom import solids
 from eom.errors import InputError
-from eom.identity import equal
-from eom.inertia import check_matrix, check_principal_moments
-from eom.regions import check, properties
-from eom.scene import Scene
-from eom.solids import (
-    CENTRE,
-    SOLIDS,
-    check_sizes,
-    inertia,
-    mass_properties,
-    principal_moments,
-)
-from eom.start import constants
+from eom.exact.identity import equal
+from eom.mass import solids
+from eom.mass.inertia import check_matrix, check_principal_moments
+from eom.mass.regions import check, properties
+from eom.mass.solids import CENTRE, SOLIDS, check_sizes, inertia, mass_properties, principal_moments
+from eom.scenes.scene import Scene
+from eom.scenes.start import constants
 from tests.clock import calls
 
 m, a, b, c, r, h, r1, r2, H, B, T, R, q = (

@@ -4,10 +4,9 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.numerals import differs, inexact, real_point, without_rates
-from eom.rigidbody import free_rigid_body, heavy_top
-from eom.series import PRIME, Singular
-from eom.solutions import (
+from eom.exact.numerals import differs, inexact, real_point, without_rates
+from eom.exact.series import PRIME, Singular
+from eom.exact.solutions import (
     ENDLESS,
     FIELD,
     Inconsistent,
@@ -17,7 +16,8 @@ from eom.solutions import (
     rate,
     spread,
 )
-from eom.spinning import lecture_torque
+from eom.mechanics.rigidbody import free_rigid_body, heavy_top
+from eom.mechanics.spinning import lecture_torque
 from eom.system import Quantity, System
 
 x, v, k, m, a = sp.symbols("x v k m a", real=True)

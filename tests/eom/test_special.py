@@ -4,11 +4,11 @@ from itertools import islice
 
 import sympy as sp
 
-from eom import series
-from eom.evaluate import Evaluator
-from eom.special import FIRST_CASES, specials
-from eom.terms import Equation, der, dot, zero
-from eom.vocabulary import omega, position, quantity, unit
+from eom.exact import series
+from eom.terms.terms import Equation, der, dot, zero
+from eom.terms.vocabulary import omega, position, quantity, unit
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.special import FIRST_CASES, specials
 
 H = quantity("angular_momentum", "body", "C")
 M = quantity("torque", "body", "C")

@@ -10,10 +10,10 @@ import sympy as sp
 from sympy.physics import mechanics as me
 
 import eom
-from eom import spinning
-from eom.frames import vector
-from eom.identity import equal
-from eom.spinning import SpinningSymmetricBody, lecture_torque
+from eom.exact.identity import equal
+from eom.kinematics.frames import vector
+from eom.mechanics import spinning
+from eom.mechanics.spinning import SpinningSymmetricBody, lecture_torque
 from eom.system import TIME, Quantity
 
 psi, theta, phi, psi_dot, theta_dot, Omega, C = (

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
-from eom.frames import vector
-from eom.identity import equal
-from eom.rigidbody import OMEGA, free_rigid_body, full_inertia
-from eom.steady import (
+from eom.exact.identity import equal
+from eom.kinematics.frames import vector
+from eom.mechanics.rigidbody import OMEGA, free_rigid_body, full_inertia
+from eom.mechanics.steady import (
     constant_rate,
     constant_rate_counterexamples,
     hurwitz_determinants,

@@ -13,11 +13,11 @@ import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from eom.exact import sign
-from eom.identity import equal
-from eom.kinematics import attitude
-from eom.principal import principal_axes
-from eom.symmetric import PrincipalAxes, exact_axes
+from eom.exact.identity import equal
+from eom.exact.numbers import sign
+from eom.kinematics.coordinates import attitude
+from eom.mass.principal import principal_axes
+from eom.mass.symmetric import PrincipalAxes, exact_axes
 
 a, b, c, d, e, f = sp.symbols("a b c d e f", real=True)
 whole = st.integers(-9, 9)

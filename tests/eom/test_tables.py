@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 import eom
-from eom import printing
 from eom.errors import InputError
 from eom.tables import TableFunction
+from eom.typeset import printing
 
 x, y = sp.symbols("x y", real=True)
 KINDS = ("linear", "cubic", "pchip")

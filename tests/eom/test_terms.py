@@ -11,9 +11,9 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eom import terms
 from eom.errors import InputError
-from eom.terms import (
+from eom.terms import terms
+from eom.terms.terms import (
     HEADS,
     add,
     column,
@@ -41,7 +41,7 @@ from eom.terms import (
     transpose,
     zero,
 )
-from eom.vocabulary import mass, position, quantity
+from eom.terms.vocabulary import mass, position, quantity
 
 A, B = quantity("vector", "a"), quantity("vector", "b")
 D = quantity("dyadic", "d")
@@ -235,8 +235,8 @@ def test_terms_are_found_again_in_another_process():
     hash(term)
     code = (
         "import pickle, sys\n"
-        "from eom.terms import add, total\n"
-        "from eom.vocabulary import position, quantity\n"
+        "from eom.terms.terms import add, total\n"
+        "from eom.terms.vocabulary import position, quantity\n"
         "given = pickle.loads(sys.stdin.buffer.read())\n"
         "force = quantity('internal_force', 'i', 'j')\n"
         "assert given in {add(total(force, 'j'), position('j'))}\n"

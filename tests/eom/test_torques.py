@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eom import torques
-from eom.identity import equal
-from eom.kinematics import SEQUENCES, attitude
-from eom.rigidbody import full_inertia, principal_inertia
+from eom.exact.identity import equal
+from eom.kinematics.coordinates import SEQUENCES, attitude
+from eom.mechanics import torques
+from eom.mechanics.rigidbody import full_inertia, principal_inertia
 
 n = sp.Symbol("n", positive=True)
 
@@ -25,7 +25,7 @@ def expanded(torque):
 
 def power_of_potential(chosen, potential, omega):
     """d(potential)/dt while B turns at ``omega`` relative to A."""
-    from eom.frames import vector
+    from eom.kinematics.frames import vector
 
     rates = chosen.rates(vector("B", omega))
     symbols = [q.symbol for q in chosen.coordinates]

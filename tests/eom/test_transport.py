@@ -6,10 +6,15 @@ import pytest
 import sympy as sp
 from sympy.physics.vector import ReferenceFrame, dynamicsymbols
 
-from eom.frames import vector
-from eom.identity import equal
-from eom.kinematics import rotation_sequence
-from eom.transport import first_derivative, local_derivative, second_derivative, time_derivative
+from eom.exact.identity import equal
+from eom.kinematics.coordinates import rotation_sequence
+from eom.kinematics.frames import vector
+from eom.kinematics.transport import (
+    first_derivative,
+    local_derivative,
+    second_derivative,
+    time_derivative,
+)
 
 T = sp.Symbol("t", real=True)
 V = sp.symbols("v1:4", real=True)

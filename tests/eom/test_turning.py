@@ -6,13 +6,13 @@ import random
 
 import pytest
 
-from eom import series
-from eom.generators import worlds
-from eom.motions import any_turn, fixed_turn
-from eom.series import Field, Series
-from eom.shapes import Draw
-from eom.turning import about_axis, angle, composed, reversed_, sequence
-from eom.worlds import SEQUENCES, closure
+from eom.exact import series
+from eom.exact.series import Field, Series
+from eom.worlds.generators import worlds
+from eom.worlds.motions import any_turn, fixed_turn
+from eom.worlds.shapes import Draw
+from eom.worlds.turning import about_axis, angle, composed, reversed_, sequence
+from eom.worlds.worlds import SEQUENCES, closure
 
 SEEDS = range(4)
 

@@ -4,12 +4,10 @@ import string
 
 import pytest
 
+from eom.derivations.verification import decide
 from eom.errors import InputError
-from eom.evaluate import Evaluator
-from eom.generators import world
-from eom.terms import Equation, add, cross, der, dot, integral, mul, number, total, zero
-from eom.verification import decide
-from eom.vocabulary import (
+from eom.terms.terms import Equation, add, cross, der, dot, integral, mul, number, total, zero
+from eom.terms.vocabulary import (
     QUANTITIES,
     definition,
     mass,
@@ -22,7 +20,9 @@ from eom.vocabulary import (
     velocity,
     words,
 )
-from eom.worlds import closure
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.generators import world
+from eom.worlds.worlds import closure
 
 LABELS = {
     "mass": ["i"], "position": ["i", "O"], "force": ["i"], "internal_force": ["i", "j"],

@@ -4,14 +4,26 @@ from itertools import combinations
 
 import pytest
 
-from eom import series
+from eom.derivations.verification import decide
 from eom.errors import InputError
-from eom.generators import world, worlds
-from eom.series import Series
-from eom.terms import Equation, add, column, cross, der, dot, integral, mul, number, outer, zero
-from eom.verification import decide
-from eom.vocabulary import mass, omega, position, quantity, unit, velocity
-from eom.worlds import ASSUMPTIONS, closure
+from eom.exact import series
+from eom.exact.series import Series
+from eom.terms.terms import (
+    Equation,
+    add,
+    column,
+    cross,
+    der,
+    dot,
+    integral,
+    mul,
+    number,
+    outer,
+    zero,
+)
+from eom.terms.vocabulary import mass, omega, position, quantity, unit, velocity
+from eom.worlds.generators import world, worlds
+from eom.worlds.worlds import ASSUMPTIONS, closure
 
 NOUGHT = zero("vector")
 B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))

@@ -8,11 +8,11 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import typed
+from eom.multibody.algebra.scalars import is_zero, sub
+from eom.multibody.algebra.spatial import Vector, times, transposed
 from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
 from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.model import Tree
-from eom.multibody.scalars import is_zero, sub
-from eom.multibody.spatial import Vector, times, transposed
+from eom.multibody.model.model import Tree
 
 Expr = Any
 

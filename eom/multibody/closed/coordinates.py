@@ -8,8 +8,8 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, near_matches
-from eom.multibody.model import Tree
-from eom.multibody.values import is_number
+from eom.multibody.algebra.values import is_number
+from eom.multibody.model.model import Tree
 from eom.system import TIME, Quantity
 
 Expr = Any

@@ -9,8 +9,10 @@ from typing import Any
 
 import sympy as sp
 
+from eom.derivations.verification import DerivationError
 from eom.errors import InputError, typed, unknown_name
-from eom.identity import equal
+from eom.exact.identity import equal
+from eom.multibody.algebra.values import is_number
 from eom.multibody.closed.angles import runs
 from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.kane import Kane
@@ -20,11 +22,9 @@ from eom.multibody.closed.newton_euler import NewtonEuler
 from eom.multibody.closed.polynomials import terms_of
 from eom.multibody.closed.readable import Writer
 from eom.multibody.closed.terms import KINDS, Part, factor, parts
-from eom.multibody.model import Tree
-from eom.multibody.names import inputs_of, singularities_of
-from eom.multibody.values import is_number
+from eom.multibody.model.model import Tree
+from eom.multibody.model.names import inputs_of, singularities_of
 from eom.system import TIME, Definition, Quantity, System, as_expression
-from eom.verification import DerivationError
 
 Expr = Any
 

@@ -12,11 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from eom.multibody.closed.contributions import Contribution
-from eom.multibody.closed.mechanism import Mechanism
-from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.scalars import is_zero, negative
-from eom.multibody.spatial import (
+from eom.multibody.algebra.scalars import is_zero, negative
+from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
@@ -29,6 +26,9 @@ from eom.multibody.spatial import (
     scaled,
     times,
 )
+from eom.multibody.closed.contributions import Contribution
+from eom.multibody.closed.mechanism import Mechanism
+from eom.multibody.closed.polynomials import Scalar
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import MISSING, fields
 from typing import Any
 
 from eom.errors import InputError
-from eom.multibody.model import Body, Joint, Load, Placement, Tree
+from eom.multibody.model.model import Body, Joint, Load, Placement, Tree
 
 KNOWN: dict[type, frozenset[str]] = {
     Tree: frozenset({"name", "bodies", "joints", "gravity", "loads", "inputs", "parameters"}),

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from eom.multibody.closed.contributions import Contribution
-from eom.multibody.closed.mechanism import Link, Mechanism
-from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.scalars import is_zero, negative
-from eom.multibody.spatial import (
+from eom.derivations.verification import DerivationError
+from eom.multibody.algebra.scalars import is_zero, negative
+from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
@@ -31,7 +29,9 @@ from eom.multibody.spatial import (
     times,
     transposed,
 )
-from eom.verification import DerivationError
+from eom.multibody.closed.contributions import Contribution
+from eom.multibody.closed.mechanism import Link, Mechanism
+from eom.multibody.closed.polynomials import Scalar
 
 HALF = Fraction(1, 2)
 

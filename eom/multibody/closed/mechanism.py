@@ -15,13 +15,8 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.multibody.closed.coordinates import dotted, new_coordinates, q_dot
-from eom.multibody.closed.known import refuse_unknown
-from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
-from eom.multibody.joints import QUATERNION, Setting
-from eom.multibody.model import GROUND, Joint, Load, Tree
-from eom.multibody.scalars import is_zero, negative
-from eom.multibody.spatial import (
+from eom.multibody.algebra.scalars import is_zero, negative
+from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
@@ -33,7 +28,12 @@ from eom.multibody.spatial import (
     times,
     transposed,
 )
-from eom.multibody.values import is_number
+from eom.multibody.algebra.values import is_number
+from eom.multibody.closed.coordinates import dotted, new_coordinates, q_dot
+from eom.multibody.closed.known import refuse_unknown
+from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
+from eom.multibody.model.joints import QUATERNION, Setting
+from eom.multibody.model.model import GROUND, Joint, Load, Tree
 from eom.system import Quantity, as_expression
 
 Expr = Any

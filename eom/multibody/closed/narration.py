@@ -11,14 +11,14 @@ from typing import Any
 
 import sympy as sp
 
-from eom.boxes import Box, Fraction, Operator, Row, Scripts, Symbol, Words, symbol
+from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.closed.forms import ClosedForm
 from eom.multibody.closed.kane import Kane
 from eom.multibody.closed.lagrange import Lagrange
 from eom.multibody.closed.newton_euler import NewtonEuler
 from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
 from eom.multibody.closed.readable import content
-from eom.multibody.scalars import is_zero
+from eom.typeset.boxes import Box, Fraction, Operator, Row, Scripts, Symbol, Words, symbol
 
 Expr = Any
 Value = Expr | tuple[Expr, ...]

@@ -14,11 +14,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from eom.multibody.closed.contributions import Contribution
-from eom.multibody.closed.mechanism import Mechanism
-from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.scalars import is_zero
-from eom.multibody.spatial import (
+from eom.multibody.algebra.scalars import is_zero
+from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
@@ -33,6 +30,9 @@ from eom.multibody.spatial import (
     times,
     transposed,
 )
+from eom.multibody.closed.contributions import Contribution
+from eom.multibody.closed.mechanism import Mechanism
+from eom.multibody.closed.polynomials import Scalar
 
 
 class Moved(NamedTuple):

@@ -7,7 +7,14 @@ from typing import Any
 
 import sympy as sp
 
-from eom.blocks import (
+from eom.derivations.showing import FORMATS
+from eom.errors import typed, unknown_name
+from eom.multibody.closed.coordinates import dotted
+from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
+from eom.multibody.closed.narration import Stage, Value, stages
+from eom.multibody.closed.terms import KINDS
+from eom.multibody.model.model import Tree
+from eom.typeset.blocks import (
     EQUALS,
     Block,
     Bullets,
@@ -21,23 +28,16 @@ from eom.blocks import (
     Table,
     broken,
 )
-from eom.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symbol
-from eom.errors import typed, unknown_name
-from eom.markup import render
-from eom.multibody.closed.coordinates import dotted
-from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
-from eom.multibody.closed.narration import Stage, Value, stages
-from eom.multibody.closed.terms import KINDS
-from eom.multibody.model import Tree
-from eom.showing import FORMATS
-from eom.writing import expression_pieces
+from eom.typeset.boxes import Box, Fence, Formula, Grid, Operator, Row, Words, row, symbol
+from eom.typeset.markup import render
+from eom.typeset.writing import expression_pieces
 
 Expr = Any
 Names = dict[Expr, Expr]
 
 
 def show(given: ClosedForm | Comparison, style: str = "text") -> str:
-    """Return a page in a format of `eom.showing.FORMATS`. Raises `InputError` for others."""
+    """Return a page in a format of `eom.derivations.showing.FORMATS`. Raises `InputError` for others."""
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
     return FORMATS[style](list(blocks(given)))
@@ -53,9 +53,9 @@ def tree_page(
 ) -> str:
     """Return the page of a tree by one of `METHODS`, or by all of them side by side.
 
-    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.showing.FORMATS`: text, latex,
-    markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and sources. Raises
-    `InputError` for unknown methods and formats, else as `compare`.
+    ``method``: a row of `METHODS`, or ``all``. ``style``: a format of `eom.derivations.showing.FORMATS`:
+    text, latex, markdown or html. ``coordinates``: as of `closed_form`, as are units, frames, signs and
+    sources. Raises `InputError` for unknown methods and formats, else as `compare`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")

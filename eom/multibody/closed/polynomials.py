@@ -3,7 +3,7 @@
 A generator is a SymPy expression: a symbol, the sine or cosine of one angle, a function that nothing is
 known of. Of the sine and cosine of an angle one is kept, and the square of the other is 1 less the
 square of the kept; the square of the scalar part of a unit quaternion is 1 less those of the others. Kept
-generators may have negative powers. The operators are those that `eom.multibody.scalars` asks for;
+generators may have negative powers. The operators are those that `eom.multibody.algebra.scalars` asks for;
 zero and other constants are plain numbers.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.multibody.values import value
+from eom.multibody.algebra.values import value
 
 Expr = Any
 Number = int | Fraction

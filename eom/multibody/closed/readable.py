@@ -3,7 +3,7 @@
 A polynomial in sines and cosines is written in several ways (as it is, with other squares replaced, over
 sums of angles, as a Fourier sum) and the shortest is taken; then coefficients of equal functions are
 gathered and shared factors taken out. That the result equals the polynomial is tested by
-`eom.identity`, which knows nothing of these ways.
+`eom.exact.identity`, which knows nothing of these ways.
 """
 
 from __future__ import annotations
@@ -15,16 +15,9 @@ from typing import Any
 
 import sympy as sp
 
-from eom.identity import equal
-from eom.multibody.closed.polynomials import (
-    Algebra,
-    Monomial,
-    Number,
-    Scalar,
-    Terms,
-    terms_of,
-)
-from eom.verification import DerivationError
+from eom.derivations.verification import DerivationError
+from eom.exact.identity import equal
+from eom.multibody.closed.polynomials import Algebra, Monomial, Number, Scalar, Terms, terms_of
 
 Expr = Any
 Sum = list[tuple[Number, Expr]]

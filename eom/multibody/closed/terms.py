@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.mechanism import Mechanism
 from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar
-from eom.multibody.scalars import is_zero
 
 Expr = Any
 HALF = Fraction(1, 2)

@@ -7,14 +7,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
-from eom import pages, printing
-from eom.blocks import Block, Display, Heading, Line
-from eom.boxes import row
-from eom.notation import NOTATIONS, Notation, equation_parts
 from eom.system import System
-from eom.terms import VECTOR, Equation, Term, add, cross, der, dot, zero
+from eom.terms.terms import VECTOR, Equation, Term, add, cross, der, dot, zero
+from eom.terms.vocabulary import omega, quantity
+from eom.typeset import pages, printing
+from eom.typeset.blocks import Block, Display, Heading, Line
+from eom.typeset.boxes import row
+from eom.typeset.notation import NOTATIONS, Notation, equation_parts
 from eom.views.live.subject import Subject, Variant
-from eom.vocabulary import omega, quantity
 
 SECTIONS = ("Definitions", "Equations of motion", "Constants of the motion", "Singular where")
 """What is shown of a system's page, by how the headings begin."""

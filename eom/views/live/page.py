@@ -10,15 +10,15 @@ import html
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from eom.boxes import symbol
 from eom.errors import InputError
-from eom.markup import render
-from eom.multibody.scene import TreeScene
+from eom.multibody.files.scene import TreeScene
 from eom.opening import AnyScene
 from eom.system import Definition
+from eom.typeset.boxes import symbol
+from eom.typeset.markup import render
+from eom.typeset.policy import hashed, policy
 from eom.views.live import code, equations, single, trees
 from eom.views.live.subject import Choice, Knob, Subject, Switch
-from eom.views.policy import hashed, policy
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0

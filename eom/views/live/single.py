@@ -1,8 +1,8 @@
 """A scene of one body as a live page needs it.
 
 What can be left out: all torque, the difference of two moments of inertia, single parameters of the
-torque. Each choice is a scene of its own that goes through the passes of `eom.assembly`; their values play
-no part but for which moments are equal, so that every right-hand side holds for all values.
+torque. Each choice is a scene of its own that goes through the passes of `eom.scenes.assembly`; their
+values play no part but for which moments are equal, so that every right-hand side holds for all values.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Any
 
 import sympy as sp
 
-from eom import assembly, parse, start
-from eom.conventions import attitude_at_start
-from eom.description import inertia_values, principal_values
 from eom.errors import InputError
-from eom.frames import vector
-from eom.kinematics import SEQUENCES, attitude, elementary
-from eom.rigidbody import OMEGA, full_inertia
-from eom.rotations import angles_of_matrix, matrix_of
-from eom.scene import Scene
-from eom.spinning import I1, I2, PHI, PSI, THETA
+from eom.kinematics.coordinates import SEQUENCES, attitude, elementary
+from eom.kinematics.frames import vector
+from eom.kinematics.rotations import angles_of_matrix, matrix_of
+from eom.mechanics.rigidbody import OMEGA, full_inertia
+from eom.mechanics.spinning import I1, I2, PHI, PSI, THETA
+from eom.scenes import assembly, parse, start
+from eom.scenes.conventions import attitude_at_start
+from eom.scenes.description import inertia_values, principal_values
+from eom.scenes.scene import Scene
 from eom.system import TIME, Definition, Quantity, System
 from eom.views.live.knobs import knob, of_states
 from eom.views.live.subject import MOST_SWITCHES, VIEW, Data, Knob, Subject, Switch, Variant

@@ -15,13 +15,13 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.multibody.derive import derive
-from eom.multibody.model import Tree
-from eom.multibody.points import Point
-from eom.multibody.scene import TreeScene
-from eom.multibody.tally import savings
-from eom.multibody.values import is_number
-from eom.reduce import cost
+from eom.multibody.algebra.values import is_number
+from eom.multibody.files.scene import TreeScene
+from eom.multibody.model.model import Tree
+from eom.multibody.recursion.points import Point
+from eom.multibody.recursion.tally import savings
+from eom.multibody.system.derive import derive
+from eom.scenes.reduce import cost
 from eom.system import Definition, Quantity, System, as_expression
 from eom.views.live.knobs import knob, of_states
 from eom.views.live.subject import VIEW, Knob, Subject, Switch, Variant

@@ -7,7 +7,7 @@ relations ``a = b``; ``D(r)/t@I`` a derivative in frame I; ``int_B(f; m)``; ``a 
 ``frac(a, b)``; what is missing ``?``.
 """
 
-from eom.checker import syntax as s
+from eom.checker.read import syntax as s
 
 STYLES = {"": "", "bold": "*", "roman": "rm:", "calligraphic": "cal:", "blackboard": "bb:"}
 OPERATORS = {"": " ", "dot": " . ", "cross": " x ", "tensor": " (x) ", "circle": " o "}

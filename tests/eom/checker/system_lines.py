@@ -7,11 +7,11 @@ import random
 
 import sympy as sp
 
-from eom.checker.documents import read_document
-from eom.checker.model import load_model, printed
-from eom.checker.notes import understand
-from eom.checker.verdicts import verdict
-from eom.markup import symbol_latex
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.model import load_model, printed
+from eom.checker.read.documents import read_document
+from eom.typeset.markup import symbol_latex
 
 
 def judged(lexicon, *lines):

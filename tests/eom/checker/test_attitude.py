@@ -5,11 +5,11 @@ import itertools
 import pytest
 import sympy as sp
 
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import PRESETS, parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.propose import propose
-from eom.checker.verdicts import verdict
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import PRESETS, parse_lexicon
+from eom.checker.mean.propose import propose
+from eom.checker.read.documents import read_document
 from tests.eom.checker.attitudes import ANGLES, SCHAUB, STILL_TRUE, TRUE, mutants
 
 SEQUENCES = [

@@ -2,12 +2,12 @@
 
 import pytest
 
-from eom.checker.chains import judge_chain
-from eom.checker.documents import read_document
-from eom.checker.judge import HOLDS, UNDER, WRONG
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.verdicts import verdict
+from eom.checker.judge.chains import judge_chain
+from eom.checker.judge.judge import HOLDS, UNDER, WRONG
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.read.documents import read_document
 
 LEXICON = parse_lexicon(
     r"""

@@ -9,16 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import eom
-from eom.checker import checking
-from eom.checker.checking import Found, check_note, one_by_one
-from eom.checker.documents import read_document
 from eom.checker.explanation import Explanation
-from eom.checker.inputs import Text, is_file, looks_like, note_of, notes_of
-from eom.checker.origins import meanings
-from eom.checker.places import NOWHERE
-from eom.checker.propose import propose
-from eom.checker.report import FAULTS, ORDER
-from eom.checker.roles import roles
+from eom.checker.mean.origins import meanings
+from eom.checker.mean.propose import propose
+from eom.checker.mean.roles import roles
+from eom.checker.note import checking
+from eom.checker.note.checking import Found, check_note, one_by_one
+from eom.checker.read.documents import read_document
+from eom.checker.read.inputs import Text, is_file, looks_like, note_of, notes_of
+from eom.checker.read.places import NOWHERE
+from eom.checker.reports import FAULTS, ORDER
 from eom.checker.settings import Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
@@ -325,7 +325,7 @@ def test_passes_add_to_findings_and_leave_them_where_they_take_too_long(monkeypa
 
 
 def test_every_verdict_is_in_the_order():
-    from eom.checker import verdicts
+    from eom.checker.judge import verdicts
 
     assert set(ORDER) == {*verdicts.ORDER, verdicts.NONE}
     assert FAULTS == verdicts.GRAVE

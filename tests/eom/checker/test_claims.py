@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, claims, defined
-from eom.checker.grammar import read_formula
-from eom.checker.lexicon_files import parse_lexicon, preset
-from eom.checker.places import ReadingError
-from eom.checker.statements import split
-from eom.terms import Equation, column, zero
-from eom.verification import decide
+from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, claims, defined
+from eom.checker.mean.lexicon_files import parse_lexicon, preset
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.places import ReadingError
+from eom.checker.read.statements import split
+from eom.derivations.verification import decide
+from eom.terms.terms import Equation, column, zero
 from tests.clock import calls
 
 RIGID = ("body_frame", "newton_2", "third_law_strong")

@@ -5,11 +5,11 @@ import random
 import pytest
 import sympy as sp
 
-from eom import catalogue
-from eom.checker.code import argument_names, compare, points
-from eom.checker.model import BUILTIN, load_model, model_of
-from eom.checker.numbers import Numbers
+from eom.checker.code.comparison import argument_names, compare, points
+from eom.checker.judge.numbers import Numbers
+from eom.checker.mean.model import BUILTIN, load_model, model_of
 from eom.errors import InputError
+from eom.scenes import catalogue
 from tests.eom.checker.system_lines import is_same, slips
 from tests.eom.test_solutions import cart
 

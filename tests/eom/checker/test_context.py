@@ -4,14 +4,14 @@ import json
 
 import pytest
 
-from eom.checker.consequences import follows
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.phrases import NOTE, PARAGRAPH, SECTION, letters, said
-from eom.checker.remarks import KINDS, NOUNS
-from eom.checker.review import review
-from eom.worlds import ASSUMPTIONS, closure
+from eom.checker.assume.phrases import NOTE, PARAGRAPH, SECTION, letters, said
+from eom.checker.judge.consequences import follows
+from eom.checker.judge.notes import understand
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.note.remarks import KINDS, NOUNS
+from eom.checker.note.review import review
+from eom.checker.read.documents import read_document
+from eom.worlds.worlds import ASSUMPTIONS, closure
 from tests.clock import growth_within
 from tests.eom.checker.test_claims import claimed
 

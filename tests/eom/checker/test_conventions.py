@@ -2,7 +2,7 @@
 
 import pytest
 
-from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.mean.lexicon_files import parse_lexicon
 from tests.eom.checker.attitudes import BOLD, HUGHES, KANE, SCHAUB
 from tests.eom.checker.test_explaining import wrong
 

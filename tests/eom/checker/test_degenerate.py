@@ -2,10 +2,10 @@
 
 import pytest
 
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.verdicts import verdict
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.read.documents import read_document
 
 LEXICON = parse_lexicon(r"""
 preset = "arrow-tilde"

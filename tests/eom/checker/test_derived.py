@@ -5,11 +5,11 @@ from click.testing import CliRunner
 
 import eom
 from eom.__main__ import main
-from eom.checker.derived import PRESETS, front_matter
-from eom.checker.lexicon_files import lexicon_for
+from eom.checker.mean.lexicon_files import lexicon_for
+from eom.checker.note.derived import PRESETS, front_matter
 from eom.derivations import derive
-from eom.notation import NOTATIONS
-from eom.showing import show_derivation
+from eom.derivations.showing import show_derivation
+from eom.typeset.notation import NOTATIONS
 
 READ = {
     "point-mass": 0,

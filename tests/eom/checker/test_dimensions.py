@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eom.checker.dimensions import NONE, QUANTITY_DIMENSIONS, Dimension, dimension, of_quantity
+from eom.checker.mean.dimensions import NONE, QUANTITY_DIMENSIONS, Dimension, dimension, of_quantity
 from eom.errors import InputError
-from eom.vocabulary import QUANTITIES
+from eom.terms.vocabulary import QUANTITIES
 
 ANYTHING = {"scalar", "vector", "fixed_vector", "dyadic"}
 powers = st.integers(-6, 6)

@@ -4,9 +4,9 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import edits
-from eom.checker.grammar import read_formula
-from eom.checker.verdicts import Verdict
-from eom.checker.writing import latex
+from eom.checker.judge.verdicts import Verdict
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.writing import latex
 
 
 @pytest.fixture(scope="module")

@@ -8,18 +8,18 @@ import pytest
 from benchmarks.correcting import GIVEN, explained, line_of, same
 from benchmarks.edits import Original, undone
 from benchmarks.edits import edits as tree_edits
-from eom.checker.documents import read_document
-from eom.checker.explaining import explain
 from eom.checker.explanation import UNEXPLAINED
-from eom.checker.grammar import read_formula
-from eom.checker.judge import HOLDS, UNDER
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import reread, understand
-from eom.checker.offers import Palette
-from eom.checker.paths import NOTHING, at, find, places, put, set_down
-from eom.checker.slips import SLIPS, edits
-from eom.checker.verdicts import GRAVE, verdict
-from eom.checker.writing import latex
+from eom.checker.judge.judge import HOLDS, UNDER
+from eom.checker.judge.notes import reread, understand
+from eom.checker.judge.verdicts import GRAVE, verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.read.documents import read_document
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.paths import NOTHING, at, find, places, put, set_down
+from eom.checker.read.writing import latex
+from eom.checker.repair.explaining import explain
+from eom.checker.repair.offers import Palette
+from eom.checker.repair.slips import SLIPS, edits
 from tests.eom.checker.true_lines import ARROWS, NOTES, UNDERLINES
 
 LINES = [(lexicon, note, k) for lexicon, note in NOTES for k in range(len(note))]

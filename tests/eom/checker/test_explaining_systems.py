@@ -5,14 +5,14 @@ from itertools import islice
 
 import pytest
 
-from eom.checker.documents import read_document
-from eom.checker.explaining import explain
-from eom.checker.grammar import read_formula
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import reread, understand
-from eom.checker.systems import equations
-from eom.checker.verdicts import GRAVE, verdict
-from eom.solutions import rate
+from eom.checker.judge.notes import reread, understand
+from eom.checker.judge.systems import equations
+from eom.checker.judge.verdicts import GRAVE, verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.read.documents import read_document
+from eom.checker.read.grammar import read_formula
+from eom.checker.repair.explaining import explain
+from eom.exact.solutions import rate
 from tests.eom.checker.system_lines import left_side, load_model, names_of, slips
 from tests.eom.checker.test_systems import TOP, latex, lexicon
 

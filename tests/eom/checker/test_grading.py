@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 
 import eom
-from eom.checker import grading
-from eom.checker.checking import grade
 from eom.checker.explanation import Correction, Counterexample, Explanation
 from eom.checker.graded import Graded
-from eom.checker.inputs import Text
-from eom.checker.places import Source, Span
-from eom.checker.report import ORDER, Finding, Remark, Report
-from eom.checker.report_data import COLUMNS, to_csv, to_json, to_table_json
-from eom.checker.report_text import shown, text, told, total
+from eom.checker.note import grading
+from eom.checker.note.checking import grade
+from eom.checker.read.inputs import Text
+from eom.checker.read.places import Source, Span
+from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
+from eom.checker.report.report_text import shown, text, told, total
+from eom.checker.reports import ORDER, Finding, Remark, Report
 from eom.checker.settings import Settings
 from eom.errors import InputError
 
@@ -82,7 +82,7 @@ def test_what_cannot_be_used_is_refused_before_a_process_starts(monkeypatch):
 
 
 def test_no_note_ends_the_checking_of_others(monkeypatch):
-    from eom.checker import checking
+    from eom.checker.note import checking
 
     def broken(*_):
         raise KeyError("seed")
@@ -129,7 +129,7 @@ NOTES = (Graded("n.md", REPORT), Graded("=cmd|x.md", None, "the file is binary")
 
 def validate(data):
     jsonschema = pytest.importorskip("jsonschema")
-    file = resources.files("eom.checker") / "report.schema.json"
+    file = resources.files("eom.checker.report") / "report.schema.json"
     schema = json.loads(file.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     jsonschema.Draft202012Validator(schema).validate(data)

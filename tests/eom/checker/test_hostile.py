@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks import hostile
-from eom.checker.lexicon_files import preset
+from eom.checker.mean.lexicon_files import preset
 
 
 def test_hostile_inputs_of_all_kinds():

@@ -5,12 +5,12 @@ import json
 import pytest
 import sympy as sp
 
-from eom.checker.checking import check
-from eom.checker.proposition_words import Formulas, clause
-from eom.checker.propositions import truth
-from eom.checker.quantified import quantified
-from eom.checker.stability import stability
-from eom.special import specials
+from eom.checker.note.checking import check
+from eom.checker.prose_claims.proposition_words import Formulas, clause
+from eom.checker.prose_claims.propositions import truth
+from eom.checker.prose_claims.quantified import quantified
+from eom.checker.prose_claims.stability import stability
+from eom.worlds.special import specials
 
 NOTHING = Formulas({}, {}, {})
 
@@ -186,11 +186,11 @@ def test_stability_of_other_bodies_is_not_judged():
 
 
 def test_reports_tell_claims_apart_from_equations():
-    from eom.checker.documents import read_document
     from eom.checker.graded import Graded
-    from eom.checker.page import page
-    from eom.checker.report_data import rows, to_json
-    from eom.checker.report_text import text, told
+    from eom.checker.read.documents import read_document
+    from eom.checker.report.page import page
+    from eom.checker.report.report_data import rows, to_json
+    from eom.checker.report.report_text import text, told
 
     note = r"""A line: $\vec H_C = I_C\vec\omega$.
 

@@ -3,15 +3,15 @@
 import pytest
 import sympy as sp
 
-from eom.checker.documents import read_document
-from eom.checker.inequalities import sign
-from eom.checker.judge import judge
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.verdicts import verdict
-from eom.generators import world
-from eom.terms import number
-from eom.vocabulary import quantity
+from eom.checker.judge.inequalities import sign
+from eom.checker.judge.judge import judge
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.read.documents import read_document
+from eom.terms.terms import number
+from eom.terms.vocabulary import quantity
+from eom.worlds.generators import world
 
 LEXICON = parse_lexicon(
     r"""

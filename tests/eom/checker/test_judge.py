@@ -2,11 +2,11 @@
 
 import pytest
 
-from eom.checker.judge import DEFINITION, HOLDS, UNDECIDED, UNDER, WRONG, equations, judge
-from eom.checker.lexicon_files import parse_lexicon, preset
-from eom.evaluate import Evaluator
-from eom.generators import world
-from eom.worlds import closure
+from eom.checker.judge.judge import DEFINITION, HOLDS, UNDECIDED, UNDER, WRONG, equations, judge
+from eom.checker.mean.lexicon_files import parse_lexicon, preset
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.generators import world
+from eom.worlds.worlds import closure
 from tests.eom.checker.test_claims import claimed
 
 LEXICON = parse_lexicon(

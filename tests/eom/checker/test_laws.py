@@ -1,9 +1,9 @@
 """Laws of the writer's own, free scalars that a note defines, and what follows from either."""
 
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.review import review
+from eom.checker.judge.notes import understand
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.note.review import review
+from eom.checker.read.documents import read_document
 
 LEXICON = parse_lexicon(
     r"""

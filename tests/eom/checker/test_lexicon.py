@@ -1,6 +1,6 @@
 import pytest
 
-from eom.checker.lexicon_files import (
+from eom.checker.mean.lexicon_files import (
     PRESETS,
     front_matter,
     lexicon_for,
@@ -8,8 +8,8 @@ from eom.checker.lexicon_files import (
     parse_lexicon,
     preset,
 )
-from eom.checker.patterns import look_of
-from eom.checker.propose import latex_of
+from eom.checker.mean.patterns import look_of
+from eom.checker.mean.propose import latex_of
 from eom.errors import InputError
 
 

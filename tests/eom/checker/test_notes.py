@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import PRESETS, lexicon_for, parse_lexicon, preset
-from eom.checker.notes import understand
-from eom.checker.propose import propose
+from eom.checker.judge.notes import understand
+from eom.checker.mean.lexicon_files import PRESETS, lexicon_for, parse_lexicon, preset
+from eom.checker.mean.propose import propose
+from eom.checker.read.documents import read_document
 
 LEXICA = Path(__file__).parent / "lexica"
 

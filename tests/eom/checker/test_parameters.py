@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from eom.checker.axes import running
-from eom.checker.grammar import read_formula
-from eom.checker.integrals import Unknown, between
-from eom.checker.statements import split
+from eom.checker.mean.axes import running
+from eom.checker.mean.integrals import Unknown, between
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.statements import split
 
 X, A, K = sp.symbols("x a k", positive=True)
 PARTS = st.sampled_from(

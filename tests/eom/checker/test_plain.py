@@ -2,10 +2,10 @@
 
 import pytest
 
-from eom.checker import plain as module
-from eom.checker import syntax as s
-from eom.checker.grammar import read_formula
-from eom.checker.plain import plain
+from eom.checker.read import plain as module
+from eom.checker.read import syntax as s
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.plain import plain
 from tests.eom.checker.formulas import BOOKS
 
 

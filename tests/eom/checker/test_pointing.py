@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from eom import check
-from eom.checker.pointing import opened
-from eom.checker.theorems import THEOREMS, theorem
+from eom.checker.prose_claims.pointing import opened
+from eom.checker.prose_claims.theorems import THEOREMS, theorem
 
 TORQUE = r"$$\vec\tau_O = \dot{\vec H}_O + M\vec r_{C/O}\times\ddot{\vec R}_O \tag{3.15}$$" + "\n\n"
 SYSTEM = r"""+++
@@ -139,9 +139,9 @@ def test_theorems(words: str, need: str) -> None:
 
 def test_every_theorem_is_one() -> None:
     """Rows that would not hold would be false statements of ours."""
-    from eom.checker.claims import Claim
-    from eom.checker.judge import judge
-    from eom.checker.values import ANY, Value
+    from eom.checker.judge.judge import judge
+    from eom.checker.mean.claims import Claim
+    from eom.checker.mean.values import ANY, Value
 
     for _, sides in THEOREMS:
         claim = Claim(tuple(Value(t, t.kind, None, ANY) for t in sides), ("=",))

@@ -1,8 +1,8 @@
 """Drafts of lexica: what a note says of its symbols goes before what a preset says of them."""
 
 import eom
-from eom.checker.documents import read_document
-from eom.checker.propose import propose
+from eom.checker.mean.propose import propose
+from eom.checker.read.documents import read_document
 
 NOTE = r"""
 The direction cosine matrix $[C]$ maps components in $\mathcal{N}$ to components in $\mathcal{B}$,

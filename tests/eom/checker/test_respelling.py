@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from eom import check
-from eom.checker.grammar import read_formula
-from eom.checker.trees import walk
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.trees import walk
 
 FRONT = r"""+++
 [check]

@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from eom.checker.documents import read_document
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.notes import understand
-from eom.checker.roles import ASSUMPTION, CLAIM, DEFINITION, INTRODUCED, RECALLED, roles
-from eom.checker.verdicts import verdict
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.roles import ASSUMPTION, CLAIM, DEFINITION, INTRODUCED, RECALLED, roles
+from eom.checker.read.documents import read_document
 
 SENTENCES = {
     ASSUMPTION: [

@@ -3,10 +3,10 @@
 import pytest
 import sympy as sp
 
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.model import load_model, printed
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.model import load_model, printed
 from eom.errors import InputError
-from eom.solids import MASS, central_inertia
+from eom.mass.solids import MASS, central_inertia
 from tests.eom.checker.system_lines import judged
 
 SIMPLE = [

@@ -1,9 +1,9 @@
 """Formulas as statements: links, continuations, conditions, definitions, tags."""
 
-from eom.checker.documents import read_document
-from eom.checker.grammar import read_formula
-from eom.checker.reading import read
-from eom.checker.statements import split
+from eom.checker.read.documents import read_document
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.reading import read
+from eom.checker.read.statements import split
 from tests.eom.checker.shape import shape
 
 

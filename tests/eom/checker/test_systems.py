@@ -5,10 +5,10 @@ import random
 import pytest
 import sympy as sp
 
-from eom import catalogue
-from eom.checker.lexicon_files import about, lexicon_for, parse_lexicon
-from eom.checker.model import BUILTIN, load_model
+from eom.checker.mean.lexicon_files import about, lexicon_for, parse_lexicon
+from eom.checker.mean.model import BUILTIN, load_model
 from eom.errors import InputError
+from eom.scenes import catalogue
 from eom.system import System
 from tests.eom.checker.system_lines import is_same, judged, left_side, names_of, slips
 from tests.eom.test_solutions import cart

@@ -2,10 +2,10 @@
 
 import pytest
 
-from eom.checker.documents import read_document
-from eom.checker.places import ReadingError, Source
-from eom.checker.reading import read
-from eom.checker.tokens import tokenize
+from eom.checker.read.documents import read_document
+from eom.checker.read.places import ReadingError, Source
+from eom.checker.read.reading import read
+from eom.checker.read.tokens import tokenize
 from tests.eom.checker.shape import shape
 
 

@@ -3,10 +3,10 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eom.checker import syntax as s
-from eom.checker.grammar import read_formula
-from eom.checker.trees import depth, transform, walk
-from eom.checker.writing import latex
+from eom.checker.read import syntax as s
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.trees import depth, transform, walk
+from eom.checker.read.writing import latex
 from tests.eom.checker.shape import shape
 
 LETTERS = [*"abcefghijklmnpqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", "omega", "theta", "rho", "Phi"]

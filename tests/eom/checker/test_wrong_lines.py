@@ -8,20 +8,20 @@ import sympy as sp
 
 import eom
 from benchmarks.correcting import GIVEN
-from eom.checker.cells import Suspects, suspects
-from eom.checker.claims import CONSTANT
-from eom.checker.corrections import workshop
-from eom.checker.documents import read_document
-from eom.checker.explaining import corrected, explain
-from eom.checker.lexicon_files import parse_lexicon
-from eom.checker.lines import line
-from eom.checker.model import load_model, model_of
-from eom.checker.notes import understand
-from eom.checker.review import review
-from eom.checker.state_examples import points
-from eom.checker.verdicts import GRAVE, verdict
-from eom.solutions import rate
-from eom.special import telling
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import GRAVE, verdict
+from eom.checker.mean.claims import CONSTANT
+from eom.checker.mean.lexicon_files import parse_lexicon
+from eom.checker.mean.model import load_model, model_of
+from eom.checker.note.review import review
+from eom.checker.read.documents import read_document
+from eom.checker.repair.cells import Suspects, suspects
+from eom.checker.repair.corrections import workshop
+from eom.checker.repair.explaining import corrected, explain
+from eom.checker.repair.lines import line
+from eom.checker.repair.state_examples import points
+from eom.exact.solutions import rate
+from eom.worlds.special import telling
 from tests.eom.checker.test_parameters import PLATE
 from tests.eom.checker.test_systems import TOP, lexicon
 from tests.eom.checker.true_lines import ARROWS, SUPERSCRIPTS

@@ -3,7 +3,7 @@
 After the books that the presets name; `test_explaining` holds that each is true.
 """
 
-from eom.checker.lexicon_files import parse_lexicon
+from eom.checker.mean.lexicon_files import parse_lexicon
 
 ARROWS = parse_lexicon(
     r"""

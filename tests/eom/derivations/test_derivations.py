@@ -6,19 +6,19 @@ import sys
 import pytest
 import sympy as sp
 
-from eom.derivation import Maker
 from eom.derivations import derive, names, titles
+from eom.derivations.derivation import Maker
+from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
-from eom.evaluate import Evaluator
-from eom.generators import world
-from eom.rules import transport
-from eom.series import Singular
-from eom.solids import SOLIDS
+from eom.exact.series import Singular
+from eom.mass.solids import SOLIDS
 from eom.system import System
-from eom.terms import der
-from eom.verification import DerivationError, verify
-from eom.vocabulary import quantity
-from eom.worlds import closure
+from eom.terms.rules import transport
+from eom.terms.terms import der
+from eom.terms.vocabulary import quantity
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.generators import world
+from eom.worlds.worlds import closure
 from tests.clock import growth_in_calls
 
 ALL = names()

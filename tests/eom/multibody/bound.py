@@ -2,18 +2,7 @@
 
 import sympy as sp
 
-from eom.multibody import (
-    GROUND,
-    Body,
-    Distance,
-    Joint,
-    Load,
-    Loop,
-    Placement,
-    Rolling,
-    Skate,
-    Tree,
-)
+from eom.multibody import GROUND, Body, Distance, Joint, Load, Loop, Placement, Rolling, Skate, Tree
 
 L1, L2, L3, d, g = sp.symbols("L1 L2 L3 d g", positive=True)
 ROTATION = ((2 / 3, 2 / 3, 1 / 3), (-2 / 3, 1 / 3, 2 / 3), (1 / 3, -2 / 3, 2 / 3))

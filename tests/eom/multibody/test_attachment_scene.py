@@ -6,7 +6,7 @@ import sympy as sp
 import codegen
 from eom.errors import InputError
 from eom.multibody import Point, Reaction, Rotor, Spring, derive
-from eom.multibody.scene import TreeScene
+from eom.multibody.files.scene import TreeScene
 
 R, G = (sp.Symbol(n, real=True) for n in "rg")
 TIME = sp.Symbol("t", real=True)

@@ -12,7 +12,7 @@ import pytest
 import codegen
 from eom.multibody import Body, Joint, Placement, Tree, derive
 
-constraints = pytest.importorskip("eom.multibody.constraints")
+constraints = pytest.importorskip("eom.multibody.model.constraints")
 
 WHEELBASE, TRAIL, TILT, GRAVITY = 1.02, 0.08, math.pi / 10, 9.81
 M = np.array([[80.81722, 2.31941332208709], [2.31941332208709, 0.29784188199686]])

@@ -8,13 +8,13 @@ import pytest
 import sympy as sp
 
 import codegen
+from eom.derivations.verification import DerivationError
 from eom.errors import InputError
-from eom.identity import equal
+from eom.exact.identity import equal
 from eom.multibody import Body, Distance, Joint, Motion, Placement, Rotor, Tree, derive
 from eom.multibody.closed import METHODS, absolute_angles, closed_form, compare, tree_page
 from eom.multibody.closed.mechanism import MOST
 from eom.multibody.closed.terms import KINDS
-from eom.verification import DerivationError
 from tests.eom.multibody.small_trees import (
     DOWN,
     I1,

@@ -16,7 +16,7 @@ from eom.multibody import (
     Skate,
     SpeedEquation,
 )
-from eom.multibody.scene import TreeScene
+from eom.multibody.files.scene import TreeScene
 
 R = sp.Symbol("r", real=True)
 

@@ -21,14 +21,14 @@ from benchmarks.trees import LARGEST, derivatives, differences
 from codegen.frontend.lower import lower_system
 from codegen.ir.passes import prune
 from eom.errors import InputError
-from eom.identity import equal, is_invariant
+from eom.exact.identity import equal, is_invariant
 from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, derive
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.joints import KINDS
-from eom.multibody.motion import coordinate_rates
-from eom.multibody.recursions import inverse_dynamics
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.model.joints import KINDS
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.motion import coordinate_rates
+from eom.multibody.recursion.recursions import inverse_dynamics
+from eom.multibody.recursion.skeleton import skeleton
 from tests.clock import growth_in_calls
 from tests.eom.multibody import peer
 from tests.eom.multibody.trees import state, tree

@@ -10,10 +10,10 @@ import sympy as sp
 import codegen
 from eom.errors import InputError
 from eom.multibody import GROUND, Body, Joint, Load, Placement, Tree, derive
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.skeleton import skeleton
 
 FLOATS = Numbers(math.sin, math.cos)
 

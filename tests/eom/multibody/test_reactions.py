@@ -22,16 +22,16 @@ import codegen
 from codegen.frontend.lower import lower_system
 from codegen.ir.passes import prune
 from eom.errors import InputError
-from eom.identity import equal, vanishes
+from eom.exact.identity import equal, vanishes
 from eom.multibody import Body, Joint, Load, Motion, Placement, Reaction, Tree, derive, reaction
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.joints import KINDS
-from eom.multibody.motion import coordinate_rates
-from eom.multibody.quantities import flow
-from eom.multibody.reactions import Wrenches
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
-from eom.multibody.spatial import cross, minus, plus, scaled, times, transposed
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.spatial import cross, minus, plus, scaled, times, transposed
+from eom.multibody.model.joints import KINDS
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.motion import coordinate_rates
+from eom.multibody.recursion.quantities import flow
+from eom.multibody.recursion.skeleton import skeleton
+from eom.multibody.system.reactions import Wrenches
 from eom.system import TIME
 from tests.eom.multibody.trees import EXACT, number, state, tree
 
@@ -345,7 +345,7 @@ def test_loads_that_are_added_from_outside_are_carried():
     every = [j.name for j in given.joints]
 
     def further(bones):
-        from eom.multibody.motion import loads, places
+        from eom.multibody.recursion.motion import loads, places
 
         whole = skeleton(given, lambda x: x, EXACT, names(given), apart=every)
         assert [p.name for p in whole.parts] == [p.name for p in bones.parts]

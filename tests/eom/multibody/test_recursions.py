@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 
 from codegen.ir import scalars
 from codegen.ir.program import Builder
-from eom.kinematics import SEQUENCES, quaternion, rotation_sequence
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.joints import KINDS, QUATERNION
-from eom.multibody.model import Body, Joint, Placement, Tree
-from eom.multibody.motion import coordinate_rates, places, poses
-from eom.multibody.quantities import flow, jacobian, kinetic_energy, momentum
-from eom.multibody.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
-from eom.multibody.spatial import cross, matrix_of, plus, times, transposed
+from eom.kinematics.coordinates import SEQUENCES, quaternion, rotation_sequence
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.spatial import cross, matrix_of, plus, times, transposed
+from eom.multibody.model.joints import KINDS, QUATERNION
+from eom.multibody.model.model import Body, Joint, Placement, Tree
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.motion import coordinate_rates, places, poses
+from eom.multibody.recursion.quantities import flow, jacobian, kinetic_energy, momentum
+from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.skeleton import skeleton
 from tests.eom.multibody import trees
 from tests.eom.multibody.trees import EXACT, MOVING, state, tree
 

@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 import codegen
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Placement, Tree, base_parameters, regressor
-from eom.multibody.geometry import orthonormal, rotation, unit
-from eom.multibody.joints import KINDS
-from eom.multibody.prime import PRIME, Residue, fraction, reduced, residue
-from eom.multibody.recursions import inverse_dynamics
-from eom.multibody.regressor import bones_of, entries, parameters_of, values_of
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
-from eom.multibody.spatial import IDENTITY, product, transposed
+from eom.multibody.algebra.prime import PRIME, Residue, fraction, reduced, residue
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.spatial import IDENTITY, product, transposed
+from eom.multibody.identify.regressor import bones_of, entries, parameters_of, values_of
+from eom.multibody.model.joints import KINDS
+from eom.multibody.recursion.geometry import orthonormal, rotation, unit
+from eom.multibody.recursion.recursions import inverse_dynamics
+from eom.multibody.recursion.skeleton import skeleton
 from tests.eom.multibody.trees import EXACT, number, state, tree
 
 seeds = st.integers(0, 10**6)

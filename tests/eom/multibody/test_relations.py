@@ -22,13 +22,13 @@ from eom.multibody import (
     SpeedEquation,
     Tree,
 )
-from eom.multibody.configurations import FLOATS
-from eom.multibody.constraints import CLOSING
-from eom.multibody.dual import Dual, DualWork, parts
-from eom.multibody.equations import components, plane_directions
-from eom.multibody.motion import coordinate_rates
-from eom.multibody.skeleton import skeleton
-from eom.multibody.spots import Arithmetic, scene
+from eom.multibody.algebra.dual import Dual, DualWork, parts
+from eom.multibody.constrained.configurations import FLOATS
+from eom.multibody.constrained.equations import components, plane_directions
+from eom.multibody.constrained.spots import Arithmetic, scene
+from eom.multibody.model.constraints import CLOSING
+from eom.multibody.recursion.motion import coordinate_rates
+from eom.multibody.recursion.skeleton import skeleton
 from tests.eom.multibody.trees import MOVING, axis, state, tree, turned
 
 BODY = {"first": "b1", "second": "b3"}

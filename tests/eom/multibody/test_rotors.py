@@ -6,7 +6,7 @@ import sympy as sp
 
 import codegen
 from eom.errors import InputError
-from eom.identity import equal, is_invariant
+from eom.exact.identity import equal, is_invariant
 from eom.multibody import Body, Joint, Placement, Rotor, Tree, derive
 
 J, c = sp.symbols("J c", positive=True)

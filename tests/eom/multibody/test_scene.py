@@ -11,14 +11,14 @@ import codegen
 import eom
 from codegen.frontend.lower import lower_system
 from codegen.ir.interpret import Point, interpret
-from eom import catalogue
 from eom.errors import InputError
-from eom.kinematics import rotation_sequence
+from eom.kinematics.coordinates import rotation_sequence
 from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive
-from eom.multibody.outputs import Choice
-from eom.multibody.repeats import MOST, written_out
-from eom.multibody.scene import TreeScene
-from eom.multibody.told import OUTPUTS
+from eom.multibody.files.outputs import Choice
+from eom.multibody.files.repeats import MOST, written_out
+from eom.multibody.files.scene import TreeScene
+from eom.multibody.system.told import OUTPUTS
+from eom.scenes import catalogue
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 

@@ -7,12 +7,12 @@ from sympy.physics import mechanics as me
 import codegen
 from codegen.frontend.elsewhere import as_system
 from eom.errors import InputError
-from eom.identity import equal, vanishes
-from eom.kinematics import rotation_sequence
+from eom.exact.identity import equal, vanishes
+from eom.kinematics.coordinates import rotation_sequence
 from eom.multibody import Body, Joint, Motion, Placement, Tree, derive
 from eom.multibody.closed import closed_form
-from eom.multibody.from_sympy import body_from_sympy, placement_from_sympy, tree_from_sympy
-from eom.multibody.to_sympy import lagranges_method, to_sympy
+from eom.multibody.sympy.from_sympy import body_from_sympy, placement_from_sympy, tree_from_sympy
+from eom.multibody.sympy.to_sympy import lagranges_method, to_sympy
 from eom.system import TIME
 from tests.eom.multibody.small_trees import SCENES, J, c, g, k, l, m, pendulum, rotating, top
 from tests.eom.multibody.test_closed_forms import on_sphere

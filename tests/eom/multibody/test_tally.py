@@ -5,10 +5,10 @@ import pytest
 from codegen.ir import scalars
 from codegen.ir.program import Builder
 from eom.multibody import Body, Joint, Placement, Tree
-from eom.multibody.articulated import forward_dynamics
-from eom.multibody.scalars import Numbers
-from eom.multibody.skeleton import skeleton
-from eom.multibody.tally import savings
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.skeleton import skeleton
+from eom.multibody.recursion.tally import savings
 from tests.eom.multibody.trees import tree
 
 

@@ -10,7 +10,7 @@ import eom
 from codegen.frontend.lower import lower_system
 from codegen.ir.interpret import Point, interpret
 from eom.errors import InputError
-from eom.multibody import urdf
+from eom.multibody.files import urdf
 
 pytest.importorskip("yourdfpy")
 

@@ -6,10 +6,10 @@ import random
 from dataclasses import replace
 from fractions import Fraction
 
-from eom.kinematics import SEQUENCES
-from eom.multibody.joints import KINDS
-from eom.multibody.model import Body, Joint, Load, Placement, Tree
-from eom.multibody.scalars import Numbers
+from eom.kinematics.coordinates import SEQUENCES
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.model.joints import KINDS
+from eom.multibody.model.model import Body, Joint, Load, Placement, Tree
 
 MOVING = tuple(k for k in KINDS if k != "fixed")
 

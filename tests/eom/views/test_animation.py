@@ -14,28 +14,29 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import codegen
-from eom import catalogue, regions, solids
 from eom.commands.jobs import job_of
 from eom.errors import InputError
-from eom.gyrostat import gyrostat
-from eom.kinematics import attitude, elementary
-from eom.multibody.scene import TreeScene
+from eom.kinematics.coordinates import attitude, elementary
+from eom.mass import regions, solids
+from eom.mechanics.gyrostat import gyrostat
+from eom.multibody.files.scene import TreeScene
 from eom.opening import load_scene
-from eom.scene import Scene
-from eom.views.animation import animation_of, at, sampled
-from eom.views.animation_page import data, page
-from eom.views.equivalents import equivalent
-from eom.views.figures import figures_of
-from eom.views.filming import Film, Filming
-from eom.views.motions import (
+from eom.scenes import catalogue
+from eom.scenes.scene import Scene
+from eom.views.animation.animation import animation_of, at, sampled
+from eom.views.animation.animation_page import data, page
+from eom.views.animation.equivalents import equivalent
+from eom.views.animation.figures import figures_of
+from eom.views.animation.filming import Film, Filming
+from eom.views.animation.motions import (
     animation_of_motion,
     quaternions_of_modified_rodrigues,
     quaternions_of_rodrigues,
 )
-from eom.views.robot_shapes import shapes_of_file
-from eom.views.slides import film_bytes
-from eom.views.solid_meshes import of_solid
-from eom.views.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
+from eom.views.animation.robot_shapes import shapes_of_file
+from eom.views.animation.slides import film_bytes
+from eom.views.animation.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
+from eom.views.draw.solid_meshes import of_solid
 
 HOSTILE = "</script><img src=x onerror=alert(1)>\u2028{{data}} $x$ & \"'"
 
@@ -96,7 +97,7 @@ BODIES = {
 
 @pytest.mark.parametrize("name", BODIES)
 def test_poses_are_the_rotations_of_the_coordinates(name):
-    """C_BA of the quaternions is that of `eom.kinematics` at the simulated coordinates."""
+    """C_BA of the quaternions is that of `eom.kinematics.coordinates` at the simulated coordinates."""
     _, result, tracks = simulated(BODIES[name])
     chosen = attitude(name)
     found = matrices(tracks.bodies[0].quaternions)

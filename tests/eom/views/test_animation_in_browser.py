@@ -5,9 +5,9 @@ import shutil
 import pytest
 
 from eom.commands.jobs import job_of
-from eom.scene import Scene
-from eom.views.animation import animation_of
-from eom.views.animation_page import page
+from eom.scenes.scene import Scene
+from eom.views.animation.animation import animation_of
+from eom.views.animation.animation_page import page
 
 sync_api = pytest.importorskip("playwright.sync_api")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright")

@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.errors import InputError
-from eom.kinematics import SEQUENCES, quaternion_of_sequence
-from eom.rotations import matrix_of_quaternion
-from eom.scene import Scene
-from eom.views.frame_sketches import ANGLES, frame_sketch, frames_of, sequence_of
-from eom.views.picture import Arrow, Curve, Words
-from eom.views.turns import after_turns, arc_points, elementary
-from eom.views.viewpoint import line_of_sight
-from eom.views.wheel import wheel, wheel_of
+from eom.kinematics.coordinates import SEQUENCES, quaternion_of_sequence
+from eom.kinematics.rotations import matrix_of_quaternion
+from eom.scenes.scene import Scene
+from eom.views.body.frame_sketches import ANGLES, frame_sketch, frames_of, sequence_of
+from eom.views.body.turns import after_turns, arc_points, elementary
+from eom.views.body.wheel import wheel, wheel_of
+from eom.views.draw.picture import Arrow, Curve, Words
+from eom.views.draw.viewpoint import line_of_sight
 
 angles = st.tuples(*[st.floats(-3.1, 3.1)] * 3)
 sequences = st.sampled_from(SEQUENCES)

@@ -7,9 +7,10 @@ import pytest
 
 from codegen.measure.workprecision import measuring, programs
 from eom import InputError, load_scene
-from eom.views import gallery, printed, turned
+from eom.views import gallery
+from eom.views.draw import printed, turned
+from eom.views.draw.picture import check
 from eom.views.gallery import PICTURES, Ask
-from eom.views.picture import check
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")

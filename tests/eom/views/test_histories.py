@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from codegen.runs.drift import Drift
 from codegen.runs.simulation import Result
 from eom.errors import InputError
-from eom.scene import Scene
+from eom.scenes.scene import Scene
 from eom.system import Quantity
-from eom.views import lettering
-from eom.views.histories import FLOOR, MOST, histories, histories_of
-from eom.views.picture import Curve
-from eom.views.thinning import thinned
+from eom.views.draw import lettering
+from eom.views.draw.picture import Curve
+from eom.views.draw.thinning import thinned
+from eom.views.time.histories import FLOOR, MOST, histories, histories_of
 
 T = np.linspace(0.0, 2.0, 101)
 
@@ -132,7 +132,7 @@ def test_hostile_names_and_titles_are_drawn_as_text():
     (panel,) = panels(picture)
     assert all(label.replace("\\$", "").count("$") in {0, 2} for label in curves(panel))
     pytest.importorskip("matplotlib")
-    from eom.views.printed import figure
+    from eom.views.draw.printed import figure
 
     figure(picture).canvas.draw()
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from eom import catalogue
 from eom.errors import InputError
 from eom.multibody import Body, Distance, Joint, Tree
 from eom.opening import load_scene
-from eom.views.joint_trees import BOX, LETTERS, joint_tree
-from eom.views.layout import cells
-from eom.views.picture import Curve, Words
+from eom.scenes import catalogue
+from eom.views.draw.layout import cells
+from eom.views.draw.picture import Curve, Words
+from eom.views.tree.joint_trees import BOX, LETTERS, joint_tree
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 WALKER = Path(__file__).parents[1] / "multibody" / "robots" / "walker.urdf"
@@ -140,7 +140,7 @@ def test_long_names_are_cut_and_hostile_titles_are_plain_text():
     assert "b" * 17 + "…" in texts(picture.rows[0][0])
     assert picture.title.replace("\\$", "").count("$") == 0
     pytest.importorskip("matplotlib")
-    from eom.views.printed import figure
+    from eom.views.draw.printed import figure
 
     figure(picture)
 

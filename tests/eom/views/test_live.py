@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 import codegen
 import eom
 from codegen.native import native
-from eom import rotations
-from eom.description import principal_values
 from eom.errors import InputError
-from eom.scene import Scene
+from eom.kinematics import rotations
+from eom.scenes.description import principal_values
+from eom.scenes.scene import Scene
 from eom.views.live import code, knobs
 from eom.views.live.page import page, speed_of, subject_of, written
 from eom.views.live.single import switches_of
@@ -409,7 +409,7 @@ def test_the_switch_of_symmetry_is_about_the_moments_that_are_equal(moments):
 def test_sliders_hold_their_values_and_long_motions_are_shown_fast():
     for unit in ("rad", "kg", "N m", ""):
         for value in (0.0, 1e-6, 3.0, -250.0):
-            quantity = eom.system.Quantity(eom.parse.sp.Symbol("x", real=True), unit)
+            quantity = eom.system.Quantity(eom.scenes.parse.sp.Symbol("x", real=True), unit)
             if unit != "kg" or value > 0:
                 k = knobs.knob(quantity, value, "start")
                 assert k.low <= value <= k.high

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from eom import catalogue
 from eom.errors import InputError
-from eom.multibody.constraints import Loop
-from eom.multibody.scene import TreeScene
+from eom.multibody.files.scene import TreeScene
+from eom.multibody.model.constraints import Loop
 from eom.opening import load_scene
-from eom.scene import Scene
-from eom.views.body_sketch import body_sketch
-from eom.views.labels import names, paper
-from eom.views.load_arrows import FORCE, REACTION, TORQUE, number
-from eom.views.picture import Arrow, Curve, Marks, Surface, Words
-from eom.views.tree_frames import tree_frames
-from eom.views.tree_posture import Posture
-from eom.views.tree_sketch import tree_sketch
+from eom.scenes import catalogue
+from eom.scenes.scene import Scene
+from eom.views.body.body_sketch import body_sketch
+from eom.views.body.load_arrows import FORCE, REACTION, TORQUE, number
+from eom.views.draw.labels import names, paper
+from eom.views.draw.picture import Arrow, Curve, Marks, Surface, Words
+from eom.views.tree.tree_frames import tree_frames
+from eom.views.tree.tree_posture import Posture
+from eom.views.tree.tree_sketch import tree_sketch
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 
@@ -203,7 +203,7 @@ def test_values_that_are_no_numbers_are_refused():
 
 def test_hostile_titles_are_plain_text():
     pytest.importorskip("matplotlib")
-    from eom.views.printed import figure
+    from eom.views.draw.printed import figure
 
     picture = body_sketch(body(title="$\\frac{<script>$ \\input{x} $"))
     assert picture.title.replace("\\$", "").count("$") == 0

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from codegen import free_motion
 from eom.errors import InputError
-from eom.views.momentum_path import momentum_path, separatrices
-from eom.views.picture import Curve, Surface
+from eom.views.body.momentum_path import momentum_path, separatrices
+from eom.views.draw.picture import Curve, Surface
 
 sizes = st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0), st.floats(0.1, 1.0))
 

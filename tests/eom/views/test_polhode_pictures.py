@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from codegen import free_motion
 from eom import InputError, load_scene
-from eom.freebody import classify
-from eom.views.free import (
+from eom.mechanics.freebody import classify
+from eom.views.body.free import (
     CLASSES,
     FreeBody,
     class_of,
@@ -25,8 +25,8 @@ from eom.views.free import (
     principal,
     separatrix,
 )
-from eom.views.picture import Curve, Marks, Surface, check
-from eom.views.polhodes import ellipsoids, energy_axes, momentum_axes, polhodes
+from eom.views.body.polhodes import ellipsoids, energy_axes, momentum_axes, polhodes
+from eom.views.draw.picture import Curve, Marks, Surface, check
 
 CLOSE = 1e-12
 
@@ -226,7 +226,7 @@ def test_an_inertia_matrix_is_brought_to_principal_axes(tmp_path):
     assert body.momentum == pytest.approx(np.linalg.norm(J @ w), rel=1e-14)
     assert body.axis(1) == r"$\mathbf{p}_1$"
     omega, q = free_motion(body.moments, body.omega, body.attitude)(0.0)
-    from eom.views.matrices import quaternion_matrices
+    from eom.views.body.matrices import quaternion_matrices
 
     space = quaternion_matrices(q[:, None])[0].T @ omega
     s, x, y, z = 0.6, 0.0, 0.8, 0.0

@@ -17,11 +17,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
-from eom.views import extras, formulas, printed, saving, turned, turned_page
-from eom.views.depth import cut, in_space, runs
-from eom.views.meshes import ellipsoid, tip
-from eom.views.picture import Arrow, Axis, Curve, Marks, Panel, Picture, Surface, Words, points
-from eom.views.saving import save
+from eom.views.draw import extras, formulas, printed, saving, turned, turned_page
+from eom.views.draw.depth import cut, in_space, runs
+from eom.views.draw.meshes import ellipsoid, tip
+from eom.views.draw.picture import Arrow, Axis, Curve, Marks, Panel, Picture, Surface, Words, points
+from eom.views.draw.saving import save
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")

@@ -6,9 +6,9 @@ import shutil
 
 import pytest
 
-from eom.views.free import FreeBody
-from eom.views.polhodes import ellipsoids
-from eom.views.saving import save
+from eom.views.body.free import FreeBody
+from eom.views.body.polhodes import ellipsoids
+from eom.views.draw.saving import save
 
 sync_api = pytest.importorskip("playwright.sync_api")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright")

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from eom import InputError, Scene, load_scene
-from eom.herpolhode import herpolhode as exact_herpolhode
-from eom.kinematics import attitude
-from eom.views.cones import cones, free_cones
-from eom.views.free import FreeBody, free_body
-from eom.views.matrices import quaternion_matrices, sequence_matrices
-from eom.views.picture import Arrow, Curve, Surface, check
-from eom.views.poinsot import herpolhode, traced
-from eom.views.rotating import symmetry_of, turning
-from eom.views.sphere import sphere
+from eom.kinematics.coordinates import attitude
+from eom.mechanics.herpolhode import herpolhode as exact_herpolhode
+from eom.views.body.cones import cones, free_cones
+from eom.views.body.free import FreeBody, free_body
+from eom.views.body.matrices import quaternion_matrices, sequence_matrices
+from eom.views.body.poinsot import herpolhode, traced
+from eom.views.body.rotating import symmetry_of, turning
+from eom.views.body.sphere import sphere
+from eom.views.draw.picture import Arrow, Curve, Surface, check
 
 GENERAL = FreeBody((1.0, 2.0, 2.6), (0.5, 0.3, 1.0), (0.6, 0.0, 0.8, 0.0), "General")
 SEPARATRIX = FreeBody((4.0, 5.0, 9.0), (3.0, 2.0, 1.0))

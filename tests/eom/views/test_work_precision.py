@@ -8,8 +8,8 @@ import pytest
 
 from codegen.measure.workprecision.measuring import Point
 from eom.errors import InputError
-from eom.views.picture import Curve, Marks
-from eom.views.work_precision import work_precision
+from eom.views.draw.picture import Curve, Marks
+from eom.views.time.work_precision import work_precision
 
 
 def diagram(programs, error=1e-20, title="A problem"):
@@ -67,7 +67,7 @@ def test_nothing_measured_is_refused_and_titles_are_plain():
 
 def test_the_axis_of_errors_is_turned_round_on_paper():
     pytest.importorskip("matplotlib")
-    from eom.views.printed import figure
+    from eom.views.draw.printed import figure
 
     (axes,) = figure(work_precision(diagram(["taylor", "DOP853"]))).axes
     assert axes.xaxis_inverted()

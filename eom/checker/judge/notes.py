@@ -1,0 +1,299 @@
+"""A note with its lexicon: every formula with its claims, each read where it stands.
+
+The literal reading comes first. Where it leaves something ill-formed, ambiguous or without a meaning,
+the repairs of `eom.checker.read.repairs` are tried; the first reading that leaves least is taken, and says
+what was read otherwise.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
+
+from eom.checker.judge.laws import firsts
+from eom.checker.judge.systems import covered
+from eom.checker.mean.axes import labelled, listed, running, unnamed
+from eom.checker.mean.claims import Claim, claims, defined
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.naming import Named, brings, first, says
+from eom.checker.mean.parameters import Known, Relation, limited, named, read
+from eom.checker.mean.roles import CLAIM, LAW, roles
+from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
+from eom.checker.read.documents import Document
+from eom.checker.read.grammar import Reading
+from eom.checker.read.looks import Look
+from eom.checker.read.places import Source
+from eom.checker.read.reading import Formula, read_piece
+from eom.checker.read.repairs import Repair, Variant, apply, cross_before_column, variants
+from eom.checker.read.statements import Statement, split
+from eom.checker.read.syntax import Node
+from eom.checker.read.tokens import tokenize
+from eom.limits import Overdue, deadline
+
+
+@dataclass(frozen=True)
+class Scalars:
+    """Letters that a note names alone, relations between them so far, whether a formula defines one."""
+
+    named: frozenset[Look] = frozenset()
+    relations: tuple[Relation, ...] = ()
+    defining: bool = False
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a formula may refer to: what the note has defined before it, the display that it continues.
+
+    ``trees``: those of all formulas of the note, in order, so that what is written elsewhere can be
+    proposed; ``number``: which of them is the formula's own; ``scalars``: letters of its own.
+    """
+
+    definitions: Mapping[Look, Value] = field(default_factory=dict)
+    before: tuple[Claim, ...] = ()
+    previous: tuple[Statement, ...] = ()
+    trees: tuple[Node, ...] = ()
+    number: int = 0
+    scalars: Scalars = field(default_factory=Scalars)
+
+
+@dataclass(frozen=True)
+class Understood:
+    """A formula with its claims, the lexicon that holds there, and the headings above it.
+
+    ``repairs``: what was read otherwise than it stands; none for the literal reading. ``role``: by the
+    words around it, see `eom.checker.mean.roles`.
+    """
+
+    formula: Formula
+    claims: tuple[Claim, ...]
+    lexicon: Lexicon
+    headings: tuple[str, ...]
+    repairs: tuple[Repair, ...] = ()
+    role: str = CLAIM
+    around: Around = field(default_factory=Around, compare=False, repr=False)
+
+
+def understand(
+    document: Document, lexicon: Lexicon, seconds: float = inf
+) -> tuple[Understood, ...]:
+    """Return every formula of a document with its claims, in order.
+
+    A display may continue the display before; what the note defines holds from there on. What takes
+    more than ``seconds`` claims something undecided.
+    """
+    found: list[Understood] = []
+    headings: list[tuple[int, str]] = []
+    scoped = _Scoped(lexicon)
+    definitions: dict[Look, Value] = {}
+    previous: tuple[Statement, ...] = ()
+    before: tuple[Claim, ...] = ()
+    letters, relations, named_here, new_names = _named(document), Known(), Named(), False
+    for number, (piece, role) in enumerate(
+        zip(document.pieces, roles(document.pieces), strict=True)
+    ):
+        if piece.kind == "heading":
+            headings = [h for h in headings if h[0] < piece.level]
+            headings.append((piece.level, piece.body.strip("# \n\t")))
+        if not piece.is_formula:
+            continue
+        display = piece.kind == "display"
+        titles = tuple(h[1] for h in headings)
+        here = scoped.at(titles, piece.source, piece.span.start)
+        formula = read_piece(piece, previous if display else ())
+        known, earlier = dict(definitions), previous
+        new_names = brings(document.pieces, number, role, new_names)
+        known |= named_here.at(titles)
+        scalars = Scalars(letters, relations.at(titles), new_names)
+        context = _Context(here, known, before if display else (), scalars)
+        new = _timely(formula, previous if display else (), context, seconds)
+        if display:
+            previous, before = new.formula.statements, new.claims
+        if new_names:
+            named_here.add(titles, new.claims)
+        definitions |= _lasting(new.claims, here, new_names)
+        relations.add(titles, new.claims)
+        around = Around(known, context.before, earlier if display else (), (), len(found), scalars)
+        found.append(replace(new, headings=titles, role=role, around=around))
+    return _finished(found)
+
+
+def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
+    """Return formulas with the trees of all of them around, and laws of the writer's own told as such."""
+    found = tuple(found)
+    trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
+    placed = [replace(u, around=replace(u.around, trees=trees)) for u in found]
+    return tuple(
+        replace(u, role=LAW) if law and u.role == CLAIM else u
+        for u, law in zip(placed, firsts(placed), strict=True)
+    )
+
+
+def _lasting(found: Iterable[Claim], here: Lexicon, scoped: bool) -> dict[Look, Value]:
+    """Return what claims define beyond their heading; ``scoped``: only what the lexicon leaves to them."""
+    return {k: v for k, v in defined(found).items() if not scoped or here.find(k) is not None}
+
+
+def _named(document: Document) -> frozenset[Look]:
+    """Return the letters that stand alone in the sentences of a note."""
+    short = (p for p in document.pieces if p.kind == "inline" and len(p.body) <= MAX_LETTER)
+    readings = (read_piece(p, ()).reading for p in short)
+    return named(r.tree for r in readings if r is not None)
+
+
+MAX_LETTER = 40
+"""Characters of a formula that is looked at for a letter alone."""
+
+
+def reread(understood: Understood, tree: Node) -> tuple[Claim, ...]:
+    """Return the claims of another tree that stands in the place of a formula."""
+    reading, around = understood.formula.reading, understood.around
+    tags = [text for text, _ in reading.tags] if reading is not None else []
+    context = _Context(understood.lexicon, dict(around.definitions), around.before, around.scalars)
+    return context.claims(split(tree, around.previous, tags))
+
+
+@dataclass(frozen=True)
+class _Context:
+    """What a formula may refer to."""
+
+    lexicon: Lexicon
+    definitions: dict[Look, Value]
+    before: tuple[Claim, ...]
+    scalars: Scalars
+
+    def claims(self, statements: Iterable[Statement]) -> tuple[Claim, ...]:
+        """Return the claims of statements, each of which may use what the ones before define."""
+        statements = tuple(statements)
+        known, found, index = dict(self.definitions), list[Claim](), running(statements)
+        for statement in (s for s in statements if not listed(s)):
+            before = (*self.before, *found)
+            new = self._claims(statement, known, before)
+            if index and _gaps(new) and labelled(statement, index):
+                new = min((new, self._each(statement, known, before, index)), key=_gaps)
+            known |= defined(new)
+            found += new
+        return tuple(found)
+
+    def _each(
+        self,
+        statement: Statement,
+        known: dict[Look, Value],
+        before: tuple[Claim, ...],
+        index: str,
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims for each of the axes that an index runs over."""
+        found = (claims(statement, self.lexicon, known, before, {index: k}) for k in "123")
+        return tuple(unnamed(c, index) for each in found for c in each)
+
+    def _claims(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
+        """Return what a statement claims: of the note's system, or of bodies in general.
+
+        What is not about scalars of the system alone is read without it, if that leaves no more without
+        a meaning.
+        """
+        new = self._general(statement, known, before)
+        if not _gaps(new) and not limited(statement):
+            return new
+        own = self.scalars
+        brought = first(statement, self.lexicon) if own.defining else None
+        if brought is not None:
+            other = self._general(brought, known, before)
+            if not _gaps(other) and says(other):
+                return other
+        scalars = read(statement, self.lexicon, own.named, own.relations, defining=own.defining)
+        if scalars is not None or _gaps(new):
+            return new if scalars is None else scalars
+        what = Finding(UNDECIDED, "what this integral says is no identity", statement.span)
+        return tuple(replace(c, findings=(*c.findings, what)) for c in new)
+
+    def _general(
+        self, statement: Statement, known: dict[Look, Value], before: tuple[Claim, ...]
+    ) -> tuple[Claim, ...]:
+        new = claims(statement, self.lexicon, known, before)
+        if self.lexicon.system is None or all(covered(c) for c in new):
+            return new
+        other = claims(statement, self.lexicon.without_system(), known, before)
+        return min((other, new), key=_gaps)
+
+
+def _gaps(found: Iterable[Claim]) -> int:
+    """Return how many places of claims have no meaning."""
+    return sum(f.verdict != WRONG for c in found for f in c.findings)
+
+
+def _timely(
+    formula: Formula, previous: tuple[Statement, ...], context: _Context, seconds: float
+) -> Understood:
+    """Return the best reading, or say why there is none in time."""
+    try:
+        with deadline(seconds, "the meaning of this formula"):
+            return _best(formula, previous, context)
+    except Overdue as error:
+        why = str(error)
+    except RecursionError:
+        why = "the formula is too long a chain of operations"
+    finding = Finding(UNDECIDED, why, formula.piece.span)
+    claim = Claim((), findings=(finding,), span=formula.piece.span)
+    return Understood(formula, (claim,), context.lexicon, ())
+
+
+def _best(formula: Formula, previous: tuple[Statement, ...], context: _Context) -> Understood:
+    """Return the reading that leaves least without a meaning; the literal one if it leaves nothing."""
+    literal = Understood(formula, context.claims(formula.statements), context.lexicon, ())
+    if formula.reading is None or not _left(literal):
+        return literal
+    piece = formula.piece
+    tokens = tokenize(piece.source, piece.body, piece.span.start, piece.macros)
+    tried = [literal]
+    for variant in (*variants(piece.source, tokens), *_columns(formula.reading)):
+        tags = [text for text, _ in variant.reading.tags]
+        statements = split(variant.reading.tree, previous, tags)
+        other = Formula(piece, variant.reading, statements)
+        new = context.claims(statements)
+        tried.append(Understood(other, new, context.lexicon, (), variant.repairs))
+    return min(tried, key=_left)
+
+
+_CROSS = ("cross of columns", "a cross between columns read as a superscript", cross_before_column)
+
+
+def _columns(reading: Reading) -> tuple[Variant, ...]:
+    """Return the reading in which every cross is one of columns and matrices."""
+    tree, repairs = apply(reading.tree, (_CROSS,))
+    return (Variant(replace(reading, tree=tree), repairs),) if repairs else ()
+
+
+def _left(understood: Understood) -> int:
+    """Return how many places have no meaning as they are read."""
+    return _gaps(understood.claims)
+
+
+class _Scoped:
+    """A lexicon at every place; places with the same parts of the note share one."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        self.lexicon = lexicon
+        self.known: dict[tuple[tuple[str, ...], frozenset[str]], Lexicon] = {}
+        self.begins: dict[tuple[int, str], int] = {}
+        self.passed: set[str] = set()
+
+    def at(self, headings: tuple[str, ...], source: Source, place: int) -> Lexicon:
+        for scope in self.lexicon.scopes:
+            if scope.after and self._begin(scope.after, source) <= place:
+                self.passed.add(scope.after)
+        key = (headings, frozenset(self.passed))
+        if key not in self.known:
+            self.known[key] = self.lexicon.at(headings, key[1])
+        return self.known[key]
+
+    def _begin(self, phrase: str, source: Source) -> int:
+        key = (id(source), phrase)
+        if key not in self.begins:
+            pattern = r"\s+".join(re.escape(w) for w in phrase.split())
+            match = re.search(pattern, source.text, re.IGNORECASE)
+            self.begins[key] = match.end() if match else len(source.text) + 1
+        return self.begins[key]

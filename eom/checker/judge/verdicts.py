@@ -1,0 +1,184 @@
+"""The verdict on a formula of a note: its claims judged one by one, the gravest of them first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from eom.checker.judge.chains import Chain, judge_chain
+from eom.checker.judge.degenerate import meant
+from eom.checker.judge.judge import HOLDS, MODELS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge.laws import own
+from eom.checker.judge.notes import Understood
+from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
+from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
+from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED
+from eom.errors import InputError
+from eom.terms.terms import VECTOR, nodes
+from eom.worlds.worlds import closure
+
+GRAVE = frozenset({WRONG, ILL_FORMED})
+"""Findings that settle a claim without worlds."""
+
+LAWS = (("newton_2",), ("third_law_weak",), ("third_law_strong",))
+"""Sets of assumptions that make of what is recalled a law: it needs itself alone."""
+
+NONE = "no claim"
+"""The verdict on a formula that claims nothing: a symbol, an expression, words."""
+
+UNMET = "it does not hold without its condition, which no world is drawn under"
+"""Why a claim beside a condition of its own is undecided as long as nobody has looked for such worlds."""
+
+ORDER = (WRONG, ILL_FORMED, AMBIGUOUS, UNDECIDED, UNDER, HOLDS, DEFINITION, ASSUMPTION)
+"""Verdicts, the gravest first."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim with its judgement, the verdict on it, and why it is wrong or undecided.
+
+    ``chain``: the links of a chain that is wrong or ill-formed, apart.
+    """
+
+    claim: Claim
+    judgement: Judgement
+    verdict: str
+    reason: str = ""
+    chain: Chain | None = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The verdict on a formula, why if it is undecided or wrong, and what was found of each claim."""
+
+    verdict: str
+    reason: str = ""
+    claims: tuple[Judged, ...] = ()
+
+
+def verdict(understood: Understood, given: Iterable[str] = ()) -> Verdict:
+    """Return the verdict on a formula under what is ``given``: the gravest one of its claims."""
+    error = understood.formula.error
+    if error is not None:
+        return Verdict(UNDECIDED, f"not read: {error}")
+    given = tuple(given)
+    judged = tuple(_judged(c, given, understood) for c in understood.claims)
+    judged = _of_one_model(judged, given, understood)
+    judged = _conditional(judged)
+    judged = tuple(
+        replace(j, chain=judge_chain(j.claim, given)) if j.verdict in GRAVE else j for j in judged
+    )
+    found = {j.verdict: j.reason for j in reversed(judged)}
+    gravest = next((v for v in ORDER if v in found), NONE)
+    return Verdict(gravest, found.get(gravest, ""), judged)
+
+
+def _of_one_model(
+    judged: tuple[Judged, ...], given: tuple[str, ...], understood: Understood
+) -> tuple[Judged, ...]:
+    """Return what was judged, where one claim is about a model all of them in that: a line is of one body.
+
+    Sets of assumptions that exclude the model would say that the line holds nowhere.
+    """
+    models = {j.judgement.context for j in judged} & set(MODELS)
+    if len(models) != 1:
+        return judged
+    (model,) = models
+
+    def again(one: Judged) -> Judged:
+        if one.verdict != UNDER or any(_together(model, s) for s in one.judgement.sets):
+            return one
+        found = _judged(one.claim, (*given, *model), understood)
+        reason = f"it fails where the rest of the line has a meaning: {', '.join(model)}"
+        return replace(found, reason=reason) if found.verdict == WRONG else found
+
+    return tuple(map(again, judged))
+
+
+def _together(model: tuple[str, ...], names: tuple[str, ...]) -> bool:
+    """Tell whether assumptions can stand together with a model."""
+    try:
+        closure((*model, *names))
+    except InputError:
+        return False
+    return True
+
+
+def _conditional(judged: tuple[Judged, ...]) -> tuple[Judged, ...]:
+    """Return what was judged, but undecided what is false without a condition that stands before it."""
+    conditions = [j for j in judged if CONDITIONS.get(j.claim.role) == ASSUMPTION]
+    if all(j.judgement.verdict == HOLDS for j in conditions):
+        return judged
+    return tuple(
+        replace(j, verdict=UNDECIDED, reason=UNMET)
+        if j.verdict == WRONG and not j.claim.role and not j.claim.findings
+        else j
+        for j in judged
+    )
+
+
+def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Judged:
+    """Return the verdict on a claim: by its findings, else in worlds, else by its role.
+
+    What is left of a claim with a place that has no meaning may still be wrong.
+    """
+    found = Judgement(claim.verdict) if claim.verdict in GRAVE else judge(claim, given)
+    found = meant(found, claim, understood.lexicon, given)
+    if claim.verdict and found.verdict != WRONG:
+        found = replace(found, verdict=claim.verdict)
+    if found.verdict == claim.verdict:
+        return Judged(claim, found, claim.verdict, _why(claim))
+    if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
+        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here tells it")
+    role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
+    return Judged(claim, found, _played(role, claim, found), found.reason)
+
+
+def _played(role: str, claim: Claim, found: Judgement) -> str:
+    """Return the verdict on a claim that was judged and that plays a role.
+
+    An assumption need not be true. A definition of what is known already may be wrong. What is
+    recalled is judged, but for a law, which is one of the assumptions. What gives a vector by its own
+    components defines those.
+    """
+    equation = EQUALITIES.issuperset(claim.relations)
+    if role == ASSUMPTION or (role == DEFINITION and not equation):
+        return ASSUMPTION
+    if role == LAW and found.verdict == WRONG and own(claim):
+        return ASSUMPTION
+    if found.verdict == HOLDS and (role == INTRODUCED or _resolves(claim)):
+        return DEFINITION
+    if role in {RECALLED, INTRODUCED} and found.sets and set(found.sets) <= set(LAWS):
+        return ASSUMPTION
+    return DEFINITION if role == DEFINITION and found.verdict in {HOLDS, UNDER} else found.verdict
+
+
+_ANGLES = frozenset({"angle", "turn_angle", "free_angle", "principal_angle"})
+
+
+def _gives(claim: Claim) -> bool:
+    """Whether a line only gives an angle by a number that is not zero."""
+    expressions = [m.term.data[0] for m in claim.members if m.term.head == "expr"]
+    if len(expressions) != 2 or claim.role or claim.kind != STATEMENT:
+        return False
+    symbols = [x for x in expressions if x.is_Symbol and x in claim.scalars]
+    numbers = [x for x in expressions if x.is_number and x != 0]
+    meant = [claim.scalars[x] for x in symbols]
+    return bool(numbers) and any(t.head == "atom" and t.data[0] in _ANGLES for t in meant)
+
+
+def _resolves(claim: Claim) -> bool:
+    """Whether an equation gives a vector by its own column of components and unit vectors."""
+    if claim.kind != STATEMENT or len(claim.members) != 2:
+        return False
+    left, right = (m.term for m in claim.members)
+    columns = {n.args[0] for n in nodes(right) if n.head == "column"}
+    atoms = {n for n in nodes(right) if n.head == "atom" and n.data[0] != "unit"}
+    return left.head == "atom" and left.kind == VECTOR and columns == atoms == {left}
+
+
+def _why(claim: Claim) -> str:
+    """Return the gravest finding in words."""
+    finding = next(f for f in claim.findings if f.verdict == claim.verdict)
+    facts = (("got", finding.got), ("expected", finding.expected))
+    return "; ".join([finding.what, *(f"{name} {text}" for name, text in facts if text)])

@@ -1,0 +1,305 @@
+"""Typed values of sums over particles, body integrals, derivatives, functions and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from eom.checker.mean.arrays import assembled
+from eom.checker.mean.dimensions import LENGTH, MASS
+from eom.checker.mean.elaborator import Elaborator, number
+from eom.checker.mean.integrals import definite, element
+from eom.checker.mean.operations import determinant, overdot, rate, skew, trace, transposed
+from eom.checker.mean.symbols import powered, pure
+from eom.checker.mean.values import (
+    ANY,
+    ILL_FORMED,
+    ROW,
+    TABLES,
+    UNDECIDED,
+    Value,
+    mixed,
+    negative,
+    refuse,
+    total,
+)
+from eom.checker.read.looks import labels
+from eom.checker.read.places import Span
+from eom.checker.read.syntax import (
+    BigOperator,
+    Call,
+    Derivative,
+    Differential,
+    Group,
+    Integral,
+    Matrix,
+    Node,
+    Number,
+    Relation,
+    Root,
+    Sequence,
+)
+from eom.terms import terms
+from eom.terms.terms import COLUMN, INDICES, MATRIX, SCALAR, expr
+from eom.terms.vocabulary import mass
+
+VOLUME = LENGTH.power(3)
+
+# -- sums and integrals --------------------------------------------------------------------------
+
+
+def big_operator(e: Elaborator, node: BigOperator) -> Value:
+    """Return a sum over all particles, over all but one, or over numbers from 1 to 3."""
+    if node.sign != "sum":
+        raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.sign)
+    indices, excluded = _indices(node)
+    if isinstance(node.upper, Number):
+        return _numbered(e, node, indices)
+    for index in indices:
+        if index not in INDICES - {"dm"}:
+            raise refuse(UNDECIDED, "not an index of particles", node.span, index, "i, j, k, l, n")
+    free = e.bound(**{i: i for i in indices})
+    inside = free.value(node.body)
+    value = _summed(inside, indices, node.span)
+    if not excluded:
+        return value
+    left_out = e.bound(**{indices[0]: excluded}).value(node.body)
+    return total(e.lexicon.notation, (value, negative(left_out, node.span)))
+
+
+def _summed(value: Value, indices: tuple[str, ...], span: Span) -> Value:
+    term = value.term
+    for index in reversed(indices):
+        over = "rotors" if index == "k" else "particles"
+        term = terms.total(term, index, over)
+    return replace(value, term=term, span=span)
+
+
+def _indices(node: BigOperator) -> tuple[tuple[str, ...], str]:
+    """Return the indices of a sum, and the label that its only index does not take."""
+    lower = node.lower
+    if isinstance(lower, Relation) and len(lower.members) == 2:
+        first, second = (labels(m) for m in lower.members)
+        start = lower.signs[0].name == "=" and second == ("1",)
+        if len(first) == 1 and start:
+            return first, ""
+        if len(first) == len(second) == 1 and lower.signs[0].name == "!=":
+            return first, second[0]
+    elif lower is not None:
+        found = tuple(w for w in labels(lower) if w != ",")
+        if found and all(len(w) == 1 and w.isalpha() for w in found):
+            return found, ""
+    raise refuse(UNDECIDED, "a sum over something unknown", node.span, expected="such as i = 1")
+
+
+def _numbered(e: Elaborator, node: BigOperator, indices: tuple[str, ...]) -> Value:
+    upper = node.upper.text if isinstance(node.upper, Number) else ""
+    if upper not in {"1", "2", "3"} or len(indices) != 1:
+        raise refuse(UNDECIDED, "a sum up to more than 3", node.span, upper)
+    count = range(1, int(upper) + 1)
+    values = [e.bound(**{indices[0]: str(k)}).value(node.body) for k in count]
+    return total(e.lexicon.notation, values)
+
+
+def integral_value(e: Elaborator, node: Integral) -> Value:
+    """Return an integral over the body, over its mass or its volume, or over a coordinate."""
+    over = tuple(labels(v) for v in node.variables)
+    if node.upper is not None:
+        return definite(e, node)
+    if over not in {(("m",),), (("V",),)}:
+        got = " ".join("d" + "".join(v) for v in over)
+        raise refuse(UNDECIDED, "not an integral over a body", node.span, got, "dm or dV")
+    one = number(sp.Integer(1), node.span)
+    by_volume = over == (("V",),)
+    inside = one if node.integrand is None else element(e, by_volume).value(node.integrand)
+    if inside.density != int(by_volume):
+        what = "a density is" + (
+            " missing under this integral" if by_volume else " integrated over mass"
+        )
+        raise refuse(UNDECIDED, what, node.span)
+    term = terms.total(inside.term, "dm", "elements") if by_volume else terms.integral(inside.term)
+    weight = VOLUME if by_volume else MASS
+    dimension = None if inside.dimension is None else inside.dimension.times(weight)
+    return replace(inside, term=term, dimension=dimension, density=0, span=node.span)
+
+
+def differential(_: Elaborator, node: Differential) -> Value:
+    """Return an element of mass or of volume that stands alone."""
+    what = labels(node.variable)
+    if what == ("m",) and node.order is None:
+        return Value(mass("dm"), SCALAR, MASS, span=node.span)
+    if what == ("V",) and node.order is None:
+        return Value(expr(sp.Integer(1)), SCALAR, VOLUME, density=-1, span=node.span)
+    raise refuse(UNDECIDED, "a differential without a meaning", node.span, "".join(what))
+
+
+def derivative(e: Elaborator, node: Derivative) -> Value:
+    """Return a time derivative; a vector's without a frame is in that of overdots."""
+    if node.operand is None:
+        raise refuse(ILL_FORMED, "a derivative of nothing", node.span)
+    if tuple(labels(v) for v in node.variables) != (("t",),):
+        what = "a derivative with respect to something else than time"
+        raise refuse(UNDECIDED, what, node.span)
+    order = 1 if node.order is None else _order(node.order)
+    value = e.value(node.operand)
+    given = "" if node.frame is None else e.frame(node.frame)
+    if given:
+        return rate(value, given, order, node.span)
+    return overdot(e.lexicon.notation, value, order, node.span)
+
+
+def _order(node: Node) -> int:
+    if isinstance(node, Number) and node.text in {"1", "2", "3", "4"}:
+        return int(node.text)
+    raise refuse(UNDECIDED, "the order of a derivative", node.span)
+
+
+# -- functions -----------------------------------------------------------------------------------
+
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    **{
+        name: getattr(sp, name)
+        for name in ("sin", "cos", "tan", "cot", "sec", "csc", "sinh", "cosh", "tanh", "exp")
+    },
+    **{a: getattr(sp, b) for a, b in (("arcsin", "asin"), ("arccos", "acos"), ("arctan", "atan"))},
+    **{name: getattr(sp, name) for name in ("asin", "acos", "atan")},
+    "ln": sp.log,
+    "log": sp.log,
+}
+_INVERSES = {"sin": sp.asin, "cos": sp.acos, "tan": sp.atan}
+
+
+def call(e: Elaborator, node: Call) -> Value:
+    """Return a function of a scalar without dimension, or of a matrix."""
+    if node.function == "diag":
+        return _diagonal(e, node)
+    argument = e.value(node.argument)
+    if node.sub is not None:
+        raise refuse(UNDECIDED, "a label below a function", node.span)
+    if node.function in _MATRIX_FUNCTIONS:
+        return _MATRIX_FUNCTIONS[node.function](e, argument, node.span)
+    function = _FUNCTIONS.get(node.function)
+    if function is None:
+        raise refuse(UNDECIDED, "a function without a meaning", node.span, node.function)
+    pure(argument, node.argument.span)
+    power = None if node.sup is None else "".join(labels(node.sup))
+    if power == "-1" and node.function in _INVERSES:
+        function, power = _INVERSES[node.function], None
+    value = number(function(e.expression(argument.term)), node.span)
+    if power is None:
+        return value
+    if not power.isdigit():
+        raise refuse(UNDECIDED, "a power of a function", node.span, power)
+    return powered(e, value, Fraction(power), node.span)
+
+
+_MATRIX_FUNCTIONS: dict[str, Callable[[Elaborator, Value, Span], Value]] = {
+    "tr": lambda _, value, span: trace(value, span),
+    "Tr": lambda _, value, span: trace(value, span),
+    "det": lambda _, value, span: determinant(value, span),
+    "skew": lambda e, value, span: skew(e.lexicon.notation, value, span),
+    "Skew": lambda e, value, span: skew(e.lexicon.notation, value, span),
+}
+
+
+def root(e: Elaborator, node: Root) -> Value:
+    """Return a square root."""
+    if node.degree is not None:
+        raise refuse(UNDECIDED, "a root of higher degree", node.span)
+    return powered(e, e.value(node.body), Fraction(1, 2), node.span)
+
+
+# -- tables --------------------------------------------------------------------------------------
+
+
+def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
+    """Return numbers in brackets, or vectors and numbers: round ones are a column, square ones a row."""
+    values = [e.value(item) for item in body.items]
+    if node.open in {"(", "["} and (len(values) > 3 or any(v.shape != SCALAR for v in values)):
+        upright = _blocks(e, [[v] for v in values], node.span)
+        return upright if node.open == "(" else transposed(e.lexicon.notation, upright, node.span)
+    if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
+        raise refuse(UNDECIDED, "a list without a meaning", node.span)
+    return line(e, values, node.span, COLUMN if node.open == "(" else ROW)
+
+
+def line(e: Elaborator, values: list[Value], span: Span, shape: str) -> Value:
+    """Return scalars as a column or row."""
+    common = _common(e, values)
+    term = terms.entries([[v.term] for v in values])
+    return Value(term, shape, common.dimension, ANY, common.density, span)
+
+
+def _common(e: Elaborator, values: list[Value]) -> Value:
+    """Return the sum of all, which has their dimension; zeros have any."""
+    known = [v for v in values if not v.is_zero] or values[:1]
+    return total(e.lexicon.notation, known)
+
+
+def _diagonal(e: Elaborator, node: Call) -> Value:
+    group = node.argument
+    body = group.body if isinstance(group, Group) else None
+    if not isinstance(body, Sequence) or len(body.items) != 3:
+        raise refuse(UNDECIDED, "a diagonal of other than three", node.span)
+    values = [e.value(item) for item in body.items]
+    nought = number(sp.Integer(0), node.span)
+    cells = [[values[r] if r == c else nought for c in range(3)] for r in range(3)]
+    return _square(e, cells, node.span)
+
+
+def matrix(e: Elaborator, node: Matrix) -> Value:
+    """Return a column, a row, a square of scalars, rows above each other, or columns side by side."""
+    if len(node.rows) == len(node.rows[0]) == 1:
+        return e.value(node.rows[0][0])
+    cells = [[e.value(c) for c in row] for row in node.rows]
+    size = (len(cells), *{len(row) for row in cells})
+    flat = [v for row in cells for v in row]
+    scalars = all(v.shape == SCALAR for v in flat)
+    if scalars and size in {(3, 1), (1, 3)}:
+        return line(e, flat, node.span, COLUMN if size == (3, 1) else ROW)
+    if scalars and size == (3, 3):
+        return _square(e, cells, node.span)
+    if size == (3, 1) and all(v.shape == ROW for v in flat):
+        return _stacked(e, flat, node.span)
+    if size == (1, 3) and all(v.shape == COLUMN for v in flat):
+        stacked = _stacked(e, flat, node.span)
+        frames = (stacked.frames[1], stacked.frames[0])
+        return replace(stacked, term=terms.transpose(stacked.term), frames=frames)
+    return _blocks(e, cells, node.span)
+
+
+def _blocks(e: Elaborator, given: list[list[Value]], span: Span) -> Value:
+    """Return a table of blocks: of numbers, columns, rows, matrices and tables.
+
+    Its dimension is that of all entries, or unknown where they differ, as those of a state may.
+    """
+    blocks = [[mixed(e.lexicon.notation, v) for v in row] for row in given]
+    known = [v.dimension for row in blocks for v in row if not v.is_zero]
+    shapes = {v.shape for row in blocks for v in row}
+    if not shapes <= {SCALAR, *TABLES}:
+        raise refuse(UNDECIDED, "a table without a meaning", span, ", ".join(sorted(shapes)))
+    one = known[0] if len(set(known)) == 1 else None
+    like = Value(blocks[0][0].term, SCALAR, one)
+    found = assembled(blocks, like) if len({len(row) for row in blocks}) == 1 else None
+    if found is None:
+        raise refuse(ILL_FORMED, "the parts of a table do not fit together", span)
+    return replace(found, span=span)
+
+
+def _square(e: Elaborator, cells: list[list[Value]], span: Span) -> Value:
+    common = _common(e, [v for row in cells for v in row])
+    if common.shape != SCALAR:
+        raise refuse(UNDECIDED, "a table without a meaning", span)
+    term = terms.entries([[v.term for v in row] for row in cells])
+    return Value(term, MATRIX, common.dimension, ANY, common.density, span)
+
+
+def _stacked(e: Elaborator, values: list[Value], span: Span) -> Value:
+    common = _common(e, values)
+    term = terms.make("rows", (v.term for v in values))
+    frames = ("", common.frames[0])
+    return Value(term, MATRIX, common.dimension, frames, common.density, span)

@@ -1,0 +1,377 @@
+"""From statements to claims: chains of typed values with their relations.
+
+Every statement gives a claim; what of it cannot be elaborated, or does not fit together, is a finding
+of the claim with its place, and the members that are left can be judged all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Sequence as Sequenced
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from eom import limits
+from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import Elaborator
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.numbers_given import given_number
+from eom.checker.mean.operations import overdot
+from eom.checker.mean.resolving import Component, resolved
+from eom.checker.mean.values import ROW, UNDECIDED, Finding, Refusal, Value, same
+from eom.checker.read.looks import Look, labels, seen
+from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.statements import Statement
+from eom.checker.read.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
+from eom.checker.read.trees import walk
+from eom.terms.terms import COLUMN, Term, expr
+from eom.terms.vocabulary import position
+
+if TYPE_CHECKING:
+    from eom.checker.mean.model import Model
+    from eom.checker.mean.parameters import Parameters
+
+EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
+COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})
+LIMITS = frozenset({"to"})
+"""Signs of what is approached, which claim nothing: N to infinity."""
+STATEMENT, DEFINITION, CONSTANT, SAME_POINT = "statement", "definition", "constant", "same point"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A chain: ``members`` joined by ``relations``.
+
+    ``kind``: "statement"; "definition": the first member is new, its look is ``defines``;
+    "constant": the only member, a derivative, is zero; "same point": the only member, a position, is
+    zero. ``role``: of a condition ("if", "for", "where", ...), "" for a claim of its own; ``joined``:
+    the arrow that leads here. A continued chain begins with the first member of the chain before,
+    and ``previous`` is the last one of that. ``findings``: why members are missing, or the claim is
+    ill-formed or wrong by itself. ``scalars``: what the symbols of SymPy stand for.
+    ``model``: the system that scalar lines of the note are about. ``parameters``: of a chain of free
+    scalars, see `eom.checker.mean.parameters`.
+    """
+
+    members: tuple[Value, ...]
+    relations: tuple[str, ...] = ()
+    kind: str = STATEMENT
+    role: str = ""
+    joined: str = ""
+    defines: Look | None = None
+    previous: Value | None = None
+    findings: tuple[Finding, ...] = ()
+    scalars: Mapping[Any, Term] = field(default_factory=dict)
+    span: Span = NOWHERE
+    model: Model | None = field(default=None, compare=False)
+    parameters: Parameters | None = field(default=None, compare=False)
+
+    @property
+    def verdict(self) -> str:
+        """The gravest finding: "wrong", "ill-formed", "ambiguous", "undecided", or "" for none."""
+        verdicts = {f.verdict for f in self.findings}
+        return next((v for v in GRAVITY if v in verdicts), "")
+
+
+GRAVITY = ("wrong", "ill-formed", "ambiguous", "undecided")
+
+
+def claims(
+    statement: Statement,
+    lexicon: Lexicon,
+    definitions: Mapping[Look, Value] | None = None,
+    before: Sequenced[Claim] = (),
+    indices: Mapping[str, str] | None = None,
+) -> tuple[Claim, ...]:
+    """Return what a statement claims at a place of a note, its conditions first.
+
+    ``lexicon``: what holds there; ``definitions``: what the note has defined above; ``before``: the
+    claims that a leading sign of equality may continue; ``indices``: what bound ones stand for. Words
+    alone claim nothing.
+    """
+    known = dict(definitions or {})
+    found: list[Claim] = []
+    parts = [*statement.conditions, ("", statement)]
+    for role, part in parts:
+        for one in _single(part):
+            e = elaborator(lexicon, known).bound(**(indices or {}))
+            parts_of = resolved(one, e)
+            if parts_of:
+                found += [
+                    replace(_component(c, one), role=role, joined=one.joined) for c in parts_of
+                ]
+                continue
+            for apart in _apart(one, e):
+                new = _chain(apart, e, before)
+                found += [replace(c, role=role, joined=one.joined) for c in new]
+    return tuple(found)
+
+
+def defined(found: Iterable[Claim]) -> dict[Look, Value]:
+    """Return what claims define."""
+    new = [c for c in found if c.kind == DEFINITION and c.defines is not None]
+    return {
+        c.defines: replace(c.members[0], scalars=c.scalars) for c in new if c.defines is not None
+    }
+
+
+def _component(one: Component, s: Statement) -> Claim:
+    """Return that a new symbol is a component of a vector."""
+    return Claim((one.value, one.value), ("=",), DEFINITION, defines=one.look, span=s.span)
+
+
+def _single(statement: Statement) -> Iterator[Statement]:
+    """Yield a statement for each of the left sides that a comma parts, then those of braces."""
+    if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
+        return
+    first, last = statement.members[0], statement.members[-1]
+    wordy = isinstance(last, Words) and not _is_constant(last)
+    if wordy or isinstance(last, Sequence):
+        return
+    if isinstance(first, Sequence):
+        for item in first.items:
+            yield replace(statement, members=(item, *statement.members[1:]))
+    else:
+        yield statement
+    yield from _braces(statement)
+
+
+def _braces(statement: Statement) -> Iterator[Statement]:
+    """Yield what labels of braces say: that what they span is the label."""
+    for member in statement.members[int(statement.continues) :]:
+        for found in walk(member):
+            label = found.label if isinstance(found, Braced) else None
+            if isinstance(found, Braced) and label is not None and _is_quantity(label):
+                sign = Sign("=", span=found.span)
+                yield Statement((found.body, label), (sign,), found.span)
+
+
+def _is_quantity(node: Node) -> bool:
+    look = seen(node)
+    return look is not None and not (
+        look.look.style == "" and len(look.look.name) > 1 and _upright(node)
+    )
+
+
+def _upright(node: Node) -> bool:
+    return any(isinstance(n, Symbol) and n.style == "roman" and len(n.name) > 1 for n in walk(node))
+
+
+# -- chains --------------------------------------------------------------------------------------
+
+
+def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]:
+    """Return what a chain says."""
+    signs = tuple(sign.name for sign in s.signs)
+    unknown = next((g for g in s.signs if g.name not in EQUALITIES | COMPARISONS), None)
+    if unknown is not None and unknown.name in LIMITS:
+        return []
+    if unknown is not None:
+        finding = Finding(UNDECIDED, "a relation without a meaning", unknown.span, unknown.name)
+        return [Claim((), findings=(finding,), span=s.span)]
+    whole = _datum(s, e) or _points(s, e)
+    if whole is not None:
+        return [whole]
+    nodes = list(s.members)
+    constant = _is_constant(nodes[-1])
+    if constant:
+        nodes.pop()
+    look = _new(nodes, signs, e)
+    skip = int(look is not None or s.continues)
+    values, findings = _values(e, nodes[skip:])
+    if not findings:
+        values = _lying(nodes[skip:], values)
+    made = Claim((), signs, span=s.span, scalars=e.scalars, findings=tuple(findings))
+    made = replace(made, model=e.lexicon.system)
+    found = []
+    if look is not None:
+        found = [_definition(made, e, look, nodes[0].span, values)]
+    elif s.continues:
+        found = [_continued(made, e, values, before)]
+    elif len(nodes) > 1:
+        found = [_joined(made, e, values)]
+    if constant or any(_is_constant(Words(w)) for w in s.words):
+        found.append(_constant(made, e, values))
+    return found
+
+
+def _values(e: Elaborator, nodes: Iterable[Node]) -> tuple[list[Value], list[Finding]]:
+    """Return the values of members, and why some have none."""
+    values, findings = [], []
+    for node in nodes:
+        try:
+            values.append(e.value(node))
+        except Refusal as refusal:
+            findings.append(refusal.finding)
+    return values, findings
+
+
+def _lying(nodes: list[Node], values: list[Value]) -> list[Value]:
+    """Return members where a list in round brackets lies down beside a row."""
+    if not any(v.shape == ROW for v in values):
+        return values
+    return [
+        replace(v, shape=ROW) if v.shape == COLUMN and _is_list(n) else v
+        for n, v in zip(nodes, values, strict=True)
+    ]
+
+
+def _is_list(node: Node) -> bool:
+    return isinstance(node, Group) and node.open == "(" and isinstance(node.body, Sequence)
+
+
+def _joined(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
+    """Return the claim with members of one shape; every link is compared, and the ends."""
+    notation = e.lexicon.notation
+    shaped: list[Value] = values[:1]
+    findings = list(claim.findings)
+    for value in values[1:]:
+        limits.check()
+        try:
+            first, last = same(notation, shaped[-1], value)
+            shaped = [same(notation, last, v)[1] for v in shaped[:-1]]
+            shaped += [first, last]
+        except Refusal as refusal:
+            findings.append(refusal.finding)
+    relations = claim.relations
+    if len(shaped) != len(relations) + 1:
+        equal = all(r in EQUALITIES for r in relations)
+        relations = ("=",) * (len(shaped) - 1) if equal else ()
+        shaped = shaped if equal else []
+    return replace(claim, members=tuple(shaped), relations=relations, findings=tuple(findings))
+
+
+def _continued(claim: Claim, e: Elaborator, values: list[Value], before: Sequenced[Claim]) -> Claim:
+    """Return a chain whose first member is that of a chain before, the last one that fits."""
+    heads = [c for c in before if c.members and c.kind in {STATEMENT, DEFINITION} and not c.role]
+    tried = []
+    for head in reversed(heads):
+        first = replace(head.members[0], span=claim.span)
+        e.scalars.update({s: t for s, t in head.scalars.items() if s not in e.scalars})
+        made = replace(_joined(claim, e, [first, *values]), previous=head.members[-1])
+        if len(made.findings) == len(claim.findings):
+            return made
+        tried.append(made)
+    if tried:
+        return tried[0]
+    finding = Finding(UNDECIDED, "a relation continues nothing that is known", claim.span)
+    return replace(claim, findings=(*claim.findings, finding))
+
+
+# -- new symbols behind the first place --------------------------------------------------------------
+
+
+def _apart(s: Statement, e: Elaborator) -> Iterator[Statement]:
+    """Yield a chain without a member that it brings in, and that member's definition, else the chain.
+
+    In ``a = b := c = d`` with a new b the claim is a = c = d; b stands for its neighbour.
+    """
+    place = _brought(s, e)
+    if place is None:
+        yield s
+        return
+    sign = Sign("=", span=s.signs[place - 1].span)
+    if len(s.members) > 2:
+        signs = (*s.signs[: place - 1], sign, *s.signs[place + 1 :])
+        kept = (*s.members[:place], *s.members[place + 1 :])
+        yield replace(s, members=kept, signs=signs[: len(kept) - 1])
+    other = s.members[place - 1]
+    if not (s.continues and place == 1):
+        sign = replace(sign, name=":=")
+        yield Statement((s.members[place], other), (sign,), s.members[place].span.join(other.span))
+
+
+def _brought(s: Statement, e: Elaborator) -> int | None:
+    """Return the place of a member behind the first that is a symbol still to be defined."""
+    signs = [g.name for g in s.signs]
+    if not signs or not EQUALITIES.issuperset(signs) or _new(list(s.members), tuple(signs), e):
+        return None
+    for k in range(1, len(s.members)):
+        pair = [s.members[k], s.members[k - 1]]
+        near = {*signs[k - 1 : k + 1]}
+        said = ":=" if near & {":=", "=:", "equiv"} else "="
+        if _is_constant(pair[0]) or e.lexicon.points.get(labels(pair[0])) is not None:
+            continue
+        if _new(pair, (said,), e) is not None:
+            return k
+    return None
+
+
+# -- definitions, constants, points ----------------------------------------------------------------
+
+
+def _new(nodes: list[Node], signs: tuple[str, ...], e: Elaborator) -> Look | None:
+    """Return the look of the left side if the chain defines it: it is free, or left to the note."""
+    if len(nodes) < 2 or signs[0] not in {"=", ":=", "equiv"}:
+        return None
+    node = nodes[0]
+    inner = node.body if isinstance(node, Group) and node.open == "[" else node
+    found = seen(inner)
+    if found is None or found.dots:
+        return None
+    for look in (found.with_label(), found.look):
+        entry = e.lexicon.find(look, e.indices) if look is not None else None
+        if entry is not None:
+            free = entry.meaning.quantity == "defined" and entry.look not in e.definitions
+            return entry.look if free and (look == found.with_label() or not found.raised) else None
+    look = e.lexicon.notation.plain(found.with_label() or found.look)
+    return look if signs[0] == ":=" and not _values(e, [inner])[0] else None
+
+
+def _definition(claim: Claim, e: Elaborator, look: Look, span: Span, values: list[Value]) -> Claim:
+    if not values:
+        return claim
+    head = replace(values[0], span=span)
+    made = _joined(claim, e, [head, *values])
+    return replace(made, kind=DEFINITION, defines=look) if made.members else made
+
+
+_CONSTANTS = ("const", "constant", "konst")
+
+
+def _is_constant(node: Node) -> bool:
+    text = node.text if isinstance(node, Words) else ""
+    if isinstance(node, Symbol) and node.style == "roman":
+        text = node.name
+    return text.strip(" .()").casefold() in _CONSTANTS
+
+
+def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
+    if not values:
+        return claim
+    steady = overdot(e.lexicon.notation, _square(values[-1]), 1, claim.span)
+    return replace(claim, members=(steady,), relations=(), kind=CONSTANT)
+
+
+def _square(value: Value) -> Value:
+    """Return the square of a magnitude, which is constant when it is; anything else stays."""
+    expression = value.term.data[0] if value.term.head == "expr" else None
+    if expression is None or not (expression.is_Pow and expression.exp == sp.Rational(1, 2)):
+        return value
+    squared = None if value.dimension is None else value.dimension.power(2)
+    return replace(value, term=expr(expression.base), dimension=squared)
+
+
+def _datum(s: Statement, e: Elaborator) -> Claim | None:
+    """Return that a number is given, which nothing tells."""
+    if not given_number(s, e):
+        return None
+    finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    return Claim((), findings=(finding,), span=s.span)
+
+
+def _points(s: Statement, e: Elaborator) -> Claim | None:
+    """Return the claim that two points are the same, if both sides are points and nothing else."""
+    if len(s.members) != 2 or s.signs[0].name not in {"=", "equiv"}:
+        return None
+    names = [e.lexicon.points.get(labels(m)) for m in s.members]
+    if None in names or any(_means(e, m) for m in s.members):
+        return None
+    term = position(str(names[0]), str(names[1]))
+    return Claim((Value(term, term.kind, span=s.span),), kind=SAME_POINT, span=s.span)
+
+
+def _means(e: Elaborator, node: Node) -> bool:
+    found = seen(node)
+    return found is not None and e.lexicon.find(found.look, e.indices) is not None

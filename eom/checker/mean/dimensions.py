@@ -1,0 +1,152 @@
+"""Physical dimensions: exponents of mass, length and time, and those of the quantities by name.
+
+Angles have none. What has no known dimension is ``None``, which agrees with every other one.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import NamedTuple
+
+from eom.errors import InputError, unknown_name
+
+MAX_EXPONENT = 64
+
+
+class Dimension(NamedTuple):
+    """Exponents of mass, length, time."""
+
+    mass: Fraction = Fraction(0)
+    length: Fraction = Fraction(0)
+    time: Fraction = Fraction(0)
+
+    def times(self, other: Dimension) -> Dimension:
+        """Return the dimension of a product."""
+        return Dimension(*(a + b if a and b else a or b for a, b in zip(self, other, strict=True)))
+
+    def power(self, exponent: Fraction | int) -> Dimension:
+        """Return the dimension of a power."""
+        return Dimension(*(a * exponent for a in self))
+
+    @property
+    def words(self) -> str:
+        """The unit in SI.
+
+        >>> dimension("N m s").words, dimension("").words
+        ('kg m^2/s', '1')
+        """
+        named = list(zip(("kg", "m", "s"), self, strict=True))
+        above = " ".join(_spelt(n, e) for n, e in named if e > 0)
+        below = " ".join(_spelt(n, -e) for n, e in named if e < 0)
+        below = f"({below})" if " " in below else below
+        return (above or "1") + (f"/{below}" if below else "")
+
+
+def _spelt(name: str, exponent: Fraction) -> str:
+    if exponent == 1:
+        return name
+    return f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"
+
+
+def _row(*exponents: int) -> Dimension:
+    return Dimension(*(Fraction(e) for e in exponents))
+
+
+NONE = _row(0, 0, 0)
+MASS, LENGTH, TIME = _row(1, 0, 0), _row(0, 1, 0), _row(0, 0, 1)
+RATE = _row(0, 0, -1)
+
+UNITS: dict[str, Dimension] = {
+    "1": NONE,
+    "rad": NONE,
+    "deg": NONE,
+    "kg": MASS,
+    "m": LENGTH,
+    "s": TIME,
+    "Hz": RATE,
+    "N": _row(1, 1, -2),
+    "J": _row(1, 2, -2),
+    "W": _row(1, 2, -3),
+    "Pa": _row(1, -1, -2),
+}
+"""Units that a lexicon may use."""
+
+QUANTITY_DIMENSIONS: dict[str, str] = {
+    "mass": "kg",
+    "position": "m",
+    "force": "N",
+    "internal_force": "N",
+    "angular_velocity": "1/s",
+    "unit": "1",
+    "identity": "1",
+    "identity_matrix": "1",
+    "rotation": "1",
+    "eigenvectors": "1",
+    "angle": "1",
+    "turn_angle": "1",
+    "free_angle": "1",
+    "principal_angle": "1",
+    "principal_axis": "1",
+    "euler_parameter": "1",
+    "euler_vector": "1",
+    "rodrigues": "1",
+    "modified_rodrigues": "1",
+    "shadow_rodrigues": "1",
+    "gravity_parameter": "m^3/s^2",
+    "orbit_radius": "m",
+    "orbit_direction": "1",
+    "orbit_position": "m",
+    "gravity_torque": "N m",
+    "gravity_energy": "J",
+    "rotor_axis": "1",
+    "rotor_speed": "1/s",
+    "rotor_momentum": "kg m^2/s",
+    "rotor_inertia": "kg m^2",
+    "slug_momentum": "kg m^2/s",
+    "slug_inertia": "kg m^2",
+    "slug_damping": "kg m^2/s",
+    "total_mass": "kg",
+    "linear_momentum": "kg m/s",
+    "external_force": "N",
+    "first_moment": "kg m",
+    "absolute_angular_momentum": "kg m^2/s",
+    "angular_momentum": "kg m^2/s",
+    "torque": "N m",
+    "kinetic_energy": "J",
+    "rotational_energy": "J",
+    "inertia": "kg m^2",
+}
+"""Units of the quantities of `eom.terms.vocabulary`; those that stand for anything have none."""
+
+_FACTOR = re.compile(
+    r"\s*(?P<over>/)?\s*(?P<name>[A-Za-z]+|1)(?:\s*(?:\^|\*\*)\s*(?P<power>-?[0-9]{1,2}))?\s*[*·]?"
+)
+
+
+def dimension(unit: str, where: str = "") -> Dimension:
+    """Return the dimension of a unit; all that follows a stroke up to the next one is below it.
+
+    Raises `InputError` for unknown units and for what is no product of powers.
+
+    >>> dimension("kg m^2/s^2") == dimension("N m")
+    True
+    """
+    found, place, sign = NONE, 0, 1
+    text = unit.replace("(", " ").replace(")", " ").strip()
+    while place < len(text):
+        match = _FACTOR.match(text, place)
+        if match is None:
+            raise InputError("not a unit", where=where, got=unit, expected="such as kg m^2/s")
+        if match["name"] not in UNITS:
+            raise unknown_name("unit", match["name"], UNITS, where)
+        sign = -1 if match["over"] else sign
+        found = found.times(UNITS[match["name"]].power(sign * int(match["power"] or 1)))
+        place = match.end()
+    return found
+
+
+def of_quantity(name: str) -> Dimension | None:
+    """Return the dimension of a quantity of the vocabulary, or None where it may have any."""
+    unit = QUANTITY_DIMENSIONS.get(name)
+    return None if unit is None else dimension(unit)

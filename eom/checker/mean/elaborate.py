@@ -1,0 +1,380 @@
+"""From a syntax tree to typed values, by the lexicon of the note: sums, products, brackets, scripts.
+
+One rule a kind of node; `eom.checker.mean.calculus` has those for sums over particles, body integrals,
+derivatives, functions and tables, `eom.checker.mean.symbols` that for symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import sympy as sp
+
+from eom.checker.mean import arrays, calculus
+from eom.checker.mean.dimensions import NONE
+from eom.checker.mean.elaborator import Elaborator, Rule, number, quotient
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.operations import determinant, overdot, skew
+from eom.checker.mean.symbols import TRANSPOSED, marked, of_meaning, raised, symbol_value
+from eom.checker.mean.turns import TURNS, abbreviated, between_frames, subscripted, turn
+from eom.checker.mean.values import (
+    AMBIGUOUS,
+    ANY,
+    ILL_FORMED,
+    ROW,
+    UNDECIDED,
+    Value,
+    beside,
+    components,
+    crossed,
+    dotted,
+    negative,
+    refuse,
+    tensored,
+    total,
+)
+from eom.checker.read.looks import DOTS, Look, labels, seen
+from eom.checker.read.places import Span
+from eom.checker.read.syntax import (
+    Accent,
+    Addition,
+    BigOperator,
+    Boxed,
+    Braced,
+    Call,
+    Derivative,
+    Differential,
+    Fraction,
+    Group,
+    Integral,
+    Marks,
+    Matrix,
+    Missing,
+    Node,
+    Number,
+    Over,
+    Product,
+    Quotient,
+    Root,
+    Scripts,
+    Section,
+    Sequence,
+    Struck,
+    Symbol,
+    Words,
+)
+from eom.terms.terms import COLUMN, MATRIX, SCALAR, TABLE, VECTOR, expr, inner
+from eom.terms.terms import dot as dot_product
+from eom.terms.vocabulary import quantity
+
+MAX_DIGITS = 40
+
+
+def elaborator(lexicon: Lexicon, definitions: Mapping[Look, Value] | None = None) -> Elaborator:
+    """Return an elaborator for a place of a note: ``lexicon`` is what holds there."""
+    return Elaborator(lexicon, RULES, definitions or {})
+
+
+# -- leaves --------------------------------------------------------------------------------------
+
+
+def _number(_: Elaborator, node: Number) -> Value:
+    if len(node.text) > MAX_DIGITS:
+        raise refuse(UNDECIDED, "a number is too long", node.span, f"{len(node.text)} digits")
+    value = number(sp.Rational(node.text), node.span)
+    return replace(value, dimension=None) if value.is_zero else value
+
+
+def _missing(_: Elaborator, node: Missing) -> Value:
+    raise refuse(UNDECIDED, "something is left out here", node.span)
+
+
+def _words(_: Elaborator, node: Words) -> Value:
+    raise refuse(UNDECIDED, "words within a formula", node.span, node.text.strip())
+
+
+# -- sums and products ---------------------------------------------------------------------------
+
+
+def _addition(e: Elaborator, node: Addition) -> Value:
+    values = []
+    for sign, term in zip(node.signs, node.terms, strict=True):
+        if sign not in {"", "+", "-"}:
+            raise refuse(AMBIGUOUS, "a sign that stands for two", node.span, sign)
+        value = e.value(term)
+        values.append(negative(value, term.span) if sign == "-" else value)
+    return total(e.lexicon.notation, values)
+
+
+def _product(e: Elaborator, node: Product) -> Value:
+    rule = _OPERATORS.get(node.operator)
+    if rule is None:
+        raise refuse(UNDECIDED, "an operator without a meaning", node.span, node.operator)
+    if node.operator:
+        values = [e.value(f) for f in node.factors]
+        if rule is crossed and len(values) > 2 and any(v.shape != SCALAR for v in values):
+            raise refuse(
+                AMBIGUOUS,
+                "a cross product of more than two factors",
+                node.span,
+                expected="brackets: a x (b x c) is not (a x b) x c",
+            )
+    else:
+        values = _factors(e, node.factors)
+    result = values[0]
+    for value in values[1:]:
+        result = rule(e.lexicon.notation, result, value)
+    return result
+
+
+def _factors(e: Elaborator, nodes: tuple[Node, ...]) -> list[Value]:
+    """Return factors side by side; arguments of functions go with their functions."""
+    values: list[Value] = []
+    k = 0
+    while k < len(nodes):
+        following = nodes[k + 1] if k + 1 < len(nodes) else None
+        argument, above = _argument(following)
+        if argument is not None:
+            applied = _applied(e, nodes[k], argument)
+            if applied is not None:
+                values.append(
+                    applied if above is None else raised(e, applied, above, argument.span)
+                )
+                k += 2
+                continue
+        short = abbreviated(e, nodes[k], following)
+        if short is not None:
+            values.append(e.value(short))
+            k += 2
+            continue
+        values.append(e.value(nodes[k]))
+        k += 1
+    return values
+
+
+def _argument(node: Node | None) -> tuple[Group | None, Node | None]:
+    """Return round brackets and what stands above them; no brackets in case of anything else."""
+    raised_only = isinstance(node, Scripts) and (node.sub or node.presub or node.presup) is None
+    inside, above = (
+        (node.base, node.sup) if isinstance(node, Scripts) and raised_only else (node, None)
+    )
+    return (inside, above) if isinstance(inside, Group) and inside.open == "(" else (None, None)
+
+
+def _applied(e: Elaborator, node: Node, argument: Group) -> Value | None:
+    """Return a function of an argument: a skew matrix, or what depends on a place or on time."""
+    given = seen(node)
+    if given is None:
+        return None
+    called = e.lexicon.find(replace(given.look, called=True), e.indices)
+    if called is not None:
+        return of_meaning(e, called, given, node.span)
+    entry = e.lexicon.find(given.look, e.indices)
+    if entry is not None and entry.meaning.quantity == "skew":
+        return skew(e.lexicon.notation, e.value(argument.body), node.span.join(argument.span))
+    if entry is not None and entry.meaning.quantity in TURNS:
+        return turn(e, entry.meaning, e.value(argument.body), node.span.join(argument.span))
+    time = isinstance(argument.body, Symbol) and argument.body.name == "t"
+    if time or (entry is not None and entry.meaning.function):
+        return e.value(node)
+    return None
+
+
+_OPERATORS: dict[str, Callable[..., Value]] = {
+    "": beside,
+    "dot": dotted,
+    "cross": crossed,
+    "wedge": crossed,
+    "asterisk": beside,
+    "tensor": lambda _, a, b: tensored(a, b),
+}
+
+
+def _quotient(e: Elaborator, node: Quotient) -> Value:
+    return quotient(e, e.value(node.left), e.value(node.right), node.span)
+
+
+def _fraction(e: Elaborator, node: Fraction) -> Value:
+    if isinstance(node.below, Differential):
+        raise refuse(ILL_FORMED, "a derivative lacks its d above", node.span)
+    return quotient(e, e.value(node.above), e.value(node.below), node.span)
+
+
+# -- brackets and scripts ------------------------------------------------------------------------
+
+
+def _group(e: Elaborator, node: Group) -> Value:
+    if isinstance(node.body, Sequence):
+        return calculus.tuple_value(e, node, node.body)
+    rotation = between_frames(e, node)
+    if rotation is not None:
+        return rotation
+    if node.open == "[" and isinstance(node.body, Number) and node.body.text == "1":
+        return _identity(e, node.span)
+    value = _crossing(e, node.body) if isinstance(node.body, Section) else e.value(node.body)
+    if node.open in {"|", "||"}:
+        return _size(e, value, node.span)
+    if node.open == "<":
+        raise refuse(UNDECIDED, "angle brackets without a meaning", node.span)
+    return value
+
+
+def _matrix(e: Elaborator, node: Matrix) -> Value:
+    """Return a matrix, or what bars around it make of it."""
+    value = calculus.matrix(e, node)
+    return _size(e, value, node.span) if node.environment in {"vmatrix", "Vmatrix"} else value
+
+
+def _identity(e: Elaborator, span: Span) -> Value:
+    """Return what a 1 in square brackets is: the unit matrix, the unit dyadic where vectors stay such."""
+    term = quantity("identity_matrix" if e.lexicon.notation.mixed else "identity")
+    return Value(term, term.kind, NONE, ANY, span=span)
+
+
+def _size(e: Elaborator, value: Value, span: Span) -> Value:
+    """Return a magnitude, an absolute value, a determinant."""
+    if value.shape == MATRIX:
+        return determinant(value, span)
+    if value.shape == SCALAR:
+        return replace(value, term=expr(sp.Abs(e.expression(value.term))), span=span)
+    if value.shape == TABLE and arrays.is_square(value):
+        return determinant(value, span)
+    if value.shape == TABLE:
+        square = arrays.square(value)
+    elif value.shape not in {VECTOR, "column", "row"}:
+        raise refuse(ILL_FORMED, "this has no magnitude", span, value.words)
+    else:
+        square = (dot_product if value.shape == VECTOR else inner)(value.term, value.term)
+    return Value(expr(sp.sqrt(e.name("size^2", square))), SCALAR, value.dimension, span=span)
+
+
+def _section(_: Elaborator, node: Section) -> Value:
+    raise refuse(ILL_FORMED, "an operator without its second operand", node.span)
+
+
+def _crossing(e: Elaborator, node: Section) -> Value:
+    """Return the skew matrix that a cross in brackets makes: [a x]."""
+    if node.operator != "cross" or not node.left:
+        raise refuse(UNDECIDED, "an operator without an operand", node.span)
+    return skew(e.lexicon.notation, e.value(node.operand), node.span)
+
+
+def _upright(e: Elaborator, node: Scripts) -> Value | None:
+    """Return the column of a transposed list of three numbers, parted by commas or by space alone.
+
+    Whatever the brackets, what lies on the line is a row, and its transpose a column.
+    """
+    group, above = node.base, node.sup
+    if not isinstance(group, Group) or group.open not in {"(", "["} or node.sub is not None:
+        return None
+    if not isinstance(above, Symbol) or above.name not in TRANSPOSED:
+        return None
+    if isinstance(group.body, Sequence):
+        row = calculus.tuple_value(e, group, group.body)
+        return replace(row, shape=COLUMN, span=node.span) if row.shape in {COLUMN, ROW} else None
+    body = group.body
+    if not isinstance(body, Product) or body.operator or len(body.factors) != 3:
+        return None
+    values = _factors(e, body.factors)
+    if len(values) != 3 or any(v.shape != SCALAR for v in values):
+        return None
+    return calculus.line(e, values, node.span, COLUMN)
+
+
+def _scripts(e: Elaborator, node: Scripts) -> Value:
+    short = subscripted(e, node)
+    if short is not None:
+        return e.value(short)
+    if seen(node) is not None:
+        return symbol_value(e, node)
+    upright = _upright(e, node)
+    if upright is not None:
+        return upright
+    inside = node.base.body if isinstance(node.base, Group) else None
+    if isinstance(inside, Derivative) and inside.frame is None and node.presup is not None:
+        return e.value(replace(node, base=replace(inside, frame=node.presup), presup=None))
+    value = _lowered(e, node)
+    if node.presub is not None or node.presup is not None:
+        if node.presup is None or node.presub is not None:
+            raise refuse(UNDECIDED, "a script on the left without a meaning", node.span)
+        value = components(value, e.frame(node.presup))
+    return value if node.sup is None else raised(e, value, node.sup, node.span)
+
+
+def _lowered(e: Elaborator, node: Scripts) -> Value:
+    """Return a bracket with what stands below it: a frame of components, or a cross."""
+    if node.sub is None:
+        return e.value(node.base)
+    if labels(node.sub) == ("times",):
+        return skew(e.lexicon.notation, e.value(node.base), node.span)
+    frame = e.frame(node.sub)
+    e = e.resolved(frame)
+    body = _bracketed(node.base)
+    if isinstance(body, Section) and body.operator == "cross" and body.left:
+        return skew(e.lexicon.notation, components(e.value(body.operand), frame), node.span)
+    return components(e.value(node.base), frame)
+
+
+def _bracketed(node: Node) -> Node | None:
+    """Return what stands in a bracket, or in a table of one cell."""
+    if isinstance(node, Matrix) and len(node.rows) == len(node.rows[0]) == 1:
+        return node.rows[0][0]
+    return node.body if isinstance(node, Group) else None
+
+
+def _accent(e: Elaborator, node: Accent) -> Value:
+    if seen(node) is not None:
+        return symbol_value(e, node)
+    notation = e.lexicon.notation
+    if node.mark in DOTS:
+        return overdot(notation, e.value(node.base), DOTS[node.mark], node.span)
+    if node.mark in notation.skew:
+        return skew(notation, e.value(node.base), node.span)
+    if node.mark in notation.marks:
+        return marked(e, e.value(node.base), node.mark, node.span)
+    raise refuse(UNDECIDED, "an accent without a meaning", node.span, node.mark)
+
+
+def _over(e: Elaborator, node: Over) -> Value:
+    """Read a mark over a vector as one that is raised."""
+    names = node.above.names if isinstance(node.above, Marks) else labels(node.above)
+    if node.below is not None or any(n not in e.lexicon.notation.marks for n in names):
+        raise refuse(UNDECIDED, "what stands above has no meaning", node.span, " ".join(names))
+    value = e.value(node.base)
+    for name in names:
+        value = marked(e, value, name, node.span)
+    return value
+
+
+def _body(e: Elaborator, node: Any) -> Value:
+    return e.value(node.body)
+
+
+RULES: dict[type, Rule] = {
+    Number: _number,
+    Symbol: symbol_value,
+    Words: _words,
+    Missing: _missing,
+    Accent: _accent,
+    Scripts: _scripts,
+    Over: _over,
+    Group: _group,
+    Section: _section,
+    Addition: _addition,
+    Product: _product,
+    Quotient: _quotient,
+    Fraction: _fraction,
+    Braced: _body,
+    Boxed: _body,
+    Struck: _body,
+    Root: calculus.root,
+    Call: calculus.call,
+    BigOperator: calculus.big_operator,
+    Integral: calculus.integral_value,
+    Differential: calculus.differential,
+    Derivative: calculus.derivative,
+    Matrix: _matrix,
+}
+"""One rule a kind of node; what is not here has no value."""

@@ -1,0 +1,229 @@
+r"""The lexicon of a note: what its symbols, frames and points stand for, and in which part of it.
+
+A TOML file beside the note, or front matter between lines of ``+++`` (there in a table ``check``):
+
+    preset = "arrow-tilde"        # what follows is added to it, and goes before it
+    [notation]                    # see `Notation`
+    [frames]                      # '\mathcal{B}' = "B"
+    [points]                      # 'G' = "C"
+    [marks]                       # raised marks that are derivatives: bullet = "I"
+    [symbols]                     # '\vec{H}_{<P>}' = "angular_momentum body <P>"
+    [system]                      # what scalar lines are about, or: system = "heavy-top"
+    is = "heavy-top"              # a ready scene, a scene file beside the note, a system by name
+    attitude = "3-1-3"            # other attitude coordinates than the scene's
+    assume = ["I1 = I2"]          # of what may be assumed of it
+    [system.symbols]              # 'A' = "I1"; what is spelt as the system prints it needs no entry
+    [[scope]]                     # from here on, and within this part alone
+    heading = "Rigid bodies"      # a heading of the note, or: after = "a phrase of the note"
+    [scope.symbols]
+
+Slots of patterns: ``<F>``, ``<G>`` any frame, ``<P>``, ``<Q>`` any point, ``<i>``, ``<j>`` the index
+of a particle, ``<k>``, ``<l>`` an axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from eom.checker.mean.meanings import SLOT, Meaning
+from eom.checker.read.looks import Labels, Look
+from eom.terms.terms import INDICES, INERTIAL
+
+if TYPE_CHECKING:
+    from eom.checker.mean.model import Model
+
+PLACED = "placed"
+"""How a label in fraktur begins that is the name of a frame or point itself, whatever the note calls so."""
+
+AXES = {"1": "1", "2": "2", "3": "3", "x": "1", "y": "2", "z": "3"}
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How a note writes operations.
+
+    ``dot``: frame of overdots on vectors, and of derivatives that name none; ``mixed``: frame in
+    whose components vectors may stand beside columns and matrices ("": nowhere); ``skew``: accents
+    that make a skew matrix; ``dyads``: vectors side by side are a dyadic; ``juxtaposed``: a dyadic
+    acts on a vector beside it without a dot; ``resolved``: a frame as last label below a vector is
+    that of its components; ``bracketed``: two frames in square brackets are the rotation of components
+    from the second to the first; ``marks``: raised marks that are derivatives, with their frames;
+    ``alike``: (style, accents) that mean the same, the first stands for all.
+    """
+
+    dot: str = INERTIAL
+    mixed: str = ""
+    skew: tuple[str, ...] = ()
+    dyads: bool = False
+    juxtaposed: bool = False
+    resolved: bool = False
+    bracketed: bool = False
+    marks: Mapping[str, str] = field(default_factory=dict)
+    alike: tuple[tuple[tuple[str, tuple[str, ...]], ...], ...] = ()
+
+    def plain(self, look: Look) -> Look:
+        """Return the look in the first of the nuclei that mean the same."""
+        for nuclei in self.alike:
+            if (look.style, look.accents) in nuclei:
+                style, accents = nuclei[0]
+                return replace(look, style=style, accents=accents)
+        return look
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A pattern, its meaning, the LaTeX it was read from, and where it stands."""
+
+    look: Look
+    meaning: Meaning
+    latex: str
+    where: str = ""
+
+    @property
+    def slots(self) -> int:
+        """How many slots the pattern has; the fewer, the more it says."""
+        return sum(bool(SLOT.fullmatch(w)) for corner in self.look.corners for w in corner)
+
+
+@dataclass(frozen=True)
+class Scope:
+    """A part of the note, under a heading or after a phrase, with entries of its own."""
+
+    heading: str
+    after: str
+    entries: tuple[Entry, ...]
+    frames: Mapping[Labels, str]
+    points: Mapping[Labels, str]
+
+    def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
+        """Tell whether a place is in this part; ``passed``: phrases that stand before it."""
+        inside = not self.heading or any(_same(self.heading, h) for h in headings)
+        return inside and (not self.after or self.after in passed)
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """Notation, frames and points by labels, entries in layers: what comes first goes first.
+
+    ``system``: what scalar lines are about, if the note says so.
+    """
+
+    notation: Notation = field(default_factory=Notation)
+    frames: Mapping[Labels, str] = field(default_factory=dict)
+    points: Mapping[Labels, str] = field(default_factory=dict)
+    layers: tuple[tuple[Entry, ...], ...] = ()
+    scopes: tuple[Scope, ...] = ()
+    system: Model | None = field(default=None, compare=False)
+
+    def at(self, headings: Sequence[str] = (), passed: Container[str] = ()) -> Lexicon:
+        """Return what holds under some headings, after some of the phrases that begin scopes."""
+        active = [s for s in self.scopes if s.holds(headings, passed)]
+        frames, points = dict(self.frames), dict(self.points)
+        for scope in active:
+            frames |= scope.frames
+            points |= scope.points
+        own = tuple(s.entries for s in reversed(active))
+        return replace(self, frames=frames, points=points, layers=own + self.layers, scopes=())
+
+    def without_system(self) -> Lexicon:
+        """Return the lexicon in which no symbol is a quantity of the note's system."""
+
+        def others(entries: tuple[Entry, ...]) -> tuple[Entry, ...]:
+            return tuple(e for e in entries if e.meaning.quantity != "system")
+
+        return replace(self, layers=tuple(map(others, self.layers)), system=None)
+
+    def find(self, look: Look, indices: Mapping[str, str] | None = None) -> Found | None:
+        """Return the meaning of a look; ``indices`` says what bound indices stand for."""
+        look = self.notation.plain(look)
+        for layer in self.layers:
+            fitting = [e for e in layer if _nucleus(e.look) == _nucleus(look)]
+            for entry in sorted(fitting, key=lambda e: e.slots):
+                bound = self._match(entry.look, look, indices or {})
+                if bound is not None:
+                    return Found(look, entry.meaning.filled(bound, self._written(bound)), entry)
+        return None
+
+    def frame(self, given: Labels) -> str | None:
+        """Return the frame that labels name, or None."""
+        return _named(self.frames, given)
+
+    def known(self, name: str) -> tuple[str, ...]:
+        """Return the patterns with a letter, for messages."""
+        entries = (e for layer in self.layers for e in layer)
+        return tuple(dict.fromkeys(e.latex for e in entries if e.look.name == name))
+
+    def _written(self, bound: Mapping[str, str]) -> dict[str, str]:
+        """Return frames and points as they stand in formulas: marked where the note calls another so."""
+        placed = {s: name for s, name in bound.items() if s in "FGPQ"}
+        other = {s: n for s, n in placed.items() if self.resolved(s, tuple(n), {}) != n}
+        return {s: rf"\mathfrak{{{PLACED}{name}}}" for s, name in other.items()}
+
+    def _match(
+        self, pattern: Look, look: Look, indices: Mapping[str, str]
+    ) -> dict[str, str] | None:
+        bound: dict[str, str] | None = {}
+        for wanted, given in zip(pattern.corners, look.corners, strict=True):
+            if bound is not None:
+                bound = self._corner(wanted, given, bound, indices)
+        return bound
+
+    def _corner(
+        self, pattern: Labels, given: Labels, bound: dict[str, str], indices: Mapping[str, str]
+    ) -> dict[str, str] | None:
+        """Match a corner; a slot takes as many words as make one name."""
+        if not pattern:
+            return None if given else bound
+        slot = SLOT.fullmatch(pattern[0])
+        if slot is None:
+            same = given[:1] == pattern[:1]
+            return self._corner(pattern[1:], given[1:], bound, indices) if same else None
+        for n in range(1, min(len(given), 8) + 1):
+            name = self.resolved(slot[1], given[:n], indices)
+            if name is not None and bound.get(slot[1], name) == name:
+                new = {**bound, slot[1]: name}
+                found = self._corner(pattern[1:], given[n:], new, indices)
+                if found is not None:
+                    return found
+        return None
+
+    def resolved(self, slot: str, given: Labels, indices: Mapping[str, str]) -> str | None:
+        """Return the frame, point, index or axis that labels name, or None."""
+        if slot in "FGPQ":
+            return _named(self.frames if slot in "FG" else self.points, given)
+        word = indices.get(given[0], given[0]) if len(given) == 1 else ""
+        if slot in "ij":
+            return word if word in INDICES - {"dm"} else None
+        return AXES.get(word)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a look means, and the entry that says so."""
+
+    look: Look
+    meaning: Meaning
+    entry: Entry
+
+
+def _named(names: Mapping[Labels, str], given: Labels) -> str | None:
+    """Return the name of labels; a name of the house stands for itself if nothing else does."""
+    own = "".join(given)
+    placed = f"frak {PLACED}"
+    if own.startswith(placed):
+        return own.replace(placed, "")
+    return names.get(given, own if own in names.values() else None)
+
+
+def _nucleus(look: Look) -> tuple[str, str, tuple[str, ...], bool]:
+    return look.name, look.style, look.accents, look.called
+
+
+def _folded(text: str) -> str:
+    return " ".join(text.split()).casefold()
+
+
+def _same(wanted: str, heading: str) -> bool:
+    return _folded(wanted).strip("# ") == _folded(heading).strip("# ")

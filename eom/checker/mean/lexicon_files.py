@@ -1,0 +1,370 @@
+"""Lexica from TOML: files beside notes, front matter, and the presets.
+
+Every bad entry is one error that says where, what was got and what is expected.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eom.checker.mean.lexicon import Entry, Lexicon, Notation, Scope
+from eom.checker.mean.meanings import SLOT, meaning
+from eom.checker.mean.patterns import label_of, look_of, slotted
+from eom.checker.read.front import yaml_table
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.looks import Labels
+from eom.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from eom.checker.mean.model import Model
+    from eom.opening import AnyScene
+    from eom.system import System
+
+PRESETS = (
+    "arrow-tilde",
+    "left-superscript",
+    "underline-bullet",
+    "kane",
+    "schaub-junkins",
+    "hughes",
+    "physics-bold",
+)
+"""Presets by name, each a file of `eom/checker/mean/presets`."""
+
+MAX_LEXICON = 1_000_000
+_TABLES = ("notation", "frames", "points", "marks", "symbols")
+_SCOPE_KEYS = ("heading", "after", "frames", "points", "symbols")
+_YAML = re.compile(r"\A---[ ]*\n(.*?)^---[ ]*$", re.DOTALL | re.MULTILINE)
+_FRONT = re.compile(r"\A\ufeff?\+\+\+[ \t]*\r?\n(.*?)^\+\+\+[ \t]*\r?$", re.DOTALL | re.MULTILINE)
+
+
+@dataclass
+class _Reader:
+    """Collects the errors of one file."""
+
+    name: str
+    errors: list[InputError] = field(default_factory=list)
+
+    def where(self, *keys: str) -> str:
+        return ", ".join(p for p in (self.name, " > ".join(keys)) if p)
+
+    def table(self, data: Mapping[str, Any], key: str, *above: str) -> Mapping[str, Any]:
+        """Return a table of a table; what is none is an error."""
+        value = data.get(key, {})
+        if isinstance(value, Mapping):
+            return value
+        self.errors.append(
+            InputError("not a table", where=self.where(*above, key), got=value, expected=f"[{key}]")
+        )
+        return {}
+
+    def entries(self, data: Mapping[str, Any], notation: Notation, *above: str) -> list[Entry]:
+        """Return the entries of a table of symbols."""
+        found = []
+        for latex, value in self.table(data, "symbols", *above).items():
+            where = self.where(*above, "symbols", latex)
+            try:
+                found.append(_entry(latex, value, notation, where))
+            except InputError as error:
+                self.errors.append(error)
+        return found
+
+    def names(self, data: Mapping[str, Any], key: str, *above: str) -> dict[Labels, str]:
+        """Return a table of frames or points by their labels."""
+        found = {}
+        for latex, value in self.table(data, key, *above).items():
+            where = self.where(*above, key, latex)
+            try:
+                if not (isinstance(value, str) and value.isalnum()):
+                    raise InputError("not a name", where=where, got=value, expected="such as B")
+                found[label_of(latex, where)] = value
+            except InputError as error:
+                self.errors.append(error)
+        return found
+
+    def notation(self, data: Mapping[str, Any], base: Notation) -> Notation:
+        """Return the notation with what the file changes."""
+        changed: dict[str, Any] = {}
+        for key, value in self.table(data, "notation").items():
+            try:
+                changed[key] = _setting(key, value, self.where("notation", key))
+            except InputError as error:
+                self.errors.append(error)
+        marks = dict(base.marks)
+        for mark, frame in self.table(data, "marks").items():
+            where = self.where("marks", mark)
+            if isinstance(frame, str) and mark.isalpha():
+                marks[mark] = frame
+            else:
+                self.errors.append(InputError("not a mark with a frame", where=where, got=frame))
+        return replace(base, marks=marks, **changed)
+
+    def scopes(self, data: Mapping[str, Any], notation: Notation) -> list[Scope]:
+        """Return the parts of the note that have entries of their own."""
+        given = data.get("scope", [])
+        if not isinstance(given, list) or not all(isinstance(g, Mapping) for g in given):
+            self.errors.append(
+                InputError("scopes are tables", where=self.where("scope"), expected="[[scope]]")
+            )
+            return []
+        return [self.scope(g, notation, f"scope {n}") for n, g in enumerate(given, 1)]
+
+    def scope(self, data: Mapping[str, Any], notation: Notation, place: str) -> Scope:
+        self.unknown(data, _SCOPE_KEYS, place)
+        texts = [data.get(k, "") for k in ("heading", "after")]
+        if not all(isinstance(t, str) for t in texts) or not any(texts):
+            self.errors.append(
+                InputError(
+                    "a scope has no place",
+                    where=self.where(place),
+                    got=texts,
+                    expected="heading or after, a text",
+                )
+            )
+            texts = ["", ""]
+        return Scope(
+            texts[0],
+            texts[1],
+            tuple(self.entries(data, notation, place)),
+            self.names(data, "frames", place),
+            self.names(data, "points", place),
+        )
+
+    def system(
+        self, data: Mapping[str, Any], notation: Notation, folder: Path | None
+    ) -> tuple[Model | None, tuple[tuple[Entry, ...], ...]]:
+        """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
+        if "system" not in data:
+            return None, ()
+        from eom.checker.mean.model_files import model_in  # most notes need no scenes
+
+        where = self.where("system")
+        try:
+            return _entries_of(
+                model_in(data["system"], folder, where), data["system"], notation, where
+            )
+        except InputError as error:
+            self.errors.append(error)
+            return None, ()
+
+    def unknown(self, data: Mapping[str, Any], known: Iterable[str], *above: str) -> None:
+        """Note every key that is not known."""
+        for key in data:
+            if key not in known:
+                self.errors.append(unknown_name("key", str(key), known, self.where(*above)))
+
+
+def lexicon_of(
+    data: Mapping[str, Any], name: str = "", folder: Path | None = None
+) -> tuple[Lexicon, tuple[InputError, ...]]:
+    """Return the lexicon that a table holds, and one error for each entry that cannot be used.
+
+    ``folder``: where the scene file of a note's system is looked for.
+    """
+    reader = _Reader(name)
+    reader.unknown(data, ("preset", "scope", "system", *_TABLES))
+    base = Lexicon()
+    if "preset" in data:
+        if data["preset"] in PRESETS:
+            base = preset(data["preset"])
+        else:
+            reader.errors.append(
+                unknown_name("preset", str(data["preset"]), PRESETS, reader.where("preset"))
+            )
+    notation = reader.notation(data, base.notation)
+    own = tuple(reader.entries(data, notation))
+    system, spelt = reader.system(data, notation, folder)
+    lexicon = Lexicon(
+        notation,
+        {**base.frames, **reader.names(data, "frames")},
+        {**base.points, **reader.names(data, "points")},
+        (own, *spelt, *base.layers),
+        tuple(reader.scopes(data, notation)),
+        system,
+    )
+    return lexicon, tuple(reader.errors)
+
+
+def _entries_of(
+    model: Model, given: Any, notation: Notation, where: str
+) -> tuple[Model, tuple[tuple[Entry, ...], ...]]:
+    """Return a system with its letters, and its symbols: the note's own, then the usual ones."""
+    from eom.checker.mean.model_files import symbols_in
+
+    own, usual = symbols_in(given, model, where)
+    entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
+    known = {e.look for e in entries}
+    spelt: list[Entry] = []
+    for latex, value, place in usual:
+        with suppress(InputError):  # a name that is printed with dots
+            entry = _entry(latex, value, notation, place)
+            spelt += [entry] if entry.look not in known else []
+            known.add(entry.look)
+    letters = {e.meaning.labels[0]: e.look.text for e in entries if e.meaning.labels}
+    return replace(model, letters=letters), (entries, tuple(spelt))
+
+
+def about(
+    lexicon: Lexicon, system: str | System | AnyScene, symbols: Mapping[str, str] | None = None
+) -> Lexicon:
+    """Return a lexicon whose scalar lines are about a system or scene; ``symbols``: LaTeX to its names.
+
+    ``system``: the name of one, a scene file, or an object. Raises `InputError` for those that are not
+    known and for names that the system has not.
+    """
+    from eom.checker.mean.model import model_from
+
+    given = {"symbols": dict(symbols or {})}
+    model, spelt = _entries_of(model_from(system), given, lexicon.notation, "symbols")
+    plain = lexicon.without_system()
+    return replace(plain, layers=(*plain.layers[:1], *spelt, *plain.layers[1:]), system=model)
+
+
+def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
+    """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
+    lexicon, errors = lexicon_of(_toml(text, name), name, folder)
+    if errors:
+        raise _joined(errors)
+    return lexicon
+
+
+def _joined(errors: tuple[InputError, ...]) -> InputError:
+    """Return one error that lists all."""
+    first = errors[0]
+    if len(errors) == 1:
+        return first
+    rest = "\n".join(str(e) for e in errors[1:])
+    return InputError(f"{len(errors)} entries of a lexicon cannot be used\n{first}\n{rest}")
+
+
+def _toml(text: str, name: str) -> Mapping[str, Any]:
+    if len(text) > MAX_LEXICON:
+        raise InputError("a lexicon is too long", where=name, got=f"{len(text)} characters")
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(
+            "not TOML", where=name, got=error, hint="patterns stand in single quotes: '\\vec{r}'"
+        ) from None
+
+
+@lru_cache(maxsize=len(PRESETS))
+def preset(name: str) -> Lexicon:
+    """Return a preset by name. Raises `InputError` for unknown ones."""
+    if name not in PRESETS:
+        raise unknown_name("preset", name, PRESETS)
+    file = resources.files("eom.checker.mean") / "presets" / f"{name}.toml"
+    return parse_lexicon(file.read_text(encoding="utf-8"), f"preset {name}")
+
+
+def front_matter(text: str) -> Mapping[str, Any]:
+    """Return the table ``check`` of front matter between lines of ``+++``; none is empty.
+
+    Between lines of ``---`` it is YAML, see `eom.checker.read.front`. Raises `InputError` for what is
+    neither.
+    """
+    match = _FRONT.match(text)
+    if match is None:
+        other = _YAML.match(text)
+        return yaml_table(other[1]) if other is not None else {}
+    found = _toml(match[1], "front matter").get("check", {})
+    if not isinstance(found, Mapping):
+        raise InputError("not a table", where="front matter", got=found, expected="[check]")
+    return found
+
+
+def lexicon_for(note: str, path: Path | None = None) -> Lexicon | None:
+    """Return the lexicon of a note, None where it has none; see `lexicon_found`."""
+    found = lexicon_found(note, path)
+    return None if found is None else found[1]
+
+
+def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | None:
+    """Return where the lexicon of a note stands, and the lexicon: front matter, else a file beside it.
+
+    That is NAME.lexicon.toml, NAME.toml (without any key of a lexicon it is something else), or
+    lexicon.toml. None where there is none. Raises `InputError` for entries that cannot be used.
+    """
+    data = front_matter(note)
+    if data:
+        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None)
+        if errors:
+            raise _joined(errors)
+        return "front matter", lexicon
+    for file in _beside(path):
+        text = lexicon_text(file) if file.is_file() else ""
+        sure = file.name.endswith("lexicon.toml")
+        if text and (sure or _KEYS.intersection(_toml(text, file.name))):
+            return file.name, parse_lexicon(text, file.name, file.parent)
+    return None
+
+
+_KEYS = frozenset({"preset", "scope", "system", *_TABLES})
+
+
+def lexicon_text(file: Path) -> str:
+    """Return the text of a lexicon. Raises `InputError` for what cannot be read or is too long."""
+    try:
+        with file.open("rb") as stream:
+            return stream.read(4 * MAX_LEXICON).decode()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError("a lexicon cannot be read", where=str(file), got=error) from None
+
+
+def _beside(path: Path | None) -> tuple[Path, ...]:
+    if path is None:
+        return ()
+    names = (f"{path.stem}.lexicon.toml", f"{path.stem}.toml", "lexicon.toml")
+    return tuple(path.with_name(name) for name in names)
+
+
+# -- entries -------------------------------------------------------------------------------------
+
+
+def _entry(latex: str, value: Any, notation: Notation, where: str) -> Entry:
+    look = notation.plain(look_of(latex, where))
+    found = meaning(value, where)
+    used = {w for corner in look.corners for w in corner if SLOT.fullmatch(w)}
+    unbound = sorted(f"<{s}>" for s in found.slots if f"<{s}>" not in used)
+    if unbound:
+        raise InputError("a slot is not in the pattern", where=where, got=unbound[0])
+    if found.formula:
+        read_formula(slotted(found.formula, where))
+    return Entry(look, found, latex, where)
+
+
+_SETTINGS: dict[str, type] = {
+    "dot": str,
+    "mixed": str,
+    "skew": list,
+    "dyads": bool,
+    "juxtaposed": bool,
+    "resolved": bool,
+    "bracketed": bool,
+    "alike": list,
+}
+
+
+def _setting(key: str, value: Any, where: str) -> Any:
+    if key not in _SETTINGS:
+        raise unknown_name("setting", key, _SETTINGS, where)
+    if not isinstance(value, _SETTINGS[key]):
+        raise InputError("wrong type", where=where, got=value, expected=_SETTINGS[key].__name__)
+    if not isinstance(value, list):
+        return value
+    return tuple(str(v) if key == "skew" else _nuclei(v, where) for v in value)
+
+
+def _nuclei(value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    if not (isinstance(value, list) and all(isinstance(v, str) for v in value)):
+        raise InputError("not a list of letters", where=where, got=value)
+    looks = [look_of(v, where) for v in value]
+    return tuple((look.style, look.accents) for look in looks)

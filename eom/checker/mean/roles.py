@@ -1,0 +1,222 @@
+"""The part that a formula plays in its sentence, from the words around it.
+
+"If", "assume", "let", "consider the case with" make it an assumption; "where", "we call" a definition;
+"since", "noting that" recall what is known; "is given by" brings in a quantity; what follows "then" or
+"we have" is a claim, and so is everything else. Words are English, and knowledge is the tables here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from eom.checker.read.documents import Piece
+
+CLAIM, ASSUMPTION, DEFINITION, RECALLED = "claim", "assumption", "definition", "recalled"
+INTRODUCED = "introduced"
+"""Given to the reader: a definition where it holds by what the words mean, else judged as it is."""
+LAW = "law"
+"""A law of the writer's own, see `eom.checker.judge.laws`: an assumption where it does not hold by
+itself."""
+
+
+@dataclass(frozen=True)
+class Lead:
+    """What words in front of a formula make of it.
+
+    ``far``: nouns may stand between ("if the torque $M = 0$"); ``listed``: a comma alone goes on with
+    the next formula ("let $a = 1$, $b = 2$"), not only "and", "or".
+    """
+
+    role: str
+    far: bool = False
+    listed: bool = False
+
+
+_IF, _LET = Lead(ASSUMPTION, far=True), Lead(ASSUMPTION, far=True, listed=True)
+_AT_ONCE, _WHERE = Lead(ASSUMPTION), Lead(DEFINITION, far=True, listed=True)
+_NAMED, _SO = Lead(DEFINITION), Lead(CLAIM, far=True)
+_SINCE = Lead(RECALLED, far=True, listed=True)
+NO_LEAD = Lead(CLAIM)
+
+LEADS: dict[str, Lead] = {
+    **dict.fromkeys(("if", "iff", "when", "whenever", "unless", "once", "provided", "while"), _IF),
+    **dict.fromkeys(("given that", "provided that", "as long as", "in case", "in the case"), _IF),
+    **dict.fromkeys(("case with", "case of", "case where", "case that"), _IF),
+    **dict.fromkeys(("assume", "assumes", "assumed", "assuming", "assumption", "suppose"), _LET),
+    **dict.fromkeys(("let", "supposing", "hypothesis", "require", "impose", "demand"), _LET),
+    **dict.fromkeys(("invoke", "evoke", "postulate", "approximation", "condition"), _LET),
+    **dict.fromkeys(("for", "for all", "for any", "for every", "for each", "for some"), _AT_ONCE),
+    **dict.fromkeys(("subject to", "under", "at", "setting"), _AT_ONCE),
+    **dict.fromkeys(("valid for", "true for", "holds for", "case", "taking"), _AT_ONCE),
+    **dict.fromkeys(("where", "define", "defining", "defined", "denote"), _WHERE),
+    **dict.fromkeys(("denoting", "call", "calling", "label", "labelling", "labeling"), _WHERE),
+    **dict.fromkeys(("write", "writing", "introduce", "introducing", "notation"), _WHERE),
+    **dict.fromkeys(("abbreviate", "abbreviation", "shorthand", "definition"), _WHERE),
+    **dict.fromkeys(("such that", "with"), _NAMED),
+    **dict.fromkeys(("since", "because", "b/c", "as", "using", "noting", "noting that"), _SINCE),
+    **dict.fromkeys(("note that", "recall", "recalling", "recall that", "knowing", "by"), _SINCE),
+    **dict.fromkeys(("given by", "provided by", "defined by"), Lead(INTRODUCED)),
+    **dict.fromkeys(("then", "so", "thus", "hence", "therefore", "have", "has", "get"), _SO),
+    **dict.fromkeys(("obtain", "find", "gives", "yields", "implies", "follows", "becomes"), _SO),
+    **dict.fromkeys(("reduces", "satisfy", "satisfies", "must", "show", "shows", "prove"), _SO),
+    **dict.fromkeys(("for which", "whence", "which", "means", "conclude", "but", "that is"), _SO),
+    **dict.fromkeys(("look at", "looking at", "arrive at", "arrives at", "arriving at"), _SO),
+    **dict.fromkeys(("holds", "vanishes", "leads", "results", "equals", "follow", "need"), _SO),
+}
+"""The words that settle the role; those closest to the formula count, the longest of them."""
+
+TRAILS: dict[str, str] = {
+    "is assumed": ASSUMPTION,
+    "are assumed": ASSUMPTION,
+    "by assumption": ASSUMPTION,
+    "by hypothesis": ASSUMPTION,
+    "is used": RECALLED,
+    "was used": RECALLED,
+    "has been used": RECALLED,
+    "by definition": DEFINITION,
+    "is defined": DEFINITION,
+}
+"""Words right behind a formula that settle its role where nothing in front does."""
+
+CONDITIONS: dict[str, str] = {
+    **dict.fromkeys(("if", "iff", "only if", "unless", "for", "exists"), ASSUMPTION),
+    "where": DEFINITION,
+    "because": RECALLED,
+}
+"""Roles of the parts of a formula, by the words inside it."""
+
+_VERBS = frozenset("is are was were be does do can may acts moves rotates turns".split())
+"""Words that make a clause of their own, unless the formula completes them ("the torque is $0$")."""
+_FILLERS = frozenset("also now again just both either simply further that we the".split())
+"""Words that put no distance between a lead and a formula."""
+_NOUN, _RELATION = "\x00", "\x01"
+"""What stands in a text for a formula without and with a relation."""
+_JOINT = re.compile(
+    rf"{_RELATION}\s*,?\s*(?:and also|and that|as well as|and|or|&)$", re.IGNORECASE
+)
+_COMMA = re.compile(rf"{_RELATION}\s*,$")
+_EXAMPLE = re.compile(r"\(\s*(?:e\.?\s?g|i\.?\s?e|that is|for example|say)\b[.,]*$", re.IGNORECASE)
+_RESTATED = re.compile(r"[(,]\s*in (?:which|this|that) case$", re.IGNORECASE)
+_SENTENCE = re.compile(r"[.!?]\s+(?=[A-Z])|:\s")
+_WORD = re.compile(r"[A-Za-z/&][A-Za-z/’'-]*|[^\s:A-Za-z]")
+_RELATIONS = re.compile(
+    r"[=<>≤≥≠≡≈]|\\(?:leq?|geq?|neq?|ll|gg|equiv|triangleq|approx|simeq|coloneqq|doteq)(?![A-Za-z])"
+)
+_REACH = 600
+"""Characters in front of a formula that are looked at."""
+_MOST = 6
+"""Words that may stand between the lead and the formula."""
+
+
+def roles(pieces: Sequence[Piece]) -> tuple[str, ...]:
+    """Return the role of every piece: of formulas by the words around them, else "claim".
+
+    A display is an assumption where the words right in front of it say so, and a claim otherwise.
+    """
+    found: list[str] = []
+    text, above, lead, shown = "", "", NO_LEAD, NO_LEAD
+    for k, piece in enumerate(pieces):
+        found.append(CLAIM)
+        if k and piece.source is not pieces[k - 1].source:
+            text, above, shown = "", "", NO_LEAD
+        if piece.kind == "prose":
+            parts = re.split(r"\n[ \t]*\n", text + _plain(piece.body))
+            text, above = parts[-1][-_REACH:], [above, *parts][-2][-_REACH:]
+        elif piece.kind == "display":
+            shown = _display((text.strip() or above.strip()), shown)
+            found[-1], text, above = shown.role, "", ""
+        elif piece.kind != "inline":
+            text, above, shown = "", "", NO_LEAD
+        elif _RELATIONS.search(piece.body):
+            lead = _lead(text.strip(), lead)
+            after = _plain(pieces[k + 1].body[:_REACH]) if k + 1 < len(pieces) else ""
+            found[-1] = _trail(after) if lead is NO_LEAD else lead.role
+            text = f"{text} {_RELATION} "[-_REACH:]
+        else:
+            text = f"{text} {_NOUN} "[-_REACH:]
+    return tuple(found)
+
+
+_AND = re.compile(r"(?:and(?: also| that)?|as well as|or|&)\s*:?$", re.IGNORECASE)
+_ORDERED = frozenset("suppose assume let impose require postulate demand".split())
+"""Verbs that a display may complete from afar: "suppose that the torque is"."""
+
+
+def _display(text: str, last: Lead) -> Lead:
+    """Return what the words in front of a display make of it; ``last``: of the display before.
+
+    The lead has to be the last word but for fillers and nouns: what stands behind a colon, a comma or
+    a verb is what follows from the words ("assuming principal axes, we have").
+    """
+    if _AND.fullmatch(text):
+        return last
+    words = [w.lower() for w in _WORD.findall(text.rstrip(" :"))]
+    closed = text.endswith(":")
+    distance = 0
+    for end in range(len(words), 0, -1):
+        lead = _ending(words[:end])
+        if lead is not None:
+            near = not distance or (lead.far and not closed and words[end - 1] in _ORDERED)
+            return lead if near and lead.role == ASSUMPTION else NO_LEAD
+        word = words[end - 1]
+        clause = word in _VERBS and end < len(words)
+        if clause or distance == _MOST or not (word[0].isalpha() or word == _NOUN):
+            break
+        distance += word not in _FILLERS
+    return NO_LEAD
+
+
+def _plain(text: str) -> str:
+    """Return prose without marks of Markdown and delimiters of formulas."""
+    return re.sub(r"<[^<>]*>|[*_$`{}\\]", " ", text)
+
+
+def _lead(text: str, last: Lead) -> Lead:
+    """Return what the words in front of a formula make of it; ``last``: of the formula before."""
+    if _JOINT.search(text) or (last.listed and _COMMA.search(text)):
+        return last
+    for bracket in (_EXAMPLE, _RESTATED):
+        match = bracket.search(text)
+        if match:
+            return _bracketed(text[: match.start()].rstrip(), bracket is _RESTATED)
+    words = [w.lower() for w in _WORD.findall(text)]
+    distance = 0
+    for end in range(len(words), 0, -1):
+        lead = _ending(words[:end])
+        if lead is not None:
+            return lead if lead.far or not distance else _SO
+        word = words[end - 1]
+        clause = word in _VERBS and end < len(words)
+        if clause or distance == _MOST or not (word[0].isalpha() or word == _NOUN):
+            break
+        distance += word not in _FILLERS
+    return NO_LEAD
+
+
+def _ending(words: Sequence[str]) -> Lead | None:
+    """Return the lead that words end with, the longest."""
+    phrases = (" ".join(words[-n:]) for n in (3, 2, 1))
+    return next((LEADS[p] for p in phrases if p in LEADS), None)
+
+
+def _bracketed(before: str, restated: bool) -> Lead:
+    """Return what a formula in brackets is, that gives an example or says again what stands before.
+
+    It spells out a condition in words; behind a condition that is a formula "in which case" brings
+    what follows from it.
+    """
+    if restated and before.endswith(_RELATION):
+        return _SO
+    sentence = _SENTENCE.split(before)[-1]
+    if restated:
+        sentence = re.split(r"[,;]", sentence)[-1]
+    words = [w.lower() for w in _WORD.findall(sentence)]
+    return _IF if any(_ending([w]) in {_IF, _LET} for w in words) else _SO
+
+
+def _trail(after: str) -> str:
+    """Return what the words behind a formula make of it."""
+    start = " ".join(after.split()).lower()
+    return next((role for words, role in TRAILS.items() if start.startswith(words)), CLAIM)

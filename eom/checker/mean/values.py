@@ -1,0 +1,395 @@
+"""Typed values: terms with shape, dimension and frames of components, and what may be done to them.
+
+Shapes are the kinds of `eom.terms.terms`, and some of the checker's own: ``row`` (a column that lies down),
+``vectrix`` (unit vectors of a frame in a column) and ``covectrix`` (lying down). A zero fits every
+shape. Whatever cannot be done raises `Refusal` with a finding: a type error is ill-formed, an error of
+dimensions is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from eom.checker.mean import arrays
+from eom.checker.mean.dimensions import NONE, Dimension
+from eom.checker.mean.lexicon import Notation
+from eom.checker.read.places import NOWHERE, Span
+from eom.terms.terms import (
+    COLUMN,
+    DYADIC,
+    MATRIX,
+    SCALAR,
+    TABLE,
+    VECTOR,
+    Term,
+    add,
+    column,
+    cross,
+    dot,
+    entries,
+    inner,
+    matmul,
+    mul,
+    number,
+    outer,
+    outer_column,
+    tilde,
+    transpose,
+)
+from eom.terms.vocabulary import unit
+
+ROW, VECTRIX, COVECTRIX = "row", "vectrix", "covectrix"
+ANY = ("", "")
+
+UNDECIDED, ILL_FORMED, WRONG, AMBIGUOUS = "undecided", "ill-formed", "wrong", "ambiguous"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is the matter with a place of a formula: verdict, what, got and expected, span."""
+
+    verdict: str
+    what: str
+    span: Span = NOWHERE
+    got: str = ""
+    expected: str = ""
+
+
+class Refusal(Exception):
+    """Ends the elaboration of a formula."""
+
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(finding.what)
+        self.finding = finding
+
+
+@dataclass(frozen=True)
+class Value:
+    """A term with shape, dimension (None: any), frames of its rows and columns ("": any), density.
+
+    ``density``: how many factors of it are for each unit of volume; ``scalars``: of what a note has
+    defined, the meanings of the symbols of SymPy in it.
+    """
+
+    term: Term
+    shape: str
+    dimension: Dimension | None = None
+    frames: tuple[str, str] = ANY
+    density: int = 0
+    span: Span = NOWHERE
+    scalars: Mapping[Any, Term] = field(default_factory=dict, compare=False, repr=False)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this is a zero, which has every shape and dimension."""
+        return self.term.is_zero
+
+    @property
+    def words(self) -> str:
+        """Shape and frame in words."""
+        frames = "" if self.frames == ANY else " in " + "/".join(dict.fromkeys(self.frames))
+        return self.shape + frames
+
+
+def refuse(verdict: str, what: str, span: Span, got: str = "", expected: str = "") -> Refusal:
+    """Return the refusal with a finding."""
+    return Refusal(Finding(verdict, what, span, got, expected))
+
+
+def scalar(term: Term, dimension: Dimension | None = NONE, span: Span = NOWHERE) -> Value:
+    """Return a scalar."""
+    return Value(term, SCALAR, dimension, span=span)
+
+
+def _times(a: Dimension | None, b: Dimension | None) -> Dimension | None:
+    return None if a is None or b is None else a.times(b)
+
+
+def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = ANY) -> Value:
+    """Return the value of a product of two."""
+    return Value(
+        term,
+        shape,
+        _times(a.dimension, b.dimension),
+        frames,
+        a.density + b.density,
+        a.span.join(b.span),
+    )
+
+
+# -- components ----------------------------------------------------------------------------------
+
+
+def components(value: Value, frame: str) -> Value:
+    """Return the components of a vector or dyadic in a frame; a column of no frame gets it."""
+    if value.is_zero:
+        return value
+    if value.shape in {VECTOR, DYADIC}:
+        shape = COLUMN if value.shape == VECTOR else MATRIX
+        frames = (frame, frame if shape == MATRIX else "")
+        return replace(value, term=column(value.term, frame), shape=shape, frames=frames)
+    if value.shape in {COLUMN, MATRIX, ROW}:
+        wanted = (frame, "" if value.shape != MATRIX else frame)
+        _agree(value, replace(value, frames=wanted))
+        return replace(value, frames=wanted)
+    raise refuse(ILL_FORMED, "this has no components in a frame", value.span, value.shape)
+
+
+def mixed(notation: Notation, value: Value) -> Value:
+    """Return a vector or dyadic as components where the notation lets them stand for each other."""
+    if notation.mixed and value.shape in {VECTOR, DYADIC}:
+        return components(value, notation.mixed)
+    return value
+
+
+GEOMETRIC = frozenset({VECTOR, DYADIC})
+
+
+def alike(notation: Notation, values: Iterable[Value]) -> list[Value]:
+    """Return values with vectors as columns if there are columns beside them."""
+    values = list(values)
+    shapes = {v.shape for v in values if not v.is_zero}
+    if shapes & GEOMETRIC and shapes & {COLUMN, MATRIX, ROW}:
+        return [mixed(notation, v) for v in values]
+    return values
+
+
+def _agree(a: Value, b: Value) -> tuple[str, str]:
+    """Return the frames that two values share."""
+    for x, y in zip(a.frames, b.frames, strict=True):
+        if x and y and x != y:
+            raise refuse(
+                ILL_FORMED, "components in different frames", b.span, b.words, f"as {a.words}"
+            )
+    rows, columns = ((x or y) for x, y in zip(a.frames, b.frames, strict=True))
+    return rows, columns
+
+
+def same(notation: Notation, a: Value, b: Value) -> tuple[Value, Value]:
+    """Return two values that may be added or equated. Raises `Refusal` where they may not."""
+    a, b = alike(notation, (a, b))
+    if a.is_zero or b.is_zero:
+        return _zero_like(a, b), _zero_like(b, a)
+    if a.shape != b.shape:
+        raise refuse(ILL_FORMED, "these are of different kinds", b.span, b.words, a.words)
+    if a.shape == TABLE and arrays.size(a) != arrays.size(b):
+        sizes = ("{} x {}".format(*arrays.size(v)) for v in (b, a))
+        raise refuse(ILL_FORMED, "tables of different sizes", b.span, *sizes)
+    frames = _agree(a, b)
+    if a.density != b.density:
+        raise refuse(ILL_FORMED, "one of these is for each unit of volume", b.span)
+    if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
+        raise refuse(WRONG, "the dimensions differ", b.span, b.dimension.words, a.dimension.words)
+    known = a.dimension if a.dimension is not None else b.dimension
+    return replace(a, frames=frames, dimension=known), replace(b, frames=frames, dimension=known)
+
+
+def _zero_like(a: Value, other: Value) -> Value:
+    """Return a zero in the shape of another value; what is no zero stays."""
+    if not a.is_zero or other.is_zero:
+        return a
+    if other.shape == TABLE:
+        return replace(other, term=arrays.nought(other), span=a.span)
+    kind = COLUMN if other.shape == ROW else other.shape
+    term = Term("zero", (), (kind,), kind) if kind != SCALAR else number(0)
+    return replace(other, term=term, span=a.span)
+
+
+def total(notation: Notation, values: Iterable[Value]) -> Value:
+    """Return the sum of values with the same shape, frames and dimension."""
+    values = alike(notation, values)
+    kept = [v for v in values if not v.is_zero] or values[:1]
+    result = kept[0]
+    for value in kept[1:]:
+        result, _ = same(notation, *_turned(result, value))
+    span = values[0].span.join(values[-1].span)
+    return replace(result, term=add(*(v.term for v in kept)), span=span)
+
+
+def _turned(a: Value, b: Value) -> tuple[Value, Value]:
+    """Return two terms; a rotation matrix beside its transpose is between no two frames.
+
+    I + C, C + C^T and C - C^T say what the axis and the angle of a rotation are.
+    """
+    if a.shape == b.shape == MATRIX and a.frames == b.frames[::-1] != b.frames:
+        return replace(a, frames=ANY), replace(b, frames=ANY)
+    return a, b
+
+
+def negative(value: Value, span: Span) -> Value:
+    """Return minus a value."""
+    return replace(value, term=mul(number(-1), value.term), span=span.join(value.span))
+
+
+# -- products ------------------------------------------------------------------------------------
+
+
+def beside(notation: Notation, a: Value, b: Value) -> Value:
+    """Return the product of two factors side by side."""
+    if SCALAR in (a.shape, b.shape):
+        return _scaled(a, b)
+    if (a.shape, b.shape) == (DYADIC, VECTOR) and notation.juxtaposed:
+        return _made(dot(a.term, b.term), VECTOR, a, b)
+    if (a.shape, b.shape) == (VECTOR, VECTOR) and notation.dyads:
+        return _made(outer(a.term, b.term), DYADIC, a, b)
+    if {a.shape, b.shape} != {VECTOR}:
+        a, b = mixed(notation, a), mixed(notation, b)
+    if TABLE in (a.shape, b.shape) and {a.shape, b.shape} <= TABLES:
+        return _table_product(a, b)
+    rule = _BESIDE.get((a.shape, b.shape))
+    if rule is None:
+        raise refuse(
+            ILL_FORMED,
+            "these do not multiply side by side",
+            a.span.join(b.span),
+            f"{a.words} beside {b.words}",
+        )
+    return rule(a, b)
+
+
+def _scaled(a: Value, b: Value) -> Value:
+    rest = b if a.shape == SCALAR else a
+    term = mul(a.term, b.term)
+    term = arrays.nought(rest) if term.is_zero and rest.shape == TABLE else term
+    return _made(term, rest.shape, a, b, rest.frames)
+
+
+def _table_product(a: Value, b: Value) -> Value:
+    found = arrays.product(a, b, _made(a.term, a.shape, a, b))
+    if found is None:
+        sizes = "{} x {} beside {} x {}".format(*arrays.size(a), *arrays.size(b))
+        raise refuse(ILL_FORMED, "sizes of tables do not fit", a.span.join(b.span), sizes)
+    return found
+
+
+TABLES = frozenset({TABLE, COLUMN, ROW, MATRIX})
+
+
+def _inner_frames(a: Value, b: Value) -> None:
+    """Require that the columns of ``a`` and the rows of ``b`` are of one frame."""
+    left = a.frames[1] if a.shape == MATRIX else a.frames[0]
+    if left and b.frames[0] and left != b.frames[0]:
+        raise refuse(
+            ILL_FORMED,
+            "components in different frames meet",
+            b.span,
+            f"{b.words} after {a.words}",
+            f"components in {left}",
+        )
+
+
+def _matrix_product(a: Value, b: Value) -> Value:
+    _inner_frames(a, b)
+    last = b.frames[1] if b.shape == MATRIX else ""
+    return _made(matmul(a.term, b.term), b.shape, a, b, (a.frames[0], last))
+
+
+def _row_matrix(a: Value, b: Value) -> Value:
+    _inner_frames(a, b)
+    turned = transpose(b.term)
+    return _made(matmul(turned, a.term), ROW, a, b, (b.frames[1], ""))
+
+
+def _row_column(a: Value, b: Value) -> Value:
+    _inner_frames(a, b)
+    return _made(inner(a.term, b.term), SCALAR, a, b)
+
+
+def _column_row(a: Value, b: Value) -> Value:
+    return _made(outer_column(a.term, b.term), MATRIX, a, b, (a.frames[0], b.frames[0]))
+
+
+def _vectrix_column(a: Value, b: Value) -> Value:
+    """Return the vector whose components stand in a column."""
+    _inner_frames(a, b)
+    frame = a.frames[0]
+    factors = a.term.args if a.term.head == "mul" else (a.term,)
+    if factors[-1] != unit(frame, 1):
+        raise refuse(UNDECIDED, "a sum of unit vectors in a column", a.span)
+    scale = factors[:-1]
+    parts = (mul(*scale, inner(b.term, basis(k)), unit(frame, k)) for k in (1, 2, 3))
+    return _made(add(*parts), VECTOR, a, b)
+
+
+def basis(k: int) -> Term:
+    """Return the column with a one in place ``k`` and zeros else."""
+    return entries([[number(int(j == k))] for j in (1, 2, 3)])
+
+
+Rule = Callable[[Value, Value], Value]
+
+_BESIDE: dict[tuple[str, str], Rule] = {
+    (MATRIX, MATRIX): _matrix_product,
+    (MATRIX, COLUMN): _matrix_product,
+    (ROW, MATRIX): _row_matrix,
+    (ROW, COLUMN): _row_column,
+    (COLUMN, ROW): _column_row,
+    (COVECTRIX, COLUMN): _vectrix_column,
+    (COVECTRIX, VECTOR): lambda a, b: _vectrix_column(a, components(b, a.frames[0])),
+}
+"""Products of components that stand side by side, beyond those with scalars."""
+
+
+def dotted(notation: Notation, a: Value, b: Value) -> Value:
+    """Return the dot product; between scalars, and of a scalar and a vector, it is the plain one."""
+    if SCALAR in (a.shape, b.shape):
+        return _scaled(a, b)
+    a, b = alike(notation, (a, b))
+    geometric = {
+        (VECTOR, VECTOR): SCALAR,
+        (DYADIC, VECTOR): VECTOR,
+        (VECTOR, DYADIC): VECTOR,
+        (DYADIC, DYADIC): DYADIC,
+    }.get((a.shape, b.shape))
+    if geometric is not None:
+        return _made(dot(a.term, b.term), geometric, a, b)
+    if (a.shape, b.shape) in {(COLUMN, COLUMN), (ROW, ROW)}:
+        _agree(a, b)
+        return _made(inner(a.term, b.term), SCALAR, a, b)
+    if (a.shape, b.shape) in _BESIDE:
+        return _BESIDE[a.shape, b.shape](a, b)
+    what = "these have no dot product"
+    raise refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words} . {b.words}")
+
+
+def crossed(notation: Notation, a: Value, b: Value) -> Value:
+    """Return the cross product; of numbers it is the plain one, as in 2 x 10^3."""
+    if _is_number(a) and _is_number(b):
+        return _scaled(a, b)
+    a, b = alike(notation, (a, b))
+    shapes = (a.shape, b.shape)
+    if shapes == (VECTOR, VECTOR):
+        return _made(cross(a.term, b.term), VECTOR, a, b)
+    if shapes == (COLUMN, COLUMN):
+        frames = _agree(a, b)
+        return _made(matmul(tilde(a.term), b.term), COLUMN, a, b, frames)
+    if shapes == (VECTOR, DYADIC):
+        return _made(dot(turner(a.term), b.term), DYADIC, a, b)
+    if shapes == (DYADIC, VECTOR):
+        return _made(dot(a.term, turner(b.term)), DYADIC, a, b)
+    if a.is_zero or b.is_zero:
+        return _scaled(a, b)
+    span = a.span.join(b.span)
+    raise refuse(ILL_FORMED, "these have no cross product", span, f"{a.words} x {b.words}")
+
+
+def _is_number(value: Value) -> bool:
+    return value.term.head == "expr" and bool(value.term.data[0].is_number)
+
+
+def turner(term: Term) -> Term:
+    """Return the dyadic a x 1."""
+    units = (unit("I", k) for k in (1, 2, 3))
+    return add(*(outer(cross(term, e), e) for e in units))
+
+
+def tensored(a: Value, b: Value) -> Value:
+    """Return the dyadic or matrix of two vectors or columns."""
+    if (a.shape, b.shape) == (VECTOR, VECTOR):
+        return _made(outer(a.term, b.term), DYADIC, a, b)
+    if (a.shape, b.shape) == (COLUMN, COLUMN):
+        return _column_row(a, b)
+    span = a.span.join(b.span)
+    raise refuse(ILL_FORMED, "these have no dyadic product", span, f"{a.words}, {b.words}")

@@ -1,0 +1,222 @@
+"""What wrong lines have to do with others: carried forward from a slip, or resting on a premise.
+
+A wrong line that follows from an earlier wrong one repeats its slip and has none of its own. One that
+follows from what the note assumes by a formula is not wrong at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+
+import sympy as sp
+
+from eom.checker.assume.context import Context
+from eom.checker.judge.consequences import follows, parts
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.judge.laws import STILL, own, refuted, settled
+from eom.checker.judge.verdicts import Judged, Verdict
+from eom.checker.mean.claims import STATEMENT, Claim
+from eom.checker.mean.values import Value
+from eom.errors import InputError
+from eom.exact.series import Singular
+from eom.terms.terms import Term, expr, nodes
+from eom.worlds.worlds import ASSUMPTIONS, closure
+
+MAX_EARLIER = 4
+"""Wrong lines that a later one is compared with, the last ones first."""
+USUAL = ("newton_2", "third_law_strong", "body_frame", "principal_axes")
+"""What is assumed beyond what is stated, where consequences of a line are looked for."""
+
+
+def worlds_of(stated: Iterable[str], context: Iterable[str]) -> frozenset[str]:
+    """Return a large set that can stand together: the context, then what is stated, then the usual."""
+    chosen = closure(context)
+    for name in chain(stated, USUAL):
+        try:
+            chosen = closure([*sorted(chosen), name])
+        except InputError:
+            continue
+    return chosen
+
+
+def carried(
+    verdicts: Sequence[Verdict], context: Context, given: Iterable[str] = ()
+) -> Mapping[int, int]:
+    """Return numbers of formulas whose wrong claims all follow from one that is wrong before.
+
+    To each number that of the formula with the slip. A formula that adds a slip of its own is absent.
+    """
+    given = tuple(given)
+    own: list[tuple[int, Judged]] = []
+    found: dict[int, int] = {}
+    for number, verdict in enumerate(verdicts):
+        wrong = [j for j in verdict.claims if _refuted(j)]
+        grave = any(j.claim.verdict in {WRONG, "ill-formed"} for j in verdict.claims)
+        sources = [_source(j, own, context.names(number), given) for j in wrong]
+        if wrong and not grave and None not in sources:
+            found[number] = min(s for s in sources if s is not None)
+        else:
+            own += [(number, j) for j in wrong]
+    return found
+
+
+def _refuted(judged: Judged) -> bool:
+    """Whether a claim was found wrong in worlds, not by its form."""
+    return (
+        judged.verdict == WRONG and judged.judgement.verdict == WRONG and not judged.claim.verdict
+    )
+
+
+def _source(
+    judged: Judged,
+    own: Sequence[tuple[int, Judged]],
+    stated: frozenset[str],
+    given: tuple[str, ...],
+) -> int | None:
+    """Return the number of the wrong formula that a wrong claim follows from, or None."""
+    for number, other in own[: -MAX_EARLIER - 1 : -1]:
+        if not _related(judged.claim, other.claim):
+            continue
+        context = (*given, *judged.judgement.context, *other.judgement.context)
+        try:
+            assumed = worlds_of(_ordered(stated), context)
+        except InputError:
+            continue
+        if follows(judged.claim, (other.claim,), assumed, simple=True):
+            return number
+    return None
+
+
+def _ordered(names: Iterable[str]) -> Iterator[str]:
+    chosen = set(names)
+    return (n for n in ASSUMPTIONS if n in chosen)
+
+
+def _related(a: Claim, b: Claim) -> bool:
+    """Whether two claims speak of one quantity; an angle counts where both speak of nothing else."""
+    first, second = _quantities(a), _quantities(b)
+    both = first & second
+    return bool(both - STILL) or (bool(both) and first | second <= STILL)
+
+
+def _quantities(claim: Claim) -> frozenset[str]:
+    terms = [*(m.term for m in claim.members), *claim.scalars.values()]
+    atoms = (n for t in terms for n in nodes(t) if n.head == "atom")
+    return frozenset(str(n.data[0]) for n in atoms if n.data[0] not in {"unit", "identity"})
+
+
+_STAGES = (16, 80)
+"""Multiples of premises that are tried: first a few."""
+
+# -- premises -----------------------------------------------------------------------------------------
+
+
+def resting(
+    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+) -> Judgement | None:
+    """Return the judgement on a claim that follows from premises of the note, or None.
+
+    Its sets are what has to be assumed besides; a claim that is refuted and does not follow is wrong.
+    """
+    premises = [p for s in context.premises(number) for p in s.premises]
+    premises = [p for p in premises if _related(p, judged.claim)]
+    if not premises:
+        return None
+    where = judged.judgement.context
+    return rested(judged.claim, premises, _stated(premises, number, context), given, where)
+
+
+def rested(
+    claim: Claim,
+    premises: Sequence[Claim],
+    names: Iterable[str],
+    given: Iterable[str] = (),
+    context: tuple[str, ...] = (),
+) -> Judgement | None:
+    """Return the judgement on a claim that follows from premises under what is assumed, or None."""
+    base = closure([*given, *context])
+    assumed = worlds_of(_ordered(frozenset(names)), base)
+    most = next((n for n in _STAGES if follows(claim, premises, assumed, n)), 0)
+    if not most:
+        return None
+    for name in reversed([n for n in ASSUMPTIONS if n in assumed - base]):
+        fewer = frozenset(n for n in assumed if name not in closure([n]))
+        if name in assumed and base <= fewer and follows(claim, premises, fewer, most):
+            assumed = fewer
+    needed = {n for name in assumed for n in closure([name]) - {name}}
+    left = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
+    return Judgement(UNDER, (left,), context)
+
+
+def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozenset[str]:
+    """Return what is stated at a formula: with laws for the motion, none that makes it a special one."""
+    special = SPECIAL_MOTION if any(map(own, premises)) else frozenset()
+    return context.names(number) - special
+
+
+def by_laws(
+    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+) -> Judgement | None:
+    """Return the judgement on a claim that no world obeys by laws of the writer's own.
+
+    Undecided where it may follow from them; None where there are none, or it is wrong by them too.
+    """
+    given = tuple(given)
+    premises = [p for s in context.premises(number) for p in s.premises]
+    laws = [p for p in premises if own(p) & own(judged.claim)]
+    if not laws:
+        return None
+    known = settled(judged.claim, laws, given)
+    if known is not None and known.verdict in {HOLDS, UNDER}:
+        return replace(known, verdict=UNDER, sets=known.sets or ((),))
+    base = closure([*given, *judged.judgement.context])
+    assumed = worlds_of(_ordered(_stated(laws, number, context)), base)
+    wrong = known.verdict == WRONG if known else refuted(judged.claim, laws, assumed)
+    return None if wrong else Judgement(UNDECIDED, context=judged.judgement.context)
+
+
+# -- terms that vanish --------------------------------------------------------------------------------
+
+SPECIAL_MOTION = frozenset(
+    {"symmetric", "torque_free", "thin_rod", "C_at_rest", "no_torque_2", "no_torque_3"}
+)
+"""Assumptions about special bodies and motions, under which terms of equations vanish."""
+
+
+def vanishing(claim: Claim, names: Iterable[str]) -> bool:
+    """Whether a term of a claim, written down by its author, is zero under special assumptions alone.
+
+    A member that says that it is zero is no such term.
+    """
+    names = tuple(names)
+    plain = [n for n in names if n not in SPECIAL_MOTION]
+    silent = claim.kind != STATEMENT or any(m.is_zero for m in claim.members)
+    if silent or len(plain) == len(names):
+        return False
+    try:
+        special, general = closure([*names, *USUAL]), closure([*plain, *USUAL])
+        return any(
+            not any(v) and any(w)
+            for m in claim.members
+            for t in _addends(m.term)
+            for v, w in [(_value(t, claim, special), _value(t, claim, general))]
+        )
+    except (InputError, Singular):
+        return False
+
+
+def _addends(term: Term) -> Iterator[Term]:
+    if term.head == "add":
+        for a in term.args:
+            yield from _addends(a)
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
+    else:
+        yield term
+
+
+def _value(term: Term, claim: Claim, assumed: frozenset[str]) -> tuple[int, ...]:
+    value = Value(term, term.kind)
+    return parts(replace(claim, members=(value,), relations=()), assumed)[0]

@@ -1,0 +1,300 @@
+"""A note in, a report out: every formula is understood, judged, and told with its place.
+
+`PASSES` are what is added to the findings of a whole note: an explanation of wrong lines, remarks on
+what a note has said so far.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from eom.checker.graded import Graded
+from eom.checker.judge.judge import UNDECIDED, UNDER, WRONG
+from eom.checker.judge.notes import Understood, understand
+from eom.checker.judge.systems import covered
+from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
+from eom.checker.mean.lexicon_files import about
+from eom.checker.mean.origins import Meanings, meanings
+from eom.checker.mean.values import ILL_FORMED
+from eom.checker.note.review import Reviewed, review
+from eom.checker.prose_claims.in_words import in_words
+from eom.checker.read.documents import Document
+from eom.checker.read.inputs import Note, document_of, name_of, note_of
+from eom.checker.read.places import NOWHERE, ReadingError, Span, printable
+from eom.checker.repair.explaining import explain
+from eom.checker.reports import Finding, Remark, Report
+from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.errors import InputError, typed
+from eom.limits import Overdue, deadline, seldom_collected
+from eom.worlds.worlds import closure
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
+    from eom.system import System
+
+MAX_SETS = 24
+"""Sets of assumptions that are told at most of one formula."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A formula of a note with its verdict, its finding so far, and what has been assumed there."""
+
+    understood: Understood
+    verdict: Verdict
+    finding: Finding
+    stated: frozenset[str] = frozenset()
+
+
+Pass = Callable[[Sequence[Found], Settings], Sequence[Found]]
+"""Adds to the findings of a note; formulas and verdicts stay, in number and order."""
+
+
+@typed
+def check(
+    note: str | Path,
+    *,
+    notation: str = "",
+    lexicon: str | Path = "",
+    given: Iterable[str] = GIVEN,
+    kind: str = "",
+    system: str | System | AnyScene | None = None,
+    seconds: float = FORMULA_SECONDS,
+) -> Report:
+    r"""Return what is found in a note: a file, a text, or one formula.
+
+    ``note``: a `Path`, the name of a file (see `eom.checker.read.inputs.is_file`), else a text. All others:
+    see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a draft
+    from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon gives
+    to the symbols; numbers with units are compared in SI.
+
+    Verdicts on equations come from exact values in random worlds of rigid bodies
+    (`eom.derivations.verification`): one that fails at such values is false; one that holds at all of them
+    is true but for a negligible probability (Schwartz, J. ACM 27, 1980).
+    Raises `InputError` for a note that cannot be read and for settings that cannot be used.
+
+    >>> check(r"\vec H_C = I_C \vec\omega", notation="arrow-tilde").findings[0].verdict
+    'holds under'
+    """
+    settings = Settings(notation, str(lexicon), tuple(given), kind, system, seconds)
+    return check_note(note_of(note), settings)
+
+
+def check_note(note: Note, settings: Settings) -> Report:
+    """Return the report on a file, a text or a formula."""
+    closure(settings.given)
+    document = document_of(note, settings.kind)
+    path = note if isinstance(note, Path) else None
+    with seldom_collected(), deadline(settings.note_seconds, "this note"):
+        known = meanings(document, path, settings.notation, settings.lexicon)
+        if settings.system is not None:
+            known = replace(known, lexicon=about(known.lexicon, settings.system))
+        understood = understand(document, known.lexicon, settings.seconds)
+        reviewed = _reviewed(document, understood, settings)
+        found = tuple(_found(reviewed, known))
+        for add in PASSES:
+            found = _added(add, found, settings)
+        words = _in_words(document, reviewed, settings, known.draft is not None)
+        known = _confirmed(known, found, settings)
+    return _report(document, known, settings, [*(f.finding for f in found), *words])
+
+
+def _confirmed(known: Meanings, found: Sequence[Found], settings: Settings) -> Meanings:
+    """Return the meanings without their draft where the system that was named gives all of them."""
+    claims = [[j.claim for j in f.verdict.claims] for f in found]
+    model = known.lexicon.system
+    if settings.system is None or known.draft is None or model is None or not claims:
+        return known
+    if all(some and all(covered(c) for c in some) for some in claims):
+        return Meanings(known.lexicon, f"letters of {model.name or model.system.name}")
+    return known
+
+
+def _in_words(
+    document: Document, reviewed: Sequence[Reviewed], settings: Settings, drafted: bool
+) -> tuple[Finding, ...]:
+    """Return what is found of the claims in words; nothing where it takes too long."""
+    understood, stated = [r.understood for r in reviewed], [r.stated for r in reviewed]
+    try:
+        return in_words(document, understood, stated, settings.given, settings.seconds, drafted)
+    except (Overdue, RecursionError):
+        return ()
+
+
+def grade(note: Note, settings: Settings) -> Graded:
+    """Return the report on a note, or the error that leaves none: no note ends the checking of others."""
+    name = printable(name_of(note))
+    try:
+        return Graded(name, check_note(note, settings))
+    except InputError as error:
+        return Graded(name, None, str(error))
+    except MemoryError:
+        return Graded(name, None, "not enough memory")
+    except Exception as error:  # a defect of ours on one note is told as that
+        return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
+
+
+def _added(add: Pass, found: tuple[Found, ...], settings: Settings) -> tuple[Found, ...]:
+    """Return what a pass makes of the findings; they stay where it takes too long."""
+    try:
+        return tuple(add(found, settings))
+    except Overdue:
+        return found
+
+
+def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
+    """Return the pass that changes every finding by itself, each within ``Settings.seconds``."""
+
+    def changed(one: Found, settings: Settings) -> Found:
+        try:
+            with deadline(settings.seconds, "what is told of this formula"):
+                return replace(one, finding=rule(one, settings))
+        except (Overdue, RecursionError):
+            return one
+
+    return lambda found, settings: [changed(one, settings) for one in found]
+
+
+def _explained(found: Found, settings: Settings) -> Finding:
+    """Return the finding with why it is wrong; what carries a slip forward is not explained again."""
+    judged = next((j for j in found.verdict.claims if j.verdict == found.finding.verdict), None)
+    if judged is None or judged.verdict not in GRAVE or found.finding.carried:
+        return found.finding
+    explanation = explain(found.understood, judged, settings.given, found.stated)
+    return replace(found.finding, explanation=explanation)
+
+
+PASSES: tuple[Pass, ...] = (one_by_one(_explained),)
+"""What is added to the findings, in this order."""
+
+
+# -- findings ------------------------------------------------------------------------------------
+
+
+def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
+    """Yield the formulas of a note that claim something, and all displays."""
+    numbers: Counter[str] = Counter()
+    for one in reviewed:
+        formula = one.understood.formula
+        numbers[formula.piece.kind] += 1
+        if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
+            told = finding(one.understood, one.verdict, numbers[formula.piece.kind])
+            told = replace(told, remarks=one.remarks, carried=one.carried)
+            told = told if known.draft is None else _unconfirmed(told)
+            yield Found(one.understood, one.verdict, told, one.stated)
+
+
+def _reviewed(
+    document: Document, understood: Sequence[Understood], settings: Settings
+) -> Sequence[Reviewed]:
+    """Return verdicts in the light of the whole note; each by itself if that takes too long."""
+    verdicts = [_verdict(one, settings) for one in understood]
+    try:
+        return review(document, understood, settings.given, verdicts)
+    except (Overdue, RecursionError):
+        return [Reviewed(u, v) for u, v in zip(understood, verdicts, strict=True)]
+
+
+def _unconfirmed(found: Finding) -> Finding:
+    """Return a finding under meanings that nobody confirmed.
+
+    Where kinds or frames do not fit together the draft is the likelier culprit.
+    """
+    if found.verdict != ILL_FORMED:
+        return found
+    return replace(
+        found, verdict=UNDECIDED, reason=f"ill-formed if the draft is right: {found.reason}"
+    )
+
+
+def _verdict(one: Understood, settings: Settings) -> Verdict:
+    """Return the verdict on a formula; undecided if there is none in time."""
+    try:
+        with deadline(settings.seconds, "the judgement of this formula"):
+            return verdict(one, settings.given)
+    except Overdue as error:
+        return Verdict(UNDECIDED, str(error))
+    except RecursionError:
+        return Verdict(UNDECIDED, "the formula is too long a chain of operations")
+
+
+def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
+    """Return what is told of a formula with its verdict."""
+    piece = one.formula.piece
+    gravest = [j for j in judged.claims if j.verdict == judged.verdict]
+    error = one.formula.error
+    reason = _told(error) if error is not None else _line(judged.reason)
+    if judged.verdict == WRONG and not reason:
+        reason = "it fails under all assumptions that are known"
+    return Finding(
+        number,
+        piece.kind,
+        piece.source,
+        piece.span,
+        piece.body.strip(),
+        judged.verdict,
+        _sets(gravest) if judged.verdict == UNDER else (),
+        reason,
+        _place(one, gravest),
+        tuple(r.text for r in one.repairs),
+    )
+
+
+def _told(error: ReadingError) -> str:
+    """Return why a formula cannot be read; the place is told apart."""
+    expected = f"expected {error.expected}" if error.expected else ""
+    return "; ".join(p for p in (f"not read: {error.what}", expected, error.hint) if p)
+
+
+def _line(text: str) -> str:
+    """Return a message of several lines as one."""
+    return "; ".join(" ".join(line.split()) for line in text.splitlines())
+
+
+def _sets(judged: Sequence[Judged]) -> tuple[tuple[str, ...], ...]:
+    """Return the smallest sets of assumptions under which all of several claims hold."""
+    found = {frozenset[str]()}
+    for one in judged:
+        sets = [frozenset(s) for s in one.judgement.sets]
+        found = {a | b for a, b in product(found, sets)}
+        found = {a for a in found if not any(b < a for b in found)}
+    order = [n for one in judged for s in one.judgement.sets for n in s]
+    shown = [tuple(sorted(s, key=order.index)) for s in found]
+    return tuple(sorted(shown, key=lambda s: (len(s), s))[:MAX_SETS])
+
+
+def _place(one: Understood, gravest: Sequence[Judged]) -> Span:
+    """Return the place that is at fault: of the error, the finding, the member of a chain."""
+    error = one.formula.error
+    if error is not None:
+        return error.span
+    for judged in gravest:
+        findings = [f.span for f in judged.claim.findings if f.verdict == judged.verdict]
+        blamed = list(judged.chain.blamed) if judged.chain is not None else []
+        places = [s for s in (*findings, *blamed) if s != NOWHERE]
+        if places:
+            return places[0]
+    return NOWHERE
+
+
+def _report(
+    document: Document, known: Meanings, settings: Settings, found: Sequence[Finding]
+) -> Report:
+    draft = known.draft
+    sources = list(dict.fromkeys(p.source for p in document.pieces))
+    return Report(
+        document.name,
+        tuple(sorted(found, key=lambda f: (sources.index(f.source), f.span.start))),
+        known.origin,
+        tuple(f"{d.latex}: {d.meaning} (line {d.line}: {d.words})" for d in draft.drafts)
+        if draft
+        else (),
+        tuple(latex for latex, _ in draft.unplaced) if draft else (),
+        settings.given,
+        tuple(Remark("not read", f.what, f.line) for f in document.findings),
+    )

@@ -1,0 +1,133 @@
+"""What the symbols of a derivation mean, as front matter that `eom check` reads.
+
+A derivation knows its quantities; written into its page they make the page a note that can be checked,
+changed by students, and checked again.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.lexicon_files import preset
+from eom.checker.mean.patterns import label_of, look_of
+from eom.checker.read.places import ReadingError
+from eom.derivations.derivation import Derivation
+from eom.errors import InputError
+from eom.terms.terms import VECTOR, Term, nodes
+from eom.typeset.markup import render, symbol_latex
+from eom.typeset.notation import NOTATIONS, Notation, notation_named, term_box
+
+PRESETS: dict[str, tuple[str, dict[str, str]]] = {
+    "arrow": ("arrow-tilde", {"dyads": "true", "juxtaposed": "true"}),
+    "superscript": ("left-superscript", {}),
+    "underline": ("underline-bullet", {"mixed": '"B"', "dyads": "true", "alike": "[]"}),
+    "kane": ("kane", {}),
+}
+"""The preset that is nearest to each notation, and what else it says of the notation."""
+
+_FRAMED = {"angular_velocity": 2, "rotation": 2, "unit": 1}
+"""Quantities whose first labels are frames."""
+
+_BRACKETS = re.compile(r"\\left\[ (.*) \\right\]")
+
+
+def front_matter(derivation: Derivation, notation: str = "arrow") -> str:
+    """Return TOML between lines of +++: preset, frames and symbols of a derivation.
+
+    notation: one of `eom.typeset.notation.NOTATIONS` or its aliases. What one pattern cannot say, such as
+    dF, is left to the preset. Raises `InputError` for other notations.
+    """
+    chosen = notation_named(notation)
+    base, besides = PRESETS[chosen.name]
+    found = list(dict.fromkeys(n for n in _nodes(derivation) if n.head == "atom"))
+    known = preset(base).frames
+    frames = dict.fromkeys(f for t in found for f in _frames(t))
+    named = {render(chosen.frame(f), "latex"): f for f in frames}
+    lines = ["+++", "[check]", f'preset = "{base}"']
+    lines += ["[check.notation]", *(f"{k} = {v}" for k, v in besides.items())] if besides else []
+    lines += _table("frames", {k: f for k, f in named.items() if label_of(k) not in known})
+    points = dict.fromkeys(p for t in found for p in _points(t))
+    spelt = ((render(chosen.point(p), "latex"), p) for p in points)
+    lines += _table("points", {k: p for k, p in spelt if _is_label(k)})
+    rows = (_symbols(found, chosen), _columns(derivation, chosen), _rates(derivation, chosen))
+    own = dict(_scalars(derivation, chosen, preset(base)))
+    lines += _table("symbols", {k: v for some in rows for k, v in some} | own)
+    return "\n".join([*lines, "+++", "", ""])
+
+
+def _table(name: str, rows: dict[str, str]) -> list[str]:
+    return [f"[check.{name}]", *(f"'{k}' = '{v}'" for k, v in rows.items())] if rows else []
+
+
+def _nodes(derivation: Derivation) -> Iterator[Term]:
+    sides = (t for s in derivation.steps for t in (s.statement.left, s.statement.right))
+    for term in (*sides, *derivation.scalars.values()):
+        yield from nodes(term)
+
+
+def _frames(term: Term) -> tuple[str, ...]:
+    name, *labels = term.data
+    return tuple(map(str, labels[: _FRAMED.get(name, 0)]))
+
+
+def _points(term: Term) -> tuple[str, ...]:
+    name, *labels = term.data
+    return tuple(map(str, labels)) if name == "position" else ()
+
+
+def _rates(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, str]]:
+    """Yield letters that stand for derivatives, such as those of velocities, with what they are of."""
+    spelt = replace(notation, derivative=NOTATIONS["arrow"].derivative)
+    for term in _nodes(derivation):
+        if term.head == "der" and term.kind == VECTOR:
+            letter, plain = (render(term_box(term, n), "latex") for n in (notation, spelt))
+            if letter != plain and _is_pattern(letter):
+                yield letter, f"= {plain}"
+
+
+def _columns(derivation: Derivation, notation: Notation) -> Iterator[tuple[str, str]]:
+    """Yield letters of their own for the components of a quantity in a frame."""
+    for term in _nodes(derivation):
+        if term.head == "column" and term.args[0].head == "atom":
+            letter = render(term_box(term, notation), "latex")
+            if _is_pattern(letter):
+                yield letter, " ".join(map(str, (*term.args[0].data, "in", *term.data)))
+
+
+def _scalars(
+    derivation: Derivation, notation: Notation, known: Lexicon
+) -> Iterator[tuple[str, str]]:
+    """Yield scalars of the derivation whose letters mean something else in the preset."""
+    for name, meaning in derivation.scalars.items():
+        letter = symbol_latex(name.name)
+        if _is_pattern(letter) and known.find(look_of(letter)) is not None:
+            yield letter, f"= {render(term_box(meaning, notation), 'latex')}"
+
+
+def _symbols(found: list[Term], notation: Notation) -> Iterator[tuple[str, str]]:
+    """Yield patterns with their quantities; brackets around a letter are how matrices are shown."""
+    for term in found:
+        latex = render(term_box(term, notation), "latex")
+        bracketed = _BRACKETS.fullmatch(latex)
+        pattern = bracketed[1] if bracketed else latex
+        if _is_pattern(pattern):
+            yield pattern, " ".join(map(str, term.data))
+
+
+def _is_label(latex: str) -> bool:
+    try:
+        label_of(latex)
+    except (InputError, ReadingError):
+        return False
+    return True
+
+
+def _is_pattern(latex: str) -> bool:
+    try:
+        look_of(latex)
+    except (InputError, ReadingError):
+        return False
+    return True

@@ -1,0 +1,351 @@
+"""Claims in words with a condition: "A only if B", "A if and only if B", "A unless B", "A is constant".
+
+A sentence is read only where all of its words are known (`proposition_words`); others are left alone.
+What is read is an implication between propositions. It is wrong where a special motion
+(`eom.worlds.special`) fulfils all that the note has assumed, the condition in every reading, and the
+conclusion in none; it holds where it follows from linear consequences (`consequences.follows`), and is
+undecided otherwise: that no counterexample was found proves nothing.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any
+
+from eom.checker.explanation import Counterexample
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
+from eom.checker.mean.claims import CONSTANT, Claim
+from eom.checker.mean.values import ANY, Value
+from eom.checker.prose_claims.contradictions import proved_under
+from eom.checker.prose_claims.proposition_words import Formulas, clause
+from eom.checker.prose_claims.propositions import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    ZERO,
+    All,
+    Not,
+    Plain,
+    Proposition,
+    Test,
+    plains,
+    text,
+    truth,
+)
+from eom.errors import InputError
+from eom.terms.terms import SCALAR, Term, zero
+from eom.worlds.special import FIRST_CASES, Special, specials
+
+
+@dataclass(frozen=True)
+class Implication:
+    """What follows from what; ``premise``: None where nothing is assumed."""
+
+    premise: Proposition | None
+    conclusion: Proposition
+
+
+@dataclass(frozen=True)
+class Quantified:
+    """A sentence as implications that are all claimed.
+
+    ``kind``: a row of `CONNECTIVES`, "always" or "" for a claim without a condition; ``rests``: words in it
+    rest on what stands before, or say what may be ("even if").
+    """
+
+    kind: str
+    implications: tuple[Implication, ...]
+    rests: bool = False
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A verdict with sets of assumptions, a reason, and a motion that refutes the claim."""
+
+    verdict: str
+    sets: tuple[tuple[str, ...], ...] = ()
+    reason: str = ""
+    counterexample: Counterexample | None = None
+
+
+# -- reading --------------------------------------------------------------------------------------
+
+BOTH, IF, ONLY_IF, UNLESS = "if and only if", "if", "only if", "unless"
+
+CONNECTIVES: tuple[tuple[str, str], ...] = (
+    (r"(?P<a>.+?),? (?:if,? and only if,?|iff|exactly when|exactly if) (?P<b>.+)", BOTH),
+    (r"(?P<b>.+) is (?:a )?necessary and sufficient(?: condition)? for (?P<a>.+)", BOTH),
+    (r"(?P<a>.+?),? only (?:if|when) (?P<b>.+)", ONLY_IF),
+    (r"(?P<b>.+) is (?:a )?necessary(?: condition)? for (?P<a>.+)", ONLY_IF),
+    (r"(?P<b>.+) is (?:a )?sufficient(?: condition)? for (?P<a>.+)", IF),
+    (r"(?P<a>.+?),? unless (?P<b>.+)", UNLESS),
+    (r"(?:even )?(?:if|when|whenever) (?P<b>[^,]+?),? then (?P<a>.+)", IF),
+    (r"(?:even )?(?:if|when|whenever|provided that|as long as) (?P<b>[^,]+), (?P<a>.+)", IF),
+    (r"(?P<b>(?:in )?the absence of [^,]+), (?P<a>.+)", IF),
+    (r"(?P<b>.+?) (?:implies|means)(?: that)? (?P<a>.+)", IF),
+    (r"(?P<a>.+?),? (?:if|when|whenever|provided(?: that)?|as long as) (?P<b>.+)", IF),
+    (r"(?P<a>.+?) (?P<b>in the absence of .+)", IF),
+)
+"""Sentences with a condition, the first that fits: ``a`` is claimed under ``b``."""
+_UNDER = re.compile(r"(even )?(?:(?:if|when|whenever) )?(?P<b>[^,]+), (?:then )?(?P<rest>.+)")
+"""A condition in front of a claim that has one of its own."""
+
+_PLAIN_LEADS = re.compile(
+    r"(?:note that|we see that|it is clear that|clearly|obviously|moreover|"
+    r"furthermore|also|in fact|conversely|for (?:a|any|every) rigid body|"
+    r"regardless of the (?:choice of )?(?:reference )?frame(?: choice)?|recall that|of course),? "
+)
+"""Words in front of a claim that change nothing."""
+_RESTING_LEADS = re.compile(
+    r"(?:in other words|hence|thus|therefore|so|consequently|it follows that|this means that|that is|"
+    r"however|but|and|in general|generally),? "
+)
+"""Words in front of a claim that rest on what stands before."""
+_ALWAYS = re.compile(r"\b(?:always|never)\b|\bfor (?:all|any|every)\b")
+
+
+def quantified(sentence: str, formulas: Formulas) -> Quantified | None:
+    """Return what a sentence claims, None where it has words that are not known here.
+
+    ``sentence``: small letters, formulas as marks, without brackets and full stop.
+
+    >>> quantified("the torque is zero only if the angular momentum is constant", Formulas({}, {}, {})).kind
+    'only if'
+    """
+    words, rests = sentence.strip(), False
+    while True:
+        lead = _PLAIN_LEADS.match(words) or _RESTING_LEADS.match(words)
+        if lead is None:
+            break
+        rests = rests or _RESTING_LEADS.match(words) is not None
+        words = words[lead.end() :]
+    rests = rests or "even " in words
+    return _conditional(words, formulas, rests) or _unconditional(words, formulas, rests)
+
+
+def _conditional(words: str, formulas: Formulas, rests: bool) -> Quantified | None:
+    """Return a claim with a condition, or with two of them."""
+    for pattern, kind in CONNECTIVES:
+        match = re.fullmatch(pattern, words)
+        found = None if match is None else _implications(kind, match.groupdict(), formulas)
+        if found:
+            return Quantified(kind, found, rests)
+    match = _UNDER.fullmatch(words)
+    first = None if match is None else clause(match["b"], formulas)
+    if match is None or first is None:
+        return None
+    inner = _conditional(match["rest"], formulas, rests)
+    if inner is None:
+        return None
+    more = [
+        Implication(first if i.premise is None else All((first, i.premise)), i.conclusion)
+        for i in inner.implications
+    ]
+    return replace(inner, implications=tuple(more))
+
+
+def _implications(
+    kind: str, parts: Mapping[str, str], formulas: Formulas
+) -> tuple[Implication, ...]:
+    a, b = (clause(_finite(parts[n]), formulas) for n in "ab")
+    if a is None or b is None:
+        return ()
+    rows = {IF: ((b, a),), ONLY_IF: ((a, b),), BOTH: ((b, a), (a, b)), UNLESS: ((Not(b), a),)}
+    return tuple(Implication(p, q) for p, q in rows[kind])
+
+
+def _finite(words: str) -> str:
+    """Return "the torque to be zero" as "the torque is zero", without a leading "that"."""
+    words = re.sub(r"^(?:the condition |the fact )?(?:that )?", "", words)
+    return re.sub(r" to (be|vanish|remain)\b", lambda m: _VERBS[m[1]], words)
+
+
+_VERBS = {"be": " is", "vanish": " vanishes", "remain": " remains"}
+
+
+def _unconditional(words: str, formulas: Formulas, rests: bool) -> Quantified | None:
+    """Return a claim that something is constant, positive or symmetric; zero only if "always" so."""
+    always = _ALWAYS.search(words) is not None
+    made = clause(words, formulas)
+    if made is None or any(isinstance(p, Not) for p in _parts(made)):
+        return None
+    said = {t for p in plains(made) for r in p.readings for row in r.rows for t in row}
+    telling = all(t.relation in {POSITIVE, NOT_NEGATIVE} or t.term.head in _TELLING for t in said)
+    if not (telling or always) or not re.search(r" (?:is|are|remains?|stays?|does|always) ", words):
+        return None
+    return Quantified("always" if always else "", (Implication(None, made),), rests)
+
+
+_TELLING = frozenset({"der", "add"})
+
+
+def _parts(one: Proposition) -> Iterator[Proposition]:
+    yield one
+    if not isinstance(one, Plain):
+        for part in (one.part,) if isinstance(one, Not) else one.parts:
+            yield from _parts(part)
+
+
+# -- judging --------------------------------------------------------------------------------------
+
+KNOWN_ATOMS = frozenset(
+    {
+        *(
+            "position",
+            "angular_velocity",
+            "unit",
+            "identity",
+            "identity_matrix",
+            "rotation",
+            "inertia",
+        ),
+        *("torque", "angular_momentum", "absolute_angular_momentum", "kinetic_energy", "mass"),
+        *("rotational_energy", "linear_momentum", "first_moment", "total_mass", "force"),
+        *("external_force",),
+    }
+)
+"""Quantities that have a value of their own in special motions."""
+KNOWN_LABELS = frozenset({"I", "B", "O", "C", "OI", "body", "system", "dm", "i", "1", "2", "3"})
+
+
+def decide(one: Quantified, stated: Iterable[str], given: Iterable[str], open_: bool) -> Decision:
+    """Return the verdict on a claim where a note has stated some assumptions.
+
+    ``open_``: the note may have assumed more than is known, so that nothing is called wrong.
+    """
+    names = frozenset(stated) | frozenset(given)
+    decided = [_decided(i, names, tuple(given), one, open_) for i in one.implications]
+    worst = min(decided, key=lambda d: _WORST.index(d.verdict))
+    if worst.verdict != UNDER:
+        return worst
+    sets = [s for d in decided for s in d.sets[:1]]
+    return replace(worst, sets=(tuple(dict.fromkeys(n for s in sets for n in s)),))
+
+
+_WORST = (WRONG, UNDECIDED, UNDER, HOLDS)
+
+
+def _decided(
+    one: Implication, names: frozenset[str], given: tuple[str, ...], whole: Quantified, open_: bool
+) -> Decision:
+    if one.premise is None:
+        found = _alone(one.conclusion, given)
+        if found.verdict in {HOLDS, UNDER} or whole.kind != "always":
+            return found
+    against, tried = _against(one, names, FIRST_CASES)
+    if one.premise is not None and (against is None or against.degenerate):
+        proved = proved_under(one.premise, one.conclusion, given)
+        if proved is not None:
+            return Decision(UNDER if proved else HOLDS, (proved,) if proved else ())
+    if against is None or against.degenerate:
+        against, tried = _against(one, names)
+    if against is None:
+        told = f"no counterexample in {tried} special motions" if tried else _UNTRIED
+        return Decision(UNDECIDED, (), told)
+    example, reason = _example(one, against), _failing(one, against)
+    generic = any(isinstance(p, Not) for p in _parts(one.conclusion))
+    if against.degenerate or generic or open_ or whole.rests:
+        return Decision(UNDECIDED, (), f"unless more is assumed, {reason}", example)
+    return Decision(WRONG, (), reason, example)
+
+
+_UNTRIED = "no motion is known here in which the condition holds"
+
+
+def _against(
+    one: Implication, names: frozenset[str], count: int | None = None
+) -> tuple[Special | None, int]:
+    """Return a motion where the premise is true and the conclusion false, and how many were tried.
+
+    One of a body without equal moments that is not at rest is returned if there is any.
+    """
+    premise = one.premise or All(())
+    if not all(map(_known, plains(All((premise, one.conclusion))))):
+        return None, 0
+    tried, kept = 0, None
+    for special in islice(specials(), count):
+        if names <= special.assumed and truth(premise, special.world) is True:
+            tried += 1
+            if truth(one.conclusion, special.world) is False:
+                kept = kept or special
+                if not special.degenerate:
+                    return special, tried
+    return kept, tried
+
+
+def _known(one: Plain) -> bool:
+    """Tell whether a proposition is about quantities that special motions know."""
+    tests = [t.term for r in one.readings for row in r.rows for t in row]
+    return all(_sound(t) for t in (*tests, *one.scalars.values()))
+
+
+def _sound(term: Term) -> bool:
+    if term.head == "atom":
+        return term.data[0] in KNOWN_ATOMS and KNOWN_LABELS.issuperset(map(str, term.data[1:]))
+    return all(map(_sound, term.args))
+
+
+def _failing(one: Implication, special: Special) -> str:
+    condition = "" if one.premise is None else f"although {text(one.premise)}, "
+    return f"it fails in a motion ({special.words}): {condition}not {text(one.conclusion)}"
+
+
+def _example(one: Implication, special: Special) -> Counterexample:
+    """Return the motion in numbers."""
+    premise = () if one.premise is None else ((rf"\text{{{_safe(text(one.premise))}}}", "true"),)
+    conclusion = ((rf"\text{{{_safe(text(one.conclusion))}}}", "false"),)
+    return Counterexample(special.data, (*premise, *conclusion))
+
+
+def _safe(words: str) -> str:
+    return re.sub(r"[\\{}$]", "", words)
+
+
+# -- claims without a condition ----------------------------------------------------------------------
+
+
+def _alone(one: Proposition, given: tuple[str, ...]) -> Decision:
+    """Return what the judge says of a claim without a condition, in its best reading."""
+    parts = one.parts if isinstance(one, All) else (one,)
+    found = []
+    for part in parts:
+        if not isinstance(part, Plain):
+            return Decision(UNDECIDED, (), "no way is known to judge this")
+        readings = [_judged(part, r.rows, r.words, given) for r in part.readings]
+        found.append(max(readings, key=lambda d: _WORST.index(d.verdict)))
+    worst = min(found, key=lambda d: _WORST.index(d.verdict))
+    if worst.verdict not in {HOLDS, UNDER}:
+        return Decision(UNDECIDED, (), worst.reason or "it does not hold under what is known")
+    sets = tuple(s for d in found for s in d.sets)
+    reasons = "; ".join(dict.fromkeys(d.reason for d in found if d.reason))
+    sets = tuple(s for s in sets if s)
+    return Decision(worst.verdict, sets if len(found) == 1 else sets[:1], reasons)
+
+
+def _judged(
+    one: Plain, rows: Sequence[Sequence[Test]], words: str, given: tuple[str, ...]
+) -> Decision:
+    """Return the judgement on a reading of one row."""
+    if len(rows) != 1:
+        return Decision(UNDECIDED)
+    judged = [judge(_claim(t, one.scalars), given) for t in rows[0]]
+    worst = min(judged, key=lambda j: _WORST.index(j.verdict))
+    more = (words,) if words else ()
+    sets = tuple((*s, *more) for s in worst.sets) or ((more,) if more else ())
+    verdict = UNDER if worst.verdict == HOLDS and more else worst.verdict
+    return Decision(verdict, sets, worst.reason)
+
+
+def _claim(test: Test, scalars: Mapping[Any, Term]) -> Claim:
+    """Return what a test says as a claim; its dimension is open."""
+    term = test.term
+    nothing = Value(zero(term.kind), term.kind, None, ANY)
+    value = Value(term, term.kind, None, ANY)
+    if test.relation == ZERO:
+        return Claim((value,), (), CONSTANT, scalars=scalars)
+    relation = {POSITIVE: ">", NOT_NEGATIVE: ">="}.get(test.relation)
+    if relation is None or term.kind != SCALAR:
+        raise InputError("no claim says this", got=test.relation)
+    return Claim((value, nothing), (relation,), scalars=scalars)

@@ -1,0 +1,360 @@
+r"""From tokens to the syntax tree: a Pratt parser for the formulas of mechanics.
+
+From loose to tight: arrows; items beside each other; relations; sums; dot products; cross and other
+products; factors side by side, with quotients on the line. A sum sign spans one term; an integral
+ends at its own differential; ``a × b c`` is ``a × (b c)``. Every token is read or is an error; levels
+of a chain are read by loops, and the depth of nesting is bounded.
+
+Source: V. R. Pratt, "Top down operator precedence", 1973 (the technique).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from eom.checker.read import atoms, latex, prefixes, scripts, signs
+from eom.checker.read.derivatives import applied, slash_derivative
+from eom.checker.read.differentials import differential_ahead
+from eom.checker.read.forms import juxtaposed, spliced
+from eom.checker.read.lookahead import factor_ahead, operator_ahead, skip_empty
+from eom.checker.read.places import Source, Span, reading_error
+from eom.checker.read.rows import join_rows
+from eom.checker.read.stream import Note, Stream
+from eom.checker.read.syntax import (
+    Addition,
+    Derivative,
+    Implication,
+    Missing,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Relation,
+    Rows,
+    Section,
+    Sequence,
+    Sign,
+    Words,
+)
+from eom.checker.read.tokens import Macro, Token, tokenize
+from eom.checker.read.trees import depth
+
+MAX_TREE_DEPTH = 120
+"""Deepest tree: all who walk over it may use recursion."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A formula that has been read: tree, what was noted, tags with their places."""
+
+    tree: Node
+    notes: tuple[Note, ...] = ()
+    tags: tuple[tuple[str, Span], ...] = ()
+
+
+def read_formula(
+    text: str | Source,
+    start: int = 0,
+    body: str | None = None,
+    macros: Mapping[str, Macro] | None = None,
+) -> Reading:
+    r"""Read a formula: a text, or ``body`` that begins at ``start`` in a source.
+
+    Raises `ReadingError` with place and caret where something cannot be read.
+
+    >>> read_formula(r"m \dot v").tree.factors[0]
+    Symbol(name='m', style='')
+    """
+    source = text if isinstance(text, Source) else Source(text)
+    body = source.text[start:] if body is None else body
+    return read_tokens(source, tokenize(source, body, start, macros))
+
+
+def read_tokens(source: Source, tokens: list[Token]) -> Reading:
+    """Read a formula from its tokens."""
+    tags = tuple((t.text, t.span) for t in tokens if t.kind == "tag")
+    parser = Parser(source, join_rows([t for t in tokens if t.kind != "tag"]))
+    tree = parser.rows()
+    if parser.token.kind != "stop":
+        raise parser.unread()
+    if depth(tree) > MAX_TREE_DEPTH:
+        what = "the formula is a chain of too many different operators"
+        raise reading_error(source, tree.span, what, expected=f"at most {MAX_TREE_DEPTH} levels")
+    return Reading(tree, tuple(parser.notes), tags)
+
+
+class Parser(Stream):
+    """The levels of the grammar from rows to factors; `atoms` and `calculus` hold the rest."""
+
+    def rows(self) -> Node:
+        """Read rows up to the end of the formula or environment."""
+        start = self.token.span
+        found: list[Node] = []
+        while True:
+            self.skip_quads()
+            if self.token.kind not in {"row", "end", "stop"}:
+                found.append(self.statements())
+            if self.token.kind != "row":
+                break
+            self.take()
+        if not found:
+            return Missing(span=start)
+        return found[0] if len(found) == 1 else Rows(tuple(found), span=self.since(start))
+
+    def statements(self) -> Node:
+        """Read items joined by arrows."""
+        start = self.token.span
+        leading = signs.arrow_ahead(self)
+        items: list[Node] = [Missing(span=start) if leading else self.sequence()]
+        arrows: list[Sign] = []
+        while signs.arrow_ahead(self):
+            arrows.append(signs.take_sign(self, self.above))
+            self.skip_quads()
+            items.append(Missing(span=self.token.span) if self.closes() else self.sequence())
+        if not arrows:
+            return items[0]
+        return Implication(tuple(items), tuple(arrows), span=self.since(start))
+
+    def above(self) -> Node:
+        """Read what stands above a sign."""
+        return self.script_argument()
+
+    # items
+
+    def sequence(self) -> Node:
+        """Read items beside each other."""
+        start = self.token.span
+        items, separators = [self.item()], []
+        while True:
+            separator = self.separator()
+            if separator is None or (separator != "" and self.ended()):
+                self.only_at_the_end(separator)
+                break
+            separators.append(separator)
+            items.append(self.item())
+        if len(items) == 1:
+            return items[0]
+        return Sequence(tuple(items), tuple(separators), span=self.since(start))
+
+    def only_at_the_end(self, separator: str | None) -> None:
+        """Refuse a comma that parts nothing: it may end a row or the formula alone."""
+        inside = self.closes() and self.token.kind not in {"stop", "row", "end"}
+        if inside and separator in {",", ";", ":", "|"}:
+            raise self.error("something is missing before this")
+
+    def skip_quads(self) -> None:
+        """Pass over wide spaces."""
+        while self.token.kind == "quad":
+            self.place += 1
+
+    def ended(self) -> bool:
+        """Whether no further item follows."""
+        return self.closes() or signs.arrow_ahead(self)
+
+    def separator(self) -> str | None:
+        """Pass over a separator: its name, "" where words follow or end, None where there is none."""
+        token = self.token
+        if token.is_char(".") and self.sentence_ends():
+            self.take()
+            return self.separator() or "quad"
+        if token.kind == "quad":
+            self.skip_quads()
+            return self.separator() or "quad"
+        if (token.kind == "char" and token.text in ",;:") or (self.script and self.bar(token)):
+            if self.bars and not self.script and self.bar(token):
+                return None
+            self.take()
+            self.skip_quads()
+            return token.text if token.kind == "char" else "|"
+        if self.words_ahead() or (self.place and self.after_words()):
+            return None if self.closes() or signs.arrow_ahead(self) else ""
+        return None
+
+    def sentence_ends(self) -> bool:
+        """Whether the point at the cursor ends a sentence."""
+        after = self.ahead()
+        return after.kind in {"stop", "row", "quad", "words", "end"} or after.is_char("}")
+
+    def words_ahead(self) -> bool:
+        """Whether text or a quantifier stands at the cursor."""
+        return self.token.kind == "words" or self.token.is_command("forall", "exists")
+
+    def after_words(self) -> bool:
+        """Whether text or a quantifier stands before the cursor."""
+        before = self.tokens[self.place - 1]
+        return before.kind == "words" or before.is_command("forall", "exists")
+
+    def item(self) -> Node:
+        """Read a relation, an expression, or words that stand by themselves."""
+        if self.words_ahead() and not self.words_are_operand():
+            token = self.take()
+            sign = token.text if token.kind == "command" else ""
+            return Words("" if sign else token.text, sign, span=token.span)
+        if self.token.kind == "char" and self.token.text in ",;":
+            raise self.error("something is missing before this")
+        return Missing(span=self.token.span) if self.closes() else self.relation()
+
+    def words_are_operand(self) -> bool:
+        """Whether words begin an expression: an operator, a relation or a script follows."""
+        if self.token.kind != "words":
+            return False
+        if self.script and self.ahead().is_char("}"):
+            return True
+        self.place += 1
+        found = (
+            signs.relation_ahead(self)
+            or bool(operator_ahead(self))
+            or (self.token.kind == "char" and self.token.text in "+-/^_" and not self.script)
+            or self.token.is_command(*latex.SUM_COMMANDS)
+        )
+        self.place -= 1
+        return found
+
+    def relation(self) -> Node:
+        """Read a chain of relations; members may be missing at both ends."""
+        start = self.token.span
+        members: list[Node] = []
+        found: list[Sign] = []
+        members.append(Missing(span=start) if signs.relation_ahead(self) else self.addition())
+        while signs.relation_ahead(self):
+            found.append(signs.take_sign(self, self.above))
+            self.skip_quads()
+            over = self.ended() or (self.token.kind == "char" and self.token.text in ",;")
+            again = signs.relation_ahead(self)
+            members.append(Missing(span=self.token.span) if over or again else self.addition())
+        if not found:
+            return members[0]
+        if self.depth and not self.script and all(isinstance(m, Missing) for m in members):
+            raise self.error("a relation without sides", self.tokens[self.place - 1])
+        return Relation(tuple(members), tuple(found), span=self.since(start))
+
+    # sums and products
+
+    def addition(self) -> Node:
+        """Read a sum of terms."""
+        start = self.token.span
+        terms: list[Node] = []
+        found: list[str] = []
+        while True:
+            skip_empty(self)
+            sign = self.sum_sign()
+            if sign is None and terms:
+                break
+            found.append(sign or "")
+            terms.append(self.term())
+        if found == [""]:
+            return terms[0]
+        return Addition(tuple(terms), tuple(found), span=self.since(start))
+
+    def sum_sign(self) -> str | None:
+        """Pass over a sign of a sum and return it; None where there is none."""
+        token = self.token
+        name = latex.SUM_SIGNS.get(token.text) if token.kind == "char" else None
+        if token.kind == "command":
+            name = latex.SUM_COMMANDS.get(token.text)
+        if name is None or signs.relation_ahead(self):
+            return None
+        self.take()
+        return name
+
+    def term(self) -> Node:
+        """Read a product with all its operators."""
+        return self.chain(loose=True)
+
+    def chain(self, *, loose: bool) -> Node:
+        """Read operands joined by operators of one level; equal operators in a row make one product."""
+        start = self.token.span
+        operands, operator = [self.operand(loose)], ""
+        while (name := operator_ahead(self)) and (name in latex.LOOSE_PRODUCTS) == loose:
+            if operator and name != operator:
+                operands = [self.product(operands, operator, start)]
+            operator = name
+            self.take()
+            if self.closes() or (self.integrals and differential_ahead(self)):
+                return self.section(operands, operator, start)
+            operands.append(self.operand(loose))
+        return self.product(operands, operator, start) if operator else operands[0]
+
+    def operand(self, loose: bool) -> Node:
+        """Read one operand of a product; a sign may stand before it."""
+        if loose:
+            return self.chain(loose=False)
+        start = self.token.span
+        sign = self.sum_sign()
+        if sign is None:
+            return self.run()
+        with self.nested(fresh=False):
+            return Addition((self.operand(loose=False),), (sign,), span=self.since(start))
+
+    def product(self, operands: list[Node], operator: str, start: Span) -> Node:
+        """Return a product; too many factors of a cross are noted."""
+        span = self.since(start)
+        if operator == "cross" and sum(not isinstance(o, Number) for o in operands) > 2:
+            text = "a cross product of more than two factors needs brackets"
+            self.note("ambiguous cross", text, span)
+        return Product(tuple(operands), operator, span=span)
+
+    def section(self, operands: list[Node], operator: str, start: Span) -> Node:
+        """Return an operator whose right operand is missing."""
+        whole = operands[0] if len(operands) == 1 else self.product(operands, operator, start)
+        return Section(whole, operator, span=self.since(start))
+
+    # factors side by side
+
+    def run(self) -> Node:
+        """Read factors side by side."""
+        start = self.token.span
+        factors = [self.factor()]
+        while True:
+            skip_empty(self)
+            if self.token.is_char("/"):
+                factors = [self.quotient(factors, start)]
+            elif factor_ahead(self):
+                factors += spliced(self.factor())
+            else:
+                break
+        return juxtaposed(factors, self.since(start))
+
+    def quotient(self, factors: list[Node], start: Span) -> Node:
+        """Read what stands behind a slash; all factors before it are above."""
+        derivative = slash_derivative(self, factors, start)
+        if derivative is not None:
+            return derivative
+        left = juxtaposed(factors, self.since(start))
+        slash = self.take()
+        right = self.factor()
+        number = isinstance(left, Number) and isinstance(right, Number)
+        if not number and not self.token.spaced and not self.script and factor_ahead(self):
+            text = "a quotient on the line before another factor: brackets would say what is below"
+            self.note("slash", text, slash.span)
+        return Quotient(left, right, span=self.since(start))
+
+    def factor(self) -> Node:
+        """Read one factor, prefix forms included."""
+        node = prefixes.prefix(self)
+        if node is None:
+            node = self.scripted()
+        if isinstance(node, Derivative) and node.operand is None:
+            return applied(self, node)
+        return node
+
+    def scripted(self) -> Node:
+        """Read an atom with its scripts."""
+        return scripts.scripted(self)
+
+    def atom(self) -> Node:
+        """Read an atom without scripts."""
+        return atoms.atom(self)
+
+    def starts_atom(self) -> bool:
+        """Whether the token at the cursor can begin a factor."""
+        return atoms.starts_atom(self)
+
+    def argument(self) -> Node:
+        """Read an argument."""
+        return scripts.argument(self)
+
+    def script_argument(self) -> Node:
+        """Read what stands in a script."""
+        return scripts.script_argument(self)

@@ -1,0 +1,245 @@
+"""Corrections of a wrong line: looked for in worlds, read again as a whole, judged, ranked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within
+from eom.checker.judge.notes import Understood, reread
+from eom.checker.judge.systems import on_solutions
+from eom.checker.mean.claims import CONSTANT, Claim
+from eom.checker.read.paths import at
+from eom.checker.read.syntax import Matrix, Node
+from eom.checker.read.trees import walk
+from eom.checker.repair.candidates import Candidate, Workshop, repaired
+from eom.checker.repair.cells import Suspects, by_components, suspects
+from eom.checker.repair.levels import penalty, places
+from eom.checker.repair.lines import Addend, Line, Place, valued, worth
+from eom.checker.repair.lost import Pools
+from eom.checker.repair.options import options
+from eom.checker.repair.palette import palette
+from eom.checker.repair.solution_places import moves, remains, solutions
+from eom.exact.series import PRIME
+from eom.terms.terms import Term
+
+SHOWN = 3
+"""Corrections that are shown at most."""
+JUDGED = 6
+"""Repairs of a line that are judged in full at most."""
+WEAK = 2.0
+"""What the best repair weighs at least if terms of symbols around the line are tried as well."""
+NEAR = 12
+"""Symbols around a line that are tried in lost terms, if its own do not help."""
+ENOUGH = 1.0
+"""A repair found is enough if a special level could only add some that weigh this much more."""
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A repair with its tree, what it weighs so far as is known, and where it was found to hold."""
+
+    candidate: Candidate
+    tree: Node
+    cost: float
+    place: Place
+
+
+@dataclass(frozen=True)
+class Verified:
+    """A repair that was read again and judged: its claim and judgement."""
+
+    ranked: Ranked
+    claim: Claim
+    judgement: Judgement
+    cost: float
+
+
+def corrections(
+    understood: Understood, shop: Workshop, given: Iterable[str] = (), stated: Iterable[str] = ()
+) -> list[Verified]:
+    """Return verified repairs of a wrong line, the most plausible first."""
+    given, stated = tuple(given), frozenset(stated) | frozenset(given)
+    ranked = _ranked(shop, given)
+    if (not ranked or ranked[0].cost > WEAK) and not shop.pools.left:
+        more = _ranked(_widened(shop), given)
+        ranked = sorted([*ranked, *more], key=lambda r: r.cost)
+    found: list[Verified] = []
+    unique: dict[Node, Ranked] = {}
+    for one in ranked:
+        unique.setdefault(one.tree, one)
+    for one in list(unique.values())[:JUDGED]:
+        made = verified(understood, shop.line, one, given, stated)
+        if made is not None:
+            found.append(made)
+        if len(found) == SHOWN:
+            break
+    return sorted(found, key=lambda v: v.cost)
+
+
+def _widened(shop: Workshop) -> Workshop:
+    return replace(shop, pools=shop.pools.widened())
+
+
+def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
+    """Yield worlds for a line: without more than is given, and one of each level.
+
+    For a line about a system they are solutions of that.
+    """
+    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
+        return solutions(shop.line, shop.line.claim.model, given)
+    terms = [v.term for v in shop.values.values() if v is not None]
+    terms += [m.value.term for m in shop.line.members if m.value is not None]
+    return places(given, shop.line.elaborator.scalars, terms)
+
+
+def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
+    """Return what holds in some world, by weight and by whether it holds without assumptions."""
+    found: dict[object, Ranked] = {}
+    wrong = shop.line
+    for number, (free, there) in enumerate(levels(shop, given)):
+        if found and min(r.cost for r in found.values()) < 1.0 + number * ENOUGH:
+            break
+        for candidate in shop.candidates(there):
+            tree = repaired(wrong, candidate)
+            extra = 0.0 if _holds_in(shop, free, candidate) else 0.6 + 0.5 * number
+            key = _alike(shop, free, candidate) or tree
+            better = key not in found or found[key].cost > candidate.weight + extra
+            if better and not trivial(shop, tree, (free, there), candidate):
+                found[key] = Ranked(candidate, tree, candidate.weight + extra, there)
+    return sorted(found.values(), key=lambda r: r.cost)
+
+
+def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> Workshop:
+    """Return a line with what may stand for each of its terms."""
+    have = palette(understood, wrong)
+    addends = [a for m in wrong.members for a in m.addends if m.path is not None]
+    values = {a: worth(wrong, a.node) for a in addends}
+    equal = wrong.claim.kind != CONSTANT
+    known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
+    shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
+    at_fault = _suspects(shop, tuple(given))
+    return replace(shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends})
+
+
+def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
+    """Return the cells of tables that may be at fault, by the terms of a line."""
+    if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
+        return {}
+    worlds = (p for both in levels(shop, given) for p in both)
+    differing = [by_components(p, shop.line.members, shop.difference) for p in worlds]
+    return suspects(shop.line, shop.values, differing)
+
+
+def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:
+    """Return the numbers of the terms of all members with a repair put in; None where one has none."""
+    chosen = {o.addend: o for o in candidate.options}
+    own = {a for m in shop.line.members for a in m.addends}
+    found = []
+    for member in shop.line.members:
+        parts = [] if member.value is None else [place.number(member.value.term)]
+        for addend in member.addends:
+            option, value = chosen.get(addend), shop.values.get(addend)
+            if option is not None:
+                parts.append(_number(place, option.sign, option.term, 0))
+            else:
+                parts.append(_number(place, addend.sign, value.term if value else None, None))
+        lost = [o for a, o in chosen.items() if a not in own and a.member == member.number]
+        found.append([*parts, *(_number(place, o.sign, o.term, None) for o in lost)])
+    return found
+
+
+def _number(place: Place, sign: int, term: Term | None, otherwise: int | None) -> int | None:
+    number = otherwise if term is None else place.number(term)
+    return None if number is None else sign * number
+
+
+def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | None]:
+    """Return the numbers of all members with a repair put in; None where one has none."""
+    rows = _parts(shop, place, candidate)
+    return [None if None in r else sum(p for p in r if p is not None) % PRIME for r in rows]
+
+
+def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...] | None:
+    """Return the terms after a repair as numbers up to a factor: the same for repairs that say the same."""
+    numbers: list[int] = []
+    for parts in _parts(shop, place, candidate):
+        if None in parts:
+            return None
+        numbers += [p % PRIME for p in parts if p is not None]
+    first = next((n for n in numbers if n), 0)
+    if not first:
+        return None
+    scale = pow(first, -1, PRIME)
+    return tuple(n * scale % PRIME for n in numbers)
+
+
+def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:
+    totals = _totals(shop, place, candidate)
+    return None not in totals and len(set(totals)) == 1
+
+
+def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate) -> bool:
+    """Tell whether a repair says nothing: two members alike, or all of them zero anyway.
+
+    ``there``: the worlds where least and where most is assumed; a line that says itself that something
+    is zero may do so where much is assumed.
+    """
+    members = shop.line.members
+    if shop.line.claim.kind == CONSTANT:
+        return _never_changes(shop, tree, there, candidate)
+    nodes = [at(tree, m.path) for m in members if m.path is not None]
+    if len(set(nodes)) < len(nodes):
+        return True
+    says = any(shop.is_zero(m) for m in members)
+    return any(
+        all(t == 0 for t in _totals(shop, place, candidate)) for place in there[: 1 if says else 2]
+    )
+
+
+def _never_changes(
+    shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate
+) -> bool:
+    """Tell whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
+    (path,) = (m.path for m in shop.line.members if m.path is not None)
+    value = valued(shop.line.elaborator, at(tree, path))
+    if value is None or there[1].number(value.term) == 0:
+        return True
+    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
+        return not moves(value.term, shop.line, shop.line.claim.model)
+    return all(t == 0 for t in _totals(shop, there[0], candidate))
+
+
+def verified(
+    understood: Understood,
+    wrong: Line,
+    ranked: Ranked,
+    given: tuple[str, ...],
+    stated: frozenset[str],
+) -> Verified | None:
+    """Return a repair that holds when it is read again as a whole, or None."""
+    claims = reread(understood, ranked.tree)
+    if len(claims) != len(understood.claims):
+        return None
+    claim = claims[wrong.number]
+    if claim.verdict or claim.kind != wrong.claim.kind:
+        return None
+    if _tautology(claim, ranked.candidate):
+        return None
+    found = judge_within(claim, ranked.place.names, given)
+    if found.verdict not in {HOLDS, UNDER}:
+        return None
+    needed = min((penalty(s, stated) for s in found.sets), default=0.0)
+    cost = ranked.candidate.weight + needed + (0.5 if needed else 0.0)
+    return Verified(ranked, claim, found, cost)
+
+
+REPLACING = frozenset({"symbol", "index", "superfluous term", "superfluous factor"})
+"""Slips by which a line can be made to say that something is itself."""
+
+
+def _tautology(claim: Claim, candidate: Candidate) -> bool:
+    """Tell whether an equation has become one of a thing with itself, by other letters."""
+    same = len(claim.members) == 2 and claim.members[0].term == claim.members[1].term
+    return same and any(o.slip.name in REPLACING for o in candidate.options)

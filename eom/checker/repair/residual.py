@@ -1,0 +1,312 @@
+"""What is left over in a wrong line, in the writer's own symbols: short sums of products of its factors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction as Ratio
+from itertools import combinations_with_replacement, pairwise, product
+
+from eom.checker.mean.claims import CONSTANT
+from eom.checker.mean.dimensions import RATE, Dimension
+from eom.checker.mean.turns import abbreviated
+from eom.checker.mean.values import ROW, Value
+from eom.checker.read.looks import seen
+from eom.checker.read.paths import operands
+from eom.checker.read.syntax import (
+    Addition,
+    Call,
+    Derivative,
+    Fraction,
+    Group,
+    Node,
+    Number,
+    Product,
+    Scripts,
+)
+from eom.checker.read.trees import children
+from eom.checker.repair.lines import Line, Place, Signature, agrees, signature, valued, worth
+from eom.checker.repair.slips_marks import dotted
+from eom.exact.series import PRIME
+from eom.terms.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
+
+COEFFICIENTS: tuple[Ratio, ...] = tuple(
+    sign * Ratio(c) for c in ("1", "2", "1/2", "3", "3/2", "1/3", "4", "1/4") for sign in (1, -1)
+)
+"""Numbers before a product that are tried."""
+ATOMS = 14
+DEGREE = 4
+MOST = 900
+"""Products that are tried at most."""
+ALTERNATIVES = 3
+"""Products that are offered at most where several are the same in a world."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """A product of factors of a line: tree, term, signature."""
+
+    node: Node
+    term: Term
+    signature: Signature
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A product with its number before it."""
+
+    coefficient: Ratio
+    item: Item
+
+
+def items(line: Line, roots: Iterable[Node], kind: Signature) -> list[Item]:
+    """Return products of the factors below some nodes that have a signature, the simplest first."""
+    atoms = _atoms(line, roots)
+    found: dict[Term, Item] = {}
+    for k, node in enumerate(_products(atoms, _before(line, kind))):
+        if k == MOST:
+            break
+        value = worth(line, node)
+        if value is not None and not value.is_zero and agrees(signature(value), kind):
+            found.setdefault(value.term, Item(node, value.term, kind))
+    return list(found.values())
+
+
+def _before(line: Line, kind: Signature) -> Signature:
+    """Return the signature of what counts by its rate in a line that says what is constant."""
+    dimension = kind[2]
+    if line.claim.kind != CONSTANT or dimension is None:
+        return kind
+    return (*kind[:2], dimension.times(RATE.power(-1)))
+
+
+_Atom = tuple[Node, Value]
+
+
+def _atoms(line: Line, roots: Iterable[Node]) -> list[_Atom]:
+    """Return factors with values: as they stand, then with a dot more; the outermost symbols alone."""
+    standing = list(dict.fromkeys(n for r in roots for n in _factors(line, r)))[:ATOMS]
+    more = [d for n in standing for d in [dotted(n)] if d is not None]
+    less = [b for n in standing for b in _bare(n)]
+    found: dict[Node, _Atom] = {}
+    for node in (*standing, *less, *more):
+        value = valued(line.elaborator, node)
+        if value is not None and not value.is_zero:
+            found.setdefault(node, (node, value))
+    return list(found.values())
+
+
+def _bare(node: Node) -> Iterator[Node]:
+    given = seen(node)
+    base = getattr(node, "base", None)
+    if given is not None and given.dots and isinstance(base, Node):
+        yield base
+
+
+def _factors(line: Line, root: Node) -> Iterator[Node]:
+    stack = [root]
+    while stack:
+        node = stack.pop()
+        short = list(_abbreviated(line, node))
+        if short:
+            yield from short
+            left = [f for f in children(node) if not any(f in children(p) for p in short)]
+            stack += reversed(left)
+            continue
+        given = seen(node)
+        bracket = isinstance(node, Group) and node.open == "[" and seen(node.body) is not None
+        if bracket or isinstance(node, Call) or (given is not None and given.look.name.isalpha()):
+            yield node
+            continue
+        if isinstance(node, Derivative) and node.operand is not None and seen(node.operand):
+            yield node
+        below = children(node) if isinstance(node, Product) else tuple(n for _, n in operands(node))
+        stack += reversed(below)
+
+
+def _abbreviated(line: Line, node: Node) -> Iterator[Node]:
+    r"""Yield functions that are written with a letter and an angle, like ``s\theta``."""
+    if isinstance(node, Product) and not node.operator:
+        for letter, angle in pairwise(node.factors):
+            if abbreviated(line.elaborator, letter, angle) is not None:
+                yield Product((letter, angle), span=letter.span.join(angle.span))
+
+
+# -- products ------------------------------------------------------------------------------------
+
+_VECTORS, _DYADICS = frozenset({VECTOR, COLUMN}), frozenset({DYADIC, MATRIX})
+
+
+def _products(atoms: list[_Atom], kind: Signature) -> Iterator[Node]:
+    """Yield products with the right dimension; shapes are sorted out by elaboration."""
+    rows = {
+        "scalar": _row(atoms, frozenset({SCALAR})),
+        "vector": _row(atoms, frozenset({VECTOR, COLUMN})),
+        "dyadic": _row(atoms, frozenset({DYADIC, MATRIX})),
+    }
+    wanted = _exponents(kind[2])
+    for scalars in range(DEGREE + 1):
+        for shape, join in _SHAPES.get(kind[0], ()):
+            if not 0 < len(shape) + scalars <= DEGREE:
+                continue
+            for numbers in combinations_with_replacement(rows["scalar"], scalars):
+                for rest in product(*(rows[s] for s in shape)):
+                    if _fitting((*numbers, *rest), wanted):
+                        yield _joined([n for n, _ in numbers], join([n for n, _ in rest]))
+
+
+_Exponents = tuple[int, int, int]
+_Sized = tuple[Node, _Exponents | None]
+
+
+def _row(atoms: list[_Atom], shapes: frozenset[str]) -> list[_Sized]:
+    """Return the atoms of some shapes with their dimensions."""
+    return [(n, _exponents(v.dimension)) for n, v in atoms if v.shape in shapes]
+
+
+def _exponents(dimension: Dimension | None) -> _Exponents | None:
+    """Return a dimension in twelfths, which whole numbers hold; None where it is not known."""
+    if dimension is None:
+        return None
+    mass, length, time = (int(12 * e) for e in dimension)
+    return mass, length, time
+
+
+def _fitting(parts: Iterable[_Sized], wanted: _Exponents | None) -> bool:
+    """Tell whether a product may have a dimension: what has none that is known fits every one."""
+    mass = length = time = 0
+    for _, exponents in parts:
+        if exponents is None:
+            return True
+        m, k, t = exponents
+        mass, length, time = mass + m, length + k, time + t
+    return wanted is None or (mass, length, time) == wanted
+
+
+def _joined(numbers: list[Node], rest: Node | None) -> Node:
+    parts = list(numbers)
+    if rest is None:
+        return parts[0] if len(parts) == 1 else Product(_powers(parts))
+    if not parts:
+        return rest
+    if isinstance(rest, Product) and rest.operator == "cross":
+        return Product((*_powers(parts), Group(rest)))
+    return Product((*_powers(parts), rest))
+
+
+def _powers(parts: list[Node]) -> tuple[Node, ...]:
+    """Return equal factors as powers."""
+    found: list[Node] = []
+    for node in dict.fromkeys(parts):
+        count = parts.count(node)
+        plain = not isinstance(node, Call | Scripts | Product) or (
+            isinstance(node, Scripts) and node.sup is None
+        )
+        if count > 1 and plain and not isinstance(node, Call):
+            base = node if isinstance(node, Scripts) else Scripts(node)
+            found.append(replace(base, sup=Number(str(count))))
+        elif count > 1 and isinstance(node, Call) and node.sup is None:
+            found.append(replace(node, sup=Number(str(count))))
+        else:
+            found += [node] * count
+    return tuple(found)
+
+
+def _cross(parts: list[Node]) -> Node:
+    return Product(tuple(parts), "cross")
+
+
+_Join = Callable[[list[Node]], Node | None]
+_SHAPES: dict[str, tuple[tuple[tuple[str, ...], _Join], ...]] = {
+    SCALAR: (
+        ((), lambda _: None),
+        (("vector", "vector"), lambda p: Product(tuple(p), "dot")),
+        (("vector", "dyadic", "vector"), lambda p: Product(tuple(p), "dot")),
+    ),
+    VECTOR: (
+        (("vector",), lambda p: p[0]),
+        (("vector", "vector"), _cross),
+        (("dyadic", "vector"), lambda p: Product(tuple(p), "dot")),
+        (
+            ("vector", "dyadic", "vector"),
+            lambda p: _cross([p[0], Group(Product((p[1], p[2]), "dot"))]),
+        ),
+        (("vector", "vector", "vector"), lambda p: _cross([p[0], Group(_cross(p[1:]))])),
+    ),
+    COLUMN: (
+        (("vector",), lambda p: p[0]),
+        (("vector", "vector"), _cross),
+        (("dyadic", "vector"), lambda p: Product(tuple(p))),
+        (("vector", "dyadic", "vector"), lambda p: _cross([p[0], Product((p[1], p[2]))])),
+        (("vector", "vector", "vector"), lambda p: _cross([p[0], Group(_cross(p[1:]))])),
+        (("dyadic", "dyadic", "vector"), lambda p: Product(tuple(p))),
+    ),
+    MATRIX: (
+        (("dyadic",), lambda p: p[0]),
+        (("dyadic", "dyadic"), lambda p: Product(tuple(p))),
+    ),
+    DYADIC: ((("dyadic",), lambda p: p[0]),),
+    ROW: (),
+}
+"""Products of each shape: of what, and how they are joined."""
+
+
+# -- fits ----------------------------------------------------------------------------------------
+
+
+def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piece, ...]]:
+    """Yield single products that have a number in a world; without any, a sum of two."""
+    numbers = [(place.number(i.term), i) for i in pool]
+    known = [(n, i) for n, i in numbers if n]
+    scaled: dict[int, list[Piece]] = {}
+    for coefficient in COEFFICIENTS:
+        factor = _modulo(coefficient)
+        for number, item in known:
+            scaled.setdefault(factor * number % PRIME, []).append(Piece(coefficient, item))
+    single = scaled.get(wanted % PRIME, [])[:ALTERNATIVES]
+    yield from ((piece,) for piece in single)
+    if single:
+        return
+    for number, item in known[:300]:
+        for sign in (1, -1):
+            others = scaled.get((wanted - sign * number) % PRIME, [])
+            if others and others[0].item.term != item.term:
+                yield Piece(Ratio(sign), item), others[0]
+                return
+
+
+def _modulo(ratio: Ratio) -> int:
+    return ratio.numerator * pow(ratio.denominator, -1, PRIME)
+
+
+def scaled(piece: Piece) -> tuple[str, Node]:
+    """Return a product with its number as a sign and a tree."""
+    size = abs(piece.coefficient)
+    node, minus = _unsigned(piece.item.node)
+    sign = "-" if (piece.coefficient < 0) != minus else "+"
+    if size == 1:
+        return sign, node
+    number: Node = Number(str(size.numerator))
+    if size.denominator > 1:
+        number = Fraction(number, Number(str(size.denominator)))
+    loose = isinstance(node, Product) and node.operator
+    parts: tuple[Node, ...] = (Group(node),) if loose or isinstance(node, Addition) else (node,)
+    if isinstance(node, Product) and not node.operator:
+        parts = node.factors
+    return sign, Product((number, *parts))
+
+
+def _unsigned(node: Node) -> tuple[Node, bool]:
+    """Return a term without the minus in front of it, and whether there is one."""
+    if isinstance(node, Addition) and len(node.terms) == 1:
+        return node.terms[0], node.signs[0] == "-"
+    return node, False
+
+
+def total(pieces: Iterable[Piece]) -> Node:
+    """Return a sum of products as a tree."""
+    pairs = [scaled(p) for p in pieces]
+    signs = ["" if k == 0 and s == "+" else s for k, (s, _) in enumerate(pairs)]
+    if len(pairs) == 1 and not signs[0]:
+        return pairs[0][1]
+    return Addition(tuple(n for _, n in pairs), tuple(signs))

@@ -1,0 +1,272 @@
+"""A report as lines of text, each of parts with a style that a terminal may show by colour."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+
+from eom.checker.graded import Graded
+from eom.checker.judge.judge import UNDER
+from eom.checker.read.places import NOWHERE, Source, Span, printable
+from eom.checker.reports import FAULTS, Finding, Report
+from eom.worlds.worlds import ASSUMPTIONS
+
+Part = tuple[str, str]
+"""Style ("title", "good", "bad", "unsure", "faint", "") and text."""
+Line = tuple[Part, ...]
+
+STYLES = {
+    "wrong": "bad",
+    "ill-formed": "bad",
+    "ambiguous": "unsure",
+    "undecided": "unsure",
+    "holds under": "good",
+    "holds": "good",
+}
+"""Style of a verdict; others have none."""
+
+DETAILED = FAULTS | {"undecided", "ambiguous"}
+"""Verdicts that are told with the equation and the place."""
+
+COUNTED = {
+    "wrong": "wrong",
+    "ill-formed": "ill-formed",
+    "ambiguous": "ambiguous",
+    "undecided": "undecided",
+    "holds under": "hold under assumptions",
+    "holds": "hold",
+    "definition": "definitions",
+    "assumption": "assumptions",
+    "no claim": "claim nothing",
+}
+"""Verdicts as they are counted."""
+
+MAX_LINES = 24
+"""Lines of one formula that are shown at most."""
+WIDTH = 120
+"""Characters of a formula that are shown at most where nothing is wrong."""
+MAX_WIDTH = 2000
+"""Characters of a line of a formula that are shown at most."""
+CORRECTIONS = 3
+"""Corrections that are told at most."""
+UNPLACED = 12
+"""Symbols without a meaning that are listed at most."""
+INDENT = "    "
+
+
+def text(line: Line) -> str:
+    """Return a line without styles."""
+    return "".join(part for _, part in line)
+
+
+def told(graded: Graded, only: Collection[str] = (), quiet: bool = False) -> Iterator[Line]:
+    """Yield what is told of a note: where meanings come from, each formula, a summary.
+
+    ``only``: verdicts of the formulas that are told, all if empty; ``quiet``: faults alone.
+    """
+    report = graded.report
+    if report is None:
+        yield (("title", graded.name), ("", ": "), ("bad", "cannot be used"))
+        yield from (_faint(INDENT + line) for line in printed(graded.error))
+        return
+    yield (("title", report.name or "note"),)
+    yield from _head(report)
+    chosen = only or (FAULTS if quiet else ())
+    some = [f for f in report.findings if not chosen or f.verdict in chosen]
+    for finding in some:
+        yield ()
+        yield from _finding(finding)
+    if some:
+        yield ()
+    yield from _legend(some)
+    yield _summary(report)
+
+
+def total(graded: Sequence[Graded]) -> Line:
+    """Return how many notes have something wrong, and how many cannot be used."""
+    found = Counter(g.status for g in graded)
+    return (
+        ("title", f"{len(graded)} notes"),
+        ("", f": {found['nothing wrong']} with nothing wrong, "),
+        ("bad" if found["wrong"] else "", f"{found['wrong']} with something wrong"),
+        ("", ", "),
+        ("bad" if found["unusable"] else "", f"{found['unusable']} unusable"),
+    )
+
+
+def printed(message: str) -> list[str]:
+    """Return the lines of a message as a terminal may print them."""
+    return [printable(line) for line in message.splitlines()]
+
+
+def _faint(words: str) -> Line:
+    return (("faint", words),)
+
+
+# -- head and summary ----------------------------------------------------------------------------
+
+
+def _head(report: Report) -> Iterator[Line]:
+    """Yield where meanings come from, what of the note was not read, and what was assumed."""
+    draft = report.lexicon.startswith("draft")
+    yield (("unsure" if draft else "faint", f"  meanings: {printable(report.lexicon)}"),)
+    if draft:
+        yield _faint(
+            "    Nobody has confirmed these meanings: what is called wrong may be misread. A preset is"
+        )
+        yield _faint("    named by --notation; --propose prints the draft as a file for --lexicon.")
+        yield from (_faint(f"    {printable(d)}") for d in report.drafts)
+    if report.unplaced:
+        names = ", ".join(report.unplaced[:UNPLACED])
+        rest = len(report.unplaced) - UNPLACED
+        more = f" and {rest} more" if rest > 0 else ""
+        yield _faint(f"    without a meaning: {printable(names)}{more}")
+    yield _faint(f"  given: {', '.join(report.given) or 'nothing'}")
+    for notice in report.notices:
+        yield (("unsure", f"  line {notice.line}, {notice.kind}: {printable(notice.text)}"),)
+
+
+def _legend(findings: Iterable[Finding]) -> Iterator[Line]:
+    """Yield the meanings of the assumptions that were named."""
+    used = {n for f in findings for s in _all_sets(f) for n in s}
+    names = [n for n in ASSUMPTIONS if n in used]
+    width = max(map(len, names), default=0)
+    if names:
+        yield _faint("  assumptions")
+        yield from (_faint(f"    {n:<{width}}  {ASSUMPTIONS[n].meaning}") for n in names)
+        yield ()
+
+
+def _all_sets(finding: Finding) -> Iterator[tuple[str, ...]]:
+    yield from finding.sets
+    for correction in finding.explanation.corrections[:CORRECTIONS]:
+        yield from correction.sets
+    if finding.explanation.counterexample is not None:
+        yield finding.explanation.counterexample.assumptions
+
+
+def _summary(report: Report) -> Line:
+    """Return how many formulas and claims in words there are, and how many have each verdict."""
+    total, claims = len(report.equations), len(report.claims)
+    also = f" and {claims} claim{'' if claims == 1 else 's'} in words" if claims else ""
+    parts: list[Part] = [("", f"  {total} equation{'' if total == 1 else 's'}{also}")]
+    for verdict, count in report.counts.items():
+        words = f"{count} {COUNTED[verdict]}"
+        parts += [("", ": " if len(parts) == 1 else ", "), (STYLES.get(verdict, ""), words)]
+    return tuple(parts)
+
+
+# -- one formula ---------------------------------------------------------------------------------
+
+
+def _finding(finding: Finding) -> Iterator[Line]:
+    """Yield the verdict on a formula; of a fault the formula too, with carets, and what is known."""
+    style = STYLES.get(finding.verdict, "")
+    head: list[Part] = [("", f"  {_where(finding)}: "), (style, _verdict(finding))]
+    yield tuple(head)
+    if finding.verdict in DETAILED:
+        yield from shown(finding.source, finding.span, _places(finding))
+        if finding.reason:
+            yield (("", f"{INDENT}why: {printable(finding.reason)}"),)
+    else:
+        yield _faint(f"{INDENT}{_one_line(finding.latex)}")
+        if finding.verdict == UNDER and not finding.sets and finding.reason:
+            yield (("", f"{INDENT}if {printable(finding.reason)}"),)
+    if finding.carried:
+        yield (("", f"{INDENT}carries forward the slip of line {finding.carried}"),)
+    for words in dict.fromkeys(finding.read_as):
+        yield _faint(f"{INDENT}{printable(words)}")
+    yield from _explanation(finding)
+    for remark in finding.remarks:
+        if not (remark.kind == "carried" and finding.carried):
+            whole = remark.text.startswith(remark.kind)
+            words = remark.text if whole else f"{remark.kind}: {remark.text}"
+            yield (("", f"{INDENT}{printable(words)}"),)
+
+
+def _where(finding: Finding) -> str:
+    """Return the place of a formula: its line, before that the cell of a notebook."""
+    cell = finding.source.name.rpartition(", cell ")
+    before = f"cell {cell[2]}, " if cell[1] or finding.source.name.startswith("cell ") else ""
+    return f"{before}line {finding.line}"
+
+
+def _verdict(finding: Finding) -> str:
+    """Return the verdict with its sets of assumptions."""
+    return " ".join([finding.verdict, *(_sets(finding.sets) for _ in finding.sets[:1])])
+
+
+def _sets(sets: Sequence[tuple[str, ...]]) -> str:
+    return " or ".join("{" + ", ".join(s) + "}" if s else "what it rests on" for s in sets)
+
+
+def _one_line(latex: str) -> str:
+    return _cut(printable(" ".join(latex.split())), WIDTH)
+
+
+def _whole(latex: str) -> str:
+    return _cut(printable(" ".join(latex.split())), MAX_WIDTH)
+
+
+def _cut(line: str, width: int) -> str:
+    return line if len(line) <= width else line[: width - 3] + "..."
+
+
+def _places(finding: Finding) -> tuple[Span, ...]:
+    """Return what carets stand under: what is to blame, else an inline formula in its line."""
+    blamed = (finding.place, *finding.explanation.blamed)
+    found = tuple(dict.fromkeys(s for s in blamed if s != NOWHERE))
+    return found or ((finding.span,) if finding.kind == "inline" else ())
+
+
+def shown(source: Source, span: Span, places: Sequence[Span]) -> Iterator[Line]:
+    """Yield the lines of a formula, with carets under places in it; a long one near the first place."""
+    inside = source.text[span.start : span.stop]
+    begins = span.start + len(inside) - len(inside.lstrip())
+    first = source.line_column(begins)[0]
+    last = source.line_column(max(span.stop - 1, begins))[0]
+    by_line: dict[int, list[Span]] = {}
+    for place in places:
+        by_line.setdefault(source.line_column(place.start)[0], []).append(place)
+    begin = max(first, min(by_line, default=first) - MAX_LINES // 2)
+    lines = source.text.split("\n")
+    for number in range(begin, min(last, begin + MAX_LINES) + 1):
+        yield from _pointed(source, lines[number - 1], by_line.get(number, []))
+
+
+def _pointed(source: Source, line: str, places: Sequence[Span]) -> Iterator[Line]:
+    """Yield a line and carets under the places that begin in it; of a long line the first one alone."""
+    if not places:
+        yield from [(("", INDENT + _cut(printable(line), MAX_WIDTH)),)] if line.strip() else []
+        return
+    carets = [" "] * len(line) + [" "]
+    for place in places:
+        column = source.line_column(place.start)[1] - 1
+        width = max(1, min(place.stop - place.start, len(line) - column))
+        carets[column : column + width] = "^" * width
+    text, marks = printable(line), "".join(carets).rstrip()
+    if len(line) > WIDTH:
+        text, column, width = source.shown(places[0])
+        marks = " " * column + "^" * width
+    yield (("", INDENT + text),)
+    yield (("bad", INDENT + marks),)
+
+
+def _explanation(finding: Finding) -> Iterator[Line]:
+    """Yield what is too much, what would make it right, and where it fails."""
+    explained = finding.explanation
+    if explained.residual:
+        yield (("", f"{INDENT}left side minus right side: {_whole(explained.residual)}"),)
+    if explained.convention:
+        yield (("unsure", f"{INDENT}{explained.convention}"),)
+    for correction in explained.corrections[:CORRECTIONS]:
+        under = f", under {_sets(correction.sets)}" if correction.sets else ""
+        yield (("good", f"{INDENT}repair: {printable(correction.change)}{under}"),)
+        yield (("", f"{INDENT}        {_whole(correction.latex)}"),)
+    counter = explained.counterexample
+    if counter is not None:
+        under = f", under {_sets([counter.assumptions])}" if counter.assumptions else ""
+        values = ", ".join(f"{_one_line(n)} = {v}" for n, v in counter.values)
+        members = "; ".join(f"{_one_line(n)} = {v}" for n, v in counter.members)
+        yield (("", f"{INDENT}it fails for {values}{under}"),)
+        yield (("", f"{INDENT}  where {members}"),)

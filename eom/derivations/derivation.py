@@ -1,0 +1,243 @@
+"""A derivation: steps with reasons, each verified when it is made, and the result.
+
+A chain starts from a definition, a law or an earlier statement; each further step applies rules to
+its right side (`eom.terms.rules`) and is then tested on its own: exactly where both sides are plain
+expressions, else in random worlds under the assumptions made so far. A step that fails, or that
+nothing can decide, raises `DerivationError`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any
+
+from eom.derivations.verification import DerivationError, Scalars, verify
+from eom.system import System
+from eom.terms import rules
+from eom.terms.rules import Rule
+from eom.terms.terms import Equation, Term, column, expr, nodes
+from eom.terms.vocabulary import definition
+from eom.worlds.worlds import ASSUMPTIONS, closure
+
+if TYPE_CHECKING:
+    from eom.derivations.excerpts import Excerpt
+
+
+@dataclass(frozen=True)
+class Step:
+    """A verified statement: its reason, where the lectures state it, and what it rests on.
+
+    ``label``: by which `Derivation` finds it. ``statement``: two sides and a relation. ``reason``: in
+    words. ``kind``: definition, law or result; ``states``: the equations of the lectures that it states;
+    ``assumptions``: names of those that it needs; ``evidence``: how it was verified.
+    """
+
+    label: str
+    statement: Equation
+    reason: str
+    kind: str = "result"
+    states: tuple[str, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    evidence: str = ""
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """A derivation with its verified steps and its result as SymPy objects by name.
+
+    ``group``: the chapter. ``steps``: in order. ``scalars``: what its own scalars are, as terms of vector
+    mechanics. ``result``: expressions, matrices and systems by name, in SI units. In a notebook it shows
+    itself as a page.
+    """
+
+    name: str
+    title: str
+    group: str
+    steps: tuple[Step, ...]
+    scalars: Scalars
+    result: Mapping[str, Any]
+
+    def __getitem__(self, label: str) -> Step:
+        """Return the step with a ``label``. Raises `KeyError`."""
+        for step in self.steps:
+            if step.label == label:
+                return step
+        raise KeyError(label)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Every assumption that some step makes, in the order of their first use."""
+        return tuple(dict.fromkeys(a for s in self.steps for a in s.assumptions))
+
+    @property
+    def system(self) -> System | None:
+        """The equations of motion among the results, if there are any."""
+        return next((r for r in self.result.values() if isinstance(r, System)), None)
+
+    def part(self, *labels: str | EllipsisType, notation: str = "arrow") -> Excerpt:
+        """Return some steps, which show themselves in a notebook: ``part("law", ..., "momentum")``.
+
+        ``labels``: of steps; `...` between two labels is all that stands between them. ``notation``: one of
+        `eom.typeset.notation.NOTATIONS` or its aliases. Raises `InputError` for labels that no step has.
+        """
+        from eom.derivations.excerpts import Excerpt, chosen
+
+        return Excerpt(self, chosen(self, labels), notation)
+
+    def _repr_markdown_(self) -> str:
+        from eom.derivations.showing import show_derivation
+
+        return show_derivation(self, "markdown")
+
+
+@dataclass(frozen=True)
+class Chain:
+    """An established statement that further rules can be applied to."""
+
+    maker: Maker
+    step: Step
+
+    @property
+    def equation(self) -> Equation:
+        """The statement."""
+        return self.step.statement
+
+    def then(
+        self, reason: str, *applied: Rule, label: str = "", states: Iterable[str] = ()
+    ) -> Chain:
+        """State ``left = rules(right)``. Raises `DerivationError` if nothing changes or it is false."""
+        new = rules.apply(applied, self.equation.right)
+        if new == self.equation.right:
+            raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
+        relation = "=" if self.equation.relation == ":=" else self.equation.relation
+        return self.maker.state(
+            Equation(self.equation.left, new, relation), reason, label=label, states=states
+        )
+
+    def both(
+        self,
+        reason: str,
+        operation: Callable[[Term], Term],
+        *applied: Rule,
+        label: str = "",
+        states: Iterable[str] = (),
+    ) -> Chain:
+        """Do the same to both sides; ``applied`` are rules for the new right side."""
+        left = operation(self.equation.left)
+        right = rules.apply(applied, operation(self.equation.right))
+        if Equation(left, right) == self.equation:
+            raise DerivationError("a step changes nothing", where=self.maker.name, got=reason)
+        return self.maker.state(Equation(left, right), reason, label=label, states=states)
+
+    def turned(self, reason: str, *, label: str = "", states: Iterable[str] = ()) -> Chain:
+        """State ``right = left``."""
+        sides = Equation(self.equation.right, self.equation.left)
+        return self.maker.state(sides, reason, label=label, states=states)
+
+
+@dataclass
+class Maker:
+    """Collects verified steps; `finish` freezes them."""
+
+    name: str
+    title: str
+    group: str
+    scalars: dict[Any, Term] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+    steps: list[Step] = field(default_factory=list)
+
+    def assume(self, *names: str) -> None:
+        """From here on, take ``names`` for granted. Raises `InputError` for conflicts."""
+        closure((*self.assumed, *names))
+        self.assumed = tuple(dict.fromkeys((*self.assumed, *names)))
+
+    def only(self, *names: str) -> None:
+        """From here on, take ``names`` for granted and nothing else."""
+        self.assumed = ()
+        self.assume(*names)
+
+    def define(
+        self, quantity: Term, reason: str, *, label: str = "", states: Iterable[str] = ()
+    ) -> Chain:
+        """State what defines a quantity of the vocabulary."""
+        meaning = definition(quantity)
+        if meaning is None:
+            raise DerivationError("quantity without a definition", got=quantity.data)
+        return self.state(
+            Equation(quantity, meaning, ":="), reason, "definition", label=label, states=states
+        )
+
+    def name_scalar(self, symbol: Any, meaning: Term, reason: str, **options: Any) -> Chain:
+        """Let a SymPy symbol stand for a scalar."""
+        known = self.scalars.get(symbol, meaning)
+        inside = {s for n in nodes(meaning) if n.head == "expr" for s in n.data[0].free_symbols}
+        if known != meaning or symbol in inside:
+            raise DerivationError(
+                "a symbol has one meaning, without itself", where=self.name, got=symbol
+            )
+        self.scalars[symbol] = meaning
+        return self.state(Equation(expr(symbol), meaning, ":="), reason, "definition", **options)
+
+    def law(self, equation: Equation, reason: str, **options: Any) -> Chain:
+        """State a law or the meaning of an assumption; it, too, has to hold in the worlds."""
+        return self.state(equation, reason, "law", **options)
+
+    def state(
+        self,
+        equation: Equation,
+        reason: str,
+        kind: str = "result",
+        *,
+        label: str = "",
+        states: Iterable[str] = (),
+    ) -> Chain:
+        """Verify a statement and add it."""
+        evidence = verify(equation, self.assumed, self.scalars, where=f"{self.name}: {reason}")
+        step = Step(
+            label or f"s{len(self.steps) + 1}",
+            equation,
+            reason,
+            kind,
+            tuple(states),
+            self.assumed,
+            evidence,
+        )
+        if any(step.label == s.label for s in self.steps):
+            raise DerivationError("two steps with one label", where=self.name, got=step.label)
+        self.steps.append(step)
+        return Chain(self, step)
+
+    def start(self, term: Term) -> Chain:
+        """Return a chain that transforms ``term``; it states nothing yet."""
+        return Chain(self, Step("", Equation(term, term), ""))
+
+    def recall(self, label: str) -> Chain:
+        """Return the chain of an earlier step. Raises `DerivationError` for unknown labels."""
+        for step in self.steps:
+            if step.label == label:
+                return Chain(self, step)
+        raise DerivationError("no step with this label", where=self.name, got=label)
+
+    def in_components(
+        self, chain: Chain, frame: str, reason: str, *applied: Rule, **options: Any
+    ) -> Chain:
+        """Take components of both sides in ``frame`` and push them inwards."""
+        inwards = rules.components(frame)
+        return chain.both(reason, lambda t: inwards(column(t, frame)), inwards, *applied, **options)
+
+    def check(self, equation: Equation, reason: str) -> None:
+        """Verify a statement without adding it: that a result is what the steps lead to."""
+        verify(equation, self.assumed, self.scalars, where=f"{self.name}: {reason}")
+
+    def finish(self, **result: Any) -> Derivation:
+        """Return the derivation."""
+        return Derivation(
+            self.name, self.title, self.group, tuple(self.steps), dict(self.scalars), result
+        )
+
+
+def meaning_of(assumption: str) -> str:
+    """Return an assumption in words."""
+    return ASSUMPTIONS[assumption].meaning

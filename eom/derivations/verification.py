@@ -1,0 +1,196 @@
+"""Whether a statement holds: as an exact identity, by its form, or in exact random worlds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+from eom.exact.identity import vanishes
+from eom.exact.integrals import antiderivative
+from eom.exact.series import Singular
+from eom.terms import rules
+from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
+from eom.terms.vocabulary import definition
+from eom.worlds.evaluate import Evaluator
+from eom.worlds.generators import worlds
+
+RELATIONS = ("=", ":=", ">=")
+"""Equal, defined as, not negative."""
+
+WORLDS = 3
+"""Worlds in which every step must hold."""
+
+SIGN_WORLDS = 30
+"""Worlds in which a false sign may show: it is right by chance in half of them."""
+
+Scalars = Mapping[Any, Term]
+Names = tuple[str, ...]
+
+
+class DerivationError(InputError):
+    """Refuse a step of a derivation that is false, or cannot be decided.
+
+    An `InputError` with the same parts.
+    """
+
+
+def verify(
+    equation: Equation,
+    assumptions: Iterable[str],
+    scalars: Scalars,
+    *,
+    where: str = "",
+    count: int = WORLDS,
+) -> str:
+    """Return how ``equation`` was verified. Raises `DerivationError` if it fails or is undecided."""
+    if equation.left.kind != equation.right.kind:
+        kinds = f"{equation.left.kind} = {equation.right.kind}"
+        raise DerivationError("the two sides are of different kinds", where=where, got=kinds)
+    if equation.relation not in RELATIONS:
+        raise DerivationError("unknown relation", where=where, got=equation.relation)
+    if equation.relation == ":=":
+        return _verify_definition(equation, scalars, where)
+    if equation.relation == ">=":
+        return _verify_sign(equation, scalars, tuple(assumptions), where)
+    if is_plain(equation):
+        if _is_identity(equation, scalars):
+            return "exact identity"
+        holds = _has_meaning(equation, scalars) and decide(equation, assumptions, scalars, count)
+    else:
+        holds = decide(equation, assumptions, scalars, count)
+    if not holds:
+        raise DerivationError(
+            "the step is false",
+            where=where,
+            got=f"{plain(equation.left)} = {plain(equation.right)}",
+            expected=f"to hold under {', '.join(assumptions) or 'no assumption'}",
+        )
+    return f"held in {count} random worlds"
+
+
+def decide(
+    equation: Equation, assumptions: Iterable[str], scalars: Scalars, count: int = WORLDS
+) -> bool:
+    """Tell whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
+    found = 0
+    for world in worlds(assumptions, 4 * count):
+        try:
+            if not Evaluator(world, scalars).holds(equation):
+                return False
+        except Singular:
+            continue
+        found += 1
+        if found == count:
+            return True
+    raise DerivationError("the statement is undefined in every world that was drawn")
+
+
+def is_plain(equation: Equation) -> bool:
+    """Tell whether both sides are made of SymPy expressions alone."""
+    parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
+    return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
+        n.head in {"der", "sum", "integral", "column"} for n in parts
+    )
+
+
+def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
+    """Tell whether every symbol stands for a quantity of the worlds."""
+    parts = (*nodes(equation.left), *nodes(equation.right))
+    return all(n.data[0].free_symbols <= set(scalars) for n in parts if n.head == "expr")
+
+
+def _is_identity(equation: Equation, scalars: Scalars) -> bool:
+    """Tell whether both sides are equal for all values; named expressions are put in."""
+    known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
+    pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
+    return all(
+        vanishes(_resolved(a.xreplace(known)) - _resolved(b.xreplace(known))) for a, b in pairs
+    )
+
+
+def _entries(term: Term) -> list[Any]:
+    """Return the entries of a term of SymPy expressions, its products carried out."""
+    if term.head == "zero":
+        return [sp.Integer(0)] * (9 if term.kind == MATRIX else 3)
+    done = rules.compute()(term)
+    return [done.data[0]] if done.head == "expr" else [a.data[0] for a in done.args]
+
+
+def _resolved(expression: Any) -> Any:
+    """Carry out determinants and integrals; antiderivatives are checked by differentiating them."""
+    known = expression.replace(
+        lambda n: isinstance(n, sp.Determinant), lambda n: n.arg.det(method="berkowitz")
+    )
+    return known.replace(lambda n: isinstance(n, sp.Integral), _integrated)
+
+
+def _integrated(integral: Any) -> Any:
+    value = _resolved(integral.function)
+    for x, start, end in integral.limits:
+        inside = antiderivative(sp.expand(value), x)
+        if inside is None or not vanishes(inside.diff(x) - value):
+            raise DerivationError("an integral cannot be decided", got=integral)
+        value = inside.xreplace({x: end}) - inside.xreplace({x: start})
+    return value
+
+
+def _verify_definition(equation: Equation, scalars: Scalars, where: str) -> str:
+    """A definition is that of the vocabulary, the meaning of a symbol, or names new symbols."""
+    left, right = equation.left, equation.right
+    if left.head == "atom":
+        sound = definition(left) == right
+    else:
+        symbols = [n.data[0] for n in nodes(left) if n.head == "expr"]
+        known = [scalars[s] for s in symbols if s in scalars]
+        sound = all(s.is_Symbol for s in symbols) and left.head in {"expr", "entries"}
+        sound = sound and (known == [right] if known else is_plain(equation))
+    if not sound:
+        raise DerivationError("this does not define its left side", where=where, got=plain(left))
+    return "definition"
+
+
+def _verify_sign(equation: Equation, scalars: Scalars, assumptions: Names, where: str) -> str:
+    """Not negative by its form, sums of products of masses and squares; or negative in a world."""
+    if equation.left.kind == SCALAR and equation.right.is_zero:
+        if not_negative(rules.ordered(equation.left), scalars):
+            return "sum of squares"
+        if not _has_meaning(equation, scalars):
+            raise DerivationError(
+                "the sign cannot be decided", where=where, got=plain(equation.left)
+            )
+        for world in worlds(assumptions, SIGN_WORLDS, prime=0):
+            value = Evaluator(world, scalars).lowest(equation.left)
+            if value < 0:
+                raise DerivationError(
+                    "the step is false", where=where, got=f"{plain(equation.left)} = {value}"
+                )
+        if decide(Equation(equation.left, equation.right), assumptions, scalars):
+            return f"zero in {WORLDS} random worlds"
+    raise DerivationError("the sign cannot be decided", where=where, got=plain(equation.left))
+
+
+def not_negative(term: Term, scalars: Scalars) -> bool:
+    """Tell whether the form of ``term`` shows that it cannot be negative.
+
+    A symbol that stands for a quantity counts for nothing, whatever its own assumptions say.
+    """
+    if term.head == "expr":
+        unknown = not term.data[0].free_symbols & set(scalars)
+        return unknown and bool(term.data[0].is_nonnegative)
+    if term.head == "mul":
+        return all(not_negative(a, scalars) or term.args.count(a) % 2 == 0 for a in term.args)
+    if term.head in {"add", "sum", "integral"}:
+        return all(not_negative(a, scalars) for a in term.args)
+    if term.head in {"dot", "inner"} and term.kind == SCALAR:
+        return term.args[0] == term.args[1]
+    return term.head == "atom" and term.data[0] in {"mass", "total_mass"}
+
+
+def plain(term: Term) -> str:
+    """Return a term as plain text for messages."""
+    from eom.typeset.notation import PLAIN, write
+
+    return write(term, PLAIN)

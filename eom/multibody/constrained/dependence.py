@@ -1,0 +1,367 @@
+"""Which constraints say what others say already: rank tests at random configurations that meet them all.
+
+A component is dependent if its row is a combination of the rows kept before it at every configuration
+tried, to a relative remainder of `RANK`. It is dropped if it holds where the others do; where none of
+the configurations meets all constraints, they contradict each other, or the tree cannot be assembled.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eom.errors import InputError, near_matches, typed
+from eom.multibody.algebra.values import is_number
+from eom.multibody.constrained.configurations import (
+    Closed,
+    Geometry,
+    Row,
+    closed,
+    random_values,
+    solved,
+)
+from eom.multibody.constrained.equations import Component
+from eom.multibody.model.model import Tree
+from eom.system import TIME
+
+RANK = 1e-8
+"""Remainder of a row, relative to the row, below which it counts as dependent."""
+WANTED, TRIES, VAIN = 5, 40, 12
+"""Configurations that are tested, how often one is looked for, and how often while none is found."""
+NOTHING = 1e-12
+"""Size of a row, relative to the largest, below which it is zero but for rounding."""
+NOTABLE = 1e-6
+"""Coefficients of a combination that are told."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A configuration that meets the constraints, and its rows over the free speeds."""
+
+    geometry: Geometry
+    found: Closed
+
+    def row(self, k: int) -> Row:
+        """Return the row of a component over the free speeds."""
+        return [self.found.at.rows[k][s] for s in self.geometry.free]
+
+    @property
+    def largest(self) -> float:
+        """The size of the largest row."""
+        return max(math.hypot(*row) for row in self.found.at.rows)
+
+    def wanted(self, k: int) -> float:
+        """Return what the row times the free speeds is to be."""
+        driven = self.geometry.driven_speeds()
+        given = sum(self.found.at.rows[k][s] * v for s, v in driven.items())
+        return -self.found.at.offsets[k] - given
+
+
+@dataclass(frozen=True)
+class Examination:
+    """What the rank test found: components kept, by number; those dropped, and what they depend on.
+
+    ``names``: of all components; ``kept``: places among these; ``dropped``: places, with those of the
+    components that each depends on. ``freedom``: how many speeds are independent. ``samples``: the
+    configurations tested.
+    """
+
+    names: tuple[str, ...]
+    kept: tuple[int, ...]
+    dropped: tuple[tuple[int, tuple[int, ...]], ...]
+    freedom: int
+    samples: tuple[Sample, ...]
+
+    def __str__(self) -> str:
+        """Say it in words."""
+        return "; ".join([f"{self.freedom} degrees of freedom in speeds", *self.remarks])
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was dropped, in words, one sentence a component."""
+        return tuple(
+            f"constraint {self.names[k]} "
+            + (f"depends on {', '.join(self.names[i] for i in on)}" if on else "holds by itself")
+            for k, on in self.dropped
+        )
+
+
+@typed
+def examine(tree: Tree, start: Mapping[str, float] | None = None) -> Examination:
+    """Return which components of a tree's constraints are independent.
+
+    ``start``: numbers by name for parameters, inputs and coordinates; what is left out is drawn at
+    random, always the same. Raises `InputError` where constraints cannot be met together, where they
+    contradict each other in their rates, and where they leave no motion. SI units; a row counts as
+    dependent by a remainder of `RANK` relative to its size.
+
+    >>> from eom.multibody import Body, Distance, Joint
+    >>> bead = Body("bead", mass=1, inertia=(1, 1, 1))
+    >>> rods = (Distance("rod", "ground", "bead", 2), Distance("same", "ground", "bead", 2))
+    >>> free = Joint("free", "free", "ground", "bead")
+    >>> print(examine(Tree("rod", (bead,), (free,), constraints=rods)))
+    5 degrees of freedom in speeds; constraint 'same' depends on 'rod'
+    """
+    samples = _regular(_samples(tree, dict(start or {})))
+    parts = samples[0].found.at.components
+    kept: list[int] = []
+    dropped = []
+    for k in range(len(parts)):
+        if any(_remainder(s, k, kept) > RANK for s in samples):
+            kept.append(k)
+            continue
+        coefficients = [_combination(s, k, kept) for s in samples]
+        on = tuple(i for n, i in enumerate(kept) if any(abs(c[n]) > NOTABLE for c in coefficients))
+        dropped.append((k, on))
+        _consistent(samples, k, kept, coefficients, on)
+    freedom = len(samples[0].geometry.free) - len(kept)
+    names = tuple(c.name for c in parts)
+    if freedom == 0 and not _driven(tree):
+        raise InputError(
+            "the constraints leave no motion",
+            where=f"tree {tree.name!r}",
+            got=f"{len(kept)} independent constraints on {len(kept)} speeds: "
+            + ", ".join(names[k] for k in kept),
+        )
+    return Examination(names, tuple(kept), tuple(dropped), freedom, samples)
+
+
+def _regular(samples: Sequence[Sample]) -> tuple[Sample, ...]:
+    """Return the configurations at which most rows are independent; the others are singular."""
+    ranks = [len(independent_rows(s)) for s in samples]
+    return tuple(s for s, rank in zip(samples, ranks, strict=True) if rank == max(ranks))
+
+
+def _driven(tree: Tree) -> bool:
+    """Tell whether time or a prescribed motion moves the tree."""
+    given = [x for c in tree.constraints for x in c.values if not is_number(x)]
+    return any(j.motion is not None for j in tree.joints) or any(x.has(TIME) for x in given)
+
+
+def _symbols(tree: Tree) -> list[Any]:
+    """Return the symbols that the geometry depends on, beside coordinates and speeds, by name."""
+    moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
+    found = {s for x in _geometry(tree) if not is_number(x) for s in x.free_symbols}
+    return sorted(found - moving, key=lambda s: str(s.name))
+
+
+def _geometry(tree: Tree) -> Iterable[Any]:
+    for j in tree.joints:
+        yield from (*(x for a in j.axes for x in a), j.pitch)
+        for place in (j.on_parent, j.on_child):
+            yield from (*place.position, *(x for row in place.rotation for x in row))
+        if j.motion is not None:
+            yield from (*j.motion.position, *j.motion.rate)
+    for c in tree.constraints:
+        yield from c.values
+
+
+def _samples(tree: Tree, start: dict[str, float]) -> tuple[Sample, ...]:
+    """Return configurations that meet the constraints; raise `InputError` if there is none."""
+    symbols = _symbols(tree)
+    coordinates = [c for j in tree.ordered for c in j.coordinates]
+    draw = random.Random(1)  # noqa: S311 - examples, no secrets
+    found: list[Sample] = []
+    worst: Sample | None = None
+    for k in range(TRIES):
+        values = random_values(symbols, draw)
+        values |= {s: start[str(s)] for s in symbols if str(s) in start}
+        spread = 0.0 if k == 0 else 0.2
+        q = [
+            start[c.name] + draw.uniform(-spread, spread)
+            if c.name in start
+            else draw.uniform(-1.5, 1.5)
+            for c in coordinates
+        ]
+        geometry = Geometry.of(tree, values)
+        sample = Sample(geometry, closed(geometry, q, [1.0] * geometry.bones.speeds))
+        if sample.found.met:
+            found.append(sample)
+        elif worst is None or sample.found.at.left < worst.found.at.left:
+            worst = sample
+        if len(found) == WANTED or (not found and k + 1 == VAIN):
+            break
+    if not found:
+        assert worst is not None
+        raise not_met(tree, worst.found)
+    return tuple(found)
+
+
+def not_met(tree: Tree, found: Closed) -> InputError:
+    """Return the error that names the constraints that cannot be met."""
+    left = [
+        (c.name, v)
+        for c, v in zip(found.at.components, found.at.values, strict=True)
+        if v is not None and abs(v) > 1e-3 * found.at.left
+    ]
+    return InputError(
+        "no configuration was found that meets the constraints: they contradict each other, "
+        "or lengths do not reach",
+        where=f"tree {tree.name!r}",
+        got=", ".join(f"{name} left by {v:.3g}" for name, v in left),
+        hint="give start values nearer to an assembled configuration, or correct the lengths",
+    )
+
+
+def independent_rows(sample: Sample) -> list[int]:
+    """Return the components whose rows do not follow from those before, at one configuration."""
+    kept: list[int] = []
+    for k in range(len(sample.found.at.rows)):
+        if _remainder(sample, k, kept) > RANK:
+            kept.append(k)
+    return kept
+
+
+def _remainder(sample: Sample, k: int, kept: Sequence[int]) -> float:
+    """Return what is left of a row beside the kept ones, relative to the row."""
+    row = sample.row(k)
+    size = math.hypot(*row)
+    if size <= NOTHING * sample.largest:
+        return 0.0
+    rest = row
+    for base in _orthonormal([sample.row(i) for i in kept]):
+        rest = _without(rest, base)
+    return math.hypot(*rest) / size
+
+
+def _orthonormal(rows: Sequence[Row]) -> list[Row]:
+    """Gram and Schmidt, twice."""
+    found: list[Row] = []
+    for row in rows:
+        rest = row
+        for _ in range(2):
+            for base in found:
+                rest = _without(rest, base)
+        size = math.hypot(*rest)
+        if size > NOTHING:
+            found.append([x / size for x in rest])
+    return found
+
+
+def _without(row: Row, base: Row) -> Row:
+    part = math.fsum(x * y for x, y in zip(row, base, strict=True))
+    return [x - part * y for x, y in zip(row, base, strict=True)]
+
+
+def _combination(sample: Sample, k: int, kept: Sequence[int]) -> Row:
+    """Return the coefficients of the kept rows that give a dependent one."""
+    rows = [sample.row(i) for i in kept]
+    row = sample.row(k)
+    gram = [[math.fsum(x * y for x, y in zip(a, b, strict=True)) for b in rows] for a in rows]
+    for i in range(len(gram)):
+        gram[i][i] *= 1 + 1e-14
+    return solved(gram, [math.fsum(x * y for x, y in zip(a, row, strict=True)) for a in rows])
+
+
+def _consistent(
+    samples: Sequence[Sample],
+    k: int,
+    kept: Sequence[int],
+    coefficients: Sequence[Row],
+    on: Sequence[int],
+) -> None:
+    """Raise `InputError` where the rates of dependent components contradict each other."""
+    for sample, row in zip(samples, coefficients, strict=True):
+        wanted = math.fsum(c * sample.wanted(i) for i, c in zip(kept, row, strict=True))
+        size = abs(sample.wanted(k)) + abs(wanted)
+        if abs(wanted - sample.wanted(k)) > NOTABLE * size and size > RANK:
+            parts: Sequence[Component] = sample.found.at.components
+            raise InputError(
+                "constraints contradict each other",
+                where=f"constraint {parts[k].name}",
+                got=f"a rate of {sample.wanted(k):.6g}",
+                expected=f"{wanted:.6g}, by {', '.join(parts[i].name for i in on) or 'nothing'}",
+            )
+
+
+# --- independent speeds ------------------------------------------------------------------------------
+
+
+def dependents(
+    tree: Tree, found: Examination, independent: Sequence[str] | None = None
+) -> tuple[int, ...]:
+    """Return the numbers of the speeds that the others determine.
+
+    ``independent``: names of those that are to stay; by default what keeps the equations for the
+    others farthest from singular over the configurations tested. Raises `InputError` for unknown
+    names, a wrong number of them, and speeds that do not determine the others.
+    """
+    speeds = [s for j in tree.ordered for s in j.speeds]
+    free = found.samples[0].geometry.free
+    if independent is not None:
+        return _given(tree, found, independent, [speeds[k].name for k in free], free)
+    sets = {_pivoted(s, found.kept, [1.0] * len(free)) for s in found.samples}
+    for unit in ("m/s", "rad/s"):
+        liking = [1e3 if speeds[k].unit == unit else 1.0 for k in free]
+        sets.add(_pivoted(found.samples[0], found.kept, liking))
+    best = max(sorted(sets), key=lambda columns: _distance(found, columns))
+    return tuple(sorted(free[n] for n in best))
+
+
+def _given(
+    tree: Tree, found: Examination, names: Sequence[str], known: Sequence[str], free: Sequence[int]
+) -> tuple[int, ...]:
+    where = f"tree {tree.name!r}"
+    for name in names:
+        if name not in known:
+            raise InputError(f"unknown speed {name!r}", where=where, hint=near_matches(name, known))
+    if len(set(names)) != found.freedom:
+        raise InputError(
+            "wrong number of independent speeds",
+            where=where,
+            got=", ".join(names),
+            expected=f"{found.freedom} of {', '.join(known)}",
+        )
+    columns = [n for n, name in enumerate(known) if name not in set(names)]
+    if _distance(found, columns) < RANK:
+        raise InputError(
+            "these speeds do not determine the others",
+            where=where,
+            got=", ".join(names) or "none",
+            hint="choose others, or leave the choice to eom",
+        )
+    return tuple(free[n] for n in columns)
+
+
+def _pivoted(sample: Sample, kept: Sequence[int], liking: Sequence[float]) -> tuple[int, ...]:
+    """Choose a column a row, by elimination with complete pivoting over scaled rows."""
+    rows = []
+    for k in kept:
+        row = sample.row(k)
+        size = math.hypot(*row)
+        rows.append([x / size for x in row])
+    columns: list[int] = []
+    left = list(range(len(rows)))
+    while left:
+        i, j = max(
+            ((i, j) for i in left for j in range(len(liking)) if j not in columns),
+            key=lambda place: abs(rows[place[0]][place[1]]) * liking[place[1]],
+        )
+        columns.append(j)
+        left.remove(i)
+        for n in left:
+            factor = rows[n][j] / rows[i][j]
+            rows[n] = [x - factor * y for x, y in zip(rows[n], rows[i], strict=True)]
+    return tuple(sorted(columns))
+
+
+def _distance(found: Examination, columns: Sequence[int]) -> float:
+    """Return the least pivot of J_D J_D^T over the square of a row of J, over all samples."""
+    least = math.inf
+    for sample in found.samples:
+        rows = [sample.row(k) for k in found.kept]
+        cut = [[row[n] for n in columns] for row in rows]
+        bases: list[Row] = []
+        for row, whole in zip(cut, rows, strict=True):
+            rest = row
+            for _ in range(2):
+                for base in bases:
+                    rest = _without(rest, base)
+            size = math.hypot(*rest)
+            least = min(least, (size / math.hypot(*whole)) ** 2)
+            if size > NOTHING:
+                bases.append([x / size for x in rest])
+    return least

@@ -1,0 +1,104 @@
+"""The data of a scene with many bodies: what a scene file may say of bodies, joints and loads.
+
+Wherever a number is wanted a formula in quotes may stand, over the scene's parameters.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, StrictBool
+
+from eom.multibody.files.attachment_parts import PointPart, RotorPart, SpringPart
+from eom.multibody.files.constraint_parts import ConstraintPart
+from eom.multibody.files.places import Axis, Each, Formulas, Place, Point, Turned
+from eom.scenes.description import Formula, InitialAttitude, Part, Request
+
+
+class BodyPart(Part):
+    """A body: see `eom.multibody.model.model.Body`.
+
+    The inertia by principal ``moments``, by a ``matrix``, or of a uniform ``solid`` with its ``size`` about
+    its centre; of the solid with its axis along the third axis. ``rotation``: from the body's axes to
+    those in which the inertia is given. ``mass`` (kg), ``centre`` of mass (m), ``about`` as there.
+    """
+
+    mass: Formula = 0
+    centre: Formulas = (0, 0, 0)
+    moments: Formulas | None = None
+    matrix: tuple[Formulas, Formulas, Formulas] | None = None
+    solid: str | None = None
+    size: dict[str, Formula] = Field(default_factory=dict)
+    about: Point = "centre"
+    rotation: Turned | None = None
+
+
+class MotionPart(Part):
+    """A prescribed motion over parameters and t; ``rate`` and ``acceleration`` follow if left out.
+
+    ``position``: the coordinates, one formula or a list (rad, m). See `eom.multibody.model.model.Motion`.
+    """
+
+    position: Each
+    rate: Each | None = None
+    acceleration: Each | None = None
+
+
+class JointPart(Part):
+    """A joint: see `eom.multibody.model.model.Joint`.
+
+    ``force`` is over parameters, inputs, states and t.
+    """
+
+    kind: str
+    parent: str
+    child: str
+    axis: Axis = "z"
+    second_axis: Axis = "x"
+    pitch: Formula = 0
+    attitude: str = "quaternion"
+    on_parent: Place = Place()
+    on_child: Place = Place()
+    stiffness: Each = 0
+    rest: Each = 0
+    damping: Each = 0
+    armature: Each = 0
+    force: Each = 0
+    motor: StrictBool = False
+    motion: MotionPart | None = None
+
+
+class LoadPart(Part):
+    """A force and a torque on a body: see `eom.multibody.model.model.Load`."""
+
+    body: str
+    force: Formulas = (0, 0, 0)
+    torque: Formulas = (0, 0, 0)
+    point: Formulas = (0, 0, 0)
+    axes: Literal["body", "ground"] = "ground"
+
+
+class TreeDescription(Request):
+    """Bodies joined to the ground, loads, numbers, and what is asked for.
+
+    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
+    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
+    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters; what is not given is
+    zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
+    the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
+    that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
+    (`eom.multibody.files.outputs.Choice`); all states and points where none are named.
+    """
+
+    model: Literal["tree"] = "tree"
+    gravity: Formulas = (0, 0, 0)
+    bodies: dict[str, BodyPart]
+    joints: dict[str, JointPart]
+    loads: dict[str, LoadPart] = Field(default_factory=dict)
+    constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
+    rotors: dict[str, RotorPart] = Field(default_factory=dict)
+    springs: dict[str, SpringPart] = Field(default_factory=dict)
+    points: dict[str, PointPart] = Field(default_factory=dict)
+    keep: tuple[str, ...] = ()
+    initial: dict[str, Formula] = Field(default_factory=dict)
+    initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)

@@ -1,0 +1,252 @@
+"""Base inertial parameters: the fewest combinations of parameters that the motion of a tree shows.
+
+Columns of the regressor that are combinations of those before them (from the ground outwards; in a body J,
+then h, then m) are left out, their parameters join the others. Which do is found by exact elimination at
+random states, not by rules; the result is that of Gautier and Khalil, IEEE Trans. Robotics and Automation
+6(3), 1990, p. 368, up to the choice of what stays. Coefficients are polynomials in symbols of the geometry.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import combinations_with_replacement
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError, typed
+from eom.multibody.algebra.prime import PRIME, Angles, Residue, fraction, reduced, residue
+from eom.multibody.algebra.values import is_number
+from eom.multibody.identify.regressor import Parameter, bones_of, entries, parameters_of
+from eom.multibody.model.joints import QUATERNION
+from eom.multibody.model.model import Body, Tree
+from eom.multibody.recursion.geometry import orthonormal, symbols_of
+from eom.system import as_expression
+
+Expr = Any
+
+DEGREES = 3
+"""Highest degree of coefficients, as polynomials in symbols of the geometry, that is tried."""
+LARGEST_DENOMINATOR = 10**9
+"""Coefficients with larger ones are told as floats: the geometry is given by floats."""
+SPARE = 6
+"""Equations beyond the number of columns, so that chance does not lower the rank."""
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """The base parameters of a tree: the fewest combinations of inertial parameters that its motion shows.
+
+    ``combinations``: by the name of the column that each is the factor of; ``columns``: parameters. They
+    are sums over symbols with the names of the columns: tau = sum of these columns of Y times the
+    combinations. ``dropped``: columns that are zero: parameters that the motion never shows. Units are
+    those of `Regressor`.
+    """
+
+    combinations: Mapping[str, Expr]
+    dropped: tuple[str, ...]
+    columns: tuple[Parameter, ...]
+
+    @property
+    def count(self) -> int:
+        """How many there are: the rank of the regressor."""
+        return len(self.combinations)
+
+    def values(self, given: Sequence[Any]) -> tuple[Any, ...]:
+        """Return their values for values of all parameters, ``given`` in the order of ``columns``.
+
+        Raises `InputError` for text in place of numbers and expressions, and for too few or too many.
+        """
+        if len(given) != len(self.columns):
+            raise InputError(
+                "one value a column is needed", got=len(given), expected=len(self.columns)
+            )
+        pairs = zip(self.columns, given, strict=True)
+        known = {sp.Symbol(c.name, real=True): as_expression(v) for c, v in pairs}
+        return tuple(e.xreplace(known) for e in self.combinations.values())
+
+
+@typed
+def base_parameters(
+    tree: Tree, *, armature: bool = False, damping: bool = False, seed: int = 0
+) -> BaseParameters:
+    """Return the base parameters of a tree; masses and inertias of the tree do not matter.
+
+    ``armature``, ``damping``: whether these are parameters too. ``seed``: of the random states at which the
+    regressor is eliminated, exactly; the result does not depend on it but with negligible probability.
+    Units are those of `Regressor`. Rotations and axes that floats hold
+    only to rounding are taken as exactly orthonormal ones nearby. Raises `InputError` for
+    geometry that is no rational function of symbols, or gives coefficients of a degree above `DEGREES`.
+    Source: Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990.
+
+    >>> from eom.multibody import Joint
+    >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")
+    >>> pendulum = Tree("pendulum", (Body("bob", 1),), (hinge,), gravity=(0, 0, -9.81))
+    >>> base_parameters(pendulum).combinations
+    {'J_bob_11': J_bob_11, 'h_bob_2': h_bob_2, 'h_bob_3': h_bob_3}
+    """
+    tree = orthonormal(_bare(tree))
+    columns = parameters_of(tree, armature=armature, damping=damping)
+    symbols = symbols_of(tree)
+    draw = random.Random(seed)  # noqa: S311 - reproducible points
+    sample = _sample(tree, columns, symbols, draw)
+    dependent = [c for c in range(len(columns)) if c not in sample.pivots]
+    support = [(p, c) for k, p in enumerate(sample.pivots) for c in dependent if sample.rows[k][c]]
+    found = _coefficients(tree, columns, symbols, sample, support, draw)
+    named = [sp.Symbol(c.name, real=True) for c in columns]
+    combinations = {
+        columns[p].name: named[p] + sp.Add(*(f * named[c] for (q, c), f in found.items() if q == p))
+        for p in sample.pivots
+    }
+    shown = {c for _, c in support}
+    dropped = tuple(columns[c].name for c in dependent if c not in shown)
+    return BaseParameters(combinations, dropped, columns)
+
+
+def _bare(tree: Tree) -> Tree:
+    """Return a tree of the same geometry and gravity, without what the columns do not depend on."""
+    return replace(
+        tree,
+        bodies=tuple(Body(b.name, mass=1) for b in tree.bodies),
+        joints=tuple(
+            replace(j, stiffness=0, rest=0, damping=0, armature=0, force=0) for j in tree.joints
+        ),
+        loads=(),
+        springs=(),
+        rotors=(),
+    )
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """A regressor at random states, reduced: with the values that symbols of the geometry had."""
+
+    values: Mapping[Expr, int]
+    rows: list[list[int]]
+    pivots: list[int]
+
+    def entry(self, pivot: int, column: int) -> int:
+        return self.rows[self.pivots.index(pivot)][column]
+
+
+def _sample(
+    tree: Tree, columns: Sequence[Parameter], symbols: Sequence[Expr], draw: random.Random
+) -> _Sample:
+    values = {s: draw.randrange(2, PRIME) for s in symbols}
+    rows: list[list[int]] = []
+    while len(rows) < len(columns) + SPARE:
+        work = Angles(draw)
+        bones = bones_of(tree, lambda x: _lifted(x, values, tree.name), work)
+        if not bones.speeds:
+            break
+        state = _state(tree, draw)
+        Y = entries(tree, bones, state, columns, work)
+        rows += [[residue(column[r]) for column in Y] for r in range(bones.speeds)]
+    reduced_rows, pivots = reduced(rows)
+    return _Sample(values, reduced_rows, pivots)
+
+
+def _lifted(x: Any, values: Mapping[Expr, int], name: str) -> Any:
+    """Return 0, 1, -1 as they are, other numbers and expressions as residues."""
+    if is_number(x):
+        return x if x in (0, 1, -1) else Residue(residue(x))
+    return Residue(_value(x, values, name))
+
+
+def _value(x: Expr, values: Mapping[Expr, int], name: str) -> int:
+    if x in values:
+        return values[x]
+    if x.is_Rational:
+        return residue(Fraction(int(x.p), int(x.q)))
+    parts = [_value(a, values, name) for a in x.args] if x.is_Add or x.is_Mul or x.is_Pow else []
+    if x.is_Add:
+        return sum(parts) % PRIME
+    if x.is_Mul:
+        product = 1
+        for part in parts:
+            product = product * part % PRIME
+        return product
+    if x.is_Pow and x.exp.is_Integer:
+        return pow(parts[0], int(x.exp), PRIME)
+    raise InputError(
+        "base parameters need geometry that is rational in its symbols", where=f"tree {name!r}",
+        got=x, hint="give angles and roots as numbers",
+    )  # fmt: skip
+
+
+def _state(tree: Tree, draw: random.Random) -> tuple[list[Any], list[Any], list[Any]]:
+    """Return random coordinates (quaternions of norm 1), speeds and accelerations."""
+    q: list[Any] = []
+    for joint in tree.ordered:
+        own: list[Any] = [Residue(draw.randrange(PRIME)) for _ in joint.coordinates]
+        if joint.row.attitude and joint.attitude == QUATERNION:
+            a, b, c, d = own[-4:]
+            norm = a * a + b * b + c * c + d * d
+            square = (a * a - b * b - c * c - d * d, 2 * a * b, 2 * a * c, 2 * a * d)
+            own[-4:] = [x / norm for x in square]
+        q += own
+    speeds = [s for j in tree.ordered for s in j.speeds]
+    u, udot = ([Residue(draw.randrange(PRIME)) for _ in speeds] for _ in range(2))
+    return q, u, udot
+
+
+def _coefficients(
+    tree: Tree,
+    columns: Sequence[Parameter],
+    symbols: Sequence[Expr],
+    first: _Sample,
+    support: Sequence[tuple[int, int]],
+    draw: random.Random,
+) -> dict[tuple[int, int], Expr]:
+    """Return the coefficients as polynomials of the lowest degree that fits, and one sample more."""
+    samples = [first]
+    for degree in range(DEGREES + 1) if symbols else (0,):
+        monomials = _monomials(symbols, degree)
+        while len(samples) < len(monomials) + (1 if symbols else 0):
+            samples.append(_sample(tree, columns, symbols, draw))
+        found = _fitted(monomials, samples, support)
+        if found is not None:
+            return found
+    raise InputError(
+        "coefficients of base parameters are no small polynomials in the geometry",
+        where=f"tree {tree.name!r}", got=", ".join(map(str, symbols)),
+        hint="give some of these symbols as numbers",
+    )  # fmt: skip
+
+
+def _monomials(symbols: Sequence[Expr], degree: int) -> list[Expr]:
+    return [
+        sp.Mul(*c) for d in range(degree + 1) for c in combinations_with_replacement(symbols, d)
+    ]
+
+
+def _fitted(
+    monomials: Sequence[Expr], samples: Sequence[_Sample], support: Sequence[tuple[int, int]]
+) -> dict[tuple[int, int], Expr] | None:
+    """Return polynomials through all samples; None where one of them has none with small fractions."""
+    rows = [
+        [*(_value(m, s.values, "") for m in monomials), *(s.entry(p, c) for p, c in support)]
+        for s in samples
+    ]
+    solved, pivots = reduced(rows)
+    n = len(monomials)
+    if pivots != list(range(n)):
+        return None
+    found = {}
+    for k, place in enumerate(support):
+        numbers = [fraction(solved[i][n + k]) for i in range(n)]
+        if any(x is None for x in numbers):
+            return None
+        terms = [_number(x) * m for x, m in zip(numbers, monomials, strict=True) if x]
+        found[place] = sp.Add(*terms)
+    return found
+
+
+def _number(x: Fraction) -> Expr:
+    """Return a fraction; as a float if it comes from floats."""
+    if x.denominator > LARGEST_DENOMINATOR:
+        return sp.Float(float(x))
+    return sp.Rational(x.numerator, x.denominator)

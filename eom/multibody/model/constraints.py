@@ -1,0 +1,390 @@
+"""What binds the motion of a tree beyond its joints, as frozen values.
+
+Each constraint gives some scalar equations; that of number k acts by one multiplier, the force or torque
+``lambda_<constraint>_<letter>`` on the second body, its opposite on the first. Units are SI, angles are in
+radians; every number may be a SymPy expression over parameters. How the equations come about: see
+`eom.multibody.constrained.equations`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields
+from eom.multibody.algebra import values
+from eom.multibody.algebra.scalars import is_zero
+from eom.multibody.algebra.spatial import ZERO
+from eom.multibody.algebra.values import Value, is_number
+from eom.multibody.model import checks
+from eom.multibody.model.joints import KINDS, Kind
+from eom.multibody.model.model import GROUND, HERE, Constraint, Placement, Tree
+from eom.system import TIME
+
+CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
+"""Kinds of joints that close loops."""
+
+
+def _known_bodies(tree: Tree, constraint: Constraint) -> None:
+    """Raise `InputError` for bodies that the tree does not have, and for one body bound to itself."""
+    known = {GROUND, *(b.name for b in tree.bodies)}
+    for name in constraint.bodies:
+        if name not in known:
+            raise InputError(
+                f"unknown body {name!r}", where=constraint.where, hint=near_matches(name, known)
+            )
+    if len(set(constraint.bodies)) < len(constraint.bodies):
+        raise InputError(
+            "a body is bound to itself", where=constraint.where, got=constraint.bodies[0]
+        )
+
+
+def _without_motion(constraint: Constraint, tree: Tree) -> None:
+    """Raise `InputError` where a length or direction depends on what moves."""
+    moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
+    for given in constraint.values:
+        found = set() if is_number(given) else given.free_symbols & moving
+        if found:
+            raise InputError(
+                "a length or direction of a constraint is not constant",
+                where=constraint.where,
+                got=", ".join(sorted(map(str, found))),
+                hint="write an Equation over coordinates and time",
+            )
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Loop(Constraint):
+    """A loop closed by a joint from ``first`` to ``second`` (bodies, or the ground), which was cut.
+
+    ``kind``, ``axis``, ``second_axis``: as those of a `Joint` whose parent is ``first`` and whose child
+    is ``second``; ``on_first``, ``on_second``: placements, as its on_parent and on_child (m).
+    Multipliers: force (N) at the origin of the joint's frame on ``second``, torque (N m) on it.
+
+    Raises `InputError` for a kind that closes no loop, a zero axis, and two axes along one line.
+    Source: Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 8.
+    """
+
+    name: str
+    kind: str
+    first: str
+    second: str
+    axis: Any = (0, 0, 1)
+    second_axis: Any = (1, 0, 0)
+    on_first: Placement = HERE
+    on_second: Placement = HERE
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        if self.kind not in CLOSING:
+            raise InputError(
+                f"no joint of kind {self.kind!r} closes a loop",
+                where=self.where,
+                expected=", ".join(CLOSING),
+                hint=near_matches(self.kind, CLOSING),
+            )
+        keep = object.__setattr__
+        for name in ("axis", "second_axis"):
+            found = values.unit(getattr(self, name), f"{self.where}: {name.replace('_', ' ')}")
+            keep(self, name, found)
+        if self.row.axes == 2:
+            checks.not_parallel(self.axis, self.second_axis, self.where)
+
+    @property
+    def row(self) -> Kind:
+        """The row of the table of joints."""
+        return KINDS[self.kind]
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies that it binds."""
+        return (self.first, self.second)
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield from (*self.axis, *self.second_axis)
+        for place in (self.on_first, self.on_second):
+            yield from (*place.position, *(x for row in place.rotation for x in row))
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for what does not fit to the tree."""
+        _known_bodies(tree, self)
+        _without_motion(self, tree)
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Distance(Constraint):
+    """Two points at a constant distance (m): a rod without mass between two balls.
+
+    ``first``, ``second``: the bodies, or the ground; ``first_point``, ``second_point``: on them, from their
+    origins, in their axes (m). ``length``: the distance (m).
+    Multiplier: force (N) along the rod, from the first point to the second; a pull is negative.
+    Raises `InputError` for a distance that is not positive.
+    """
+
+    name: str
+    first: str
+    second: str
+    length: Value
+    first_point: Any = ZERO
+    second_point: Any = ZERO
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        keep = object.__setattr__
+        keep(self, "length", values.value(self.length, f"{self.where}: length"))
+        for name in ("first_point", "second_point"):
+            keep(self, name, values.triple(getattr(self, name), f"{self.where}: point"))
+        if is_number(self.length) and self.length <= 0:
+            raise InputError(
+                "the distance is not positive",
+                where=self.where,
+                got=self.length,
+                hint="points that coincide are a Loop of kind spherical",
+            )
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The bodies that it binds."""
+        return (self.first, self.second)
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield from (self.length, *self.first_point, *self.second_point)
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for what does not fit to the tree."""
+        _known_bodies(tree, self)
+        _without_motion(self, tree)
+
+
+@dataclass(frozen=True)
+class _Expressed(Constraint):
+    """An expression that is zero."""
+
+    name: str
+    expression: Value
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        object.__setattr__(self, "expression", values.value(self.expression, self.where))
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield self.expression
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Equation(_Expressed):
+    """An equation between coordinates: ``expression`` = 0, over coordinates, parameters and time.
+
+    In any consistent units; angles are in radians. Multiplier: generalised force by the gradient of the
+    expression. Raises `InputError` for text in place of an expression.
+    """
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for an expression without coordinates, or with speeds or inputs."""
+        _over(self, [q.symbol for j in tree.joints for q in j.coordinates], "coordinate")
+        speeds = {q.symbol for j in tree.joints for q in j.speeds}
+        _none_of(self, speeds, "speeds", "write a SpeedEquation")
+        _none_of(self, {i.symbol for i in tree.inputs}, "inputs", "prescribe the motion of a joint")
+
+
+@typed_fields
+@dataclass(frozen=True)
+class SpeedEquation(_Expressed):
+    """An equation between speeds: ``expression`` = 0, linear in them, over all else that moves.
+
+    In any consistent units. Multiplier: generalised force by the coefficients of the speeds.
+    Raises `InputError` for text in place of an expression.
+    """
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for an expression without speeds, with inputs, or not linear in speeds."""
+        speeds = [q.symbol for j in tree.joints for q in j.speeds]
+        _over(self, speeds, "speed")
+        _none_of(self, {i.symbol for i in tree.inputs}, "inputs", "prescribe the motion of a joint")
+        for u in speeds:
+            slope = sp.diff(self.expression, u)
+            if any(not values.same(sp.diff(slope, v), 0) for v in speeds if slope.has(v)):
+                raise InputError(
+                    "the equation is not linear in the speeds", where=self.where, got=u
+                )
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Coupling(Constraint):
+    """Gears: the sum of ratio times rate is zero over some joints of one speed each.
+
+    ``ratios``: a number a joint, by its name. The sum of ratio times coordinate keeps its start value.
+    Multiplier: generalised force (N m or N) on a joint of ratio 1.
+    Raises `InputError` for fewer than two joints, and for a ratio of zero.
+    """
+
+    name: str
+    ratios: Any
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        pairs = self.ratios.items() if isinstance(self.ratios, Mapping) else self.ratios
+        given = entries(pairs, f"{self.where}: ratios")
+        if not all(isinstance(g, tuple | list) and len(g) == 2 and is_text(g[0]) for g in given):
+            raise InputError(
+                "ratios are a number a joint", where=self.where, got=shown(self.ratios),
+                expected='for example {"first": 1, "second": -2}',
+            )  # fmt: skip
+        rows = tuple((j, values.value(x, f"{self.where}: ratio of {j}")) for j, x in given)
+        if len({j for j, _ in rows}) < max(2, len(rows)) or any(is_zero(x) for _, x in rows):
+            raise InputError(
+                "a coupling needs at least two joints, each once, with ratios that are not zero",
+                where=self.where,
+                got=", ".join(f"{j}: {x}" for j, x in rows),
+            )
+        object.__setattr__(self, "ratios", rows)
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield from (x for _, x in self.ratios)
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for joints that are unknown or have several speeds."""
+        known = {j.name: j for j in tree.joints}
+        for name, _ in self.ratios:
+            if name not in known:
+                raise InputError(
+                    f"unknown joint {name!r}", where=self.where, hint=near_matches(name, known)
+                )
+            if known[name].row.paired(known[name].attitude) != (0,):
+                raise InputError(
+                    "a coupling needs joints of one speed, the rate of their coordinate",
+                    where=self.where,
+                    got=f"{name}, {known[name].kind}",
+                    hint="write a SpeedEquation",
+                )
+        _without_motion(self, tree)
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Rolling(Constraint):
+    """A wheel or ball rolls on a plane of the ground without slip.
+
+    ``axis``: of a wheel with a thin edge, in the axes of the ``body``; None for a ball. ``centre``: of
+    the circle or ball, from the body's origin, in its axes (m). ``radius`` (m). ``normal``: of the
+    plane, towards the wheel; ``origin``: a point of the plane (m), both in the ground's axes. The point
+    of contact wanders over the body. Multipliers: force (N) of the plane on the body at that point, along
+    two directions of the plane, which are x and y where the normal is z, and along the normal.
+
+    Raises `InputError` for a radius that is not positive, a zero axis or normal, and a symbolic normal
+    that is in no plane of two of the ground's axes.
+    """
+
+    name: str
+    body: str
+    radius: Value
+    axis: Any = (0, 0, 1)
+    centre: Any = ZERO
+    normal: Any = (0, 0, 1)
+    origin: Any = ZERO
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        keep = object.__setattr__
+        keep(self, "radius", values.value(self.radius, f"{self.where}: radius"))
+        if is_number(self.radius) and self.radius <= 0:
+            raise InputError("the radius is not positive", where=self.where, got=self.radius)
+        if self.axis is not None:
+            keep(self, "axis", values.unit(self.axis, f"{self.where}: axis"))
+        keep(self, "normal", values.unit(self.normal, f"{self.where}: normal"))
+        if not any(map(is_zero, self.normal)) and not all(map(is_number, self.normal)):
+            raise InputError(
+                "a symbolic normal must be in a plane of two of the ground's axes",
+                where=self.where,
+                got=self.normal,
+                hint="keep the plane horizontal, and tilt gravity instead",
+            )
+        for name in ("centre", "origin"):
+            keep(self, name, values.triple(getattr(self, name), f"{self.where}: {name}"))
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The body that rolls."""
+        return (self.body,)
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield from (self.radius, *(self.axis or ()), *self.centre, *self.normal, *self.origin)
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for what does not fit to the tree."""
+        _known_bodies(tree, self)
+        _without_motion(self, tree)
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Skate(Constraint):
+    """A knife edge: a point of a body has no velocity along a direction of the body.
+
+    ``point``: from the origin of the ``body`` (m), and ``direction``, across the edge, in the body's axes.
+    Multiplier: force (N) on the body at that point, along the direction.
+    Raises `InputError` for a zero direction.
+    """
+
+    name: str
+    body: str
+    direction: Any = (0, 1, 0)
+    point: Any = ZERO
+
+    def __post_init__(self) -> None:
+        checks.name(self.name, self.where)
+        keep = object.__setattr__
+        keep(self, "direction", values.unit(self.direction, f"{self.where}: direction"))
+        keep(self, "point", values.triple(self.point, f"{self.where}: point"))
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The body that it binds."""
+        return (self.body,)
+
+    @property
+    def values(self) -> Iterable[Value]:
+        """All numbers and expressions that it holds."""
+        yield from (*self.direction, *self.point)
+
+    def check(self, tree: Tree) -> None:
+        """Raise `InputError` for what does not fit to the tree."""
+        _known_bodies(tree, self)
+        _without_motion(self, tree)
+
+
+def _over(constraint: Equation | SpeedEquation, symbols: Any, kind: str) -> None:
+    given = constraint.expression
+    if is_number(given) or not given.free_symbols & set(symbols):
+        known = ", ".join(map(str, symbols))
+        raise InputError(
+            f"the equation has no {kind}", where=constraint.where, got=given, expected=known
+        )
+
+
+def _none_of(constraint: Equation | SpeedEquation, symbols: set[Any], kind: str, hint: str) -> None:
+    found = constraint.expression.free_symbols & symbols
+    if found:
+        raise InputError(
+            f"the equation has {kind}",
+            where=constraint.where,
+            got=", ".join(sorted(map(str, found))),
+            hint=hint,
+        )

@@ -1,0 +1,107 @@
+"""The names of a tree: what has one before a derivation, and what its symbols are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from eom.kinematics.coordinates import rotation_sequence
+from eom.multibody.algebra.values import is_number
+from eom.multibody.model.joints import QUATERNION
+from eom.multibody.model.model import Tree
+from eom.structure import COUNTS
+from eom.system import TIME, BodyAttitude, Expr, Quantity, Singularity
+
+
+def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:
+    """Return coordinates and speeds that are free, without those that follow."""
+    free = [j for j in tree.ordered if j.motion is None]
+    speeds = [s for j in tree.ordered for s in j.speeds]
+    followed = {speeds[k] for k in dependent}
+    kept = (s for j in free for s in j.speeds if s not in followed)
+    rotors = (s for r in tree.rotors for s in r.states)
+    return (*(c for j in free for c in j.coordinates), *kept, *rotors)
+
+
+def attitudes_of(tree: Tree, states: Iterable[Quantity]) -> tuple[BodyAttitude, ...]:
+    """Return the attitudes of bodies on their parents, whose coordinates and speeds are ``states``."""
+    moving = {q.symbol for q in states}
+    found = []
+    for joint in tree.ordered:
+        if not joint.row.attitude:
+            continue
+        count = COUNTS.get(joint.attitude, 3)
+        turned = tuple(c.symbol for c in joint.coordinates[-count:])
+        omega = tuple(s.symbol for s in joint.speeds[:3])
+        if {*turned, *omega} <= moving:
+            a, b, c = omega
+            found.append(BodyAttitude((a, b, c), joint.attitude, turned, body=joint.child))
+    return tuple(found)
+
+
+def inputs_of(tree: Tree) -> tuple[Quantity, ...]:
+    """Return motors and given inputs."""
+    motors = [m for j in tree.ordered for m in j.motors if j.motion is None]
+    return (*motors, *(m for r in tree.rotors for m in r.motors), *tree.inputs)
+
+
+def named_of(tree: Tree) -> list[Quantity]:
+    """Return everything that has a name before the derivation."""
+    symbols = [Quantity(s) for s in symbols_of(tree)]
+    driven = [q for j in tree.ordered if j.motion is not None for q in (*j.coordinates, *j.speeds)]
+    return [*states_of(tree), *inputs_of(tree), *driven, *symbols, Quantity(TIME)]
+
+
+def symbols_of(tree: Tree) -> list[Expr]:
+    """Return the free symbols of a description, by name."""
+    return symbols_in([*values_of(tree), *(x for c in tree.constraints for x in c.values)])
+
+
+def symbols_in(values: Iterable[Any]) -> list[Expr]:
+    """Return the free symbols of some values, by name."""
+    found: set[Expr] = set()
+    for given in values:
+        if not is_number(given):
+            found |= given.free_symbols
+    return sorted(found, key=lambda s: str(s.name))
+
+
+def values_of(tree: Tree) -> Iterable[Any]:
+    """Yield every value of a description."""
+    yield from tree.gravity
+    for b in tree.bodies:
+        yield from (b.mass, *b.centre, *(x for row in b.central_inertia for x in row))
+    for j in tree.joints:
+        yield from (*(x for a in j.axes for x in a), j.pitch)
+        for place in (j.on_parent, j.on_child):
+            yield from (*place.position, *(x for row in place.rotation for x in row))
+        yield from (*j.stiffness, *j.rest, *j.damping, *j.armature, *j.force)
+        if j.motion is not None:
+            yield from (*j.motion.position, *j.motion.rate, *j.motion.acceleration)
+    for load in tree.loads:
+        yield from (*load.force, *load.torque, *load.point)
+    for spring in tree.springs:
+        yield from (*spring.points[0], *spring.points[1])
+        yield from (spring.stiffness, spring.length, spring.damping)
+    for rotor in tree.rotors:
+        yield from (*rotor.axis, rotor.inertia, rotor.damping, rotor.torque)
+        yield from () if rotor.speed is None else (rotor.speed, rotor.acceleration)
+
+
+def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
+    """Return the symbols that are nothing else, as they are described."""
+    moving = [q for j in tree.ordered for q in (*j.coordinates, *j.speeds)]
+    moving += [s for r in tree.rotors for s in r.states]
+    other = {q.symbol for q in (*moving, *inputs_of(tree))} | {TIME}
+    described = {p.symbol: p for p in tree.parameters}
+    return tuple(described.get(s, Quantity(s)) for s in symbols_of(tree) if s not in other)
+
+
+def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
+    """Return where the angles of sequences fail."""
+    found: list[Singularity] = []
+    for joint in tree.ordered:
+        if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
+            angles = [c.symbol for c in joint.coordinates[-3:]]
+            found += rotation_sequence(joint.attitude, angles).singularities
+    return tuple(found)

@@ -1,0 +1,169 @@
+"""What the structure of a tree saves: operations of forward dynamics with and without it.
+
+The recursion runs on scalars that only count. Once zeros and ones are what they are, and skipped; once
+they are values like any others, every rotation is a matrix, and every body turns with its joint.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from eom.multibody.algebra.scalars import Scalar, Work
+from eom.multibody.algebra.spatial import General, Matrix, Pair, Vector, matrix_of
+from eom.multibody.model import checks
+from eom.multibody.model.joints import Kind, Relative, Setting
+from eom.multibody.model.model import Tree
+from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.skeleton import Skeleton, skeleton
+
+
+@dataclass(frozen=True)
+class Savings:
+    """Operations of forward dynamics with and without the use of structure.
+
+    ``done``: with it; ``without``: as if there were none; ``reasons``: what of it is used, in words.
+    """
+
+    done: int
+    without: int
+    reasons: tuple[str, ...]
+
+    @property
+    def skipped(self) -> int:
+        """The operations that were skipped."""
+        return self.without - self.done
+
+    def __str__(self) -> str:
+        return f"{self.done} operations, {self.skipped} skipped: {'; '.join(self.reasons)}"
+
+
+@dataclass
+class _Counter:
+    operations: int = 0
+
+
+class _Tally:
+    """A scalar that counts what is done with it; operations on numbers of the model are not counted."""
+
+    __slots__ = ("counter", "known")
+
+    def __init__(self, counter: _Counter, *, known: bool) -> None:
+        self.counter = counter
+        self.known = known
+
+    def _with(self, other: Any) -> _Tally:
+        known = self.known and getattr(other, "known", True)
+        self.counter.operations += not known
+        return _Tally(self.counter, known=known)
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = (
+        _with
+    )
+
+    def __neg__(self) -> _Tally:
+        return self  # a sign goes into the sum that takes it
+
+
+@dataclass
+class _Counting:
+    """Functions for `_Tally`; sines and cosines count one each."""
+
+    counter: _Counter
+
+    def sin(self, x: Scalar) -> Scalar:
+        return x._with(1) if isinstance(x, _Tally) else _Tally(self.counter, known=True)
+
+    cos = sqrt = sin
+
+    def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:  # noqa: ARG002
+        return value
+
+
+def savings(tree: Tree) -> Savings:
+    """Return what forward dynamics of a tree costs, and what its structure saves.
+
+    Operations are additions, multiplications, divisions, sines and cosines that depend on the state;
+    sharing of equal values by the code generator comes on top, on both sides.
+    """
+    light = checks.moves_nothing(tree, frozenset())
+    if light is not None:
+        reason = (
+            f"not counted: joint {light.name} moves no mass, its motion follows from constraints"
+        )
+        return Savings(0, 0, (reason,))
+    counter = _Counter()
+    work = _Counting(counter)
+    known = _Tally(counter, known=True)
+    bones = skeleton(tree, lambda x: x if x in (0, 1, -1) else known, work)
+    done = _count(bones, counter, work)
+    counter.operations = 0
+    generic = _generic(bones, counter)
+    return Savings(done, _count(generic, counter, work), tuple(_reasons(tree, bones)))
+
+
+def _count(bones: Skeleton, counter: _Counter, work: Work) -> int:
+    counter.operations = 0
+
+    def values(count: int) -> list[Scalar]:
+        return [_Tally(counter, known=False) for _ in range(count)]
+
+    given = dict.fromkeys(bones.driven, _Tally(counter, known=False))
+    q, u, tau = values(bones.coordinates), values(bones.speeds), values(bones.speeds)
+    forward_dynamics(bones, q, u, tau, work, given)
+    return counter.operations
+
+
+def _generic(bones: Skeleton, counter: _Counter) -> Skeleton:
+    """Return a skeleton in which no zero or one is known to be one."""
+
+    def scalar(x: Scalar) -> Scalar:
+        return x if isinstance(x, _Tally) else _Tally(counter, known=True)
+
+    def vector(v: Vector) -> Vector:
+        return [scalar(x) for x in v]
+
+    def matrix(A: Matrix) -> Matrix:
+        return [vector(row) for row in A]
+
+    def placed(kind: Kind) -> Callable[[Setting, Any, Work], Relative]:
+        def place(setting: Setting, q: Any, work: Work) -> Relative:
+            found = kind.place(setting, q, work)
+            columns = tuple(Pair(vector(a), vector(b)) for a, b in found.subspace)
+            rotation = (General(matrix(matrix_of(found.rotation))),)
+            return Relative(vector(found.position), rotation, columns, found.trigonometry)
+
+        return place
+
+    parts = tuple(
+        replace(
+            p,
+            kind=replace(p.kind, place=placed(p.kind)),
+            position=vector(p.position),
+            rotation=(General(matrix(matrix_of(p.rotation))),),
+            inertia=type(p.inertia)(*map(matrix, p.inertia)),
+            armature=vector(p.armature),
+            spins=False,
+        )
+        for p in bones.parts
+    )
+    return replace(bones, parts=parts, gravity=vector(bones.gravity))
+
+
+def _reasons(tree: Tree, bones: Skeleton) -> list[str]:
+    """Name what of the structure is used beyond zeros and ones."""
+    found = ["zeros and ones of placements, axes and inertias"]
+    fixed = [j.name for j in tree.joints if j.kind == "fixed"]
+    spinning = [p.name for p in bones.parts if p.spins]
+    driven = [p.joint for p in bones.parts if p.driven]
+    light = [b.name for b in tree.bodies if b.mass == 0]
+    for text, names in (
+        ("joined to their parents", fixed),
+        ("bodies of revolution, whose turn is left out", spinning),
+        ("joints with prescribed motion", driven),
+        ("bodies without mass", light),
+    ):
+        if names:
+            found.append(f"{text}: {', '.join(names)}")
+    return found

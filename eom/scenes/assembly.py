@@ -1,0 +1,218 @@
+"""From the description of a scene to its systems: the general one, and the smallest one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import InputError
+from eom.kinematics.coordinates import attitude
+from eom.mechanics import torques
+from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
+from eom.mechanics.spinning import OMEGA as SPIN_RATE
+from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
+from eom.scenes import parse, reduce
+from eom.scenes.description import Description, inertia_values, principal_values
+from eom.scenes.reduce import Explanation, Reduction
+from eom.system import TIME, Assumption, Quantity, System
+
+Expr = Any
+
+MODEL_NAMES = frozenset(
+    [
+        *(
+            f"{n}_{k}"
+            for n in ("h", "H", "torque", "up", "radial", "normal", "axle")
+            for k in (1, 2, 3)
+        ),
+        *(f"J{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
+        *("I1", "I2", "I3", "T", "E", "H", "tilt", "q_norm", "Omega"),
+    ]
+)
+"""Names that the models give to moments of inertia, definitions and outputs."""
+_SPINNER_STATES = (PSI, THETA, PHI, PSI_DOT, THETA_DOT, SPIN, SPIN_RATE)
+
+
+def full_system(scene: Description, *, general_torque: bool = False) -> System:
+    """Return the system with every state and output; with a torque of three inputs if asked."""
+    return (
+        _spinner(scene, general_torque)
+        if scene.model == "spinner"
+        else _rigid_body(scene, general_torque)
+    )
+
+
+def _spinner(scene: Description, general_torque: bool) -> System:
+    states = {s.name: s for s in _SPINNER_STATES}
+    torque, parameters, inputs = components(scene, states, ("M1", "M2", "M3"), general_torque)
+    body = SpinningSymmetricBody(torque, parameters, inputs)
+    return body.system(scene.name, scene.title)
+
+
+def _rigid_body(scene: Description, general_torque: bool) -> System:
+    chosen = None if scene.attitude == "none" else attitude(scene.attitude)
+    coordinates = [q.symbol for q in chosen.coordinates] if chosen else []
+    states = {s.name: s for s in (*OMEGA.components, *coordinates)}
+    weight = scene.torque.weight
+
+    def law(C: Expr, J: Expr) -> torques.Torque:
+        if weight is not None:
+            return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
+        if scene.torque.gravity_gradient is not None:
+            return torques.gravity_gradient(C, J)
+        return torques.applied(
+            *components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
+        )
+
+    inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
+    return rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
+
+
+def components(
+    scene: Description, states: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
+) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
+    """Parse the torque components; return them with the scene's own parameters and inputs.
+
+    With ``general_torque`` each component that is zero is an input instead, of a name in ``general``.
+    """
+    groups = [
+        tuple(
+            Quantity(sp.Symbol(n, real=True), v.unit, v.meaning or "of the torque")
+            for n, v in group.items()
+        )
+        for group in (scene.parameters, scene.inputs)
+    ]
+    own = {q.name: q.symbol for group in groups for q in group}
+    _check_clash(scene, own, states)
+    names = {**states, **own, "t": TIME}
+    parsed = [
+        parse.parse(c, names, f"[torque] components, number {k}")
+        if isinstance(c, str)
+        else sp.Rational(str(c))
+        for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
+    ]
+    used = set().union(*(c.free_symbols for c in parsed))
+    unused = [n for n, symbol in own.items() if symbol not in used]
+    if unused:
+        raise InputError(
+            f"no formula uses {unused[0]!r}",
+            where="[parameters] or [inputs]",
+            hint="use it in [torque] components, or remove it",
+        )
+    inputs = groups[1]
+    if general_torque:
+        free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]
+        zero = {k: sp.Symbol(general[k], real=True) for k in free}
+        parsed = [zero.get(k, c) for k, c in enumerate(parsed)]
+        inputs = (*inputs, *(Quantity(s, "N m") for s in zero.values()))
+    a, b, c = parsed
+    return (a, b, c), groups[0], inputs
+
+
+def _check_clash(scene: Description, own: dict[str, Expr], states: dict[str, Expr]) -> None:
+    both = [n for n in scene.parameters if n in scene.inputs]
+    taken = [n for n in own if n in states or n in MODEL_NAMES] + both
+    if taken:
+        raise InputError(
+            f"name {taken[0]!r} is used twice",
+            where="[parameters] or [inputs]",
+            expected="names that are not states, outputs, moments of inertia or each other's",
+        )
+
+
+Pass = tuple[System, Sequence[str], str]
+"""A smaller system, the names of what it leaves out, and why."""
+
+
+def derive(
+    scene: Description, full: System, requested: Sequence[str]
+) -> tuple[System, Explanation]:
+    """Return the smallest system for the ``requested`` names, and what each pass left out.
+
+    ``full``: the system of `full_system`.
+    """
+    passes = (
+        lambda _: _given_torque(scene, full),
+        lambda system: _equal_moments(scene, system),
+        lambda system: _only_requested(requested, system),
+        _first_integrals,
+    )
+    system = full_system(scene, general_torque=True)
+    before = reduce.cost(system)
+    notes: list[Reduction] = []
+    for apply in passes:
+        smaller, what, why = apply(system)
+        if what:
+            saved = reduce.cost(system) - reduce.cost(smaller)
+            notes.append(Reduction(", ".join(what), why, saved))
+        system = smaller
+    general = _equal_moments(scene, full)[0]
+    candidates = [replace(d, expression=general.expand(d.expression)) for d in general.outputs]
+    system = reduce.find_invariants(reduce.fold_definitions(system), candidates)
+    return system, Explanation(tuple(notes), before, reduce.cost(system))
+
+
+def _given_torque(scene: Description, system: System) -> Pass:
+    components = {d.name[-1]: d.expression for d in system.outputs if d.name.startswith("torque_")}
+    letter = "M" if scene.model == "spinner" else "tau_"
+    zero = [f"{letter}{k}" for k, component in components.items() if component == 0]
+    if not zero:
+        return system, (), ""
+    free = len(zero) == 3
+    meaning = "no external torque" if free else f"no torque component {', '.join(zero)}"
+    own = {*system.parameter_names, *system.input_names}
+    symbols = tuple(sp.Symbol(n, real=True) for n in zero if n not in own)
+    assumption = Assumption("torque_free" if free else "torque_components", meaning, vanish=symbols)
+    system = replace(system, assumptions=(*system.assumptions, assumption))
+    return system, [f"{n} = 0" for n in zero], "the scene has no such torque"
+
+
+def _equal_moments(scene: Description, system: System) -> Pass:
+    if scene.model == "spinner" or inertia_values(scene) is not None:
+        return system, (), ""
+    values = principal_values(scene)
+    symbols = [sp.Symbol(f"I{k}", positive=True) for k in (1, 2, 3)]
+    first = {k: values.index(v) for k, v in enumerate(values)}
+    equal = {symbols[k]: symbols[j] for k, j in first.items() if j != k}
+    if not equal:
+        return system, (), ""
+    names = [f"{b} == {a}" for a, b in equal.items()]
+    system = reduce.substitute(system, equal)
+    found = tuple(
+        Assumption(n, "equal moments of inertia", vanish=(a - b,))
+        for n, (a, b) in zip(names, equal.items(), strict=True)
+    )
+    return (
+        replace(system, assumptions=(*system.assumptions, *found)),
+        names,
+        "the scene's moments of inertia are equal",
+    )
+
+
+def equal_moments(scene: Description, system: System) -> System:
+    """Return a system with those moments of inertia made one that the scene has equal."""
+    return _equal_moments(scene, system)[0]
+
+
+def _only_requested(requested: Sequence[str], system: System) -> Pass:
+    smaller = reduce.prune(system, requested)
+    gone = [n for n in system.state_names if n not in smaller.state_names]
+    gone += [
+        n
+        for n in (*system.parameter_names, *system.input_names)
+        if n not in (*smaller.parameter_names, *smaller.input_names)
+    ]
+    return (
+        smaller,
+        gone,
+        "neither the requested outputs nor the rates that they need depend on them",
+    )
+
+
+def _first_integrals(system: System) -> Pass:
+    constant = reduce.constant_states(system)
+    why = "first integrals: the rate is zero, so that the initial value serves as a parameter"
+    return reduce.freeze(system, constant), [q.name for q in constant], why

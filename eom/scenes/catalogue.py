@@ -1,0 +1,59 @@
+"""The scenes that ship with the package; reading their titles needs neither SymPy nor NumPy."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from eom.errors import unknown_name
+
+TOML, URDF = ".toml", ".urdf"
+"""How names of scene files end."""
+
+TREE = "tree"
+"""The ``model`` of scenes with many bodies, which `eom.multibody.files.scene.TreeScene` reads."""
+
+
+def is_file(name: str) -> bool:
+    """Tell files from names of scenes, problems and derivations."""
+    return name.endswith((TOML, URDF)) or "/" in name
+
+
+def _folder() -> Path:
+    return Path(str(resources.files("eom"))) / "scenes"
+
+
+def names() -> list[str]:
+    """Return the names of the ready scenes, sorted.
+
+    >>> names()[:3]
+    ['bicycle-wheel', 'double-pendulum', 'floating-tree']
+    """
+    return sorted(p.stem for p in _folder().glob("*.toml"))
+
+
+def single() -> list[str]:
+    """Return the names of the ready scenes of one body, sorted.
+
+    >>> "heavy-top" in single(), "double-pendulum" in single()
+    (True, False)
+    """
+    return [n for n in names() if _data(n).get("model") != TREE]
+
+
+def titles() -> dict[str, str]:
+    """Return the title of each ready scene by name."""
+    return {n: _data(n)["title"] for n in names()}
+
+
+def _data(name: str) -> dict[str, Any]:
+    return tomllib.loads(path_of(name).read_text(encoding="utf-8"))
+
+
+def path_of(name: str) -> Path:
+    """Return the file of a ready scene. Raises `InputError` for other names."""
+    if name not in names():
+        raise unknown_name("scene", name, names())
+    return _folder() / f"{name}.toml"

@@ -1,0 +1,394 @@
+"""The data of a scene: what a scene file may say, and every check that needs no derivation."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+import pydantic
+import sympy as sp
+from pydantic import ConfigDict, Field, FiniteFloat, PositiveFloat
+
+from eom.errors import InputError, unknown_name
+from eom.kinematics.coordinates import SEQUENCES
+from eom.mass import inertia, solids
+from eom.scenes.naming import check_names
+
+
+def _number(value: Any) -> Any:
+    if isinstance(value, bool | str):
+        raise ValueError("expected a number, without quotes or unit")
+    return value
+
+
+Number = Annotated[FiniteFloat, pydantic.BeforeValidator(_number)]
+Positive = Annotated[PositiveFloat, pydantic.BeforeValidator(_number)]
+Triple = tuple[Number, Number, Number]
+
+
+def _formula(value: Any) -> Any:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (isinstance(value, str) or (number and math.isfinite(value))):
+        raise ValueError("expected a finite number or a formula in quotes")
+    return value
+
+
+Formula = Annotated[str | float, pydantic.BeforeValidator(_formula)]
+
+
+class Part(pydantic.BaseModel):
+    """What all parts of a scene share: frozen, and no key without a meaning."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+
+
+class Body(Part):
+    """The body by principal moments, by its inertia matrix, or as a named uniform solid.
+
+    All are in the body's axes b1, b2, b3, about the centre of mass; with a weight about the fixed point,
+    where those of a solid are moved.
+    ``moments``: I1, I2, I3 (kg m^2); for a spinner I1 (transverse) and I2 (about the axle).
+    ``matrix``: 3 x 3 (kg m^2), off-diagonal entries minus the products of inertia.
+    ``solid`` with ``mass`` (kg) and ``size`` (m): see `eom.mass.solids`; symmetric solids have their
+    axis along b3, for a spinner along b2.
+    """
+
+    moments: tuple[Number, ...] | None = None
+    matrix: tuple[Triple, Triple, Triple] | None = None
+    solid: str | None = None
+    mass: Positive | None = None
+    size: dict[str, Positive] = Field(default_factory=dict)
+
+
+class Weight(Part):
+    """Weight about a fixed point: gravity along -a3.
+
+    ``mass`` (kg), ``gravity`` (m/s^2), ``centre_of_mass``: from the fixed point, along b1, b2, b3 (m).
+    """
+
+    mass: Positive
+    gravity: Positive = 9.81
+    centre_of_mass: Triple
+
+
+class GravityGradient(Part):
+    """Gravity gradient on a circular orbit; attitude is measured in the orbit frame.
+
+    ``orbital_rate`` (rad/s). The orbit frame: a1 radially out, a2 along the velocity, a3 the normal.
+    """
+
+    orbital_rate: Positive
+
+
+class Torque(Part):
+    """At most one of: components in B, weight, gravity gradient; torque-free if none is given.
+
+    ``components``: along b1, b2, b3 (N m), numbers, or formulas over parameters, inputs, states and t.
+    ``weight``, ``gravity_gradient``: see their types.
+    """
+
+    components: tuple[Formula, Formula, Formula] | None = None
+    weight: Weight | None = None
+    gravity_gradient: GravityGradient | None = None
+
+
+class Value(Part):
+    """A number ``value`` with its SI ``unit`` and ``meaning``, which are texts for pages."""
+
+    value: Number
+    unit: str = ""
+    meaning: str = ""
+
+
+class InitialAttitude(Part):
+    """The attitude at the start, by a rotation sequence (one of the two units) or a quaternion.
+
+    ``sequence``: one of the 12, for ``radians`` or ``degrees``: three angles in the order of the turns,
+    each about an axis of the body as it then is. ``quaternion``: four numbers of unit norm, scalar first,
+    of B in A: C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q).
+    """
+
+    sequence: str = "3-1-2"
+    radians: Triple | None = None
+    degrees: Triple | None = None
+    quaternion: tuple[Number, Number, Number, Number] | None = None
+
+
+class Integration(Part):
+    """End time (s), method, tolerances, number of output times, longest step, steps to try at most.
+
+    ``t_end``: from 0; negative runs backwards. ``method``: one of `codegen.METHODS`. ``rtol``, ``atol``:
+    steps meet atol + rtol |x| (``atol``: rtol / 1000 of the scale of each state unless given, see
+    `codegen.integrate.scales`). ``points``: output times at equal distances, ends included. ``max_step``:
+    no step is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a
+    run is given up. ``handover``: near the singularity of Euler angles go on in quaternions
+    (`eom.scenes.handover`).
+    """
+
+    t_end: Number = 10.0
+    method: str = "auto"
+    rtol: Annotated[float, Field(gt=0, lt=1)] = 1e-9
+    atol: Annotated[float, Field(gt=0)] | None = None
+    points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
+    max_step: Annotated[float, Field(gt=0)] | None = None
+    max_steps: Annotated[int, Field(ge=1)] = 10_000_000
+    handover: bool = False
+
+
+def _as_value(value: Any) -> Any:
+    if isinstance(value, int | float):
+        return {"value": value}
+    if not isinstance(value, dict | Value):
+        raise ValueError("expected a number, or { value = ..., unit = ..., meaning = ... }")
+    return value
+
+
+Values = dict[str, Annotated[Value, pydantic.BeforeValidator(_as_value)]]
+
+
+class Request(Part):
+    """What scenes of every model have: names, numbers of formulas, and what is asked for.
+
+    ``name``: for files, by default the scene file's. ``title``, ``description``: for pages.
+    ``parameters``: numbers, or numbers with unit and meaning, by the names that formulas use;
+    ``inputs``: the same, for what may vary with time, at the value that it is held at. ``outputs``:
+    names of states and outputs; nothing else is derived. Empty means all states. ``integration``: how
+    the scene is simulated.
+    """
+
+    name: str = "scene"
+    title: str = ""
+    description: str = ""
+    parameters: Values = Field(default_factory=dict)
+    inputs: Values = Field(default_factory=dict)
+    outputs: tuple[str, ...] = ()
+    integration: Integration = Integration()
+
+
+class Description(Request):
+    """One body, its attitude coordinates and torque, numbers, and what is asked for.
+
+    ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
+    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences. ``initial``:
+    values of states at t = 0 (rad, rad/s), or of outputs that determine a missing state.
+    ``initial_attitude``: in place of the coordinates' values. ``body``, ``torque``: see their types. SI
+    units.
+    """
+
+    model: Literal["rigid body", "spinner"] = "rigid body"
+    body: Body
+    attitude: str = "none"
+    torque: Torque = Torque()
+    initial: dict[str, Number] = Field(default_factory=dict)
+    initial_attitude: InitialAttitude | None = None
+
+
+def check(scene: Description) -> None:
+    """Raise `InputError` for what one field alone cannot tell."""
+    check_names([*scene.parameters], "[parameters]")
+    check_names([*scene.inputs], "[inputs]")
+    _check_attitude(scene)
+    _check_body(scene)
+    _check_torque(scene)
+    if scene.initial_attitude is not None:
+        check_initial_attitude(scene.initial_attitude, "[initial_attitude]")
+    check_end(scene)
+
+
+def check_end(scene: Request) -> None:
+    """Raise `InputError` for an integration that takes no time."""
+    if scene.integration.t_end == 0:
+        raise InputError(
+            "end time is zero", where="[integration] t_end", hint="give the time in seconds"
+        )
+
+
+def inertia_values(scene: Description) -> tuple[Triple, Triple, Triple] | None:
+    """Return the inertia matrix (kg m^2) of a body that principal moments do not describe.
+
+    About the point that the equations are about: that of a solid under its weight is moved there.
+    """
+    body = scene.body
+    if body.solid is None:
+        return body.matrix
+    central = solids.central_inertia(body.solid)
+    moved = _moved(scene)
+    if central.is_diagonal() and all(moved[i][j] == 0 for i, j in ((0, 1), (0, 2), (1, 2))):
+        return None
+    a, b, c, d, e, f, g, h, i = (
+        _number_of(entry, body) + more
+        for entry, more in zip(central, (m for row in moved for m in row), strict=True)
+    )
+    return (a, b, c), (d, e, f), (g, h, i)
+
+
+def _moved(scene: Description) -> tuple[Triple, Triple, Triple]:
+    """Return what a solid's inertia has more about the fixed point than about its centre of mass.
+
+    Huygens and Steiner's theorem: m (r.r 1 - r r^T); zero where there is no fixed point.
+    """
+    weight = scene.torque.weight
+    m = 0.0 if weight is None or scene.body.mass is None else scene.body.mass
+    x, y, z = (0.0, 0.0, 0.0) if weight is None else weight.centre_of_mass
+    return (
+        (m * (y * y + z * z), -m * x * y, -m * x * z),
+        (-m * x * y, m * (x * x + z * z), -m * y * z),
+        (-m * x * z, -m * y * z, m * (x * x + y * y)),
+    )
+
+
+def principal_values(scene: Description) -> tuple[float, float, float]:
+    """Return I1, I2, I3 (kg m^2) of a body that is given by moments or as a solid."""
+    body, spinner = scene.body, scene.model == "spinner"
+    if body.moments is not None:
+        expected = {2} if spinner else {3}
+        if len(body.moments) not in expected:
+            raise InputError(
+                "wrong number of moments",
+                where="[body] moments",
+                got=len(body.moments),
+                expected="I1 (transverse) and I2 (about the axle)" if spinner else "I1, I2, I3",
+            )
+        first, second, *third = body.moments
+        return (first, second, first) if spinner else (first, second, third[0])
+    a, b, c = (
+        _number_of(f, body) + _moved(scene)[k][k]
+        for k, f in enumerate(solids.principal_moments(str(body.solid)))
+    )
+    if not spinner:
+        return a, b, c
+    if a != b:
+        raise InputError(
+            "a spinner is symmetric about its axle", where="[body] solid", got=body.solid
+        )
+    return a, c, a
+
+
+def _number_of(formula: Any, body: Body) -> float:
+    """Put the mass and the sizes of a solid into one of its formulas."""
+    numbers = {
+        sp.Symbol(n, positive=True): sp.Float(v)
+        for n, v in (*body.size.items(), ("mass", body.mass))
+    }
+    return float(formula.xreplace(numbers))
+
+
+def _check_attitude(scene: Description) -> None:
+    known = ("none", "quaternion", "dcm", *SEQUENCES)
+    if scene.attitude not in known:
+        raise unknown_name("attitude", scene.attitude, known, "attitude")
+    if scene.model == "spinner" and scene.attitude not in {"none", "3-1-2"}:
+        raise InputError(
+            "a spinner has the 3-1-2 angles psi, theta, phi",
+            where="attitude",
+            got=scene.attitude,
+            hint="leave attitude out",
+        )
+
+
+def _check_body(scene: Description) -> None:
+    body = scene.body
+    given = [k for k in ("moments", "matrix", "solid") if getattr(body, k) is not None]
+    if len(given) != 1:
+        raise InputError(
+            "the body needs exactly one description",
+            where="[body]",
+            got=", ".join(given) or "none",
+            expected="moments, matrix or solid",
+        )
+    if body.matrix is not None:
+        if scene.model == "spinner":
+            raise InputError(
+                "a spinner is symmetric",
+                where="[body] matrix",
+                hint="give moments = [I1, I2] or a solid",
+            )
+        inertia.check_matrix(body.matrix, "[body] matrix")
+    if body.solid is not None:
+        _check_solid(scene)
+    elif body.mass is not None or body.size:
+        raise InputError(
+            "mass and size belong to a solid",
+            where="[body]",
+            got=given[0],
+            hint="name a solid, or drop them",
+        )
+    if body.matrix is None and inertia_values(scene) is None:
+        inertia.check_principal_moments(principal_values(scene), "[body]")
+
+
+def _check_solid(scene: Description) -> None:
+    body, name = scene.body, str(scene.body.solid)
+    if name not in solids.SOLIDS:
+        raise unknown_name("solid", name, solids.SOLIDS, "[body] solid")
+    if body.mass is None:
+        raise InputError("a solid needs its mass", where="[body] mass", expected="kilograms")
+    weight = scene.torque.weight
+    if weight is not None and weight.mass != body.mass:
+        raise InputError(
+            "the solid and its weight have different masses",
+            where="[body] mass and [torque] weight",
+            got=f"{body.mass!r} and {weight.mass!r}",
+        )
+    solids.check_sizes(name, body.size, "[body] size")
+    J = solids.central_inertia(name)
+    if scene.model == "spinner" and not J.is_diagonal():
+        raise InputError("a spinner is symmetric about its axle", where="[body] solid", got=name)
+    if 0 in J.diagonal():
+        raise InputError(
+            f"a {name} has no moment of inertia about its own axis",
+            where="[body] solid",
+            got=name,
+            hint="give it a thickness: a cylinder with a small radius",
+        )
+
+
+def _check_torque(scene: Description) -> None:
+    torque = scene.torque
+    given = [
+        k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None
+    ]
+    unused = [*scene.parameters, *scene.inputs]
+    if unused and torque.components is None:
+        raise InputError(
+            f"no formula uses {unused[0]!r}",
+            where="[parameters] or [inputs]",
+            hint="use it in [torque] components, or remove it",
+        )
+    if len(given) > 1:
+        raise InputError(
+            "more than one torque", where="[torque]", got=", ".join(given), expected="at most one"
+        )
+    if given and given[0] != "components":
+        if scene.model == "spinner":
+            raise InputError("a spinner takes torque components", where="[torque]", got=given[0])
+        if scene.attitude == "none":
+            raise InputError(
+                f"torque by {given[0]} depends on attitude",
+                where="attitude",
+                got="none",
+                hint='for example attitude = "quaternion"',
+            )
+
+
+def check_initial_attitude(initial: InitialAttitude, where: str) -> None:
+    """Raise `InputError` unless an attitude is given in one way, and is one."""
+    given = [k for k in ("radians", "degrees", "quaternion") if getattr(initial, k) is not None]
+    if len(given) != 1:
+        raise InputError(
+            "the initial attitude needs exactly one description",
+            where=where,
+            got=", ".join(given) or "none",
+            expected="radians, degrees or quaternion",
+        )
+    if initial.sequence not in SEQUENCES:
+        raise unknown_name("rotation sequence", initial.sequence, SEQUENCES, where)
+    if initial.quaternion is not None:
+        norm = math.hypot(*initial.quaternion)
+        if abs(norm - 1) > 1e-9:
+            raise InputError(
+                "quaternion does not have unit norm",
+                where=where,
+                got=f"norm {norm!r}",
+                expected="1 to within 1e-9",
+            )

@@ -1,0 +1,234 @@
+"""Passes that make a system smaller without changing what is asked of it.
+
+Each pass is a function from a system to a system, its law in the docstring; `Reduction` records
+what it left out, why, and the operations that are saved in each evaluation of the rates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from eom.exact.algebra import operations
+from eom.exact.identity import is_invariant
+from eom.proof import coupled
+from eom.structure import kept, substituted
+from eom.system import Assumption, Definition, Quantity, System, as_expression
+
+Expr = Any
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """``what`` was left out of a system, ``why``, and the operations ``saved`` an evaluation."""
+
+    what: str
+    why: str
+    saved: int
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The ``reductions`` in order, with the operations of the rates ``before`` and ``after``."""
+
+    reductions: tuple[Reduction, ...]
+    before: int
+    after: int
+
+    def __str__(self) -> str:
+        """Return one line a reduction, then the totals."""
+        lines = [f"- {r.what}: {r.why} ({_counted(r.saved)} saved)" for r in self.reductions]
+        total = (
+            f"{self.before} operations an evaluation of the general rates, {self.after} of these"
+        )
+        return "\n".join([*lines, total])
+
+
+def _counted(operations: int) -> str:
+    return f"{operations} operation{'' if operations == 1 else 's'}"
+
+
+def cost(system: System) -> int:
+    """Count the operations of one evaluation of the rates, shared ones once."""
+    needed = _used_definitions(system, system.rates)
+    matrix = () if system.mass_matrix is None else tuple(system.mass_matrix)
+    return operations([*(d.expression for d in needed), *system.rates, *matrix])
+
+
+def substitute(system: System, values: Mapping[Expr, Expr]) -> System:
+    """Replace symbols everywhere; those replaced leave the variables."""
+
+    def over(expression: Expr) -> Expr:
+        return as_expression(expression).xreplace(dict(values))
+
+    def named(group: tuple[Definition, ...]) -> tuple[Definition, ...]:
+        return tuple(replace(d, expression=over(d.expression)) for d in group)
+
+    def keep(group: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+        return tuple(q for q in group if q.symbol not in values)
+
+    return replace(
+        system,
+        rates=tuple(over(r) for r in system.rates),
+        mass_matrix=None if system.mass_matrix is None else over(system.mass_matrix),
+        parameters=keep(system.parameters),
+        inputs=keep(system.inputs),
+        definitions=named(system.definitions),
+        outputs=named(system.outputs),
+        invariants=named(system.invariants),
+        singularities=tuple(
+            replace(s, expression=over(s.expression)) for s in system.singularities
+        ),
+        assumptions=tuple(
+            replace(
+                a, vanish=tuple(map(over, a.vanish)), nonnegative=tuple(map(over, a.nonnegative))
+            )
+            for a in system.assumptions
+        ),
+        attitudes=substituted(system.attitudes, values),
+    )
+
+
+def fold_definitions(system: System) -> System:
+    """Inline the definitions that became a number, or a symbol with a factor or sign."""
+    trivial: dict[Expr, Expr] = {}
+    kept = []
+    for definition in system.definitions:
+        expression = definition.expression.xreplace(trivial)
+        if expression.is_number or expression.as_coeff_Mul()[1].is_Symbol:
+            trivial[definition.symbol] = expression
+        else:
+            kept.append(replace(definition, expression=expression))
+    return replace(substitute(system, trivial), definitions=tuple(kept))
+
+
+def constant_states(system: System) -> tuple[Quantity, ...]:
+    """Return the states whose rate is identically zero; at least one other state remains.
+
+    With a mass matrix only states that stand alone in their row count.
+    """
+    constant = tuple(
+        q
+        for k, (q, rate) in enumerate(zip(system.states, system.rates, strict=True))
+        if system.expand(rate) == 0 and coupled(system.mass_matrix, k) == [k]
+    )
+    return constant if len(constant) < len(system.states) else ()
+
+
+def freeze(system: System, states: Iterable[Quantity]) -> System:
+    """Turn states with zero rate into parameters: first integrals replace them."""
+    frozen = tuple(states)
+    moving = _symbols(system.states) - _symbols(frozen)
+    known = {e for a in system.attitudes for v in a.expressions for e in v.free_symbols}
+    keep = [k for k, q in enumerate(system.states) if q not in frozen]
+    parameters = [replace(q, meaning=f"{q.meaning} (constant of the motion)") for q in frozen]
+    assumptions = [
+        Assumption(f"constant_{q.name}", f"{q.name} keeps its initial value: its rate is zero")
+        for q in frozen
+    ]
+    return replace(
+        system,
+        states=tuple(system.states[k] for k in keep),
+        rates=tuple(system.rates[k] for k in keep),
+        mass_matrix=_extract(system.mass_matrix, keep),
+        parameters=(*system.parameters, *parameters),
+        invariants=(),
+        assumptions=(*system.assumptions, *assumptions),
+        attitudes=kept(system.attitudes, moving, known),
+    )
+
+
+def prune(system: System, requested: Iterable[str]) -> System:
+    """Keep the states, definitions, outputs, parameters and inputs that ``requested`` names need.
+
+    A state is needed if a requested quantity or the rate of a needed state depends on it.
+    """
+    names = set(requested)
+    outputs = tuple(d for d in system.outputs if d.name in names)
+    wanted = {q.symbol for q in system.states if q.name in names}
+    wanted = wanted.union(*(system.expand(d.expression).free_symbols for d in outputs))
+    keep = _closure(system, wanted) or _closure(system, {system.states[0].symbol})
+    rates = tuple(system.rates[k] for k in keep)
+    matrix = _extract(system.mass_matrix, keep)
+    needed = [*rates, *(matrix or ()), *(d.expression for d in outputs)]
+    definitions = _used_definitions(system, needed)
+    states = tuple(system.states[k] for k in keep)
+    used = _symbols(states).union(
+        *(e.free_symbols for e in (*needed, *(d.expression for d in definitions)))
+    )
+    known = {*used, system.time, *(d.symbol for d in definitions)}
+    return replace(
+        system,
+        states=states,
+        rates=rates,
+        mass_matrix=matrix,
+        parameters=tuple(q for q in system.parameters if q.symbol in used),
+        inputs=tuple(q for q in system.inputs if q.symbol in used),
+        definitions=definitions,
+        outputs=outputs,
+        invariants=(),
+        singularities=tuple(s for s in system.singularities if s.expression.free_symbols <= used),
+        attitudes=kept(system.attitudes, _symbols(states), known),
+    )
+
+
+def _extract(matrix: Expr | None, keep: list[int]) -> Expr | None:
+    """Rows and columns of the kept states; an identity is no matrix at all."""
+    if matrix is None:
+        return None
+    part = sp.ImmutableMatrix(matrix.extract(keep, keep))
+    return None if part == sp.eye(len(keep)) else part
+
+
+def find_invariants(system: System, candidates: Iterable[Definition]) -> System:
+    """Attach those candidates that the system can compute and that are constants of its motion.
+
+    The candidates are over variables alone, not over definitions.
+    """
+    states = _symbols(system.states)
+    known = states | _symbols(system.parameters) | _symbols(system.inputs) | {system.time}
+    found = tuple(
+        c
+        for c in candidates
+        if c.expression.free_symbols <= known
+        and c.expression.free_symbols & states
+        and is_invariant(system, c.expression)
+    )
+    return replace(system, invariants=found)
+
+
+def _symbols(quantities: Iterable[Quantity]) -> set[Expr]:
+    return {q.symbol for q in quantities}
+
+
+def _closure(system: System, wanted: set[Expr]) -> list[int]:
+    """Indices of the states that ``wanted`` symbols depend on through the rates."""
+    index = {q.symbol: k for k, q in enumerate(system.states)}
+    stack = [index[s] for s in wanted if s in index]
+    found: set[int] = set()
+    while stack:
+        k = stack.pop()
+        if k in found:
+            continue
+        found.add(k)
+        block = coupled(system.mass_matrix, k)
+        symbols = set().union(*(system.expand(system.rates[j]).free_symbols for j in block))
+        if system.mass_matrix is not None:
+            symbols |= set().union(
+                *(system.expand(e).free_symbols for j in block for e in system.mass_matrix.row(j))
+            )
+        stack.extend([*block, *(index[s] for s in symbols if s in index)])
+    return sorted(found)
+
+
+def _used_definitions(system: System, expressions: Iterable[Expr]) -> tuple[Definition, ...]:
+    used = set().union(*(as_expression(e).free_symbols for e in expressions))
+    kept = []
+    for definition in reversed(system.definitions):
+        if definition.symbol in used:
+            kept.append(definition)
+            used |= definition.expression.free_symbols
+    return tuple(reversed(kept))

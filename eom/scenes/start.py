@@ -1,0 +1,141 @@
+"""The numbers of a scene: parameters, and the states at the start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+import sympy as sp
+
+from eom.errors import InputError, near_matches
+from eom.kinematics.coordinates import attitude, constraint_value, quaternion_of_sequence
+from eom.kinematics.coordinates import quaternion as quaternion_coordinates
+from eom.scenes.description import Description, inertia_values, principal_values
+from eom.system import Definition, System
+
+
+def constants(scene: Description) -> dict[str, float]:
+    """Return the numbers of the scene that are no initial values, by parameter name."""
+    values = {n: v.value for n, v in scene.parameters.items()}
+    matrix = inertia_values(scene)
+    if matrix is not None:
+        values |= {f"J{i + 1}{j + 1}": matrix[i][j] for i in range(3) for j in range(i, 3)}
+    else:
+        values |= {f"I{k}": v for k, v in enumerate(principal_values(scene), 1)}
+    if scene.torque.weight is not None:
+        weight = scene.torque.weight
+        values |= {"m": weight.mass, "g": weight.gravity}
+        values |= {f"r{k}": v for k, v in enumerate(weight.centre_of_mass, 1)}
+    if scene.torque.gravity_gradient is not None:
+        values["n"] = scene.torque.gravity_gradient.orbital_rate
+    return values
+
+
+def states(scene: Description, full: System) -> dict[str, float]:
+    """Return every state that the scene's initial values determine, by name.
+
+    An output that is given must determine one missing state; it must be linear in it.
+    """
+    states = full.state_names
+    values = {n: v for n, v in scene.initial.items() if n in states}
+    for name, value in _initial_attitude(scene).items():
+        if name in values:
+            raise InputError(
+                f"{name} is given twice", where="[initial] and [initial_attitude]", got=name
+            )
+        values[name] = value
+    for output in full.outputs:
+        if output.name in scene.initial:
+            name, value = _state_of_output(scene, full, output, values)
+            values[name] = value
+    _check_constraints(scene, values)
+    return values
+
+
+def _state_of_output(
+    scene: Description, full: System, output: Definition, values: Mapping[str, float]
+) -> tuple[str, float]:
+    known = {
+        **values,
+        **constants(scene),
+        **{n: v.value for n, v in scene.inputs.items()},
+        "t": 0.0,
+    }
+    value = full.expand(output.expression)
+    rest = value.xreplace(
+        {q: sp.Float(known[q.name]) for q in value.free_symbols if q.name in known}
+    )
+    missing = sorted(rest.free_symbols, key=str)
+    slope = rest.diff(missing[0]) if len(missing) == 1 else sp.nan
+    if not slope.is_number or slope in {0, sp.nan}:
+        raise InputError(
+            f"output {output.name!r} does not determine one missing state",
+            where="[initial]",
+            got=f"unknown: {', '.join(map(str, missing)) or 'nothing'}",
+            hint="give the states themselves",
+        )
+    offset = rest.xreplace({missing[0]: sp.Integer(0)})
+    return missing[0].name, float((scene.initial[output.name] - offset) / slope)
+
+
+def _initial_attitude(scene: Description) -> dict[str, float]:
+    given = scene.initial_attitude
+    if given is None:
+        return {}
+    wanted = "3-1-2" if scene.model == "spinner" else scene.attitude
+    angles = given.radians or [math.radians(a) for a in given.degrees or ()]
+    if angles and wanted == given.sequence:
+        return {q.name: a for q, a in zip(attitude(wanted).coordinates, angles, strict=True)}
+    if wanted not in {"quaternion", "dcm"}:
+        raise InputError(
+            f"initial attitude in other coordinates than attitude = {scene.attitude!r}",
+            where="[initial_attitude]",
+            got=f"sequence {given.sequence}" if angles else "quaternion",
+            hint="give the angles of the chosen sequence, or choose quaternion or dcm",
+        )
+    q = given.quaternion or quaternion_of_sequence(given.sequence, angles)
+    if wanted == "quaternion":
+        return {f"q{k}": v for k, v in enumerate(q)}
+    coordinates = quaternion_coordinates()
+    matrix = coordinates.matrix.xreplace(
+        {s: sp.Float(v) for s, v in zip(coordinates.symbols, q, strict=True)}
+    )
+    return {c.name: float(v) for c, v in zip(attitude("dcm").coordinates, matrix, strict=True)}
+
+
+def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
+    """Refuse a quaternion without unit norm and direction cosines that are not orthonormal."""
+    if scene.attitude == "none" or scene.model == "spinner":
+        return
+    for name, meaning, expression in attitude(scene.attitude).constraints:
+        free = {s.name for s in expression.free_symbols}
+        if free <= set(values):
+            found = float(
+                expression.xreplace({s: sp.Float(values[s.name]) for s in expression.free_symbols})
+            )
+            expected = constraint_value(name)
+            if abs(found - expected) > 1e-9:
+                raise InputError(
+                    f"{scene.attitude} at the start is no rotation",
+                    where="[initial]",
+                    got=f"{meaning} = {found!r}",
+                    expected=f"{expected} to within 1e-9",
+                    hint="[initial_attitude] takes angles and makes them exact",
+                )
+
+
+def pick(
+    values: Mapping[str, float], names: Iterable[str], kind: str, where: str
+) -> dict[str, float]:
+    """Return ``values`` of ``names``, in order. Raises `InputError` that lists the missing ones."""
+    names = tuple(names)
+    missing = [n for n in names if n not in values]
+    if missing:
+        unused = [n for n in values if n not in names]
+        hint = near_matches(missing[0], unused) if unused else ""
+        raise InputError(
+            f"missing {kind}: {', '.join(missing)}",
+            where=where,
+            hint=hint if hint.startswith("did") else "",
+        )
+    return {n: values[n] for n in names}

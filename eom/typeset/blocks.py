@@ -1,0 +1,131 @@
+"""What a page consists of: headings, words, lists, equations, steps; and where a long equation breaks.
+
+`eom.typeset.pages` writes blocks in each format.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from eom.typeset.boxes import Box, Operator, Row
+from eom.typeset.markup import width
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading; level 1 is the title of a page."""
+
+    words: str
+    level: int = 2
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Words."""
+
+    words: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list of a name or formula (or none) and words."""
+
+    items: tuple[tuple[Box | str | None, str], ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """An equation: left side (None: that of the line before), relation, pieces, what it means.
+
+    ``broken_left``: the left side in pieces, where it is long.
+    """
+
+    left: Box | None
+    relation: Box
+    right: tuple[Box, ...]
+    words: str = ""
+    broken_left: tuple[Box, ...] = ()
+
+
+@dataclass(frozen=True)
+class Display:
+    """Equations one under the other."""
+
+    lines: tuple[Line, ...]
+
+
+@dataclass(frozen=True)
+class Note:
+    """Why a step holds: its number, the reason, what else there is to say, what is assumed anew."""
+
+    number: int
+    reason: str
+    remarks: str = ""
+    assumed: str = ""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Notes, each with its lines; all lines have the same left side."""
+
+    notes: tuple[Note, ...]
+    lines: tuple[tuple[Line, ...], ...]
+
+    @property
+    def indent(self) -> Box:
+        """What stands to the left of every relation."""
+        left = self.lines[0][0].left
+        return Row(()) if left is None or is_wide(left) else left
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Formulas one under the other, each with words in front."""
+
+    lines: tuple[tuple[str, tuple[Box, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells side by side; each row is about a formula."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[tuple[Box, ...], tuple[Cell, ...]], ...]
+
+
+Block = Heading | Paragraph | Bullets | Display | Steps | Table
+
+WIDTH = 78
+"""Letters that fit on a line of a formula."""
+EQUALS = Operator("=")
+
+
+def is_wide(left: Box) -> bool:
+    """Tell whether a left side stands on lines of its own."""
+    return width(left) > WIDTH // 2
+
+
+def broken(line: Line, limit: int = WIDTH) -> list[Line]:
+    """Return a line as lines of at most ``limit`` letters, broken between pieces."""
+    if line.left is not None and is_wide(line.left):
+        left = _chunks(line.broken_left or (line.left,), limit)
+        right = broken(Line(None, line.relation, line.right), limit)
+        return [*(Line(None, Row(()), chunk) for chunk in left), *right]
+    used = width(line.left) if line.left else 0
+    first, *others = _chunks(line.right, limit - used)
+    start = Line(line.left, line.relation, first, line.words)
+    return [start, *(Line(None, Row(()), more) for more in others)]
+
+
+def _chunks(boxes: Iterable[Box], limit: int) -> list[tuple[Box, ...]]:
+    found: list[tuple[Box, ...]] = [()]
+    length = 0
+    for box in boxes:
+        needed = width(box)
+        if found[-1] and length + needed > limit:
+            found.append(())
+            length = 0
+        found[-1] += (box,)
+        length += needed
+    return found

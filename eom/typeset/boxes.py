@@ -1,0 +1,186 @@
+"""Formulas as boxes: what a formula is made of, whatever language it will be written in.
+
+Notation decides which boxes a term has (`eom.typeset.notation`), markup how they look
+(`eom.typeset.markup`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+Expr = Any
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A letter, name of a Greek letter, number or upright word, in a ``style``: one of `STYLES`."""
+
+    name: str
+    style: str = "italic"
+
+
+@dataclass(frozen=True)
+class Accent:
+    """A ``mark``, a row of `eom.typeset.markup.ACCENTS`, on the box ``base``."""
+
+    mark: str
+    base: Box
+
+
+@dataclass(frozen=True)
+class Scripts:
+    """The box ``base`` with what is below (``sub``), above (``sup``) and to the upper ``left`` of it."""
+
+    base: Box
+    sub: Box | None = None
+    sup: Box | None = None
+    left: Box | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """Boxes side by side, the ``items``."""
+
+    items: tuple[Box, ...]
+
+
+@dataclass(frozen=True)
+class Fence:
+    """The box ``inner`` in round or square brackets, as ``opening`` says."""
+
+    inner: Box
+    opening: str = "("
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """One box over another, ``above`` and ``below`` the line."""
+
+    above: Box
+    below: Box
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A matrix of boxes, its ``rows`` from the top."""
+
+    rows: tuple[tuple[Box, ...], ...]
+
+
+@dataclass(frozen=True)
+class Big:
+    """A ``sign``, of a sum or an integral, with its ``lower`` and ``upper`` limits."""
+
+    sign: str
+    lower: Box
+    upper: Box | None = None
+
+
+@dataclass(frozen=True)
+class Operator:
+    """An operation, a relation or a mark: a row of `eom.typeset.markup.OPERATORS`."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A SymPy expression, ``value``; ``names`` are LaTeX names that symbols bring along."""
+
+    value: Expr
+    names: Mapping[Expr, str] = field(default_factory=dict, compare=False)
+
+
+@dataclass(frozen=True)
+class Words:
+    """Plain words in a formula, ``text``."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """The box ``inner``, which takes up its room and is not seen."""
+
+    inner: Box
+
+
+Box = (
+    Symbol
+    | Accent
+    | Scripts
+    | Row
+    | Fence
+    | Fraction
+    | Grid
+    | Big
+    | Operator
+    | Formula
+    | Words
+    | Unseen
+)
+
+GREEK = (
+    *"alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu".split(),
+    *"nu xi omicron pi rho sigma tau upsilon phi chi psi omega".split(),
+)
+GREEK_NAMES = frozenset({*GREEK, *(g.capitalize() for g in GREEK)})
+
+STYLES = ("italic", "bold", "roman", "calligraphic", "blackboard")
+
+
+def row(*items: Box | None) -> Box:
+    """Return boxes side by side; None is left out and a single box stands alone."""
+    kept = tuple(i for i in items if i is not None)
+    return kept[0] if len(kept) == 1 else Row(kept)
+
+
+def joined(boxes: Iterable[Box | None], operator: str = "comma") -> Box | None:
+    """Return boxes with an operator between them, or None for no boxes."""
+    kept = [b for b in boxes if b is not None]
+    parts = [part for b in kept for part in (Operator(operator), b)][1:]
+    return row(*parts) if parts else None
+
+
+def accented(mark: str, box: Box) -> Box | None:
+    """Return a symbol with a mark on its nucleus, within its scripts; None for compound boxes.
+
+    A dot on a dot is two dots.
+    """
+    if isinstance(box, Scripts):
+        base = None if box.sup is not None else accented(mark, box.base)
+        return None if base is None else replace(box, base=base)
+    if isinstance(box, Accent) and box.mark in {"dot", "ddot"} and mark in {"dot", "ddot"}:
+        return Accent("ddot", box.base) if (box.mark, mark) == ("dot", "dot") else None
+    return Accent(mark, box) if isinstance(box, Symbol | Accent) else None
+
+
+_NAME = re.compile(r"([A-Za-z_]+?)(\d*)")
+
+
+def _is_word(part: str) -> bool:
+    return len(part) > 1 and part.replace("_", "").isalpha() and part not in GREEK_NAMES
+
+
+def symbol(name: str) -> Box:
+    """Return the box of a name: ``theta_dot``, ``omega_1``, ``I1``, ``h_G_2``, ``radial_2``."""
+    parts = [p for p in name.split("_") if p]
+    mark = parts.pop() if len(parts) > 1 and parts[-1] in {"dot", "ddot"} else ""
+    while len(parts) > 1 and all(_is_word(p) for p in parts[:2]):
+        parts[:2] = [f"{parts[0]}_{parts[1]}"]
+    found = _NAME.fullmatch(parts[0]) if parts else None
+    if found is None:
+        return Symbol(name, "roman")
+    base: Box = nucleus(found[1])
+    base = Accent(mark, base) if mark else base
+    sub = joined([nucleus(p) for p in (found[2], *parts[1:]) if p])
+    return Scripts(base, sub) if sub is not None else base
+
+
+def nucleus(word: str, style: str = "italic") -> Symbol:
+    """Return a letter or Greek letter in a style; other words stand upright."""
+    single = len(word) == 1 or word in GREEK_NAMES
+    return Symbol(word, style if single else "roman")

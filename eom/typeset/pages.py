@@ -1,0 +1,375 @@
+"""Pages of headings, words and displayed equations, and how four formats write them.
+
+A page is a list of blocks; a format is a table with one row a kind of block: text, LaTeX, Markdown with
+formulas between dollar signs, HTML with MathML. Lines that are too wide break between the terms of
+a sum.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from eom.typeset import tabular
+from eom.typeset.blocks import (
+    EQUALS,
+    WIDTH,
+    Block,
+    Bullets,
+    Display,
+    Heading,
+    Line,
+    Note,
+    Paragraph,
+    Steps,
+    Table,
+    broken,
+    is_wide,
+)
+from eom.typeset.boxes import Box, Row, Unseen
+from eom.typeset.markup import escape_latex, render, width
+
+# -- text ------------------------------------------------------------------------------------
+
+
+def _text_side(value: Box | str | None, letters: str) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    return render(value, letters).strip()
+
+
+def _text_bullets(block: Bullets, letters: str) -> list[str]:
+    names = [_text_side(name, letters) for name, _ in block.items]
+    size = max(map(_length, names))
+    gap = "  " if size else ""
+    return [
+        f"  {_padded(name, size)}{gap}{words}".rstrip()
+        for name, (_, words) in zip(names, block.items, strict=True)
+    ]
+
+
+def _length(words: str) -> int:
+    """Return the number of columns: marks on letters take none."""
+    return sum(not 0x300 <= ord(c) < 0x370 and not 0x20D0 <= ord(c) < 0x2100 for c in words)
+
+
+def _padded(words: str, size: int) -> str:
+    return words + " " * (size - _length(words))
+
+
+def _text_display(block: Display, letters: str) -> list[str]:
+    lefts = [_text_side(line.left, letters) for line in block.lines]
+    size = max(map(_length, lefts))
+    return [
+        _text_line(line, letters, size) + (f"  # {line.words}" if line.words else "")
+        for line in block.lines
+    ]
+
+
+def _text_line(line: Line, letters: str, size: int) -> str:
+    left = _padded(_text_side(line.left, letters), size)
+    relation = render(line.relation, letters).strip() or "  "
+    return f"  {left} {relation} {render(Row(line.right), letters).strip()}".rstrip()
+
+
+def _text_steps(block: Steps, letters: str) -> list[str]:
+    size = _length(_text_side(block.indent, letters))
+    lines = []
+    for note, group in zip(block.notes, block.lines, strict=True):
+        lines += [f"     {note.assumed}"] if note.assumed else []
+        lines += [f"{note.number:>3}. {note.reason}{f'  [{note.remarks}]' if note.remarks else ''}"]
+        parts = [p for line in group for p in broken(line, WIDTH + 12)]
+        lines += [f"   {_text_line(p, letters, size)}" for p in parts]
+    return [*lines, ""]
+
+
+def _text_table(letters: str) -> dict[type, Callable[[Any], list[str]]]:
+    return {
+        Heading: lambda b: [b.words] if b.level == 1 else ["", b.words],
+        Paragraph: lambda b: [b.words],
+        Bullets: lambda b: _text_bullets(b, letters),
+        Display: lambda b: _text_display(b, letters),
+        Steps: lambda b: _text_steps(b, letters),
+        Table: lambda b: tabular.text(b, letters),
+    }
+
+
+# -- LaTeX -----------------------------------------------------------------------------------
+
+_SMALLER = ((115, r"\tiny"), (98, r"\scriptsize"), (82, r"\footnotesize"))
+"""Sizes for what cannot be broken and is wider than so many letters."""
+
+
+def _latex_line(line: Line) -> str:
+    rows = []
+    for part in broken(line):
+        left = render(part.left, "latex") if part.left else ""
+        relation = render(part.relation, "latex") or r"\quad{}"
+        rows.append(f"{left} &{relation} {_latex_fitted(part)}")
+    return " \\\\\n".join(rows)
+
+
+def _latex_fitted(part: Line) -> str:
+    size = sum(width(p) for p in part.right) + (width(part.left) if part.left else 0)
+    formula = render(Row(part.right), "latex")
+    for limit, command in _SMALLER:
+        if size > limit:
+            return f"\\text{{{command}$\\displaystyle {formula}$}}"
+    return formula
+
+
+def _latex_aligned(lines: Iterable[tuple[str, Line]]) -> list[str]:
+    """Return an aligned display with words before its lines."""
+    rows = []
+    first, *others = lines
+    before = [first[0]] if first[0] else []
+    rows.append(_latex_line(first[1]))
+    rows += [
+        (f"\\intertext{{{words}}}\n" if words else "") + _latex_line(line) for words, line in others
+    ]
+    return [*before, "\\begin{align*}", " \\\\\n".join(rows), "\\end{align*}"]
+
+
+def _latex_display(block: Display) -> list[str]:
+    described = [
+        (f"\\noindent {escape_latex(line.words)}:" if line.words else "", line)
+        for line in block.lines
+    ]
+    return _latex_aligned(described)
+
+
+def _latex_note(note: Note) -> str:
+    remarks = f" {{\\small [{escape_latex(note.remarks)}]}}" if note.remarks else ""
+    assumed = f"\\emph{{{escape_latex(note.assumed)}}}\\endgraf\\noindent\n" if note.assumed else ""
+    return f"\\noindent {assumed}\\textbf{{{note.number}.}} {escape_latex(note.reason)}{remarks}"
+
+
+def _latex_noted(block: Steps) -> Iterator[tuple[str, Line]]:
+    for note, group in zip(block.notes, block.lines, strict=True):
+        yield _latex_note(note), group[0]
+        yield from (("", line) for line in group[1:])
+
+
+def _latex_bullets(block: Bullets) -> list[str]:
+    items = [f"\\item {_named(name, words, _latex_name)}" for name, words in block.items]
+    return ["\\begin{itemize}", *items, "\\end{itemize}"]
+
+
+def _latex_name(value: Box | str) -> str:
+    return escape_latex(value) if isinstance(value, str) else f"${render(value, 'latex')}$"
+
+
+def _named(name: Box | str | None, words: str, show: Callable[[Box | str], str]) -> str:
+    """Return a name and what it means, as an item of a list."""
+    escaped = escape_latex(words) if show is _latex_name else words
+    if name is None:
+        return escaped
+    return f"{show(name)}: {escaped}" if words else show(name)
+
+
+_SECTIONS = {1: "section*", 2: "subsection*", 3: "subsubsection*", 4: "paragraph*"}
+
+_LATEX: dict[type, Callable[[Any], list[str]]] = {
+    Heading: lambda b: [f"\\{_SECTIONS[b.level]}{{{escape_latex(b.words)}}}"],
+    Paragraph: lambda b: [f"\\noindent {escape_latex(b.words)}", ""],
+    Bullets: _latex_bullets,
+    Display: _latex_display,
+    Steps: lambda b: _latex_aligned(_latex_noted(b)),
+    Table: tabular.latex,
+}
+
+LATEX_DOCUMENT = r"""\documentclass[fleqn]{article}
+\usepackage{amsmath,amssymb}
+\usepackage[margin=25mm]{geometry}
+\allowdisplaybreaks
+\setlength{\parindent}{0pt}
+\begin{document}
+%s
+\end{document}
+"""
+
+# -- Markdown --------------------------------------------------------------------------------
+
+
+def _markdown_name(value: Box | str) -> str:
+    return f"`{value}`" if isinstance(value, str) else f"${render(value, 'latex')}$"
+
+
+def _markdown_formula(lines: Iterable[tuple[Line, str]]) -> str:
+    """Return one display; several lines are aligned."""
+    return f"$${display_latex(lines)}$$"
+
+
+def display_latex(lines: Iterable[tuple[Line, str]]) -> str:
+    """Return the LaTeX of lines, each with a number or "", for inside a display; several are aligned."""
+    rows = [numbered for line, number in lines for numbered in _numbered(line, number)]
+    if len(rows) == 1:
+        return " ".join(_markdown_sides(rows[0][0]))
+    written = [" &".join(_markdown_sides(part)) + number for part, number in rows]
+    inside = " \\\\\n".join(written)
+    return f"\\begin{{aligned}}\n{inside}\n\\end{{aligned}}"
+
+
+def _markdown_sides(line: Line) -> tuple[str, str]:
+    left = render(line.left, "latex") if line.left else ""
+    relation = render(line.relation, "latex") or r"\quad{}"
+    return left, f"{relation} {render(Row(line.right), 'latex')}"
+
+
+def _numbered(line: Line, number: str) -> list[tuple[Line, str]]:
+    parts = broken(line)
+    return [(p, number if p is parts[-1] else "") for p in parts]
+
+
+def _markdown_display(block: Display) -> list[str]:
+    found = []
+    for line in block.lines:
+        found += [f"{line.words}:", ""] if line.words else []
+        found += [_markdown_formula([(line, "")]), ""]
+    return found
+
+
+def _markdown_steps(block: Steps) -> list[str]:
+    found = []
+    for note in block.notes:
+        found += [f"*{note.assumed}*", ""] if note.assumed else []
+        remarks = f" — <small>{note.remarks}</small>" if note.remarks else ""
+        found += [f"**{note.number}.** {note.reason}{remarks}", ""]
+    lines = []
+    for note, group in zip(block.notes, block.lines, strict=True):
+        number = f" && ({note.number})" if len(block.notes) > 1 else ""
+        lines += [(line, number if line is group[-1] else "") for line in group]
+    return [*found, _markdown_formula(lines), ""]
+
+
+_MARKDOWN: dict[type, Callable[[Any], list[str]]] = {
+    Heading: lambda b: ["", f"{'#' * b.level} {b.words}", ""],
+    Paragraph: lambda b: [b.words, ""],
+    Bullets: lambda b: [*(f"- {_named(n, w, _markdown_name)}" for n, w in b.items), ""],
+    Display: _markdown_display,
+    Steps: _markdown_steps,
+    Table: tabular.markdown,
+}
+
+# -- HTML ------------------------------------------------------------------------------------
+
+
+def _math(*boxes: Box) -> str:
+    inside = render(Row(boxes), "mathml")
+    return f'<math><mstyle displaystyle="true">{inside}</mstyle></math>'
+
+
+def _html_name(value: Box | str) -> str:
+    return f"<code>{html.escape(value)}</code>" if isinstance(value, str) else _math(value)
+
+
+def _html_bullets(block: Bullets) -> list[str]:
+    rows = []
+    for name, words in block.items:
+        cell = f"<th>{_html_name(name)}</th>" if name is not None else ""
+        rows.append(f"<tr>{cell}<td>{html.escape(words)}</td></tr>")
+    return ["<table>", *rows, "</table>"]
+
+
+def _html_line(line: Line, indent: Box) -> str:
+    """Return the lines of a formula; those without a left side keep its room."""
+    parts = [
+        _math(
+            p.left or Unseen(indent if p.relation != Row(()) else Row((indent, EQUALS))),
+            p.relation,
+            *p.right,
+        )
+        for p in broken(line, WIDTH + 20)
+    ]
+    return f'<div class="formula">{"<br/>".join(parts)}</div>'
+
+
+def _html_display(block: Display) -> list[str]:
+    found = []
+    for line in block.lines:
+        words = f'<p class="why">{html.escape(line.words)}:</p>' if line.words else ""
+        indent = Row(()) if line.left is None or is_wide(line.left) else line.left
+        found.append(words + _html_line(line, indent))
+    return found
+
+
+def _html_steps(block: Steps) -> list[str]:
+    found = ['<div class="chain">']
+    for note, group in zip(block.notes, block.lines, strict=True):
+        found += [f'<p class="assumed">{html.escape(note.assumed)}</p>'] if note.assumed else []
+        remarks = f" <small>{html.escape(note.remarks)}</small>" if note.remarks else ""
+        reason = html.escape(note.reason)
+        found.append(f'<p class="why"><b>{note.number}.</b> {reason}{remarks}</p>')
+        found += [_html_line(line, block.indent) for line in group]
+    return [*found, "</div>"]
+
+
+_HTML: dict[type, Callable[[Any], list[str]]] = {
+    Heading: lambda b: [f"<h{b.level}>{html.escape(b.words)}</h{b.level}>"],
+    Paragraph: lambda b: [f"<p>{html.escape(b.words)}</p>"],
+    Bullets: _html_bullets,
+    Display: _html_display,
+    Steps: _html_steps,
+    Table: tabular.html_table,
+}
+
+HTML_DOCUMENT = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8"/>
+<meta name="viewport" content="width=device-width, initial-scale=1"/>
+<title>{title}</title>
+<style>
+:root {{ color-scheme: light dark; --soft: #666; --line: #ddd; --mark: #8a4b00; }}
+@media (prefers-color-scheme: dark) {{ :root {{ --soft: #aaa; --line: #444; --mark: #f0b060; }} }}
+body {{ max-width: 60rem; margin: 2rem auto; padding: 0 1rem; font: 1rem/1.5 Georgia, serif; }}
+h1, h2, h3 {{ line-height: 1.2; }}
+table {{ border-collapse: collapse; }}
+th, td {{ padding: .2rem .8rem .2rem 0; text-align: left; font-weight: normal; }}
+.aligned {{ display: block; overflow-x: auto; }}
+.aligned th, .aligned td {{ border-top: 1px solid var(--line); vertical-align: top; }}
+.chain {{ border-top: 1px solid var(--line); padding: .3rem 0; }}
+.why {{ margin: .5rem 0 .2rem; }}
+.assumed {{ margin: .5rem 0 0; color: var(--mark); font-style: italic; }}
+.formula {{ margin: .3rem 0 .3rem 2rem; overflow-x: auto; padding: .2rem 0; }}
+math {{ font-size: 1.1rem; }}
+small {{ color: var(--soft); }}
+</style>
+</head>
+<body>
+{body}
+</body>
+</html>
+"""
+
+
+def text_page(blocks: Iterable[Block], letters: str = "text") -> str:
+    """Return a page as plain text; letters: Unicode ("text") or "ascii"."""
+    return _page(_text_table(letters), blocks).strip("\n")
+
+
+def latex_page(blocks: Iterable[Block]) -> str:
+    """Return a page as LaTeX that a document with amsmath and amssymb can include."""
+    return _page(_LATEX, blocks)
+
+
+def markdown_page(blocks: Iterable[Block]) -> str:
+    """Return a page as Markdown."""
+    lines = _page(_MARKDOWN, blocks).split("\n")
+    kept = [n for n, line in enumerate(lines) if line or (n and lines[n - 1])]
+    return "\n".join(lines[n] for n in kept).strip("\n") + "\n"
+
+
+def html_page(blocks: Iterable[Block], title: str) -> str:
+    """Return one self-contained HTML page."""
+    return HTML_DOCUMENT.format(title=html.escape(title), body=_page(_HTML, blocks))
+
+
+def html_body(blocks: Iterable[Block]) -> str:
+    """Return blocks as HTML, to stand in a page of another's."""
+    return _page(_HTML, blocks)
+
+
+def _page(table: Mapping[type, Callable[[Any], list[str]]], blocks: Iterable[Block]) -> str:
+    return "\n".join(line for b in blocks for line in table[type(b)](b))

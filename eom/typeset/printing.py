@@ -1,0 +1,183 @@
+"""A system as text, LaTeX or Markdown: variables, equations, constants, singularities, assumptions.
+
+`blocks` lists what there is to print, in reading order; `eom.typeset.pages` writes it in each format.
+Where an output or a constant of the motion holds the right side of a definition, its name is printed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import sympy as sp
+
+from eom.errors import typed, unknown_name
+from eom.system import Definition, Quantity, System
+from eom.typeset import pages
+from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
+from eom.typeset.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words
+from eom.typeset.markup import symbol_latex
+from eom.typeset.writing import expression_pieces
+
+__all__ = ["FORMATS", "blocks", "latex", "markdown", "show", "symbol_latex", "text"]
+
+Expr = Any
+Names = Mapping[Expr, str]
+
+_OWN_LATEX = re.compile(r"[A-Za-z](_([A-Za-z0-9]|\{\w+\}))?|.*\\.*")
+"""A letter with an index, or commands; words that came as LaTeX would be set as products."""
+
+
+def blocks(system: System, *, primes: bool = False) -> list[Block]:
+    """Return what there is to print; empty sections are left out. ``primes``: write x' for dx/dt."""
+    names = _latex_names(system)
+    return [
+        *_variables("States", system.states, names),
+        *_variables("Parameters", system.parameters, names),
+        *_variables("Inputs", system.inputs, names),
+        *_section("Definitions", _definitions(system.definitions, names)),
+        *_section(*_equations(system, names, primes)),
+        *_section("Outputs", _definitions(system.outputs, names, _named_parts(system))),
+        *_section(
+            "Constants of the motion",
+            _definitions(system.invariants, names, _named_parts(system)),
+        ),
+        *_section(
+            "Singular where",
+            [
+                _line(Formula(s.expression, names), sp.S.Zero, names, s.meaning)
+                for s in system.singularities
+            ],
+        ),
+        *_assumptions(system),
+    ]
+
+
+def _latex_names(system: System) -> Names:
+    groups = (system.states, system.parameters, system.inputs)
+    quantities = [q for group in groups for q in group]
+    quantities += [d.quantity for d in (*system.definitions, *system.outputs, *system.invariants)]
+    return {
+        q.symbol: q.latex if _OWN_LATEX.fullmatch(q.latex) else symbol_latex(q.name)
+        for q in quantities
+    }
+
+
+def _variables(heading: str, quantities: Iterable[Quantity], names: Names) -> list[Block]:
+    items = tuple((Formula(q.symbol, names), q.description) for q in quantities)
+    return [Heading(heading), Bullets(items)] if items else []
+
+
+def _assumptions(system: System) -> list[Block]:
+    items = tuple((a.name, a.meaning) for a in system.assumptions)
+    return [Heading("Assumptions"), Bullets(items)] if items else []
+
+
+def _section(heading: str, lines: Iterable[Line]) -> list[Block]:
+    kept = tuple(lines)
+    return [Heading(heading), Display(kept)] if kept else []
+
+
+def _line(left: Box, right: Expr, names: Names, words: str = "") -> Line:
+    return Line(left, EQUALS, expression_pieces(right, names), words)
+
+
+def _definitions(
+    definitions: Iterable[Definition], names: Names, parts: Mapping[Expr, Expr] | None = None
+) -> list[Line]:
+    return [
+        _line(
+            Formula(d.symbol, names),
+            d.expression.xreplace(parts or {}),
+            names,
+            d.quantity.description,
+        )
+        for d in definitions
+    ]
+
+
+def _named_parts(system: System) -> dict[Expr, Expr]:
+    """Return the sums that definitions name, with their names."""
+    sums = [d for d in system.definitions if isinstance(d.expression, sp.Add)]
+    return {d.expression: d.symbol for d in sums}
+
+
+def _equations(system: System, names: Names, primes: bool) -> tuple[str, list[Line]]:
+    """Return heading and lines of the equations of motion, the mass matrix first."""
+    lines = [
+        _line(_rate(q, names, primes), r, names)
+        for q, r in zip(system.states, system.rates, strict=True)
+    ]
+    if system.mass_matrix is None:
+        return "Equations of motion", lines
+    coupled, block = _coupled_block(system, system.mass_matrix)
+    mass = Line(Words("mass matrix"), EQUALS, (Formula(block, names),))
+    heading = f"Equations of motion; mass matrix times the rates of {coupled} = right sides"
+    return heading, [mass, *lines]
+
+
+def _coupled_block(system: System, matrix: Expr) -> tuple[str, Expr]:
+    """Return names and mass matrix of the states whose rows differ from those of the identity."""
+    n = len(system.states)
+    keep = [
+        k for k in range(n) if matrix[k, :] != sp.eye(n)[k, :] or matrix[:, k] != sp.eye(n)[:, k]
+    ]
+    return ", ".join(system.states[k].name for k in keep), matrix.extract(keep, keep)
+
+
+def _rate(state: Quantity, names: Names, primes: bool) -> Box:
+    """Return the time derivative of a state, as the left side of an equation."""
+    name = Formula(state.symbol, names)
+    if primes:
+        return Row((name, Words("'")))
+    d = Operator("d")
+    return Row((Fraction(d, Row((d, Symbol("t")))), Operator("times"), name))
+
+
+def _page(system: System, *, primes: bool = False) -> list[Block]:
+    return [Heading(system.title or system.name, 1), *blocks(system, primes=primes)]
+
+
+def text(system: System) -> str:
+    """Return a system as plain text, one equation a line.
+
+    >>> x = sp.Symbol("x")
+    >>> print(text(System.from_rates("decay", {x: -x})))
+    decay
+    <BLANKLINE>
+    States
+      x
+    <BLANKLINE>
+    Equations of motion
+      x' = -x
+    """
+    return pages.text_page(_page(system, primes=True), "ascii")
+
+
+def latex(system: System) -> str:
+    """Return a system as LaTeX: a heading and an aligned display a section (package amsmath)."""
+    return pages.latex_page(_page(system))
+
+
+def markdown(system: System) -> str:
+    """Return a system as Markdown with formulas between dollar signs."""
+    return pages.markdown_page(_page(system))
+
+
+FORMATS: dict[str, Callable[[System], str]] = {"text": text, "latex": latex, "markdown": markdown}
+
+
+@typed
+def show(system: System, style: str = "text") -> str:
+    """Return a system as a text, its ``style`` one of `FORMATS`: text, latex or markdown.
+
+    Units stand with the quantities. Raises `InputError` for other formats.
+
+    >>> from eom.mechanics.rigidbody import free_rigid_body
+    >>> print(show(free_rigid_body()).splitlines()[3])
+      omega_1  angular velocity about b1 [rad/s]
+    """
+    if style not in FORMATS:
+        raise unknown_name("format", style, FORMATS)
+    return FORMATS[style](system)

@@ -1,0 +1,405 @@
+"""From a term to boxes: precedence, brackets, signs and fractions, the same in every notation.
+
+What a quantity, a derivative or a column looks like is the notation's business (`eom.typeset.notation`).
+Every head is written together with how firmly it holds together; a part that holds less firmly than its
+place demands is bracketed. Juxtaposition binds tighter than the dot and cross product; a sum sign
+spans products and ends at the next plus; an integral ends at its own dm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import sympy as sp
+
+from eom.terms.terms import DYADIC, INERTIAL, SCALAR, VECTOR, Equation, Term, nodes
+from eom.typeset.boxes import (
+    Big,
+    Box,
+    Fence,
+    Formula,
+    Fraction,
+    Grid,
+    Operator,
+    Row,
+    Scripts,
+    Symbol,
+    row,
+    symbol,
+)
+from eom.typeset.letters import Notation, Written, letter_box, quantity_box
+from eom.typeset.markup import render, width
+
+ADD, OPEN, PRODUCT, SCALED, JUXTAPOSED, ATOM = range(6)
+"""How firmly a box holds together. OPEN: a sum, integral or d/dt reaches to the right."""
+
+
+@dataclass(frozen=True)
+class Writer:
+    """A notation at work on one statement; ``frames``: all in which it takes components."""
+
+    notation: Notation
+    frames: frozenset[str] = field(default_factory=frozenset)
+
+    def write(self, term: Term) -> Written:
+        """Return the box of a term and how firmly it holds together."""
+        return RULES[term.head](self, term)
+
+    def box(self, term: Term, least: int = ADD, last: bool = False) -> Box:
+        """Return a box that holds as firmly as ``least``; the last of a product may stay open."""
+        box, level = self.write(term)
+        return box if level >= least or (last and level == OPEN) else Fence(box)
+
+
+def writer_for(notation: Notation, terms: Iterable[Term]) -> Writer:
+    """Return the writer of a statement."""
+    found = (n for t in terms for n in nodes(t))
+    frames = {f for n in found for f in _component_frames(n)}
+    return Writer(notation, frozenset(frames))
+
+
+def _component_frames(node: Term) -> tuple[Any, ...]:
+    if node.head == "column":
+        return node.data
+    return node.data[1:] if node.head == "atom" and node.data[0] == "rotation" else ()
+
+
+def term_box(term: Term, notation: Notation) -> Box:
+    """Return a term as a box."""
+    return writer_for(notation, [term]).box(term)
+
+
+def write(term: Term, notation: Notation, markup: str = "") -> str:
+    """Return a term in a notation; markup: a row of `markup.RENDERERS`, or the notation's own."""
+    return render(term_box(term, notation), markup or notation.markup)
+
+
+def equation_parts(
+    equation: Equation, notation: Notation
+) -> tuple[tuple[Box, ...], Box, tuple[Box, ...]]:
+    """Return left side, relation and right side; a line may break between the pieces of a side."""
+    writer = writer_for(notation, [equation.left, equation.right])
+    left, right = (pieces(writer, t) for t in (equation.left, equation.right))
+    return left, Operator(equation.relation), right
+
+
+def write_equation(equation: Equation, notation: Notation, markup: str = "") -> str:
+    """Return an equation in a notation, on one line."""
+    left, relation, right = equation_parts(equation, notation)
+    return render(Row((*left, relation, *right)), markup or notation.markup)
+
+
+# -- sums: signs between terms -----------------------------------------------------------------
+
+
+def pieces(writer: Writer, term: Term) -> tuple[Box, ...]:
+    """Return the terms of a sum with their signs, or the one box."""
+    if term.head == "expr":
+        return expression_pieces(term.data[0])
+    signed = [s for a in (term.args if term.head == "add" else (term,)) for s in _signed(writer, a)]
+    return _with_signs(signed)
+
+
+def expression_pieces(value: Any, names: Mapping[Any, str] | None = None) -> tuple[Box, ...]:
+    """Return the terms of a SymPy sum with their signs; a long product opens its longest sum."""
+    parts = _with_signs(_signed_expression(value, names or {}))
+    if len(parts) > 1 or width(parts[0]) <= LONG:
+        return parts
+    return _opened(value, names or {}) or parts
+
+
+LONG = 90
+"""Letters from which on a product with a sum is broken within the sum."""
+
+
+def _opened(value: Any, names: Mapping[Any, str]) -> tuple[Box, ...]:
+    """Return c (a + b + ...) in pieces, or none for what is no such product."""
+    numerator, denominator = sp.fraction(value)
+    factors = sp.Mul.make_args(numerator)
+    sums = [f for f in factors if isinstance(f, sp.Add)]
+    if not sums:
+        return ()
+    longest = max(sums, key=lambda f: len(f.args))
+    rest = sp.Mul(*(f for f in factors if f is not longest)) / denominator
+    first, *others = _with_signs(_signed_expression(longest, names))
+    before = expression_pieces(rest, names) if rest != 1 else ()
+    *inner, last = [*others] or [Row(())]
+    return (Row((*before, Operator("open"), first)), *inner, Row((last, Operator("close"))))
+
+
+def _with_signs(signed: list[tuple[bool, Box]]) -> tuple[Box, ...]:
+    if len(signed) == 1 and not signed[0][0]:
+        return (signed[0][1],)
+    first = (Operator("negative"),) if signed[0][0] else ()
+    found: list[Box] = [row(*first, signed[0][1])]
+    found += [Row((Operator("minus" if minus else "plus"), box)) for minus, box in signed[1:]]
+    return tuple(found)
+
+
+def _signed(writer: Writer, term: Term) -> list[tuple[bool, Box]]:
+    """Return the terms within ``term``, each with whether it is subtracted."""
+    if term.head == "expr":
+        return _signed_expression(term.data[0], {})
+    if term.head == "mul" and _is_negative(term.args[0]):
+        return [(True, _product(writer, term, -1)[0])]
+    return [(False, writer.box(term, OPEN))]
+
+
+def _is_negative(term: Term) -> bool:
+    return term.head == "expr" and bool(term.data[0].as_coeff_Mul()[0].is_negative)
+
+
+def _signed_expression(value: Any, names: Mapping[Any, str]) -> list[tuple[bool, Box]]:
+    terms = value.as_ordered_terms() if isinstance(value, sp.Add) else [value]
+    found = []
+    for t in terms:
+        minus = bool(isinstance(t, sp.Expr) and t.as_coeff_Mul()[0].is_negative)
+        found.append((minus, _plain(-t if minus else t, names)))
+    return found
+
+
+def _plain(value: Any, names: Mapping[Any, str] | None = None) -> Box:
+    """Return a SymPy expression without a sign as a box."""
+    if value.is_Symbol and not (names and value in names):
+        return symbol(value.name)
+    if value.is_Rational and not value.is_Integer:
+        return Fraction(Symbol(str(value.p)), Symbol(str(value.q)))
+    return Symbol(str(value)) if value.is_Integer else Formula(value, names or {})
+
+
+def _expression(_: Writer, term: Term) -> Written:
+    value = term.data[0]
+    signed = _signed_expression(value, {})
+    if len(signed) > 1 or signed[0][0]:
+        return row(*_with_signs(signed)), ADD
+    if isinstance(value, sp.Integral):
+        return signed[0][1], OPEN
+    return signed[0][1], ATOM if value.is_Symbol or value.is_Rational else SCALED
+
+
+def _sum_of_terms(writer: Writer, term: Term) -> Written:
+    return row(*pieces(writer, term)), ADD
+
+
+# -- products ----------------------------------------------------------------------------------
+
+
+def _mul(writer: Writer, term: Term) -> Written:
+    if not _is_negative(term.args[0]):
+        return _product(writer, term, 1)
+    return row(Operator("negative"), _product(writer, term, -1)[0]), ADD
+
+
+def _product(writer: Writer, term: Term, sign: int) -> Written:
+    """Return scalar factors, repeated ones as powers, and the last factor."""
+    coefficient, factors = sp.S.One, list(term.args)
+    if factors[0].head == "expr":
+        coefficient = sign * factors.pop(0).data[0]
+    powers = _powers(factors)
+    boxes: list[Box] = [] if coefficient == 1 else [_coefficient(coefficient)]
+    boxes += [_power(writer, f, n) for f, n in powers[:-1]]
+    last, count = powers[-1]
+    if count > 1:
+        return _juxtapose([*boxes, _power(writer, last, count)]), SCALED
+    box, level = writer.write(last)
+    bracketed = level < OPEN or (level == PRODUCT and any(isinstance(b, Fence) for b in boxes))
+    if bracketed and last.head != "cross":
+        box, level = Fence(box), ATOM
+    if not boxes:
+        return box, level
+    return _juxtapose([*boxes, box]), min(level, SCALED)
+
+
+def _powers(factors: list[Term]) -> list[tuple[Term, int]]:
+    """Count equal scalar factors that stand side by side."""
+    found: list[tuple[Term, int]] = []
+    for f in factors:
+        if found and found[-1][0] == f and f.kind == SCALAR:
+            found[-1] = (f, found[-1][1] + 1)
+        else:
+            found.append((f, 1))
+    return found
+
+
+def _power(writer: Writer, factor: Term, count: int) -> Box:
+    if count == 1:
+        return writer.box(factor, JUXTAPOSED)
+    return raised(writer.box(factor, ATOM), Symbol(str(count)))
+
+
+def _coefficient(value: Any) -> Box:
+    box = _plain(value)
+    return Fence(box) if isinstance(value, sp.Add | sp.Integral) else box
+
+
+def _juxtapose(boxes: list[Box]) -> Box:
+    """Return boxes side by side, with a little room before what begins with a script."""
+    parts: list[Box] = []
+    for b in boxes:
+        scripted = isinstance(b, Scripts) and b.left is not None
+        parts += [Operator("thin" if scripted else "times"), b]
+    return row(*parts[1:])
+
+
+def raised(box: Box, sup: Box) -> Box:
+    """Return a box with a superscript; a box that already has one is bracketed."""
+    if isinstance(box, Scripts) and box.sup is None and box.left is None:
+        return replace(box, sup=sup)
+    if isinstance(box, Scripts):
+        return Scripts(Fence(box), sup=sup)
+    return Scripts(box, sup=sup)
+
+
+def _binary(operator: str) -> Callable[[Writer, Term], Written]:
+    def rule(writer: Writer, term: Term) -> Written:
+        a, b = term.args
+        left, right = writer.box(a, SCALED), writer.box(b, SCALED, last=True)
+        return Row((left, Operator(operator), right)), PRODUCT
+
+    return rule
+
+
+def _dot(writer: Writer, term: Term) -> Written:
+    """In some notations a dyadic stands beside its vector like a matrix."""
+    kinds = {a.kind for a in term.args}
+    if writer.notation.juxtaposed and kinds == {VECTOR, DYADIC}:
+        a, b = term.args
+        if (a if a.kind == DYADIC else b).head in {"atom", "add", "mul", "integral"}:
+            return _beside(writer, term)
+    return _binary("dot")(writer, term)
+
+
+def _beside(writer: Writer, term: Term) -> Written:
+    """Return two factors side by side, as of matrices."""
+    a, b = term.args
+    right, level = writer.write(b)
+    if level not in {OPEN, JUXTAPOSED, ATOM}:
+        right, level = Fence(right), ATOM
+    box = _juxtapose([writer.box(a, JUXTAPOSED), right])
+    return box, OPEN if level == OPEN else JUXTAPOSED
+
+
+def _outer(writer: Writer, term: Term) -> Written:
+    return _binary(writer.notation.outer)(writer, term)
+
+
+def _inner(writer: Writer, term: Term) -> Written:
+    """a^T b."""
+    a, b = term.args
+    return _juxtapose([_transposed(writer, a), writer.box(b, JUXTAPOSED, last=True)]), JUXTAPOSED
+
+
+def _outer_column(writer: Writer, term: Term) -> Written:
+    """A column times a row: a b^T."""
+    a, b = term.args
+    return _juxtapose([writer.box(a, JUXTAPOSED), _transposed(writer, b)]), JUXTAPOSED
+
+
+def _transposed(writer: Writer, term: Term) -> Box:
+    return raised(writer.box(term, ATOM), Symbol("T", "roman"))
+
+
+def _inverse(writer: Writer, term: Term) -> Written:
+    minus_one = Row((Operator("negative"), Symbol("1")))
+    return raised(writer.box(term.args[0], ATOM), minus_one), ATOM
+
+
+# -- sums over parts, derivatives, matrices ----------------------------------------------------
+
+_COUNTS = {"particles": "N", "rotors": "n"}
+
+
+def _sum(writer: Writer, term: Term) -> Written:
+    """A sum over elements of mass is an integral whose element the summand holds."""
+    index, over = term.data
+    if over == "elements":
+        return Row((Big("integral", writer.notation.domain), writer.box(term.args[0], OPEN))), OPEN
+    lower = Row((Symbol(index), Operator("="), Symbol("1")))
+    sign = Big("sum", lower, Symbol(_COUNTS.get(over, "N")))
+    return Row((sign, writer.box(term.args[0], OPEN))), OPEN
+
+
+def _integral(writer: Writer, term: Term) -> Written:
+    (inside,) = term.args
+    one = inside.head == "expr" and inside.data[0] == 1
+    body = None if one else row(writer.box(inside, OPEN), Operator("thin"))
+    element = Row((Operator("d"), Symbol("m")))
+    return row(Big("integral", writer.notation.domain), body, element), OPEN
+
+
+def _grid(writer: Writer, term: Term) -> Written:
+    boxes = [writer.box(a) for a in term.args]
+    count = term.data[0] if term.head == "table" else 3
+    size = len(boxes) // count
+    return Grid(tuple(tuple(boxes[size * k : size * (k + 1)]) for k in range(count))), ATOM
+
+
+def _rows(writer: Writer, term: Term) -> Written:
+    return Grid(tuple((_transposed(writer, a),) for a in term.args)), ATOM
+
+
+def peel(term: Term) -> tuple[Term, str, int]:
+    """Return what is differentiated, in which frame ("": none), and how many times."""
+    inner, times = term.args[0], 1
+    while inner.head == "der" and inner.data == term.data:
+        inner, times = inner.args[0], times + 1
+    return inner, term.data[0], times
+
+
+def rate(writer: Writer, inner: Term, frame: str, times: int) -> Written:
+    """Return d/dt of a term; the frame stands to the upper left."""
+    d, t = Operator("d"), Symbol("t")
+    power = Symbol(str(times)) if times > 1 else None
+    left = writer.notation.frame(frame) if frame else None
+    below = row(d, Scripts(t, sup=power) if power else t)
+    if writer.notation.frames_outside:
+        fraction: Box = Fraction(Scripts(d, sup=power) if power else d, below)
+        fraction = Scripts(fraction, left=left) if left else fraction
+    else:
+        fraction = Fraction(Scripts(d, sup=power, left=left) if left or power else d, below)
+    return Row((fraction, Operator("times"), writer.box(inner, ATOM))), OPEN
+
+
+def is_inertial(frame: str) -> bool:
+    """Tell whether a derivative is the plain one: of scalars and columns, or in the frame I."""
+    return frame in {"", INERTIAL}
+
+
+def _atom(writer: Writer, term: Term) -> Written:
+    name, *labels = term.data
+    special = writer.notation.atoms.get(name)
+    if special:
+        return special(writer.notation, *labels), ATOM
+    return quantity_box(writer.notation, name, labels, term.kind), ATOM
+
+
+def _zero(writer: Writer, term: Term) -> Written:
+    return letter_box(writer.notation, "0", term.kind), ATOM
+
+
+RULES: dict[str, Callable[[Writer, Term], Written]] = {
+    "expr": _expression,
+    "zero": _zero,
+    "atom": _atom,
+    "add": _sum_of_terms,
+    "mul": _mul,
+    "dot": _dot,
+    "cross": _binary("cross"),
+    "outer": _outer,
+    "der": lambda w, t: w.notation.derivative(w, t),
+    "sum": _sum,
+    "integral": _integral,
+    "column": lambda w, t: w.notation.column(w, t),
+    "matmul": _beside,
+    "transpose": lambda w, t: (_transposed(w, t.args[0]), ATOM),
+    "inverse": _inverse,
+    "tilde": lambda w, t: w.notation.tilde(w, t),
+    "inner": _inner,
+    "outer_column": _outer_column,
+    "entries": _grid,
+    "table": _grid,
+    "rows": _rows,
+}
+"""How each head is written."""

@@ -1,0 +1,357 @@
+"""A simulated scene as an animation: frozen data that pages and slides are made from.
+
+Times are equally far apart and so close that attitudes between two of them follow by interpolation on the
+great circle (`STEP`). All components are in the frame A that attitude is measured in, or the ground's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eom.errors import InputError
+from eom.multibody.model.constraints import Rolling
+from eom.opening import AnyScene
+from eom.scenes.scene import Scene
+from eom.views.animation.equivalents import Shape
+from eom.views.animation.figures import Figures, figures_of
+from eom.views.animation.tracks import Floats, Track, Tracks, matrices, tracks_of, with_attitude
+
+if TYPE_CHECKING:
+    from codegen import Result
+
+COARSE = 301
+"""Stored times at least."""
+STEP, LARGEST_STEP = 0.2, 2.0
+"""Radians that a body turns from one time to the next: aimed at, and the most that can be shown."""
+BUDGET = 1_400_000
+"""Bytes of all samples: the page that holds them stays below 3 MB."""
+BYTES_OF_BODY, BYTES_OF_VECTOR = 40, 12
+SHORT, LONG, AIM = 2.0, 40.0, 20.0
+"""A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
+MOST_TOLD = 8
+GROUND_GAP = 0.03
+AROUND_ONE = 1.2
+"""What is seen around a single body, by its extent: its vectors need room."""
+SAMPLES = 100
+"""Times at which the space that the motion takes is measured."""
+
+Integrate = Callable[[AnyScene], "Result"]
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """A vector over time: ``values`` in ``unit``, and ``places`` it starts from (m), shape (N, 3).
+
+    Components are in A. Vectors of one ``kind`` have one scale; ``text`` stands at the tip; ``colour``: a
+    name of `eom.views.draw.picture.COLOURS`.
+    """
+
+    kind: str
+    text: str
+    unit: str
+    colour: str
+    values: Floats
+    places: Floats
+    body: int = -1
+    """The body that it belongs to, -1 where it is of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """A number over time, ``values`` (N,) in ``unit``, that stands beside the picture."""
+
+    name: str
+    unit: str
+    values: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A ball that holds the motion, and from where it is seen; components in A.
+
+    ``centre`` (3,) and ``radius`` of the ball (m); ``up``: a unit vector; ``camera``: azimuth and elevation
+    of where it stands (degrees); ``ground``: height of the ground along ``up`` (m), None without one.
+    """
+
+    centre: Floats
+    radius: float
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    camera: tuple[float, float] = (35.0, 20.0)
+    ground: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """What moves, and how it is shown.
+
+    ``words``: below the title; ``tracks``, ``figures``: where the bodies are, and what they look like;
+    ``arrows``: vectors, ``told``: numbers over time; ``view``: from where it is seen; ``speed``: seconds of
+    the motion that a second shows; ``axes``: names of the axes of A; ``notes``: below the picture.
+    """
+
+    title: str
+    words: str
+    tracks: Tracks
+    figures: Figures
+    arrows: tuple[Arrows, ...]
+    told: tuple[Told, ...]
+    view: View
+    speed: float
+    axes: tuple[str, str, str] = ("a₁", "a₂", "a₃")
+    notes: tuple[str, ...] = ()
+
+    @property
+    def times(self) -> Floats:
+        """The stored times (s), equally far apart, shape (N,)."""
+        return self.tracks.times
+
+
+def animation_of(
+    scene: AnyScene,
+    integrate: Integrate,
+    *,
+    seconds: float | None = None,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+) -> Animation:
+    """Return the animation of a scene that ``integrate`` simulates, with attitude where the scene has none.
+
+    ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
+    ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
+    the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
+    ``robot``: shapes of bodies by name (`eom.views.animation.robot_shapes`).
+
+    Raises `InputError` for a time or speed that is not positive, for a motion that ends before it can be
+    shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
+
+    >>> import eom
+    >>> from eom.views.time.runs import run
+    >>> made = animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0], seconds=2.0)
+    >>> [(arrow.kind, arrow.unit) for arrow in made.arrows], float(made.times[-1])
+    ([('omega', 'rad/s'), ('momentum', 'N m s')], 2.0)
+    """
+    for name, given in (("seconds", seconds), ("speed", speed)):
+        if given is not None and not (math.isfinite(given) and given > 0):
+            raise InputError("not a positive number", where=name, got=given)
+    prepared = with_attitude(scene, COARSE, seconds)
+    return sampled(prepared, integrate, speed=speed, robot=robot, asked=scene.requested)
+
+
+def sampled(
+    prepared: AnyScene,
+    integrate: Integrate,
+    *,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+    asked: tuple[str, ...] = (),
+) -> Animation:
+    """Return the animation of a scene of `with_attitude`, simulated again where it needs more samples.
+
+    ``asked``: names of states and outputs whose values are told. Raises as `animation_of`.
+    """
+    prepared = _with_points(prepared, max(COARSE, prepared.integration.points))
+    tracks, result = _tracks(prepared, integrate)
+    count = _needed(tracks, prepared)
+    if count > len(tracks.times):
+        planned = abs(float(prepared.integration.t_end))
+        share = planned / abs(float(tracks.times[-1] - tracks.times[0]))
+        prepared = _with_points(prepared, math.ceil(count * share))
+        tracks, result = _tracks(prepared, integrate)
+    return shown(prepared, tracks, result, speed=speed, robot=robot, asked=asked)
+
+
+def _with_points(scene: AnyScene, points: int) -> AnyScene:
+    """Return a scene with other stored times; what was derived of it is kept."""
+    plan = scene.integration.model_copy(update={"points": points})
+    return scene.model_copy(update={"integration": plan})
+
+
+def _tracks(scene: AnyScene, integrate: Integrate) -> tuple[Tracks, Result]:
+    """Return the motion up to the last of the equally spaced times that was reached."""
+    result = integrate(scene)
+    plan = scene.integration
+    step = plan.t_end / (plan.points - 1)
+    due = np.arange(len(result.t)) * step
+    kept = int(np.count_nonzero(np.abs(result.t - due) <= 1e-6 * abs(step)))
+    if kept < 2:
+        raise InputError("the motion ends before it can be shown", got=result.message)
+    cut = {n: v[:kept] for n, v in result.outputs.items()}
+    result = replace(result, t=result.t[:kept], y=result.y[:, :kept], outputs=cut)
+    return tracks_of(scene, result), result
+
+
+def _needed(tracks: Tracks, scene: AnyScene) -> int:
+    """Return how many times are stored. Raises `InputError` where they would be too many."""
+    rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
+    spans = np.abs(tracks.times - tracks.times[0])
+    turned = np.maximum.accumulate(rates) * spans
+    vectors = len(tracks.bodies) + 2 + MOST_TOLD / 3
+    most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
+    if turned[-1] > LARGEST_STEP * most:
+        possible = float(spans[turned <= 0.95 * LARGEST_STEP * most][-1])
+        raise InputError(
+            "too many turns for one animation",
+            where=scene.name,
+            got=f"{turned[-1] / (2 * math.pi):.0f} turns in {spans[-1]:g} s",
+            expected=f"at most {LARGEST_STEP * most / (2 * math.pi):.0f}",
+            hint=f"--seconds {possible:.3g}",
+        )
+    return max(COARSE, min(most, math.ceil(float(turned[-1]) / STEP) + 1))
+
+
+def shown(
+    scene: AnyScene,
+    tracks: Tracks,
+    result: Result,
+    *,
+    speed: float | None = None,
+    robot: dict[str, tuple[Shape, ...]] | None = None,
+    asked: tuple[str, ...] = (),
+) -> Animation:
+    """Return the animation of a motion that was simulated (`eom.views.animation.tracks.tracks_of`)."""
+    figures = figures_of(scene, robot)
+    span = abs(float(tracks.times[-1] - tracks.times[0]))
+    orbit = isinstance(scene, Scene) and scene.torque.gravity_gradient is not None
+    return Animation(
+        title=scene.title or scene.name,
+        words=scene.description,
+        tracks=tracks,
+        figures=figures,
+        arrows=tuple(arrows_of(tracks)),
+        told=tuple(_told(scene, result, asked))[:MOST_TOLD],
+        view=_view(scene, tracks, figures),
+        speed=speed or speed_of(span),
+        axes=("a₁ radial", "a₂ along", "a₃ normal") if orbit else ("a₁", "a₂", "a₃"),
+        notes=tuple(_notes(scene, result, figures)),
+    )
+
+
+def speed_of(span: float) -> float:
+    """Return 1 for a motion of fair length, else the nearest of ..., 0.5, 1, 2, 5, 10, 20, ..."""
+    if SHORT <= span <= LONG:
+        return 1.0
+    wanted = span / AIM
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return float(min((n * power for n in (1, 2, 5, 10)), key=lambda s: abs(math.log(s / wanted))))
+
+
+def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
+    """Yield the vectors of a motion: omega of each body, momentum, and torque where it acts."""
+    for k, body in enumerate(tracks.bodies):
+        yield Arrows("omega", "ω", "rad/s", "red", body.omega, body.positions, k)
+    yield Arrows("momentum", "H", "N m s", "purple", tracks.momentum, tracks.centre)
+    if tracks.torque is not None and np.any(tracks.torque):
+        yield Arrows("torque", "τ", "N m", "green", tracks.torque, tracks.centre)
+
+
+def _told(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Told]:
+    system = scene.derive()
+    quantities = (*system.states, *(d.quantity for d in system.outputs))
+    units = {q.name: "" if q.unit == "1" else q.unit for q in quantities}
+    for name in asked:
+        if name in result.names or name in result.outputs:
+            yield Told(name, units.get(name, ""), np.asarray(result[name]))
+
+
+def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
+    if result.status not in {0, 2}:
+        yield result.message
+    if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
+        yield "Space frame: a₁ points away from the Earth, a₂ along the orbit, a₃ normal to it."
+    for figure in figures.bodies:
+        if figure.words:
+            label = "Drawn" if len(figures.bodies) == 1 else figure.name
+            yield f"{label}: {figure.words}"
+
+
+# -- the view --------------------------------------------------------------------------------------
+
+
+def view_of(tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a motion without gravity."""
+    points = np.concatenate([*_places(tracks, figures)])
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    if len(tracks.bodies) == 1 and not np.any(tracks.bodies[0].positions):
+        centre = np.zeros(3)
+    radius = float(np.linalg.norm(points - centre, axis=1).max())
+    return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1))
+
+
+def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+    """Return the view of a scene: under gravity there are up, down and a ground."""
+    view, gravity = view_of(tracks, figures), _gravity(scene)
+    if gravity is None:
+        return view
+    up = -gravity / np.linalg.norm(gravity)
+    floor = _floor(scene)
+    if floor is None:
+        lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
+        floor = lowest - GROUND_GAP * view.radius
+    a, b, c = (float(x) for x in up)
+    return replace(view, up=(a, b, c), camera=_camera(tracks, up), ground=floor)
+
+
+def _places(tracks: Tracks, figures: Figures) -> Iterator[Floats]:
+    """Yield where the vertices of the bodies are at some of the times."""
+    some = slice(None, None, max(1, len(tracks.times) // SAMPLES))
+    for track, figure in zip(tracks.bodies, figures.bodies, strict=True):
+        yield track.positions[some]
+        if figure.shapes:
+            vertices = np.concatenate([s.mesh.vertices for s in figure.shapes])[::7]
+            turned = np.einsum("nij,vi->nvj", matrices(track.quaternions[some]), vertices)
+            yield (track.positions[some, None] + turned).reshape(-1, 3)
+
+
+def at(track: Track, point: Any) -> Floats:
+    """Return where a point of a body is (m), shape (N, 3); ``point`` from its origin, in its axes."""
+    moved = np.einsum("nij,i->nj", matrices(track.quaternions), np.asarray(point, dtype=np.float64))
+    return np.asarray(track.positions + moved)
+
+
+def _gravity(scene: AnyScene) -> NDArray[np.float64] | None:
+    if isinstance(scene, Scene):
+        return None if scene.torque.weight is None else np.array([0.0, 0.0, -1.0])
+    from eom.views.animation.tree_figures import Drawing
+
+    found = Drawing(scene, {}).array(scene.tree.gravity)
+    return found if np.any(found) else None
+
+
+def _floor(scene: AnyScene) -> float | None:
+    """Return the height of a plane on which a body of a tree rolls."""
+    if isinstance(scene, Scene):
+        return None
+    from eom.views.animation.tree_figures import Drawing
+
+    drawing = Drawing(scene, {})
+    for constraint in scene.tree.constraints:
+        if isinstance(constraint, Rolling):
+            return float(drawing.array(constraint.origin) @ drawing.array(constraint.normal))
+    return None
+
+
+def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
+    """Return azimuth and elevation (degrees): in front of a plane motion, above any other.
+
+    Azimuth is measured from the horizontal direction nearest to a1 (or a2 if that is up).
+    """
+    rates = np.concatenate([b.omega for b in tracks.bodies])
+    _, sizes, directions = np.linalg.svd(rates, full_matrices=False)
+    normal = directions[0]
+    if sizes[1] > 1e-6 * max(sizes[0], 1e-300) or abs(normal @ up) > 0.1:
+        return 35.0, 20.0
+    across = np.eye(3)[0] - up[0] * up
+    if across @ across < 0.1:
+        across = np.eye(3)[1] - up[1] * up
+    across /= np.linalg.norm(across)
+    along = np.cross(up, across)
+    azimuth = math.degrees(math.atan2(float(normal @ along), float(normal @ across)))
+    azimuth = azimuth - 180 if azimuth > 45 else azimuth
+    azimuth = azimuth + 180 if azimuth < -135 else azimuth
+    return azimuth + 18, 10.0

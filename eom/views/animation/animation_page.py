@@ -1,0 +1,187 @@
+"""An animation as one HTML page: data, three.js and the player in it, nothing asked for from elsewhere.
+
+Arrays are 32-bit floats, little-endian, in base64. The page's scripts and style are allowed by their
+hashes alone; what a scene brings along is escaped. The same animation gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import re
+from collections.abc import Iterator
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from eom.typeset.policy import hashed, policy
+from eom.views.animation.animation import Animation
+from eom.views.animation.equivalents import Shape
+from eom.views.animation.figures import Figure
+from eom.views.animation.tracks import Track
+from eom.views.draw.solid_meshes import Mesh
+
+FRAME = 1.15
+"""Length of b1, b2, b3 as a share of the extent of one body; of many, of what is seen."""
+FRAME_OF_MANY = 0.16
+PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
+_MARK = re.compile(r"\{\{(\w+)\}\}")
+
+
+def page(animation: Animation) -> str:
+    """Return the page of an animation: one file of HTML that asks for nothing; the same bytes each time.
+
+    >>> import eom
+    >>> from eom.views.animation.animation import animation_of
+    >>> from eom.views.time.runs import run
+    >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
+    >>> made[:15], "<title>Tumbling T-handle" in made
+    ('<!DOCTYPE html>', True)
+    """
+    scripts = [_web("three.js"), _web("viewer.js"), _web("animation.js")]
+    scripts = [s.replace("</script", "<\\/script") for s in scripts]
+    style = _web("animation.css")
+    title, words = animation.title, animation.words
+    told = {
+        "title": html.escape(title),
+        "words": f"<p>{html.escape(words)}</p>" if words else "",
+        "style": style,
+        "policy": html.escape(policy(scripts, hashed(style))),
+        "notes": "".join(f"<li>{html.escape(n)}</li>" for n in animation.notes),
+        "data": _json(data(animation)),
+        "scripts": "\n".join(f"<script>{s}</script>" for s in scripts),
+    }
+    return _MARK.sub(lambda found: told[found[1]], _web("animation.html"))
+
+
+@cache
+def _web(name: str) -> str:
+    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    """Return JSON that ends no script element."""
+    text = json.dumps(value, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def floats(values: ArrayLike) -> str:
+    """Return an array as 32-bit floats, little-endian, in base64."""
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")
+
+
+def data(animation: Animation) -> dict[str, Any]:
+    """Return what the page's script reads."""
+    view, times, meshes = animation.view, animation.times, Meshes()
+    figures = animation.figures
+    bodies = list(_bodies(animation, meshes))
+    return {
+        "title": animation.title,
+        "start": float(times[0]),
+        "end": float(times[-1]),
+        "count": len(times),
+        "speed": animation.speed,
+        "centre": [_number(x) for x in view.centre],
+        "radius": _number(view.radius),
+        "up": [_number(x) for x in view.up],
+        "view": [_number(x) for x in view.camera],
+        "ground": None if view.ground is None else _number(view.ground),
+        "axes": list(animation.axes),
+        "bodies": bodies,
+        "stand": [meshes.shape(s) for s in figures.ground],
+        "meshes": meshes.told,
+        "links": [
+            {"bodies": list(link.bodies), "points": [[_number(x) for x in p] for p in link.points]}
+            for link in figures.links
+        ],
+        "arrows": list(_arrows(animation)),
+        "told": [
+            {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.told
+        ],
+    }
+
+
+def _bodies(animation: Animation, meshes: Meshes) -> Iterator[dict[str, Any]]:
+    """Yield what is told of each body; one that stays in place has no positions."""
+    pairs = zip(animation.figures.bodies, animation.tracks.bodies, strict=True)
+    for k, (figure, track) in enumerate(pairs):
+        yield {
+            "name": figure.name,
+            "colour": PALETTE[k % len(PALETTE)],
+            "axes": list(figure.axes),
+            "frame": _number(_frame(animation, figure)),
+            "tip": _tip(figure, track),
+            "shapes": [meshes.shape(s) for s in figure.shapes],
+            "positions": floats(track.positions) if np.any(track.positions) else None,
+            "quaternions": floats(track.quaternions),
+        }
+
+
+def _number(x: float) -> float:
+    """Return a number with the digits that a picture needs."""
+    return float(f"{float(x):.7g}") + 0.0
+
+
+def _tip(figure: Figure, track: Track) -> list[float] | None:
+    """Return the point whose path is drawn; none where it stays in place."""
+    moves = np.any(figure.tip) or np.any(track.positions != track.positions[0])
+    return [_number(x) for x in figure.tip] if moves else None
+
+
+def _frame(animation: Animation, figure: Figure) -> float:
+    if len(animation.figures.bodies) == 1:
+        return FRAME * figure.extent
+    return FRAME_OF_MANY * animation.view.radius
+
+
+def _arrows(animation: Animation) -> Iterator[dict[str, Any]]:
+    """Yield the vectors; those that start at the origin of a body have no places of their own."""
+    for arrow in animation.arrows:
+        apart = arrow.body < 0 and np.any(arrow.places)
+        yield {
+            "kind": arrow.kind,
+            "text": arrow.text,
+            "unit": arrow.unit,
+            "colour": arrow.colour,
+            "body": arrow.body,
+            "values": floats(arrow.values),
+            "places": floats(arrow.places) if apart else None,
+        }
+
+
+class Meshes:
+    """Meshes by their bytes: each is told once."""
+
+    def __init__(self) -> None:
+        self.told: list[dict[str, Any]] = []
+        self._known: dict[tuple[bytes, bytes], int] = {}
+
+    def shape(self, shape: Shape) -> dict[str, Any]:
+        """Return a shape that names its mesh by number."""
+        return {
+            "mesh": self.number(shape.mesh),
+            "colour": shape.colour or None,
+            "opacity": shape.opacity,
+        }
+
+    def number(self, mesh: Mesh) -> int:
+        """Return the number of a mesh."""
+        vertices = np.asarray(mesh.vertices, dtype="<f4")
+        faces = np.asarray(mesh.faces, dtype="<u4" if len(vertices) > 65535 else "<u2")
+        key = vertices.tobytes(), faces.tobytes()
+        if key not in self._known:
+            self._known[key] = len(self.told)
+            self.told.append(
+                {
+                    "vertices": base64.b64encode(key[0]).decode("ascii"),
+                    "faces": base64.b64encode(key[1]).decode("ascii"),
+                    "wide": faces.dtype.itemsize == 4,
+                    "round": mesh.round,
+                    "flat": mesh.flat,
+                }
+            )
+        return self._known[key]

@@ -1,0 +1,137 @@
+"""Bodies that are drawn for want of a shape: uniform ones of the same mass and inertia.
+
+The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has sides a_k^2 = 12 P_k/m,
+a cylinder 4 P/m = r^2 across and 12 P/m = l^2 along its axis, a sphere 5 P/m = r^2. Lengths in m.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eom.views.draw.solid_meshes import Mesh, of_solid
+
+Floats = NDArray[np.float64]
+
+EQUAL = 1e-6
+"""Moments of inertia that differ by less than this share are drawn as equal."""
+THINNEST = 0.05
+"""The least thickness that is drawn, as a share of the largest."""
+FLAT = 0.3
+"""A cylinder whose length is less than this share of its radius is a wheel, if it shall be one."""
+UNKNOWN_SIZE = 0.5
+"""Half the largest extent (m) of a body whose mass is not known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A mesh in the axes of its body.
+
+    ``colour``: a name, or the body's where it is empty; ``opacity``: from 0, not seen, to 1.
+    """
+
+    mesh: Mesh
+    colour: str = ""
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Equivalent:
+    """A uniform body: the name of a solid, its sizes (m), and ``axes``: from the solid's to the body's.
+
+    ``thickened``: whether it is drawn thicker than it is.
+    """
+
+    solid: str
+    sizes: dict[str, float]
+    axes: Floats
+    thickened: bool = False
+
+    @property
+    def mesh(self) -> Mesh:
+        """Its surface, its centre of mass at the origin."""
+        return of_solid(self.solid, self.sizes).moved((0, 0, 0), self.axes)
+
+    @property
+    def words(self) -> str:
+        """How it is called, with its sizes."""
+        sizes = ", ".join(f"{n} {v:.3g} m" for n, v in self.sizes.items())
+        return f"{self.solid} of equal inertia ({sizes}{', thickened' if self.thickened else ''})"
+
+
+def equivalent(inertia: ArrayLike, mass: float | None = None) -> Equivalent:
+    """Return the uniform body with a central ``inertia`` (kg m^2, shape (3, 3)) and a mass (kg).
+
+    A sphere where all principal moments are equal, a cylinder where two are, otherwise a box; extents
+    that are too thin to be seen get `THINNEST`. Without a mass the size is not known, and is chosen.
+    """
+    moments, axes = _principal(np.asarray(inertia, dtype=np.float64))
+    spread = np.maximum(moments.sum() / 2 - moments, 0.0)
+    m = mass or 3 * float(spread.max()) / UNKNOWN_SIZE**2
+    largest = float(moments.max())
+    equal = [abs(moments[k - 2] - moments[k - 1]) <= EQUAL * largest for k in range(3)]
+    if all(equal):
+        return Equivalent("sphere", {"radius": math.sqrt(5 * spread[0] / m)}, axes)
+    if any(equal):
+        k = equal.index(True)
+        return _cylinder(float(spread[k - 1]) / m, float(spread[k]) / m, axes @ _to_third(k))
+    (a, b, c), thickened = _thick([math.sqrt(12 * p / m) for p in spread])
+    return Equivalent("box", {"a": a, "b": b, "c": c}, axes, thickened)
+
+
+def _cylinder(across: float, along: float, axes: Floats) -> Equivalent:
+    (radius, half), thickened = _thick([math.sqrt(4 * across), math.sqrt(3 * along)])
+    return Equivalent("cylinder", {"radius": radius, "length": 2 * half}, axes, thickened)
+
+
+def _thick(sizes: list[float]) -> tuple[list[float], bool]:
+    least = THINNEST * max(sizes)
+    return [max(s, least) for s in sizes], min(sizes) < least
+
+
+def _to_third(axis: int) -> Floats:
+    """Return the rotation that takes the third axis to axis 0, 1 or 2, by a cyclic exchange."""
+    return np.roll(np.eye(3), axis - 2, axis=0)
+
+
+def _principal(J: Floats) -> tuple[Floats, Floats]:
+    """Return principal moments, and the rotation from principal axes to the body's."""
+    if np.count_nonzero(J - np.diag(np.diag(J))) == 0:
+        return np.diag(J).copy(), np.eye(3)
+    moments, axes = np.linalg.eigh((J + J.T) / 2)
+    return moments, axes * np.sign(np.linalg.det(axes))
+
+
+def central(inertia: ArrayLike, mass: float, centre: ArrayLike) -> Floats | None:
+    """Return an inertia about the centre of mass from one about the origin, by Huygens and Steiner.
+
+    None where no body has it: the mass would have to lie nearer to the centre than the inertia says.
+    """
+    r = np.asarray(centre, dtype=np.float64)
+    J = np.asarray(inertia, dtype=np.float64) - mass * (r @ r * np.eye(3) - np.outer(r, r))
+    moments = np.linalg.eigvalsh(J)
+    return J if moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - EQUAL) else None
+
+
+def wheel(radius: float, axis: int = 2) -> tuple[Shape, ...]:
+    """Return rim, spokes, one in another colour, hub and axle; ``axis``: 0, 1 or 2, the axle's."""
+    rim = of_solid("torus", {"ring_radius": radius, "tube_radius": 0.055 * radius})
+    hub = of_solid("cylinder", {"radius": 0.07 * radius, "length": 0.22 * radius})
+    axle = of_solid("cylinder", {"radius": 0.025 * radius, "length": 1.1 * radius})
+    spoke = of_solid("cylinder", {"radius": 0.012 * radius, "length": radius})
+    first = of_solid("cylinder", {"radius": 0.03 * radius, "length": radius})
+    parts = [Shape(replace(rim, round=False)), Shape(hub, "grey"), Shape(axle, "grey")]
+    for k in range(8):
+        turn = _turned_about_third(math.pi * k / 4) @ _to_third(0)
+        out = turn @ np.array([0.0, 0.0, radius / 2])
+        mesh = (spoke if k else first).moved(out, turn)
+        parts.append(Shape(replace(mesh, round=False), "grey" if k else "red"))
+    return tuple(replace(p, mesh=p.mesh.moved((0, 0, 0), _to_third(axis))) for p in parts)
+
+
+def _turned_about_third(angle: float) -> Floats:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,336 @@
+"""The pictures of an animation one by one, drawn by Matplotlib without a browser.
+
+The painter's algorithm: triangles of all bodies are drawn from the farthest to the nearest, lit from above.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eom.views.animation.animation import Animation, at
+from eom.views.animation.animation_page import PALETTE
+from eom.views.animation.tracks import matrices, turned
+from eom.views.draw.picture import COLOURS
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+Floats = NDArray[np.float64]
+
+LONGEST_FILM = 8.0
+"""Seconds that are shown unless more are asked for."""
+FIELD = math.radians(32)
+"""The camera's field of view, from top to bottom."""
+PALE = 0.62
+
+
+@dataclass(frozen=True)
+class Film:
+    """How an animation is filmed: size in pixels, pictures a second, seconds shown (at most all)."""
+
+    width: int = 640
+    height: int = 480
+    fps: int = 15
+    dark: bool = False
+    length: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A pinhole in front of the motion, as the page's at its start."""
+
+    place: Floats
+    axes: Floats
+    """Rows: to the right, up, towards the camera."""
+
+    @classmethod
+    def of(cls, animation: Animation, aspect: float) -> Camera:
+        """Return the camera that sees all of the motion."""
+        view = animation.view
+        up = np.array(view.up)
+        across = np.eye(3)[0] - up[0] * up
+        if across @ across < 0.1:
+            across = np.eye(3)[1] - up[1] * up
+        across /= np.linalg.norm(across)
+        along = np.cross(up, across)
+        azimuth, elevation = (math.radians(a) for a in view.camera)
+        flat = math.cos(azimuth) * across + math.sin(azimuth) * along
+        towards = math.cos(elevation) * flat + math.sin(elevation) * up
+        distance = 1.14 * view.radius / math.sin(FIELD / 2) / min(1.0, aspect)
+        right = np.cross(up, towards)
+        right /= np.linalg.norm(right)
+        axes = np.stack([right, np.cross(towards, right), towards])
+        return cls(np.asarray(view.centre) + distance * towards, axes)
+
+    def seen(self, points: Floats) -> tuple[Floats, Floats]:
+        """Return where points (..., 3) are in the picture (half its height is 1), and how far away."""
+        local = (points - self.place) @ self.axes.T
+        depth = -local[..., 2]
+        return local[..., :2] / (depth * math.tan(FIELD / 2))[..., None], depth
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles of one body in its axes, with a colour each, and whether their backs are hidden."""
+
+    corners: Floats
+    colours: Floats
+    hidden: NDArray[np.bool_]
+
+
+class Filming:
+    """One animation, one film: what does not change from picture to picture."""
+
+    def __init__(self, animation: Animation, film: Film) -> None:
+        self.animation, self.film = animation, film
+        self.camera = Camera.of(animation, film.width / film.height)
+        self.scales = _scales(animation)
+
+    @cached_property
+    def count(self) -> int:
+        """How many pictures there are."""
+        times = self.animation.times
+        whole = float(times[-1] - times[0]) / self.animation.speed
+        shown = min(whole, self.film.length or LONGEST_FILM)
+        return max(2, round(shown * self.film.fps) + 1)
+
+    @cached_property
+    def bodies(self) -> tuple[Triangles, ...]:
+        """The triangles of all bodies."""
+        figures = self.animation.figures.bodies
+        return tuple(_triangles(f.shapes, PALETTE[k % len(PALETTE)]) for k, f in enumerate(figures))
+
+    @cached_property
+    def stand(self) -> Triangles:
+        """The triangles of what does not move."""
+        return _triangles(self.animation.figures.ground, "grey")
+
+    @cached_property
+    def tips(self) -> tuple[Floats, ...]:
+        """The paths of the bodies' tips."""
+        pairs = zip(self.animation.tracks.bodies, self.animation.figures.bodies, strict=True)
+        return tuple(at(track, figure.tip) for track, figure in pairs)
+
+    def moment(self, number: int) -> float:
+        """Return the place of a picture among the samples."""
+        times = self.animation.times
+        shown = number / self.film.fps * self.animation.speed
+        return min(shown / float(times[1] - times[0]), len(times) - 1.0)
+
+
+def _scales(animation: Animation) -> dict[str, float]:
+    """Return the length (m) of a unit of each kind of vector: the longest arrow fits the picture."""
+    largest: dict[str, float] = {}
+    for arrow in animation.arrows:
+        size = float(np.linalg.norm(arrow.values, axis=1).max())
+        largest[arrow.kind] = max(size, largest.get(arrow.kind, 0.0))
+    share = {"omega": 0.95, "momentum": 0.8, "torque": 0.65}
+    return {k: share[k] * animation.view.radius / v for k, v in largest.items() if v > 0}
+
+
+def _triangles(shapes: Sequence[Any], colour: str) -> Triangles:
+    corners, colours = [np.zeros((0, 3, 3))], [np.zeros((0, 4))]
+    hidden = [np.zeros(0, dtype=np.bool_)]
+    for shape in shapes:
+        mesh = shape.mesh
+        base = np.array([*_rgb(shape.colour or colour), shape.opacity])
+        tones = np.tile(base, (len(mesh.faces), 1))
+        if mesh.round:
+            tones[mesh.octants, :3] += PALE * (1 - tones[mesh.octants, :3])
+        corners.append(mesh.vertices[mesh.faces])
+        colours.append(tones)
+        hidden.append(np.full(len(mesh.faces), mesh.closed and shape.opacity == 1))
+    return Triangles(np.concatenate(corners), np.concatenate(colours), np.concatenate(hidden))
+
+
+def _rgb(colour: str) -> tuple[float, float, float]:
+    text = COLOURS[colour].lstrip("#")
+    r, g, b = (int(text[k : k + 2], 16) / 255 for k in (0, 2, 4))
+    return r, g, b
+
+
+def interpolated(quaternions: Floats, place: float) -> Floats:
+    """Return the quaternion at a place between two samples, on the great circle."""
+    k = min(int(place), len(quaternions) - 1)
+    a, b = quaternions[k], quaternions[min(k + 1, len(quaternions) - 1)]
+    part, angle = place - k, math.acos(min(1.0, float(a @ b)))
+    if math.sin(angle) < 1e-5:
+        return np.asarray(a + part * (b - a))
+    p, q = math.sin((1 - part) * angle), math.sin(part * angle)
+    return np.asarray((p * a + q * b) / math.sin(angle))
+
+
+def _between(values: Floats, place: float) -> Floats:
+    k = min(int(place), len(values) - 1)
+    following = values[min(k + 1, len(values) - 1)]
+    return np.asarray(values[k] + (place - k) * (following - values[k]))
+
+
+# -- one picture -----------------------------------------------------------------------------------
+
+
+def frames(filming: Filming) -> Iterator[Image]:
+    """Yield the pictures."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    film = filming.film
+    figure = Figure(figsize=(film.width / 100, film.height / 100), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+    for number in range(filming.count):
+        figure.clear()
+        _draw(filming, filming.moment(number), figure)
+        canvas.draw()  # type: ignore[no-untyped-call]
+        pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
+        yield Image.fromarray(np.asarray(pixels)[..., :3].copy())
+
+
+def _draw(filming: Filming, place: float, figure: Any) -> None:
+    """Draw one moment: ground, paths, bodies, vectors, the time."""
+    from matplotlib.collections import PolyCollection
+
+    film = filming.film
+    back, ink = ("#15171b", "#ececec") if film.dark else ("#ffffff", "#1c1c1c")
+    figure.set_facecolor(back)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    aspect = film.width / film.height
+    axes.set_xlim(-aspect, aspect)
+    axes.set_ylim(-1, 1)
+    axes.set_axis_off()
+    _ground(filming, axes)
+    _paths(filming, place, axes)
+    corners, colours = _scene(filming, place)
+    flat, depth = filming.camera.seen(corners)
+    order = np.argsort(-depth.mean(axis=1), kind="stable")
+    shaded = _lit(corners, colours, filming)[order]
+    edges = shaded * np.where(shaded[:, 3:] == 1, 1.0, (1.0, 1.0, 1.0, 0.0))
+    axes.add_collection(
+        PolyCollection(
+            list(flat[order]), facecolors=shaded, edgecolors=edges, linewidths=0.4, zorder=3
+        )
+    )
+    _links(filming, place, axes)
+    _vectors(filming, place, axes, back)
+    times, title = filming.animation.times, filming.animation.title
+    time = float(times[0]) + place * float(times[1] - times[0])
+    label = {"color": ink, "va": "top", "zorder": 9, "parse_math": False}
+    axes.text(-aspect + 0.04, 0.96, title, fontsize=11, weight="bold", **label)
+    axes.text(-aspect + 0.04, 0.87, f"t = {time:.{_places(filming)}f} s", fontsize=10, **label)
+
+
+def _places(filming: Filming) -> int:
+    span = float(filming.animation.times[-1] - filming.animation.times[0])
+    return max(0, min(6, 2 - math.floor(math.log10(span))))
+
+
+def _scene(filming: Filming, place: float) -> tuple[Floats, Floats]:
+    """Return the triangles that are not turned away, where they are, and their colours."""
+    groups = [filming.stand, *filming.bodies]
+    corners = [filming.stand.corners]
+    for track, body in zip(filming.animation.tracks.bodies, filming.bodies, strict=True):
+        C = matrices(interpolated(track.quaternions, place))
+        corners.append(body.corners @ C + _between(track.positions, place))
+    points = np.concatenate(corners)
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    away = np.einsum("ni,ni->n", normals, filming.camera.place - points[:, 0]) <= 0
+    seen = ~(away & np.concatenate([g.hidden for g in groups]))
+    return points[seen], np.concatenate([g.colours for g in groups])[seen]
+
+
+def _lit(corners: Floats, colours: Floats, filming: Filming) -> Floats:
+    """Return colours by how a lamp above the camera's left shines on the triangles."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    towards = np.einsum("ni,ni->n", normals, filming.camera.place - corners.mean(axis=1))
+    normals *= np.where(towards < 0, -1.0, 1.0)[:, None]
+    right, _, back = filming.camera.axes
+    lamp = -0.5 * right + 0.7 * np.array(filming.animation.view.up) + 0.55 * back
+    lamp /= np.linalg.norm(lamp)
+    shade = 0.55 + 0.45 * np.clip(normals @ lamp, 0, 1)
+    return np.concatenate([np.clip(colours[:, :3] * shade[:, None], 0, 1), colours[:, 3:]], axis=1)
+
+
+def _ground(filming: Filming, axes: Any) -> None:
+    from matplotlib.collections import LineCollection
+
+    view = filming.animation.view
+    if view.ground is None:
+        return
+    up = np.array(view.up)
+    first = np.eye(3)[int(np.argmin(np.abs(up)))]
+    first = first - (first @ up) * up
+    first /= np.linalg.norm(first)
+    second = np.cross(up, first)
+    foot = view.centre + (view.ground - view.centre @ up) * up
+    reach = np.linspace(-1.6, 1.6, 13) * view.radius
+    lines = [[foot + a * u + b * reach[0] * v, foot + a * u - b * reach[0] * v]
+             for a in reach for u, v, b in ((first, second, 1), (second, first, 1))]  # fmt: skip
+    flat, depth = filming.camera.seen(np.array(lines))
+    seen = flat[np.all(depth > 0, axis=1)]
+    grey = "#343941" if filming.film.dark else "#d4d4ce"
+    axes.add_collection(LineCollection(list(seen), colors=grey, linewidths=0.7, zorder=1))
+
+
+def _paths(filming: Filming, place: float, axes: Any) -> None:
+    many = len(filming.tips) > 1
+    for k, path in enumerate(filming.tips):
+        done = np.concatenate([path[: int(place) + 1], _between(path, place)[None]])
+        flat, _ = filming.camera.seen(done)
+        colour = COLOURS[PALETTE[k % len(PALETTE)] if many else "orange"]
+        axes.plot(flat[:, 0], flat[:, 1], color=colour, linewidth=1.2, alpha=0.7, zorder=2)
+
+
+def _links(filming: Filming, place: float, axes: Any) -> None:
+    """Draw springs and rods without mass."""
+    tracks = filming.animation.tracks.bodies
+    for link in filming.animation.figures.links:
+        ends = []
+        for body, point in zip(link.bodies, link.points, strict=True):
+            if body < 0:
+                ends.append(point)
+                continue
+            q = interpolated(tracks[body].quaternions, place)
+            ends.append(_between(tracks[body].positions, place) + turned(q[None], point[None])[0])
+        flat, _ = filming.camera.seen(np.array(ends))
+        axes.plot(flat[:, 0], flat[:, 1], color=COLOURS["grey"], linewidth=2, zorder=4)
+
+
+def _vectors(filming: Filming, place: float, axes: Any, back: str) -> None:
+    """Draw omega, H and torque of a single body, and its axes; of many bodies none."""
+    from matplotlib import patheffects
+
+    animation = filming.animation
+    if len(animation.tracks.bodies) > 1:
+        return
+    (track,), (figure,) = animation.tracks.bodies, animation.figures.bodies
+    origin = _between(track.positions, place)
+    q = interpolated(track.quaternions, place)
+    ends = [
+        (turned(q[None], (1.1 * figure.extent * np.eye(3)[k])[None])[0], figure.axes[k], "grey")
+        for k in range(3)
+    ]
+    for arrow in animation.arrows:
+        if arrow.kind in filming.scales:
+            vector = filming.scales[arrow.kind] * _between(arrow.values, place)
+            ends.append((vector, arrow.text, arrow.colour))
+    for vector, text, colour in ends:
+        if float(np.linalg.norm(vector)) < 0.02 * animation.view.radius:
+            continue
+        (start, end, words), _ = filming.camera.seen(
+            np.stack([origin, origin + vector, origin + 1.08 * vector])
+        )
+        ink = COLOURS[colour]
+        style = {"arrowstyle": "-|>,head_width=0.25,head_length=0.5", "color": ink,
+                 "linewidth": 1.2 if colour == "grey" else 2.4, "shrinkA": 0, "shrinkB": 0}  # fmt: skip
+        axes.annotate("", end, start, arrowprops=style, zorder=5)
+        halo = [patheffects.withStroke(linewidth=3, foreground=back)]
+        axes.text(*words, text, color=ink, ha="center", va="center", weight="bold", zorder=6,
+                  path_effects=halo, parse_math=False)  # fmt: skip

@@ -1,0 +1,200 @@
+"""The turning of one body over time for pictures: in closed form where it is free, else integrated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from eom.errors import InputError
+from eom.views.body.free import FreeBody, free_body, not_free
+from eom.views.body.matrices import quaternion_matrices, sequence_matrices
+from eom.views.draw.picture import Floats
+from eom.views.time.runs import integrated
+
+if TYPE_CHECKING:
+    from codegen import Result
+    from eom.opening import AnyScene
+    from eom.scenes.scene import Scene
+
+RATES = ("omega_1", "omega_2", "omega_3")
+QUATERNION = ("q0", "q1", "q2", "q3")
+POINTS = 2000
+UNSTATED = "The scene states no attitude: the body axes start along those of space."
+PERIODS = 1.0
+"""Periods of the angular velocity of a free body that are drawn where no time is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """How a body turns over time.
+
+    ``t`` (N,) s; ``omega`` (N, 3) rad/s along the body axes; ``C`` (N, 3, 3), C_BI, whose rows are
+    the body axes in the frame in which attitude is measured. ``free``: the free body that it is.
+    ``orbit``: whether that frame is the turning one of an orbit. ``symmetry``: index of the body axis
+    about which the body is symmetric, the two other moments being equal. ``notes``: for a caption.
+    """
+
+    t: Floats
+    omega: Floats
+    C: Floats
+    title: str
+    free: FreeBody | None = None
+    orbit: bool = False
+    symmetry: int | None = None
+    notes: tuple[str, ...] = ()
+
+
+def turning(scene: AnyScene, seconds: float | None = None, points: int | None = None) -> Turning:
+    """Return how the body of a scene turns, from t = 0 on.
+
+    ``scene``: of one body; ``seconds``: how long (s), by default one period of a free body, and the
+    scene's own time of others; ``points``: number of times. Raises `InputError` for trees, and as
+    `codegen.simulate` does.
+
+    >>> import eom
+    >>> turning(eom.load_scene("t-handle"), seconds=2.0, points=201).C.shape
+    (201, 3, 3)
+    """
+    from eom.scenes.scene import Scene
+
+    if not isinstance(scene, Scene):
+        raise InputError(
+            "a tree has many bodies, and this picture is about one",
+            where=scene.title or scene.name,
+            hint="eom animate shows all bodies",
+        )
+    if not not_free(scene):
+        body = free_body(scene, "attitude")
+        found = of_free(body, _span(body, scene.integration.t_end, seconds), points or POINTS)
+        return replace(found, notes=_unstated(scene))
+    plan = seconds or scene.integration.t_end
+    return _integrated(scene, np.linspace(0.0, plan, points or POINTS))
+
+
+def _span(body: FreeBody, own: float, seconds: float | None) -> float:
+    period = body.motion.period
+    return seconds or (PERIODS * period if 0 < period < np.inf else own)
+
+
+def of_free(body: FreeBody, seconds: float, points: int) -> Turning:
+    """Return the turning of a free body at ``points`` times up to ``seconds``, in closed form."""
+    t = np.linspace(0.0, seconds, points)
+    omega, q = body.motion(t)
+    C = quaternion_matrices(q)
+    return Turning(t, omega.T, C, body.title, body, symmetry=symmetry_of(body.moments))
+
+
+def symmetry_of(moments: Sequence[float]) -> int | None:
+    """Return the index of the only axis about which the two other moments are equal.
+
+    >>> symmetry_of((1.0, 2.0, 1.0)), symmetry_of((1.0, 2.0, 3.0))
+    (1, None)
+    """
+    found = [k for k in range(3) if moments[(k + 1) % 3] == moments[(k + 2) % 3]]
+    return found[0] if len(found) == 1 else None
+
+
+def _integrated(scene: Scene, t: Floats) -> Turning:
+    from eom.scenes.description import inertia_values, principal_values
+
+    if scene.model == "spinner":
+        return _spinner(scene, t)
+    try:
+        told = _in_quaternion(scene)
+        told.derive()
+    except InputError:  # its torque is a formula of its own coordinates
+        told = scene
+    names = _coordinates(told)
+    result, values = _values(_asked(told, (*RATES, *names)), (*RATES, *names), t)
+    q = values[3:]
+    if told.attitude == "quaternion":
+        C = quaternion_matrices(q / np.linalg.norm(q, axis=0))
+    elif told.attitude == "dcm":
+        C = np.moveaxis(q.reshape(3, 3, -1), 2, 0)
+    else:
+        C = sequence_matrices(told.attitude, q)
+    return Turning(
+        result.t,
+        values[:3].T,
+        C,
+        scene.title or scene.name,
+        orbit=scene.torque.gravity_gradient is not None,
+        symmetry=symmetry_of(principal_values(scene)) if inertia_values(scene) is None else None,
+        notes=(*_stopped(result, t), *_unstated(scene)),
+    )
+
+
+def _unstated(scene: Scene) -> tuple[str, ...]:
+    """Return what is to be said of a scene that states no attitude."""
+    return (UNSTATED,) if scene.attitude == "none" and scene.model != "spinner" else ()
+
+
+def _coordinates(scene: Scene) -> tuple[str, ...]:
+    from eom.kinematics.coordinates import attitude
+
+    if scene.attitude == "none":
+        raise InputError(
+            "the scene has no attitude",
+            where=scene.title or scene.name,
+            hint='attitude = "quaternion"',
+        )
+    return tuple(c.name for c in attitude(scene.attitude).coordinates)
+
+
+def _in_quaternion(scene: Scene) -> Scene:
+    """Return a scene with its attitude as a quaternion, which no attitude is singular in."""
+    from eom.kinematics.rotations import quaternion_of_matrix
+    from eom.scenes.conventions import attitude_at_start
+
+    data = scene.model_dump(exclude_unset=True)
+    start = (1.0, 0.0, 0.0, 0.0)
+    if scene.attitude != "none":
+        start = quaternion_of_matrix(attitude_at_start(scene))
+        own = _coordinates(scene)
+        data["initial"] = {n: v for n, v in data.get("initial", {}).items() if n not in own}
+    data |= {"attitude": "quaternion", "outputs": (*RATES, *QUATERNION)}
+    data["initial_attitude"] = {"quaternion": start}
+    return type(scene)(**data)
+
+
+def _asked(scene: Scene, outputs: tuple[str, ...]) -> Scene:
+    data: dict[str, Any] = scene.model_dump(exclude_unset=True)
+    return type(scene)(**{**data, "outputs": outputs})
+
+
+def _values(scene: Scene, names: tuple[str, ...], t: Floats) -> tuple[Result, Floats]:
+    """Integrate; return the run and the named quantities, (n, N), those that never change among them."""
+    result, parameters = integrated(scene, t), scene.parameter_values()
+    held = {**result.outputs, **dict(zip(result.names, result.y, strict=True))}
+    fixed = np.ones_like(result.t)
+    return result, np.array([held[n] if n in held else parameters[n] * fixed for n in names])
+
+
+def _stopped(result: Result, t: Floats) -> tuple[str, ...]:
+    if result.t_stop == t[-1]:
+        return ()
+    return (f"The run stopped at t = {result.t_stop:.4g} s: {result.message}.",)
+
+
+def _spinner(scene: Scene, t: Floats) -> Turning:
+    """Return the turning of the 3-1-2 body: psi about a3, theta about b1, phi about its axle b2."""
+    names = ("psi", "theta", "phi", "theta_dot", "psi_dot", "C")
+    data = scene.model_dump(exclude_unset=True)
+    data["initial"] = {"phi": 0.0, "psi": 0.0, **data.get("initial", {})}
+    result, values = _values(type(scene)(**{**data, "outputs": names}), names, t)
+    _, theta, phi, tilting, precessing, spin = values
+    across = precessing * np.cos(theta)
+    cosine, sine = np.cos(phi), np.sin(phi)
+    omega = [cosine * tilting - sine * across, spin, sine * tilting + cosine * across]
+    C = sequence_matrices("3-1-2", values[:3])
+    return Turning(
+        result.t,
+        np.array(omega).T,
+        C,
+        scene.title or scene.name,
+        symmetry=1,
+        notes=_stopped(result, t),
+    )

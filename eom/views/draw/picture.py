@@ -1,0 +1,212 @@
+"""A picture as data: panels and what is drawn in them, for any renderer.
+
+Coordinates are in the units that the axes name; arrays are never changed after they are given.
+A colour is a name of `COLOURS`, so that every renderer uses the same, told apart by colour-blind
+readers too (Okabe and Ito, "Color universal design", 2008).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eom.errors import InputError
+
+Floats = NDArray[np.float64]
+
+COLOURS = {
+    "black": "#000000",
+    "grey": "#8a8a8a",
+    "orange": "#e69f00",
+    "sky": "#56b4e9",
+    "green": "#009e73",
+    "yellow": "#d9c400",
+    "blue": "#0072b2",
+    "red": "#d55e00",
+    "purple": "#cc79a7",
+}
+"""Colours of all pictures by name, as #rrggbb; source: Okabe and Ito, Color universal design (2008)."""
+Dash = Literal["solid", "dashed", "dotted"]
+Scale = Literal["linear", "log"]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line through ``points``, shape (N, 2) or (N, 3); a point that is not a number breaks it.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
+    """
+
+    points: Floats
+    colour: str = "blue"
+    width: float = 1.5
+    dash: Dash = "solid"
+    label: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Marks:
+    """Dots at ``points``, shape (N, 2) or (N, 3).
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``size``: their diameter
+    in printer's points; ``label``: words of the legend.
+    """
+
+    points: Floats
+    colour: str = "black"
+    size: float = 5.0
+    label: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """An arrow from ``start`` to ``end``, shape (2,) or (3,), with ``words`` at its tip.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``width`` in printer's
+    points; ``label``: words of the legend.
+    """
+
+    start: Floats
+    end: Floats
+    colour: str = "black"
+    width: float = 2.0
+    words: str = ""
+    label: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Triangles: ``vertices`` of shape (N, 3), ``faces`` of shape (M, 3) with indices of vertices.
+
+    Places are in the units of the panel's axes. ``colour``: a name of `COLOURS`; ``opacity``: from 0, not
+    seen, to 1; ``label``: words of the legend.
+    """
+
+    vertices: Floats
+    faces: NDArray[np.int64]
+    colour: str = "grey"
+    opacity: float = 0.3
+    label: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Words:
+    """Text at a ``place``, shape (2,) or (3,), in a ``colour`` of `COLOURS`.
+
+    ``place`` is in the units of the panel's axes; ``text``: words, with formulas between dollar signs, in
+    TeX.
+    """
+
+    place: Floats
+    text: str
+    colour: str = "black"
+
+
+Item = Curve | Marks | Arrow | Surface | Words
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its ``words`` with the unit, its scale, its ``limits`` (in that unit) if they are fixed."""
+
+    words: str = ""
+    scale: Scale = "linear"
+    limits: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One drawing: ``items`` in the units of its ``axes``, two for a plane or three for space.
+
+    ``equal`` gives all axes the same scale.
+    """
+
+    items: tuple[Item, ...]
+    axes: tuple[Axis, ...]
+    title: str = ""
+    equal: bool = False
+    bare: bool = False
+    """Whether axes, ticks and grid are left out, as in a sketch."""
+    height: float = 1.0
+    """Height relative to the other panels of its column."""
+    view: tuple[float, float] | None = None
+    """Elevation and azimuth (degrees) that space is seen from; None: as in other pictures."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Panels in ``rows`` from the top, with a title above and words below that say what is seen."""
+
+    rows: tuple[tuple[Panel, ...], ...]
+    title: str = ""
+    caption: str = ""
+    """One or two sentences for those who cannot see it, and for the caption of a figure."""
+    size: tuple[float, float] | None = None
+    """Width and height in inches that its words need, where they need more than panels do."""
+
+    def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+        """Show the picture in a notebook."""
+        from eom.views.draw.notebook import bundle
+
+        return bundle(self)
+
+
+def points(*coordinates: ArrayLike) -> Floats:
+    """Return arrays of ``coordinates``, each of shape (N,), as points of shape (N, 2) or (N, 3).
+
+    Units stay as they are.
+
+    >>> points([0, 1, 2], [0, 1, 4]).tolist()
+    [[0.0, 0.0], [1.0, 1.0], [2.0, 4.0]]
+    """
+    return np.stack([np.asarray(c, dtype=np.float64) for c in coordinates], axis=-1)
+
+
+def check(picture: Picture) -> Picture:
+    """Return a picture if it can be drawn.
+
+    Raises `InputError` that names the panel: a colour that is not known, points of the wrong
+    dimension, no panel at all.
+
+    >>> check(Picture((), "Nothing"))
+    Traceback (most recent call last):
+    ...
+    eom.errors.InputError: the picture has no panel
+      where:    Nothing
+    """
+    if not any(picture.rows):
+        raise InputError("the picture has no panel", where=picture.title or "picture")
+    for panel in (panel for row in picture.rows for panel in row):
+        for item in panel.items:
+            _check_item(item, panel, picture.title)
+    return picture
+
+
+def _check_item(item: Item, panel: Panel, title: str) -> None:
+    where = f"picture {title!r}, panel {panel.title!r}, {type(item).__name__}"
+    if item.colour not in COLOURS:
+        known = ", ".join(COLOURS)
+        raise InputError("unknown colour", where=where, got=item.colour, expected=known)
+    for array in placed(item):
+        if array.shape[-1] != len(panel.axes):
+            got = f"points of {array.shape[-1]} coordinates"
+            raise InputError(
+                "points do not fit the panel",
+                where=where,
+                got=got,
+                expected=f"{len(panel.axes)}, one an axis",
+            )
+
+
+def placed(item: Item) -> Sequence[Floats]:
+    """Return the arrays of places of an item."""
+    if isinstance(item, Curve | Marks):
+        return (item.points,)
+    if isinstance(item, Arrow):
+        return (item.start, item.end)
+    return (item.vertices,) if isinstance(item, Surface) else (item.place,)

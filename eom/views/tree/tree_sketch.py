@@ -1,0 +1,264 @@
+"""Sketch of a tree of bodies at its start, with the forces and torques that act on the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from eom.multibody.algebra.scalars import is_zero
+from eom.multibody.files.scene import TreeScene
+from eom.multibody.model.constraints import Distance, Loop, Rolling, Skate
+from eom.multibody.model.model import GROUND, Constraint, Joint
+from eom.views.animation.equivalents import equivalent
+from eom.views.animation.tracks import matrices
+from eom.views.animation.tree_tracks import from_third
+from eom.views.body.frame_sketches import SPACE
+from eom.views.body.load_arrows import FORCE, force, hang, marked, numbers, push, torque, unit
+from eom.views.draw.labels import names, paper
+from eom.views.draw.lettering import formula, name, plain
+from eom.views.draw.outlines import solid
+from eom.views.draw.picture import (
+    Arrow,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Surface,
+    check,
+    placed,
+)
+from eom.views.draw.viewpoint import CROWDED, best_view
+from eom.views.tree.tree_posture import Posture
+
+MOST_NAMED, MOST_WEIGHED = 16, 6
+"""Bodies with names, and bodies whose weights have names."""
+
+
+class TreeSketch(Posture):
+    """A posture with its size."""
+
+    @cached_property
+    def places(self) -> Floats:
+        """All points that matter: origins, joints, centres of mass."""
+        found = [self.centre(b.name) for b in self.tree.bodies]
+        found += [p.origin for p in self.bodies.values()]
+        found += [frame.origin for frame, _ in self.joints.values()]
+        return np.array(found)
+
+    @cached_property
+    def size(self) -> float:
+        """The largest distance from the middle of the places, or the size of the bodies (m)."""
+        low, high = self.places.min(axis=0), self.places.max(axis=0)
+        solids = (v.vertices for v in self.shapes if isinstance(v, Surface))
+        spans = [high - low, *(np.ptp(v, axis=0) for v in solids)]
+        return max(0.5 * float(np.linalg.norm(span)) for span in spans) or 1.0
+
+    @cached_property
+    def shapes(self) -> list[Item]:
+        """The bodies as uniform solids of the same mass and inertia, about their centres of mass."""
+        found: list[Item] = []
+        for body in self.tree.bodies:
+            J, m = numbers(body.central_inertia, self.known), float(numbers(body.mass, self.known))
+            if m > 0 and np.any(J):
+                mesh = equivalent(J, m).mesh
+                found += solid(mesh, self.bodies[body.name].C, self.centre(body.name))
+        return found
+
+    @cached_property
+    def upright(self) -> Floats:
+        """The rotation of the sketch that takes what is up to the third axis, by whole axes if it can."""
+        up = -self.down
+        for k in range(3):
+            if up[k] > 1 - 1e-9:
+                return np.roll(np.eye(3), 2 - k, axis=0)
+        return matrices(from_third(up)) if np.any(up) else np.eye(3)
+
+    @cached_property
+    def down(self) -> Floats:
+        """The direction of gravity, zero without."""
+        g = unit(numbers(self.tree.gravity, self.known))
+        return np.zeros(3) if g is None else g
+
+
+def tree_sketch(scene: TreeScene) -> Picture:
+    """Return the sketch of a tree at its start: bodies, centres of mass, joints, and what acts on them.
+
+    ``scene``: its tree, numbers and start. Bodies are drawn to scale (m) as uniform solids of the same
+    mass and inertia; lengths of arrows say nothing. Weights act at centres of mass; at joints stand
+    torques and forces on the child by springs, dampers and motors, with their sense at the start;
+    reactions of the ground at joints and contacts are drawn against gravity, as their direction is not
+    known. Springs between points are dotted, rods dashed. Raises `InputError` as the scene does whose
+    numbers make no tree.
+
+    >>> import eom
+    >>> tree_sketch(eom.load_scene("double-pendulum")).caption.split(", ")[0]
+    'Forces and torques on 2 bodies at the start'
+    """
+    s = TreeSketch.of(scene)
+    items: list[Item] = [*s.shapes]
+    for body in s.tree.bodies:
+        items += _body(s, body.name)
+    for joint in s.tree.ordered:
+        items += _joint(s, joint)
+    for constraint in s.tree.constraints:
+        items += _constraint(s, constraint)
+    items += [*_springs(s), *_loads(s), *_rotors(s)]
+    items = [upright(item, s.upright) for item in items]
+    view = best_view((), items, CROWDED)
+    if len(s.tree.bodies) <= MOST_NAMED:
+        centres = {plain(b.name): s.upright @ s.centre(b.name) for b in s.tree.bodies}
+        items += names(centres, items, view, 0.17 * s.size)
+    items += [*_ground(s, items, view)]
+    panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.4, view=view)
+    return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
+
+
+def upright(item: Item, R: Floats) -> Item:
+    """Return an item of a sketch, turned."""
+    if isinstance(item, Curve | Marks):
+        return replace(item, points=item.points @ R.T)
+    if isinstance(item, Arrow):
+        return replace(item, start=R @ item.start, end=R @ item.end)
+    if isinstance(item, Surface):
+        return replace(item, vertices=item.vertices @ R.T)
+    return replace(item, place=R @ item.place)
+
+
+def _told(s: TreeSketch) -> str:
+    count = len(s.tree.bodies)
+    held = ", ".join(c.name for c in s.tree.constraints)
+    words = (
+        f"Forces and torques on {count} {'bodies' if count > 1 else 'body'} at the start, drawn as "
+        "uniform solids of the same inertia."
+    )
+    return words + (f" Bound by {held}." if held else "")
+
+
+def _ground(s: TreeSketch, items: list[Item], view: tuple[float, float]) -> Iterator[Item]:
+    """Yield the directions of the ground's axes, at the lower left of all else."""
+    across, up = paper(view)
+    points = np.concatenate([np.reshape(a, (-1, 3)) for item in items for a in placed(item)])
+    left, low = float(np.nanmin(points @ across)), float(np.nanmin(points @ up))
+    corner = (left - 0.45 * s.size) * across + (low + 0.1 * s.size) * up
+    for k, letter in enumerate("xyz"):
+        end = corner + 0.35 * s.size * s.upright[:, k]
+        yield Arrow(corner, end, "black", 1.6, f"${letter}$")
+
+
+def _body(s: TreeSketch, body: str) -> Iterator[Item]:
+    """Yield the bones of a body, its centre of mass with its name, and its weight."""
+    centre, origin = s.centre(body), s.bodies[body].origin
+    ends = [s.joints[j.name][0].origin for j in s.tree.ordered if j.parent == body]
+    for end in (*ends, origin):
+        yield Curve(np.stack([centre, end]), "grey", 2.0)
+    yield Marks(centre[None], size=6.0)
+    m = s.tree.body[body].mass
+    if not is_zero(m):
+        letter = name(str(m)) if isinstance(m, sp.Symbol) else name(f"m_{body}")
+        named = len(s.tree.bodies) <= MOST_WEIGHED
+        weight = f"${letter.strip('$')}\\,g$" if named else ""
+        yield from force(centre, s.down, 0.4 * s.size, weight)
+
+
+def _joint(s: TreeSketch, joint: Joint) -> Iterator[Item]:
+    """Yield a joint's point, what acts through it on the child, and the reaction of the ground."""
+    frame, columns = s.joints[joint.name]
+    if joint.kind == "free":
+        return
+    yield Marks(frame.origin[None], "blue", 5.0)
+    if joint.parent == GROUND and np.any(s.down):
+        words = f"$R_{{{name(joint.name).strip('$')}}}$"
+        standing = float((s.centre(joint.child) - frame.origin) @ s.down) < -0.01 * s.size
+        draw = push if standing else hang
+        yield from draw(frame.origin, -s.down, 0.45 * s.size, words)
+    for k, (angular, linear) in enumerate(columns):
+        law = _law(joint, k)
+        if is_zero(law):
+            continue
+        sense = -1.0 if float(numbers(law, s.known)) < 0 else 1.0
+        words = formula(sp.sympify(law, strict=True), _kind_of_law(joint, k))
+        draw, way = (torque, angular) if np.any(angular) else (force, linear)
+        yield from draw(frame.origin, sense * way, 0.4 * s.size, words)
+
+
+def _law(joint: Joint, k: int) -> sp.Expr | int:
+    """Return what springs, dampers, motors and applied forces do along speed k, on the child."""
+    coordinate = joint.row.paired(joint.attitude)[k] if joint.motion is None else None
+    law = sp.sympify(0)
+    if coordinate is not None:
+        law -= joint.stiffness[k] * (joint.coordinates[coordinate].symbol - joint.rest[k])
+    if joint.motion is None:
+        law -= joint.damping[k] * joint.speeds[k].symbol
+    law += joint.force[k] + (joint.motors[k].symbol if joint.motors else 0)
+    return 0 if law == 0 else law
+
+
+def _kind_of_law(joint: Joint, k: int) -> str:
+    given = (("spring", joint.stiffness), ("damper", joint.damping), ("load", joint.force))
+    words = [word for word, values in given if not is_zero(values[k])]
+    return ", ".join(words + ["motor"] * bool(joint.motors))
+
+
+def _constraint(s: TreeSketch, c: Constraint) -> Iterator[Item]:
+    away = 0.1 * s.size * np.array([0.6, 0.6, 0.6])
+    if isinstance(c, Loop):
+        yield from marked(s.on_body(c.first, c.on_first.position), plain(c.name), away, "green")
+    elif isinstance(c, Distance):
+        ends = s.on_body(c.first, c.first_point), s.on_body(c.second, c.second_point)
+        yield Curve(np.stack(ends), "green", 1.8, "dashed", plain(c.name))
+    elif isinstance(c, Rolling):
+        yield from _contact(s, c)
+    elif isinstance(c, Skate):
+        point, across = s.on_body(c.body, c.point), numbers(c.direction, s.known)
+        way = across @ s.bodies[c.body].C
+        yield from push(point, way, 0.4 * s.size, f"$R_{{{name(c.name).strip('$')}}}$")
+
+
+def _contact(s: TreeSketch, c: Rolling) -> Iterator[Item]:
+    """Yield the point of contact of a wheel or ball, the plane round it, and the plane's reaction."""
+    normal = numbers(c.normal, s.known)
+    towards = -normal
+    if c.axis is not None:
+        axis = numbers(c.axis, s.known) @ s.bodies[c.body].C
+        towards = towards - axis * (axis @ towards)
+    way = unit(towards)
+    point = s.on_body(c.body, c.centre) + float(numbers(c.radius, s.known)) * (
+        -normal if way is None else way
+    )
+    across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    sides = 0.7 * s.size * np.stack([across, np.cross(normal, across)]) / np.linalg.norm(across)
+    corners = point + np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ sides
+    yield Surface(corners, np.array([[0, 1, 2], [0, 2, 3]]), "grey", 0.15)
+    yield Marks(point[None], "green", 6.0)
+    yield from push(point, normal, 0.45 * s.size, f"$R_{{{name(c.name).strip('$')}}}$")
+
+
+def _springs(s: TreeSketch) -> Iterator[Item]:
+    for spring in s.tree.springs:
+        ends = np.stack(
+            [s.on_body(b, p) for b, p in zip(spring.bodies, spring.points, strict=True)]
+        )
+        yield Curve(ends, FORCE, 2.0, "dotted")
+        yield from marked(ends.mean(axis=0), plain(spring.name), np.zeros(3), FORCE)
+
+
+def _loads(s: TreeSketch) -> Iterator[Item]:
+    for load in s.tree.loads:
+        C = s.bodies[load.body].C if load.axes == "body" else np.eye(3)
+        point, length = s.on_body(load.body, load.point), 0.4 * s.size
+        label = name(load.body).strip("$")
+        yield from force(point, numbers(load.force, s.known) @ C, length, f"$F_{{{label}}}$")
+        yield from torque(point, numbers(load.torque, s.known) @ C, length, f"$M_{{{label}}}$")
+
+
+def _rotors(s: TreeSketch) -> Iterator[Item]:
+    for rotor in s.tree.rotors:
+        centre, axis = s.centre(rotor.body), numbers(rotor.axis, s.known) @ s.bodies[rotor.body].C
+        words = plain(rotor.name)
+        yield Arrow(centre, centre + 0.4 * s.size * axis, "blue", 1.8, words, "axis of a rotor")

@@ -1,0 +1,305 @@
+"""The value of a term in a world, and whether an equation holds there.
+
+Nothing of mechanics is known here but the definitions of `eom.terms.vocabulary` and Newton's meaning of the
+primitive quantities, which the world supplies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from eom import limits
+from eom.errors import InputError
+from eom.exact import series
+from eom.exact.series import Series
+from eom.terms.terms import INDICES, Equation, Term, nodes
+from eom.terms.vocabulary import definition
+from eom.worlds.attitudes import ANGLES
+from eom.worlds.worlds import World
+
+Value = Any
+"""A series, a vector (three of them, in I), a dyadic (in I), a column or a matrix."""
+Env = Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """Values of terms in one world; ``scalars`` says what each SymPy symbol stands for."""
+
+    world: World
+    scalars: Mapping[Any, Term]
+    memo: dict[Any, Value] = field(default_factory=dict)
+
+    def holds(self, equation: Equation) -> bool:
+        """Tell whether both sides agree in every known coefficient, for all free indices."""
+        both = self.labels(equation.left) | self.labels(equation.right)
+        return all(self._agree(equation, env) for env in self.numberings(both))
+
+    def lowest(self, term: Term) -> Any:
+        """Return the least value at t = 0 of a scalar, over all free indices; for rational worlds."""
+        numberings = self.numberings(self.labels(term))
+        return min(self.value(term, env).coefficients[0] for env in numberings)
+
+    def numberings(self, labels: frozenset[str]) -> Iterator[Env]:
+        """Yield every way to number the free indices among ``labels``."""
+        free = sorted(labels & INDICES)
+        ranges = [range(self.world.count("rotors" if i == "k" else "particles")) for i in free]
+        return (dict(zip(free, numbers, strict=True)) for numbers in product(*ranges))
+
+    def labels(self, term: Term) -> frozenset[str]:
+        """Return the free labels of a term and of what its symbols stand for."""
+        symbols = {s for n in nodes(term) if n.head == "expr" for s in n.data[0].free_symbols}
+        meanings = (self.scalars[s] for s in symbols if s in self.scalars)
+        return term.labels.union(*(self.labels(m) for m in meanings))
+
+    def _agree(self, equation: Equation, env: Env) -> bool:
+        left, right = self.value(equation.left, env), self.value(equation.right, env)
+        parts = list(_flat(left)), list(_flat(right))
+        if len(parts[0]) != len(parts[1]):
+            raise InputError("two sides have different numbers of components")
+        return all((a - b).is_zero for a, b in zip(*parts, strict=True))
+
+    def value(self, term: Term, env: Env | None = None) -> Value:
+        """Return the value of ``term``; ``env`` numbers the particles that indices stand for."""
+        env = env or {}
+        memo, key = self._place(term, env)
+        if key not in memo:
+            limits.check()
+            memo[key] = _RULES[term.head](self, term, env)
+        return memo[key]
+
+    def _place(self, term: Term, env: Env) -> tuple[dict[Any, Value], Any]:
+        """Return where the value is kept: without symbols it is the world's, for any evaluator."""
+        if not term.is_plain:
+            return self.memo, (term, tuple(sorted(env.items())))
+        return self.world.memo, (term, tuple((i, env[i]) for i in term.indices if i in env))
+
+    def scalar(self, expression: Any, env: Env) -> Series:
+        """Return the value of a SymPy expression over known symbols."""
+        key = (expression, tuple(sorted(env.items())))
+        if key not in self.memo:
+            rule = next((r for kind, r in _EXPRESSIONS if isinstance(expression, kind)), None)
+            if rule is None:
+                raise InputError("this expression has no value in a world", got=expression)
+            self.memo[key] = rule(self, expression, env)
+        result: Series = self.memo[key]
+        return result
+
+    def meaning(self, symbol: Any) -> Term:
+        """Return what a SymPy symbol stands for. Raises `InputError` for unknown ones."""
+        if symbol not in self.scalars:
+            raise InputError("symbol without a meaning in this statement", got=symbol)
+        return self.scalars[symbol]
+
+    def rotation(self, angle: Any) -> tuple[Series, Series]:
+        """Return sine and cosine of a sum of angles, each an integer or half as often."""
+        sine, cosine = self.world.constant(0), self.world.constant(1)
+        for part in sp.Add.make_args(sp.expand(angle)):
+            count, symbol = part.as_coeff_Mul()
+            meaning = self.scalars.get(symbol)
+            known = meaning is not None and meaning.head == "atom" and meaning.data[0] in ANGLES
+            if meaning is None or not known or count.q not in {1, 2}:
+                raise InputError("sine or cosine of what is no sum of angles", got=angle)
+            found = self.world.angle(*meaning.data)
+            s, c = found[1:3] if count.q == 1 else found[3:]
+            s = s if count > 0 else -s
+            for _ in range(abs(int(count.p))):
+                sine, cosine = sine * c + cosine * s, cosine * c - sine * s
+        return sine, cosine
+
+
+def _power(e: Evaluator, node: Any, env: Env) -> Series:
+    if not node.exp.is_Integer:
+        raise InputError("roots have no exact value in a world", got=node)
+    base = e.scalar(node.base, env)
+    base = base if node.exp > 0 else base.reciprocal()
+    result = base
+    for _ in range(abs(int(node.exp)) - 1):
+        result = result * base
+    return result
+
+
+def _product(e: Evaluator, node: Any, env: Env) -> Series:
+    result = e.scalar(node.args[0], env)
+    for a in node.args[1:]:
+        result = result * e.scalar(a, env)
+    return result
+
+
+def _tangent(e: Evaluator, node: Any, _: Env) -> Series:
+    """Return sin 2a / (1 + cos 2a), which needs no sine of a itself."""
+    sine, cosine = e.rotation(2 * node.args[0])
+    return sine * (e.world.constant(1) + cosine).reciprocal()
+
+
+_EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = (
+    (
+        sp.Rational,
+        lambda e, n, _: e.world.constant(e.world.field.of(int(n.p), int(n.q))),
+    ),
+    (sp.Symbol, lambda e, n, env: e.value(e.meaning(n), env)),
+    (sp.Add, lambda e, n, env: series.total([e.scalar(a, env) for a in n.args])),
+    (sp.Mul, _product),
+    (sp.Pow, _power),
+    (sp.sin, lambda e, n, _: e.rotation(n.args[0])[0]),
+    (sp.cos, lambda e, n, _: e.rotation(n.args[0])[1]),
+    (sp.tan, _tangent),
+    (sp.cot, lambda e, n, env: _tangent(e, n, env).reciprocal()),
+    (sp.sec, lambda e, n, _: e.rotation(n.args[0])[1].reciprocal()),
+    (sp.csc, lambda e, n, _: e.rotation(n.args[0])[0].reciprocal()),
+)
+"""One rule a kind of SymPy expression."""
+
+
+def _flat(value: Value) -> list[Series]:
+    return [value] if isinstance(value, Series) else [s for part in value for s in _flat(part)]
+
+
+def _combine(rule: Callable[[Series, Series], Series], a: Value, b: Value) -> Value:
+    if isinstance(a, Series):
+        return rule(a, b)
+    return tuple(_combine(rule, x, y) for x, y in zip(a, b, strict=True))
+
+
+def _each(rule: Callable[[Series], Series], a: Value) -> Value:
+    return rule(a) if isinstance(a, Series) else tuple(_each(rule, x) for x in a)
+
+
+def _sum_of(values: list[Value]) -> Value:
+    result = values[0]
+    for value in values[1:]:
+        result = _combine(lambda x, y: x + y, result, value)
+    return result
+
+
+def _add(e: Evaluator, term: Term, env: Env) -> Value:
+    return _sum_of([e.value(a, env) for a in term.args])
+
+
+def _mul(e: Evaluator, term: Term, env: Env) -> Value:
+    result = e.value(term.args[-1], env)
+    for a in term.args[:-1]:
+        factor = e.value(a, env)
+        result = _each(lambda x, f=factor: f * x, result)  # type: ignore[misc]
+    return result
+
+
+def _dot(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    kinds = tuple(x.kind for x in term.args)
+    if kinds == ("vector", "vector"):
+        return series.dot(a, b)
+    if kinds == ("dyadic", "vector"):
+        return series.apply(a, b)
+    return series.apply(series.transpose(b), a) if kinds[0] == "vector" else series.product(a, b)
+
+
+def _cross(e: Evaluator, term: Term, env: Env) -> Value:
+    return series.cross(*(e.value(x, env) for x in term.args))
+
+
+def _outer(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    return tuple(tuple(x * y for y in b) for x in a)
+
+
+def _der(e: Evaluator, term: Term, env: Env) -> Value:
+    """Differentiate the components in the frame, and come back."""
+    (inside,) = term.args
+    value = e.value(inside, env)
+    frame = term.data[0]
+    if inside.kind in {"vector", "dyadic"} and frame != "I":
+        local = _each(Series.derivative, _turned(e.world.rotation(frame, "I"), value))
+        return _turned(e.world.rotation("I", frame), local)
+    return _each(Series.derivative, value)
+
+
+def _turned(C: series.Matrix, value: Value) -> Value:
+    """Components of a vector or dyadic after a change of frame."""
+    if isinstance(value[0], Series):
+        return series.apply(C, value)
+    return series.product(series.product(C, value), series.transpose(C))
+
+
+def _sum(e: Evaluator, term: Term, env: Env) -> Value:
+    index = term.data[0]
+    over = term.data[1] if term.head == "sum" else "mass"
+    values = []
+    for n in range(e.world.count(over)):
+        value = e.value(term.args[0], {**env, index: n})
+        if over == "mass":
+            weight = e.world.masses[n]
+            value = _each(lambda x, w=weight: w * x, value)  # type: ignore[misc]
+        values.append(value)
+    return _sum_of(values)
+
+
+def _column(e: Evaluator, term: Term, env: Env) -> Value:
+    return _turned(e.world.rotation(term.data[0], "I"), e.value(term.args[0], env))
+
+
+def _matmul(e: Evaluator, term: Term, env: Env) -> Value:
+    a, b = (e.value(x, env) for x in term.args)
+    return series.product(a, b) if term.kind == "matrix" else series.apply(a, b)
+
+
+def _entries(e: Evaluator, term: Term, env: Env) -> Value:
+    values = [e.value(a, env) for a in term.args]
+    return (
+        tuple(values) if len(values) == 3 else (*map(tuple, (values[:3], values[3:6], values[6:])),)
+    )
+
+
+def _table(e: Evaluator, term: Term, env: Env) -> Value:
+    values, columns = [e.value(a, env) for a in term.args], term.data[1]
+    return tuple(tuple(values[k : k + columns]) for k in range(0, len(values), columns))
+
+
+def _zero(e: Evaluator, term: Term, _: Env) -> Value:
+    nought = e.world.constant(0)
+    vector = (nought,) * 3
+    return {"vector": vector, "column": vector}.get(term.kind, (vector,) * 3)
+
+
+def _atom(e: Evaluator, term: Term, env: Env) -> Value:
+    """Return the value of a quantity, which is that of every statement about the world."""
+    name, *labels = term.data
+    defined = definition(term)
+    if defined is None:
+        return e.world.primitive(name, tuple(env.get(label, label) for label in labels))
+    return e.value(defined, {label: env[label] for label in labels if label in env})
+
+
+def _inner(e: Evaluator, term: Term, env: Env) -> Value:
+    return series.dot(*(e.value(x, env) for x in term.args))
+
+
+_RULES: dict[str, Callable[[Evaluator, Term, Env], Value]] = {
+    "expr": lambda e, t, env: e.scalar(t.data[0], env),
+    "zero": _zero,
+    "atom": _atom,
+    "add": _add,
+    "mul": _mul,
+    "dot": _dot,
+    "cross": _cross,
+    "outer": _outer,
+    "der": _der,
+    "sum": _sum,
+    "integral": _sum,
+    "column": _column,
+    "matmul": _matmul,
+    "transpose": lambda e, t, env: series.transpose(e.value(t.args[0], env)),
+    "inverse": lambda e, t, env: series.inverse(e.value(t.args[0], env)),
+    "tilde": lambda e, t, env: series.skew(e.value(t.args[0], env)),
+    "inner": _inner,
+    "outer_column": _outer,
+    "entries": _entries,
+    "table": _table,
+    "rows": lambda e, t, env: tuple(e.value(a, env) for a in t.args),
+}
+"""One rule a head."""

@@ -1,0 +1,342 @@
+"""Exact random worlds, in which a statement of mechanics is true or false.
+
+A world is a finite set of point masses with random data from an exact field; their motion is a
+truncated power series in time, so that derivatives are exact. Frames turn by random rotations,
+angular velocity is read off them, internal forces obey the third law as far as it is assumed, and
+external forces follow from Newton's second law. Nothing that is to be proved is built in.
+
+A false statement of degree d holds in one world modulo a 61-bit prime with a chance of at most
+d / 2**61 (Schwartz and Zippel). What holds for every finite set of masses and is linear in sums over
+them holds for a continuum, whose integrals are limits of such sums.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eom.errors import InputError, unknown_name
+from eom.exact import series
+from eom.exact.series import LENGTH, Field, Matrix, Series, Vector
+from eom.worlds import attitudes, gravitation
+from eom.worlds.turning import Angle, Turned, composed, reversed_
+
+SEQUENCES: dict[str, str] = {
+    f"sequence_{axes}": axes for axes in "121 123 131 132 212 213 231 232 312 313 321 323".split()
+}
+"""Assumptions that say by which turns B is reached, with their axes."""
+
+
+@dataclass(frozen=True)
+class Restriction:
+    """What an assumption says, and which others it needs or cannot stand with."""
+
+    meaning: str
+    needs: tuple[str, ...] = ()
+    excludes: tuple[str, ...] = ()
+
+
+ASSUMPTIONS: dict[str, Restriction] = {
+    "one_particle": Restriction("there is one point mass, P", (), ("rigid", "rotors")),
+    "constant_mass": Restriction("each mass is constant"),
+    "newton_2": Restriction("Newton's second law holds in the inertial frame I"),
+    "third_law_weak": Restriction(
+        "Newton's third law: the force of j on i is minus that of i on j"
+    ),
+    "third_law_strong": Restriction(
+        "strong third law: internal forces are opposite and act along the line between the masses",
+        ("third_law_weak",),
+    ),
+    "rigid": Restriction(
+        "the distance of any two points of the body is constant", ("constant_mass",)
+    ),
+    "body_frame": Restriction("the frame B is fixed in the body", ("rigid",), ("spin_312",)),
+    "about_centre": Restriction("the reference point O is the centre of mass C"),
+    "O_fixed_in_body": Restriction("the reference point O is fixed in the body", ("rigid",)),
+    "O_fixed_in_space": Restriction("the reference point O is inertially fixed"),
+    "O_at_origin": Restriction(
+        "the reference point O is the origin of the inertial frame", ("O_fixed_in_space",)
+    ),
+    "C_at_rest": Restriction("the centre of mass is at rest"),
+    "principal_axes": Restriction(
+        "b1, b2, b3 are principal axes at the centre of mass", ("body_frame",)
+    ),
+    "symmetric": Restriction("b3 is an axis of inertial symmetry: I1 = I2", ("principal_axes",)),
+    "torque_free": Restriction(
+        "the resultant torque about the centre of mass is zero",
+        ("body_frame", "newton_2", "third_law_strong", "constant_mass"),
+    ),
+    "unit_eigenvectors": Restriction(
+        "a matrix of eigenvectors is the rotation from principal axes: unit vectors, right-handed"
+    ),
+    "A_fixed_in_body": Restriction("the frame A is fixed in the body, too", ("body_frame",)),
+    "OA_at_centre": Restriction("the point OA of the body is its centre of mass", ("rigid",)),
+    "thin_rod": Restriction(
+        "all mass lies on one line", ("body_frame",), ("principal_axes", "torque_free")
+    ),
+    "spin_312": Restriction(
+        "A, B, C follow from I by turns about axes 3, 1, 2 through psi, theta, phi; C is fixed in "
+        "the body, whose axis of inertial symmetry is c2 = b2",
+        ("rigid",),
+        ("body_frame", "rotors"),
+    ),
+    "no_torque_2": Restriction("the torque about b2 is zero", ("spin_312", "newton_2")),
+    "no_torque_3": Restriction("the torque about b3 is zero", ("spin_312", "newton_2")),
+    "viscous_slug": Restriction(
+        "a spherical slug turns in the body about the centre of mass, against a viscous torque; no "
+        "torque acts from outside, and B is fixed in the body",
+        ("constant_mass", "newton_2"),
+        ("body_frame", "rigid", "spin_312", "rotors", "one_particle"),
+    ),
+    "rotors": Restriction(
+        "rotors, symmetric about axes that are fixed in the body, turn in the body",
+        ("constant_mass",),
+        ("body_frame", "rigid"),
+    ),
+    **{
+        name: Restriction(
+            f"B follows from I, and from A, by turns about axes {', '.join(axes)}, each of the frame "
+            "turned so far",
+            (),
+            ("spin_312", "viscous_slug", *(other for other in SEQUENCES if other != name)),
+        )
+        for name, axes in SEQUENCES.items()
+    },
+}
+"""Every assumption that a generator knows."""
+
+TOO_MUCH = (frozenset({"C_at_rest", "O_fixed_in_body", "O_fixed_in_space"}),)
+"""Sets that leave only special motions, here those about an axis through O and C."""
+
+
+def closure(assumptions: Iterable[str]) -> frozenset[str]:
+    """Return the assumptions with all that they need.
+
+    Raises `InputError` for unknown ones and for those that cannot stand together.
+    """
+    chosen: set[str] = set()
+    waiting = list(assumptions)
+    while waiting:
+        name = waiting.pop()
+        if name not in ASSUMPTIONS:
+            raise unknown_name("assumption", name, ASSUMPTIONS)
+        if name not in chosen:
+            chosen.add(name)
+            waiting.extend(ASSUMPTIONS[name].needs)
+    for together in TOO_MUCH:
+        if together <= chosen and "about_centre" not in chosen:
+            raise InputError(
+                "no generator knows these assumptions together", got=", ".join(sorted(together))
+            )
+    for name in sorted(chosen):
+        for other in ASSUMPTIONS[name].excludes:
+            if other in chosen:
+                raise InputError("assumptions cannot stand together", got=f"{name} and {other}")
+    return frozenset(chosen)
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """Axis (in B), inertia about it, angle, and the numbers of its masses."""
+
+    axis: Vector
+    inertia: Any
+    angle: Series
+    members: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Slug:
+    """Moment of inertia, coefficient of the viscous torque, and the numbers of its masses."""
+
+    inertia: Any
+    damping: Any
+    members: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class World:
+    """Masses, places, forces, frames and points; vectors are components in I."""
+
+    field: Field
+    seed: int
+    frames: Mapping[str, Matrix]
+    points: Mapping[str, Vector]
+    masses: tuple[Series, ...]
+    places: tuple[Vector, ...]
+    forces: tuple[Vector, ...]
+    internal: tuple[tuple[Vector, ...], ...]
+    angles: Mapping[str, Angle]
+    rotors: tuple[Rotor, ...] = ()
+    slug: Slug | None = None
+    turns: Mapping[tuple[str, str], Turned] = dataclasses.field(default_factory=dict)
+    assumed: frozenset[str] = frozenset()
+    memo: dict[Any, Any] = dataclasses.field(default_factory=dict, compare=False, repr=False)
+    """What has been found in this world, values of terms without symbols among it."""
+
+    @property
+    def axes(self) -> str:
+        """The axes of the sequence by which B is reached, or nothing."""
+        return next((t.axes for t in self.turns.values() if t.axes), "")
+
+    def constant(self, value: Any) -> Series:
+        """Return a series that does not change."""
+        return series.constant(self.field, value, LENGTH)
+
+    def count(self, over: str) -> int:
+        """Return how many terms a sum has. Raises `InputError` for rotors where there are none."""
+        if over != "rotors":
+            return len(self.masses)
+        if not self.rotors:
+            raise InputError("there are no rotors in this world", expected="the assumption rotors")
+        return len(self.rotors)
+
+    def rotor(self, k: int) -> Rotor:
+        """Return a rotor. Raises `InputError` where there are none."""
+        self.count("rotors")
+        return self.rotors[k]
+
+    def rotation(self, to_frame: str, from_frame: str) -> Matrix:
+        """Return the matrix from components in one frame to those in another."""
+        key = ("C", to_frame, from_frame)
+        if key not in self.memo:
+            a, b = self._frame(to_frame), self._frame(from_frame)
+            self.memo[key] = series.product(a, series.transpose(b))
+        result: Matrix = self.memo[key]
+        return result
+
+    def _frame(self, name: str) -> Matrix:
+        if name not in self.frames:
+            raise unknown_name("frame", name, self.frames)
+        return self.frames[name]
+
+    def turn(self, frame: str, base: str) -> Turned:
+        """Return the rotation from one frame to another. Raises `InputError` for unknown frames."""
+        if (frame, base) in self.turns:
+            return self.turns[frame, base]
+        if (base, frame) in self.turns:
+            return reversed_(self.turns[base, frame])
+        for name in (frame, base):
+            self._frame(name)
+        return composed(reversed_(self.turns[base, "I"]), self.turns[frame, "I"])
+
+    def angle(self, kind: str, *labels: str) -> Angle:
+        """Return an angle by its quantity and labels. Raises `InputError` where there is none."""
+        key = (kind, *labels, "angle")
+        if key not in self.memo:
+            self.memo[key] = attitudes.ANGLES[kind](self, *labels)
+        result: Angle = self.memo[key]
+        return result
+
+    def primitive(self, name: str, labels: Sequence[Any]) -> Any:
+        """Return the value of a quantity that has no definition."""
+        key = (name, *labels)
+        if key not in self.memo:
+            self.memo[key] = _PRIMITIVES[name](self, *labels)
+        return self.memo[key]
+
+    def place(self, label: Any) -> Vector:
+        """Return the absolute position of a particle by number, or of a point by name."""
+        if isinstance(label, int):
+            return self.places[label]
+        if label == "P":
+            return self.places[0]
+        if label not in self.points:
+            raise unknown_name("point", str(label), self.points)
+        return self.points[label]
+
+    def free(self, *name: Any) -> random.Random:
+        """Return a generator for a quantity that nothing restricts."""
+        return random.Random(f"{self.seed} {name}")  # noqa: S311 - reproducible, no secret
+
+
+def _angular_velocity(world: World, frame: str, base: str) -> Vector:
+    """Return the angular velocity of a frame in another one."""
+    turning = series.angular_velocity(world.rotation(frame, base))
+    return series.apply(world.rotation("I", frame), turning)
+
+
+def _unit_vector(world: World, frame: str, axis: str) -> Vector:
+    row = world.rotation(frame, "I")[int(axis) - 1]
+    return (row[0], row[1], row[2])
+
+
+def _identity(world: World) -> Matrix:
+    return tuple(tuple(world.constant(int(i == j)) for j in range(3)) for i in range(3))
+
+
+def _free_vector(world: World, name: str) -> Vector:
+    return _random_vector(world.field, world.free("vector", name))
+
+
+def _fixed_vector(world: World, name: str, frame: str) -> Vector:
+    generator = world.free("fixed", name)
+    x, y, z = (world.constant(world.field.draw(generator)) for _ in range(3))
+    return series.apply(world.rotation("I", frame), (x, y, z))
+
+
+def _spin_momentum(world: World, members: Sequence[int]) -> Vector:
+    """Return the angular momentum of some masses about their own centre of mass."""
+    masses = [world.masses[n] for n in members]
+    return series.spin_momentum(masses, [world.places[n] for n in members])
+
+
+def _slug(world: World) -> Slug:
+    if world.slug is None:
+        raise InputError("there is no slug in this world", expected="the assumption viscous_slug")
+    return world.slug
+
+
+def _eigenvectors(world: World, frame: str, principal: str) -> Matrix:
+    """Return columns along the axes of a frame, exchanged and stretched unless they are unit vectors."""
+    turn = world.rotation(frame, principal)
+    if "unit_eigenvectors" in world.assumed:
+        return turn
+    generator = world.free("eigenvectors", principal)
+    order = generator.sample(range(3), 3)
+    scales = [world.constant(generator.choice((-3, -2, 2, 3, 5))) for _ in order]
+    x, y, z = (tuple(row[n] * s for n, s in zip(order, scales, strict=True)) for row in turn)
+    return (x, y, z)
+
+
+def _particle(label: Any) -> int:
+    return 0 if label == "P" else int(label)
+
+
+_PRIMITIVES: dict[str, Callable[..., Any]] = {
+    "mass": lambda w, i: w.masses[_particle(i)],
+    "position": lambda w, of, origin: series.subtract(w.place(of), w.place(origin)),
+    "force": lambda w, i: w.forces[_particle(i)],
+    "internal_force": lambda w, i, j: w.internal[i][j],
+    "angular_velocity": _angular_velocity,
+    "unit": _unit_vector,
+    "identity": _identity,
+    "identity_matrix": _identity,
+    "rotation": lambda w, b, a: w.rotation(b, a),
+    "eigenvectors": _eigenvectors,
+    **attitudes.PRIMITIVES,
+    **gravitation.PRIMITIVES,
+    "scalar": lambda w, name: w.constant(w.field.draw(w.free("scalar", name))),
+    "vector": _free_vector,
+    "fixed_vector": _fixed_vector,
+    "dyadic": lambda w, name: tuple(_free_vector(w, f"{name}{k}") for k in range(3)),
+    "rotor_axis": lambda w, k: series.apply(w.rotation("I", "B"), w.rotor(k).axis),
+    "rotor_speed": lambda w, k: w.rotor(k).angle.derivative(),
+    "rotor_momentum": lambda w, k: _spin_momentum(w, w.rotor(k).members),
+    "slug_momentum": lambda w: _spin_momentum(w, _slug(w).members),
+    "slug_inertia": lambda w: w.constant(_slug(w).inertia),
+    "slug_damping": lambda w: w.constant(_slug(w).damping),
+    "rotor_inertia": lambda w, k: w.constant(w.rotor(k).inertia),
+}
+
+
+def _random_series(field_: Field, generator: random.Random) -> Series:
+    return Series(field_, tuple(field_.draw(generator) for _ in range(LENGTH)))
+
+
+def _random_vector(field_: Field, generator: random.Random) -> Vector:
+    x, y, z = (_random_series(field_, generator) for _ in range(3))
+    return (x, y, z)
