@@ -11,7 +11,7 @@ from eom.scenes.description import Formula, Part
 
 
 class LoopPart(Part):
-    """A joint that closes a loop, of ``kind`` loop: see `eom.multibody.model.constraints.Loop`."""
+    """A ``joint`` that closes a loop, of ``kind`` loop: see `eom.multibody.model.constraints.Loop`."""
 
     kind: Literal["loop"]
     joint: str
