@@ -58,7 +58,7 @@ def html_table(table: Table) -> list[str]:
     lines = [f'<table class="aligned"><tr><th></th>{head}</tr>']
     for about, cells in table.rows:
         written = (f"<td>{_stacked(cell, _html_part, '<br/>')}</td>" for cell in cells)
-        lines.append(f"<tr><th>{_math(about)}</th>{''.join(written)}</tr>")
+        lines.append(f"<tr><th>{_math(*about)}</th>{''.join(written)}</tr>")
     return [*lines, "</table>"]
 
 
@@ -79,13 +79,10 @@ def _markdown_part(words: str, boxes: tuple[Box, ...]) -> str:
 
 
 def _html_part(words: str, boxes: tuple[Box, ...]) -> str:
-    return _worded(f"<small>{html.escape(words)}</small>" if words else "", _math(boxes), " ")
+    return _worded(f"<small>{html.escape(words)}</small>" if words else "", _math(*boxes), " ")
 
 
 def _piped(formula: str) -> str:
     """Return a formula that may stand between pipes."""
     return formula.replace("|", "\\vert ")
 
-
-def _math(boxes: tuple[Box, ...]) -> str:
-    return f"<math>{render(Row(boxes), 'mathml')}</math>"

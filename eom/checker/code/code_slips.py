@@ -99,7 +99,7 @@ def _changed(system: System, term: Expr) -> Iterator[Expr]:
     for a in places:
         for b, unit in units.items():
             if a != b and units[a] == unit:
-                yield from _exchanged(term, a, b)
+                yield from _with_exchanged(term, a, b)
         yield term * a
         yield term / a
     for f in sorted(term.atoms(sp.sin, sp.cos), key=sp.default_sort_key):
@@ -109,7 +109,7 @@ def _changed(system: System, term: Expr) -> Iterator[Expr]:
         yield term / f
 
 
-def _exchanged(term: Expr, a: Expr, b: Expr) -> Iterator[Expr]:
+def _with_exchanged(term: Expr, a: Expr, b: Expr) -> Iterator[Expr]:
     """Yield a term with one symbol for another: everywhere, and exchanged."""
     yield term.xreplace({a: b})
     yield term.xreplace({a: b, b: a})

@@ -15,13 +15,13 @@ from eom.checker.read.looks import Look, seen
 from eom.checker.read.reading import Formula
 from eom.checker.read.syntax import Group, Node, Sequence
 
-WINDOW = 110
+ATTITUDE_WINDOW = 110
 """Characters of prose on either side of a list of angles."""
 
 Said = tuple[Look, str, str, int]
 """A symbol, what it means, the words that say so, their line."""
 
-PHRASES: tuple[tuple[str, str, str], ...] = (
+ATTITUDE_PHRASES: tuple[tuple[str, str, str], ...] = (
     ("symbols", r"shadow (?:set|parameters)", "shadow_rodrigues B I in B"),
     ("symbols", r"modified rodrigues|\bMRPs?\b", "modified_rodrigues B I in B"),
     (
@@ -131,9 +131,9 @@ def _lists(formulas: tuple[Formula, ...]) -> Iterator[tuple[list[Look], str, str
         if looks:
             text = first.source.text
             before = _sentence(
-                text[max(0, first.span.start - WINDOW) : first.span.start], last=True
+                text[max(0, first.span.start - ATTITUDE_WINDOW) : first.span.start], last=True
             )
-            after = _sentence(text[last.span.stop : last.span.stop + WINDOW], last=False)
+            after = _sentence(text[last.span.stop : last.span.stop + ATTITUDE_WINDOW], last=False)
             yield looks, before, after, first.line
 
 

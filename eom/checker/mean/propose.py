@@ -285,7 +285,7 @@ _CENTRE = (
 PHRASES: tuple[tuple[str, str, str], ...] = (
     ("frames", r"inertial (?:reference )?frame|space(?:-fixed)? frame|newtonian frame", "I"),
     ("frames", r"body(?:-fixed)? (?:reference )?frame|frame (?:that is )?(?:fixed|attached)", "B"),
-    *attitude_words.PHRASES,
+    *attitude_words.ATTITUDE_PHRASES,
     ("symbols", r"angular velocity", "angular_velocity B I"),
     ("symbols", rf"from {_CENTRE} to", "position dm C"),
     ("symbols", rf"relative to {_CENTRE}|with respect to {_CENTRE}", "position dm C"),

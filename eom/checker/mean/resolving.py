@@ -39,7 +39,7 @@ def _resolved(known: Node, spelt: Node, e: Elaborator) -> tuple[Component, ...]:
     symbols, frame = _listed(spelt), ""
     if not symbols:
         symbols, frame = _summed(spelt, e)
-    looks = [_new(n, e) for n in symbols]
+    looks = [_unknown(n, e) for n in symbols]
     if len(looks) != 3 or None in looks or len(set(looks)) != 3:
         return ()
     try:
@@ -62,7 +62,7 @@ def _terms(value: Value, frame: str) -> tuple[Term, ...]:
     return tuple(inner(value.term, basis(k)) for k in (1, 2, 3)) if value.shape == COLUMN else ()
 
 
-def _new(node: Node, e: Elaborator) -> Look | None:
+def _unknown(node: Node, e: Elaborator) -> Look | None:
     """Return the look of a symbol without a meaning."""
     found = seen(node)
     if found is None or found.dots or found.raised:

@@ -14,7 +14,8 @@ from dataclasses import replace
 import sympy as sp
 
 from eom.checker.judge.judge import WRONG
-from eom.checker.judge.systems import HOLDS, decide_within, equations, on_solutions
+from eom.checker.judge.judge import HOLDS
+from eom.checker.judge.systems import decide_within, equations, on_solutions
 from eom.checker.judge.verdicts import Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.model import Model
@@ -39,9 +40,9 @@ def carried_on_solutions(
     found: dict[int, int] = {}
     for number, verdict in enumerate(verdicts):
         wrong = [j for j in verdict.claims if j.verdict == WRONG]
-        if not wrong or not all(map(_refuted, wrong)):
+        if not wrong or not all(map(_refuted_on_solutions, wrong)):
             continue
-        sources = [_source(j.claim, own, given) for j in wrong]
+        sources = [_source_on_solutions(j.claim, own, given) for j in wrong]
         if None not in sources:
             found[number] = min(s for s in sources if s is not None)
         else:
@@ -52,7 +53,7 @@ def carried_on_solutions(
     return found
 
 
-def _refuted(judged: Judged) -> bool:
+def _refuted_on_solutions(judged: Judged) -> bool:
     """Whether a claim was found wrong on the solutions of a system, not by its form."""
     return (
         on_solutions(judged.claim)
@@ -61,7 +62,7 @@ def _refuted(judged: Judged) -> bool:
     )
 
 
-def _source(claim: Claim, own: Sequence[tuple[int, Model]], given: tuple[str, ...]) -> int | None:
+def _source_on_solutions(claim: Claim, own: Sequence[tuple[int, Model]], given: tuple[str, ...]) -> int | None:
     """Return the number of the wrong formula in whose system a wrong claim holds, or None."""
     for number, model in own[: -MAX_EARLIER - 1 : -1]:
         try:

@@ -28,7 +28,7 @@ from eom.checker.repair.palette import around, symbols
 from eom.checker.repair.slips import Edit, edits
 from eom.errors import InputError
 
-TRIED = 240
+TRIED_SCALARS = 240
 """Slips that are tried at most."""
 SHOWN = 3
 INSIDE = 0.2
@@ -58,7 +58,7 @@ def between_scalars(understood: Understood, claim: Claim) -> Explanation | None:
     return Explanation(
         residual=_residual(left - right, letters),
         blamed=_blamed(found, members, k),
-        corrections=tuple(islice(_repairs(understood, claim, members, k, letters), SHOWN)),
+        corrections=tuple(islice(_scalar_repairs(understood, claim, members, k, letters), SHOWN)),
         counterexample=_example(members, left, right, letters),
     )
 
@@ -72,7 +72,7 @@ def _blamed(found: tuple[Link, ...], members: tuple[Node, ...], k: int) -> tuple
 # -- repairs -----------------------------------------------------------------------------------------
 
 
-def _repairs(
+def _scalar_repairs(
     understood: Understood,
     claim: Claim,
     members: tuple[Node, ...],
@@ -93,7 +93,7 @@ def _repairs(
         for e in edits(m, have)
     ]
     done: set[tuple[Expr, ...]] = set()
-    for _, edit, path in sorted(pairs, key=lambda f: f[0])[:TRIED]:
+    for _, edit, path in sorted(pairs, key=lambda f: f[0])[:TRIED_SCALARS]:
         if path is None:
             continue
         whole = put(tree, path, edit.tree)
