@@ -15,7 +15,7 @@ import numpy as np
 
 import codegen
 import eom
-from codegen.integrate import stiffness
+from codegen.integrate import choice as stiffness
 from codegen.runs.requested import part
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)

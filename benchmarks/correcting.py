@@ -20,7 +20,6 @@ import click
 from benchmarks import checking
 from benchmarks.checking import GIVEN, LETTERS, lexicon_of, read_truth
 from benchmarks.table import time_text
-from eom.checker.explanation import Explanation
 from eom.checker.judge.contexts import contexts
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, verdict
@@ -32,6 +31,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.repairs import apply
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.lines import place
+from eom.checker.reports import Explanation
 from eom.errors import InputError
 from eom.exact.series import PRIME
 from eom.worlds.worlds import closure

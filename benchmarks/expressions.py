@@ -15,7 +15,7 @@ from typing import Any
 
 import mpmath
 
-from codegen.frontend import massmatrix
+from codegen.frontend import lower as massmatrix
 from codegen.ir import linsolve
 from codegen.ir.interpret import Point
 from codegen.ir.linsolve import Shape
@@ -34,7 +34,7 @@ COMPARISONS = ("lt", "le", "eq")
 JUNCTIONS = ("and", "or", "not")
 ARITHMETIC = ("add", "sub", "mul", "div", "neg")
 SOLUTION = "solution"
-"""One unknown of a linear system; it becomes the operations that `codegen.frontend.massmatrix` chooses."""
+"""One unknown of a linear system; it becomes the operations that `codegen.frontend.lower` chooses."""
 INTEGERS: dict[str, tuple[int, int]] = {"besselj": (0, 4), "bessely": (0, 4), "stumpff": (1, 5)}
 """Operations whose first operand is an integer constant, and its range."""
 FUNCTIONS = tuple(op for op in OPS if op not in {*ARITHMETIC, *TRUTH_VALUES, "select", *SOLVE})

@@ -10,8 +10,7 @@ import numpy as np
 import sympy as sp
 
 from benchmarks.expressions import PARAMETERS, STATES
-from codegen.compiling.compiled import TARGETS, batch_kernel, generate
-from codegen.compiling.registry import ROWS
+from codegen.compiling.compiled import ROWS, TARGETS, batch_kernel, generate
 from codegen.frontend.layout import Layout
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.interpret import Point, constants

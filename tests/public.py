@@ -61,7 +61,7 @@ MODULES = {
     "eom.views.body.sphere": "sphere",
     "eom.views.tree.tree_frames": "tree_frames",
     "eom.views.tree.tree_sketch": "tree_sketch",
-    "eom.views.draw.turned": "figure",
+    "eom.views.draw.turned_page": "figure",
     "eom.views.body.wheel": "wheel wheel_of",
     "eom.views.time.work_precision": "work_precision",
 }

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from eom.__main__ import main
-from eom.views.draw import extras
+from eom.views.draw import printed as extras
 from eom.views.gallery import PICTURES
 
 pytest.importorskip("matplotlib")

@@ -12,7 +12,9 @@ from click.testing import CliRunner
 
 from codegen.closed.exact import free_motion
 from codegen.integrate import methods
-from codegen.measure.stress import checks, extremes, memory, record, scenes, single
+from codegen.measure.stress import checks, extremes, record, scenes
+from codegen.measure.stress import extremes as single
+from codegen.measure.stress import sweeps as memory
 from codegen.measure.stress.angles import SEQUENCES, cosines, passage
 from codegen.measure.stress.growth import fitted, turn_between
 from codegen.measure.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
@@ -20,7 +22,7 @@ from codegen.measure.stress.workers import Worker
 from codegen.native import native
 from eom import problems
 from eom.__main__ import main
-from eom.commands import random_scenes
+from eom.commands import stressing as random_scenes
 from eom.mechanics.rigidbody import free_rigid_body
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")

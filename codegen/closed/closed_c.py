@@ -1,7 +1,7 @@
 """Closed forms in C: one motion, its constants in the text, at any times in vector lanes.
 
 The text is the program that the NumPy form leaves behind (`codegen.ir.tracing`), written by the target of
-lanes: the same operations in the same order, sines and exponentials of `codegen.targets.lanes_math`.
+lanes: the same operations in the same order, sines and exponentials of `codegen.targets.lanes`.
 """
 
 from __future__ import annotations

@@ -2,6 +2,8 @@
 
 Arrays are ``(n,)`` for one point or ``(n, N)`` for N points, in double precision; time is a number
 or ``(N,)``. Whatever has no column axis is the same at every point.
+
+The table of targets: what `generate` and the command line know of languages.
 """
 
 from __future__ import annotations
@@ -18,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from codegen.compiling.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
-from codegen.compiling.registry import ROWS, target_of
 from codegen.compiling.sparse import SparseJacobian
 from codegen.frontend.elsewhere import as_system
 from codegen.frontend.guard import Guard
@@ -39,6 +40,16 @@ from eom.system import BodyAttitude, System
 
 if TYPE_CHECKING:
     from codegen.compiling.batches import Batch
+from functools import partial
+
+from codegen.loops import javascript, written
+from codegen.targets import checks, packaging
+from codegen.targets.c_float import C_FLOAT
+from codegen.targets.javascript import JAVASCRIPT
+from codegen.targets.lanes import LANES
+from codegen.targets.numpy_ import NUMPY
+from codegen.targets.python_ import PYTHON
+from codegen.targets.target import Target
 
 
 @dataclass(frozen=True)
@@ -192,7 +203,7 @@ def compile(  # noqa: A001 - the word that users expect
     planar motion, ``inputs``: values of inputs that never change; all these leave the arrays.
     ``rules``: the laws by which operations may be exchanged, of `codegen.ir.fold.RULE_SETS`:
     ``algebraic``, or ``exact`` for those that hold bit for bit, NaN and infinities included.
-    ``stable``: apply every identity of `codegen.passes.identities` against cancellation; those that cost no
+    ``stable``: apply every identity of `codegen.passes.stable` against cancellation; those that cost no
     time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
     of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
     ``progress``: called with the stage, one of `codegen.ir.telling.STAGES` in this order, and the share of
@@ -362,3 +373,47 @@ def write_files(files: Mapping[str, str], folder: str | Path) -> list[Path]:
             hint="choose a folder that you can write",
         ) from None
     return [target / name for name in files]
+
+
+def _c_files(integrator: written.Choice, program: Program, layout: Layout) -> Mapping[str, str]:
+    files = {
+        **c.files(program, layout),
+        **written.files(integrator, program, layout),
+        **packaging.descriptions(layout),
+        **(packaging.sparsity(layout, layout.patterns) if layout.patterns else {}),
+        **checks.checks(program, layout),
+    }
+    return {**files, **packaging.build(layout, files)}
+
+
+def _javascript_files(
+    integrator: written.Choice, program: Program, layout: Layout
+) -> Mapping[str, str]:
+    return {**JAVASCRIPT.files(program, layout), **javascript.files(integrator.name)}
+
+
+C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, partial(_c_files, written.Choice()))
+
+ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}
+
+_BESIDE = {C.name: _c_files, JAVASCRIPT.name: _javascript_files}
+"""What writes functions and integrator, by target."""
+
+
+def target_of(name: str, integrator: written.Choice | None = None) -> Target:
+    """Return a target by name, which writes ``integrator`` beside the functions.
+
+    Raises `InputError` for unknown names, and for an integrator where the target writes none.
+    """
+    if name not in ROWS:
+        raise unknown_name("target", name, ROWS)
+    if integrator is None:
+        return ROWS[name]
+    written.check(integrator)
+    if name not in _BESIDE:
+        raise InputError(
+            f"integrators are written for the targets {' and '.join(_BESIDE)} alone",
+            got=f"target {name}, integrator {integrator.name}",
+            hint="leave out the integrator, or choose one of these targets",
+        )
+    return replace(ROWS[name], files=partial(_BESIDE[name], integrator))

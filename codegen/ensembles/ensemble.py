@@ -2,18 +2,31 @@
 
 Every trajectory's result is the same to the last bit for any chunking, any number of threads and any
 cluster of equal machines, and so are the statistics.
+
+Who does the chunks of an ensemble: threads of this process, or a Dask cluster.
+
+Chunks are given out through a window of a few for each worker, so that memory does not grow with the
+number of trajectories.
+
+What an ensemble comes to: pieces put together as they arrive, in any order.
 """
 
 from __future__ import annotations
 
 import hashlib
 import math
+import os
+import pickle
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,18 +34,26 @@ from numpy.typing import ArrayLike, NDArray
 from codegen.compiling.batches import processors
 from codegen.compiling.compiled import Compiled
 from codegen.ensembles import store as stores
-from codegen.ensembles.chunks import Plan, clock_of_plan, integrator, run
-from codegen.ensembles.crews import Cluster, Threads, Work, pieces
-from codegen.ensembles.gathering import Gathered
+from codegen.ensembles.chunks import (
+    DRIFT,
+    MOST_LISTED,
+    VALUES,
+    Piece,
+    Plan,
+    clock_of_plan,
+    integrator,
+    run,
+)
 from codegen.ensembles.sampler import Sampler
 from codegen.ensembles.samples import Many, Population, population
-from codegen.ensembles.tallies import BLOCK, Statistics, Summary
+from codegen.ensembles.tallies import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
 from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import fleet, onward
 from codegen.integrate.fleet import Shared
 from codegen.ir.groups import INVARIANTS, OUTPUTS
 from codegen.ir.identity import SameObject
 from codegen.native import memory
+from codegen.native.halting import Flag, obey
 from codegen.native.trajectory import MAX_STEPS, Array
 from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
@@ -392,3 +413,212 @@ def _result(
         seconds=seconds,
         store=None if store is None else Path(store),
     )
+
+
+A_WORKER = 3
+"""Chunks that are given out for each worker."""
+
+Work = Callable[[Plan, Population, int], Piece]
+
+
+class Crew(Protocol):
+    """Takes tasks and gives back what is done, in any order."""
+
+    window: int
+
+    def submit(self, number: int) -> Any:
+        """Give out a chunk."""
+
+    def finished(self, futures: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Wait until one is done at least; return those that are, and the others."""
+
+
+def pieces(crew: Crew, numbers: Iterator[int]) -> Iterator[Piece]:
+    """Yield what the crew made of the chunks, in the order in which they are done."""
+    pending = [crew.submit(k) for k in islice(numbers, crew.window)]
+    while pending:
+        done, pending = crew.finished(pending)
+        for future in done:
+            yield future.result()
+        pending += [crew.submit(k) for k in islice(numbers, crew.window - len(pending))]
+
+
+class Threads(AbstractContextManager["Threads"]):
+    """Threads of this process; C code runs in them at the same time."""
+
+    def __init__(self, plan: Plan, population: Population, work: Work, threads: int) -> None:
+        self.window = A_WORKER * threads
+        self._task = (plan, population, work)
+        self._flag = Flag()
+        self._pool = ThreadPoolExecutor(threads, "eom-ensemble", obey, (self._flag,))
+
+    def submit(self, number: int) -> Any:
+        """Give out a chunk."""
+        plan, population, work = self._task
+        return self._pool.submit(work, plan, population, number)
+
+    def finished(self, futures: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Wait until one is done at least."""
+        done, _ = wait(futures, return_when=FIRST_COMPLETED)
+        return [f for f in futures if f in done], [f for f in futures if f not in done]
+
+    def __exit__(self, *_: object) -> None:
+        """Forget what was not begun, end what was: after an interruption nothing of it is wanted."""
+        self._flag.set()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class _Packed:
+    """A plan and its work as bytes: a worker that has them unpacked takes those."""
+
+    data: bytes
+    digest: str
+
+
+@lru_cache(maxsize=4)
+def _unpacked(packed: _Packed) -> tuple[Plan, Work]:
+    plan, work = pickle.loads(packed.data)  # noqa: S301 - from the client of this very cluster
+    return plan, work
+
+
+def _on_worker(packed: _Packed, some: Population, number: int) -> Piece:
+    plan, work = _unpacked(packed)
+    return work(plan, some, number)
+
+
+class Cluster(AbstractContextManager["Cluster"]):
+    """A cluster by `dask.distributed`, which gives the chunk of a worker that dies to another."""
+
+    def __init__(self, plan: Plan, population: Population, work: Work, client: Any) -> None:
+        self._client = _checked(client)
+        threads = sum(self._client.nthreads().values())
+        self.window = A_WORKER * max(1, threads)
+        data = pickle.dumps((plan, work))
+        self._packed = _Packed(data, hashlib.sha256(data).hexdigest())
+        self._population, self._chunk = population, plan.chunk
+        self._run = os.urandom(8).hex()
+        self._given: set[Any] = set()
+
+    def submit(self, number: int) -> Any:
+        """Give out a chunk with its own samples alone."""
+        first = number * self._chunk
+        last = min(first + self._chunk, self._population.count)
+        some = self._population.part(first, last)
+        key = f"eom-ensemble-{self._run}-{number}"
+        future = self._client.submit(_on_worker, self._packed, some, number, key=key, pure=False)
+        self._given.add(future)
+        return future
+
+    def finished(self, futures: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Wait until one is done at least."""
+        import distributed
+
+        untyped: Any = distributed
+        done = untyped.wait(futures, return_when="FIRST_COMPLETED").done
+        self._given -= done
+        return [f for f in futures if f in done], [f for f in futures if f not in done]
+
+    def __exit__(self, *_: object) -> None:
+        """Forget what is not needed any more."""
+        self._client.cancel(list(self._given))
+
+
+def _checked(client: Any) -> Any:
+    """Return the client. Raises `InputError` where it is none, or there is no such package."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "a cluster needs dask.distributed", hint="pip install 'eom-toolkit[cluster]'"
+        ) from None
+    if not isinstance(client, Client):
+        raise InputError("not a client of dask.distributed", got=type(client).__name__)
+    return client
+
+
+BINS_TOGETHER = 64
+"""Bins are joined when so many parts have come."""
+
+
+@dataclass
+class Gathered:
+    """Columns of all trajectories, if they are wanted, and everything that is counted."""
+
+    plan: Plan
+    total: int
+    columns: dict[str, NDArray[Any]] = field(default_factory=dict)
+    trees: dict[str, Tree] = field(default_factory=dict)
+    bins: list[Bins] = field(default_factory=list)
+    histograms: dict[str, Counts] = field(default_factory=dict)
+    reasons: Counter[int] = field(default_factory=Counter)
+    continued: Counter[int] = field(default_factory=Counter)
+    stopped: list[NDArray[np.int64]] = field(default_factory=list)
+    steps: int = 0
+    done: int = 0
+    computed: int = 0
+
+    def take(self, piece: Piece) -> None:
+        """Add a piece."""
+        for name, values in piece.columns.items():
+            self._column(name, values)[..., piece.first : piece.first + values.shape[-1]] = values
+        tallies = piece.tallies
+        for name, nodes in tallies.nodes.items():
+            tree = self.trees.setdefault(name, Tree())
+            for (level, number), value in nodes.items():
+                tree.add(level, number, value)
+        for name, counts in tallies.histograms.items():
+            self.histograms[name] = self.histograms.get(name, np.zeros_like(counts)) + counts
+        if tallies.bins is not None:
+            self.bins.append(tallies.bins)
+            if len(self.bins) >= BINS_TOGETHER:
+                self.bins = [Bins.joined(self.bins)]
+        self._stop(tallies.stopped)
+        self.reasons.update(tallies.reasons)
+        self.continued.update(tallies.continued)
+        self.steps += tallies.steps
+        self.done += tallies.count
+        self.computed += piece.computed
+
+    def _column(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        if name not in self.columns:
+            shape = (*values.shape[:-1], self.total)
+            try:
+                self.columns[name] = np.empty(shape, dtype=values.dtype)
+            except MemoryError:
+                raise InputError(
+                    "the trajectories do not fit into memory",
+                    got=f"{self.total:,} trajectories, {name} of shape {shape}",
+                    hint="keep=False, with statistics or a store",
+                ) from None
+        return self.columns[name]
+
+    def _stop(self, rows: NDArray[np.int64]) -> None:
+        """Keep the first trajectories that did not reach the end."""
+        if rows.shape[1]:
+            joined = np.concatenate([*self.stopped, rows], axis=1)
+            self.stopped = [joined[:, np.argsort(joined[0])[:MOST_LISTED]]]
+
+    def statistics(self) -> dict[str, Summary]:
+        """Return the statistics of states and outputs by name."""
+        asked, times = self.plan.statistics, self.plan.shared.t_eval
+        if VALUES not in self.trees:
+            return {}
+        moments = self.trees[VALUES].total()
+        bins = Bins.joined(self.bins) if self.bins else None
+        found = {}
+        for k, name in enumerate(asked.names):
+            rows = (k * len(times), (k + 1) * len(times))
+            edges = np.array(asked.edges[name], dtype=float) if name in asked.edges else None
+            counts = self.histograms.get(name)
+            found[name] = summary(name, times, moments, rows, bins, edges, counts)
+        return found
+
+    def drift(self) -> Mapping[str, Summary]:
+        """Return the statistics of the relative drift of each constant of the motion."""
+        if DRIFT not in self.trees:
+            return {}
+        moments = self.trees[DRIFT].total()
+        end = np.array(self.plan.shared.t_span[1:])
+        names = self.plan.compiled.layout.results[INVARIANTS]
+        return {n: summary(n, end, moments, (k, k + 1)) for k, n in enumerate(names)}

@@ -1,21 +1,162 @@
-"""SymPy expressions to programs, with an explicit stack: no recursion, each distinct node once."""
+"""SymPy expressions to programs, with an explicit stack: no recursion, each distinct node once.
+
+SymPy's functions as operations: one row a function, from the numbers of its arguments to its value.
+
+Signs, ranges and values at special points are SymPy's: Mod has the sign of its divisor, acot is odd but
+for acot(0) = pi/2, Heaviside(0) is 1/2 unless it is given.
+
+Solve M x = f inside a program: blocks apart, small ones unrolled, larger ones by a factorisation.
+
+The matrix is never inverted symbolically. States that no entry of M couples are solved apart. A small
+block that is symmetric, as the mass matrices of mechanics are, becomes straight-line code, L D L^T
+without exchanges, which is stable where it is positive definite; any other, and one with a zero on its
+diagonal, becomes the operations of `codegen.ir.linsolve`, which exchange rows where a pivot is small.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from sympy.codegen import cfunctions
 
-from codegen.frontend import massmatrix, removable
-from codegen.frontend.functions import BESSEL, FUNCTIONS, bessel, refusal
+from codegen.frontend import removable
 from codegen.ir import fold, telling
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.linsolve import Shape
+from codegen.ir.passes import prune
 from codegen.ir.program import Builder, Name, Program
+from codegen.ir.residues import vanishing
 from eom.errors import InputError
 from eom.system import Definition, System, as_expression
 from eom.tables import TableFunction
+
+Build = Callable[[Builder, Sequence[int]], int]
+
+
+def _operation(op: str) -> Build:
+    return lambda b, a: b.add(op, *a)
+
+
+def _reciprocal(op: str) -> Build:
+    return lambda b, a: b.add("div", b.const(1), b.add(op, *a))
+
+
+def _of_reciprocal(op: str) -> Build:
+    return lambda b, a: b.add(op, b.add("div", b.const(1), *a))
+
+
+def _heaviside(b: Builder, args: Sequence[int]) -> int:
+    """(1 + sign x)/2, which is NaN for NaN, but for the value at zero."""
+    x, at_zero = args
+    step = b.add("mul", b.const(Fraction(1, 2)), b.add("add", b.const(1), b.add("sign", x)))
+    return b.add("select", b.add("eq", x, b.const(0)), at_zero, step)
+
+
+def _acot(b: Builder, args: Sequence[int]) -> int:
+    """atan2(s, s x) with s = -1 for negative x and 1 else: no division at zero."""
+    (x,) = args
+    side = b.add("select", b.add("lt", x, b.const(0)), b.const(-1), b.const(1))
+    return b.add("atan2", side, b.add("mul", side, x))
+
+
+def _power_of(base: int) -> Build:
+    return lambda b, a: b.add("pow", b.const(base), *a)
+
+
+def _logarithm(base: int) -> Build:
+    return lambda b, a: b.add("div", b.add("log", *a), b.add("log", b.const(base)))
+
+
+def _cube_root(b: Builder, args: Sequence[int]) -> int:
+    """The real root, of the sign of its argument."""
+    size = b.add("pow", b.add("abs", *args), b.const(Fraction(1, 3)))
+    return b.add("mul", b.add("sign", *args), size)
+
+
+FUNCTIONS: dict[Any, Build] = {
+    **{
+        f: _operation(op)
+        for f, op in {
+            sp.sin: "sin", sp.cos: "cos", sp.tan: "tan", sp.asin: "asin", sp.acos: "acos",
+            sp.atan: "atan", sp.sinh: "sinh", sp.cosh: "cosh", sp.tanh: "tanh", sp.asinh: "asinh",
+            sp.acosh: "acosh", sp.atanh: "atanh", sp.exp: "exp", sp.atan2: "atan2",
+            sp.Abs: "abs", sp.sign: "sign", sp.floor: "floor", sp.Mod: "mod", sp.erf: "erf",
+            sp.erfc: "erfc", cfunctions.expm1: "expm1", cfunctions.log1p: "log1p",
+            cfunctions.hypot: "hypot", cfunctions.Sqrt: "sqrt",
+        }.items()
+    },
+    **{
+        f: _reciprocal(op)
+        for f, op in {
+            sp.sec: "cos", sp.csc: "sin", sp.cot: "tan",
+            sp.sech: "cosh", sp.csch: "sinh", sp.coth: "tanh",
+        }.items()
+    },
+    **{
+        f: _of_reciprocal(op)
+        for f, op in {
+            sp.asec: "acos", sp.acsc: "asin", sp.asech: "acosh", sp.acsch: "asinh", sp.acoth: "atanh",
+        }.items()
+    },
+    sp.acot: _acot,
+    sp.Heaviside: _heaviside,
+    sp.ceiling: lambda b, a: b.add("neg", b.add("floor", b.add("neg", *a))),
+    sp.frac: lambda b, a: b.add("sub", *a, b.add("floor", *a)),
+    cfunctions.exp2: _power_of(2),
+    cfunctions.log2: _logarithm(2),
+    cfunctions.log10: _logarithm(10),
+    cfunctions.Cbrt: _cube_root,
+    cfunctions.fma: lambda b, a: b.add("add", b.add("mul", a[0], a[1]), a[2]),
+}  # fmt: skip
+"""How each function is built from the numbers of its arguments, in order."""
+
+BESSEL: dict[Any, str] = {sp.besselj: "besselj", sp.bessely: "bessely"}
+"""Functions of an integer order and an argument."""
+
+
+def bessel(kind: str, order: int) -> Build:
+    """Return how a Bessel function of integer order is built; C_{-n} = (-1)^n C_n (DLMF 10.4.1)."""
+
+    def build(b: Builder, args: Sequence[int]) -> int:
+        value = b.add(kind, b.const(abs(order)), *args)
+        return b.add("neg", value) if order < 0 and order % 2 else value
+
+    return build
+
+
+# -- the rest is refused ----------------------------------------------------------------------------------
+
+_WORDS = {f.__name__ for f in (*FUNCTIONS, *BESSEL, sp.log, sp.Max, sp.Min)}
+SUPPORTED = (
+    "numbers, pi, sums, products, powers, Piecewise, conditions, sinc, eom.Table, "
+    + ", ".join(sorted(_WORDS, key=lambda w: (w.lower(), w)))
+    + "; besselj and bessely of integer order; everything real"
+)
+"""What can be lowered, for the error that refuses the rest."""
+
+_HINTS: dict[Any, str] = {
+    sp.core.function.AppliedUndef: "make it a state or an input symbol, or an eom.Table",
+    sp.Derivative: "carry out the derivative with doit(), or make it a state symbol",
+    sp.Integral: "carry out the integral with doit(), or make it a state whose rate is the integrand",
+    sp.DiracDelta: "impulses change states between two simulations",
+    sp.MatrixBase: "give one scalar expression a state",
+    sp.core.numbers.ImaginaryUnit: "split the expression into its real and imaginary part",
+}
+
+
+def refusal(node: Any, where: str) -> InputError:
+    """Return the error for an expression that no operation computes; ``where``: its place in a system."""
+    return InputError(
+        "no operation computes this expression",
+        where=where,
+        got=f"{type(node).__name__}: {node}"[:300],
+        expected=SUPPORTED,
+        hint=next((h for kind, h in _HINTS.items() if isinstance(node, kind)), ""),
+    )
+
 
 Expr = Any
 
@@ -50,7 +191,7 @@ def lowering_of(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Lowerin
 def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Program:
     """Return the program of a system, with its results in `GROUPS`.
 
-    With a mass matrix the rates are the solution of a linear system (`codegen.frontend.massmatrix`).
+    With a mass matrix the rates are the solution of a linear system (`codegen.frontend.lower`).
     Raises `InputError` for expressions without an operation.
     """
     lowering = lowering_of(system, rules)
@@ -62,7 +203,7 @@ def lower_system(system: System, rules: fold.RuleSet = fold.ALGEBRAIC) -> Progra
         for q, r in zip(system.states, system.rates, strict=True)
     ]
     if system.mass_matrix is not None:
-        rates = massmatrix.solve(b, _lower_matrix(lowering, system.mass_matrix), rates)
+        rates = solve(b, _lower_matrix(lowering, system.mass_matrix), rates)
     results = {
         RATES: rates,
         OUTPUTS: [lowering.result(d, "output") for d in system.outputs],
@@ -418,3 +559,132 @@ _RULES: tuple[
     (type(sp.true), lambda s, _: ((), lambda _a: s.b.const(1))),
     (type(sp.false), lambda s, _: ((), lambda _a: s.b.const(0))),
 )
+
+
+UNROLLED = 8
+"""Largest block that becomes straight-line code."""
+
+SINGULAR = Fraction(1, 2**50)
+"""A pivot of straight-line code that is smaller, relative to its diagonal entry, has no right digit."""
+
+Matrix = Sequence[Sequence[int]]
+
+
+def solve(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
+    """Append the solution; ``matrix`` and ``right`` hold numbers of values.
+
+    Law: matrix times solution is the right-hand side. Where straight-line code meets a matrix that is
+    singular, or all but singular, to double precision, the solution is NaN.
+    """
+    x = list(right)
+    for block in _blocks(b, matrix):
+        part = [[matrix[i][j] for j in block] for i in block]
+        loads = [right[i] for i in block]
+        for i, number in zip(block, _solve_block(b, part, loads), strict=True):
+            x[i] = number
+    return x
+
+
+def _blocks(b: Builder, matrix: Matrix) -> Iterator[list[int]]:
+    """Yield the sets of rows that entries which are not zero connect."""
+    n = len(matrix)
+    left = dict.fromkeys(range(n))
+    while left:
+        block, stack = [], [next(iter(left))]
+        del left[stack[0]]
+        while stack:
+            i = stack.pop()
+            block.append(i)
+            linked = [j for j in left if _is_entry(b, matrix[i][j]) or _is_entry(b, matrix[j][i])]
+            for j in linked:
+                del left[j]
+            stack += linked
+        yield sorted(block)
+
+
+def _is_entry(b: Builder, number: int) -> bool:
+    instruction = b.instructions[number]
+    return instruction.op != "const" or instruction.value != 0
+
+
+def _solve_block(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
+    n = len(right)
+    symmetric = _symmetric(b, matrix)
+    full = all(_is_entry(b, matrix[i][i]) for i in range(n))
+    if n == 1 or (n <= UNROLLED and symmetric and full):
+        return _unrolled(b, matrix, right)
+    shape = Shape(n, symmetric)
+    factor = b.add("factor", *(matrix[i][j] for i, j in shape.places), value=shape)
+    solution = b.add("back", factor, *right)
+    return [b.add("item", solution, value=k) for k in range(n)]
+
+
+def _symmetric(b: Builder, matrix: Matrix) -> bool:
+    """Tell whether a matrix is proved to be symmetric, modulo a prime (`codegen.ir.residues`)."""
+    n = len(matrix)
+    pairs = [(matrix[i][j], matrix[j][i]) for i in range(n) for j in range(i)]
+    pairs = [(one, other) for one, other in pairs if one != other]
+    if not pairs:
+        return True
+    program = prune(b.program({"one": [p[0] for p in pairs], "other": [p[1] for p in pairs]}))
+    return all(vanishing(program, "one", "other"))
+
+
+def _unrolled(b: Builder, matrix: Matrix, right: Sequence[int]) -> list[int]:
+    """Append the solution of a symmetric system, by L D L^T without square roots or exchanges.
+
+    Golub and Van Loan, Matrix Computations, 4th ed., algorithm 4.1.2, rows in an order that fills in
+    little. Zeros are folded away.
+    """
+    order = _order(b, matrix)
+    a = [[matrix[i][j] for j in order] for i in order]
+    n = len(order)
+    lower = [[b.const(0)] * n for _ in range(n)]
+    pivots: list[int] = []
+    for j in range(n):
+        scaled = [b.add("mul", lower[j][k], pivots[k]) for k in range(j)]
+        for i in range(j, n):
+            entry = a[i][j]
+            for k in range(j):
+                entry = b.add("sub", entry, b.add("mul", lower[i][k], scaled[k]))
+            if i == j:
+                pivots.append(_guarded(b, entry, a[j][j]))
+            else:
+                lower[i][j] = b.add("div", entry, pivots[j])
+    x = [right[i] for i in order]
+    for i in range(n):
+        for k in range(i):
+            x[i] = b.add("sub", x[i], b.add("mul", lower[i][k], x[k]))
+    x = [b.add("div", xi, d) for xi, d in zip(x, pivots, strict=True)]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            x[i] = b.add("sub", x[i], b.add("mul", lower[k][i], x[k]))
+    return [x[order.index(i)] for i in range(n)]
+
+
+def _guarded(b: Builder, pivot: int, diagonal: int) -> int:
+    """Return the pivot, NaN where it has no right digit; one that is the entry itself needs no test."""
+    if pivot == diagonal:
+        return pivot
+    least = b.add("mul", b.const(SINGULAR), b.add("abs", diagonal))
+    large = b.add("lt", least, b.add("abs", pivot))
+    return b.add("select", large, pivot, b.add("div", b.const(0), b.const(0)))
+
+
+def _order(b: Builder, matrix: Matrix) -> list[int]:
+    """Return the rows in the order of least degree (Tinney and Walker, 1967), ties by number."""
+    n = len(matrix)
+    near: dict[int, set[int]] = {i: set() for i in range(n)}
+    for i in range(n):
+        for j in range(n):
+            if i != j and _is_entry(b, matrix[i][j]):
+                near[i].add(j)
+                near[j].add(i)
+    order: list[int] = []
+    while near:
+        i = min(near, key=lambda k: (len(near[k]), k))
+        order.append(i)
+        linked = near.pop(i)
+        for j in linked:
+            near[j] = (near[j] | linked) - {i, j}
+    return order

@@ -9,7 +9,7 @@ Stiffness is looked for three times. At the start the norm of the Jacobian, from
 a state, excludes it for most problems (10 us for four states; all in all `auto` costs 30 us a run, see
 `benchmarks/auto.py`). Where it does not, DOP853 makes `TRIAL` steps, and what limits the last of them
 decides. A run that goes on looks again every
-`WATCH` steps, and is continued by a stiff method from where it is. See `codegen.integrate.stiffness`.
+`WATCH` steps, and is continued by a stiff method from where it is. See `codegen.integrate.choice`.
 
 A Taylor series that stops early since its coefficients overflow (those of 1/cosh(a)^2 far from its
 pulse), or since its steps vanish, is continued by DOP853 from there (`NEXT`), events and all.
@@ -17,6 +17,15 @@ pulse), or since its steps vanish, is continued by DOP853 from there (`NEXT`), e
 Rates with branches (sign, abs, select) go to DOP853, which finds a kink by rejecting steps of 12
 evaluations, where a series makes a new one or halves it many times: dry friction to 1e-9 takes 0.12 ms,
 and 0.21 ms by Taylor; a spring with |x| takes 0.10 and 0.18 ms with 4e-8 and 6e-7 of error.
+
+Whether explicit steps are limited by stability, and for so long that implicit ones cost less.
+
+The step h of an explicit method on y' = lambda y is bounded by h |lambda| <= S, the length of its
+stability region along the negative axis: where h |lambda| is near S, for lambda an eigenvalue of the
+Jacobian with negative real part, stability and not accuracy decides the step (Hairer and Wanner,
+Solving Ordinary Differential Equations II, 2nd ed. (1996), sect. IV.2, where |lambda| is estimated by
+the last stages). Here the eigenvalues are those of a Jacobian by differences, one call of the rates a
+column: that needs nothing compiled and sees every eigenvalue, not the largest alone.
 """
 
 from __future__ import annotations
@@ -34,7 +43,7 @@ from codegen.closed import closed_forms
 from codegen.compiling.compiled import Compiled
 from codegen.derivatives.taylor import prepare
 from codegen.derivatives.taylor_cost import operations
-from codegen.integrate import closed, stiffness
+from codegen.integrate import closed
 from codegen.ir.groups import RATES
 from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point
@@ -46,6 +55,130 @@ from eom.errors import InputError
 
 if TYPE_CHECKING:
     from codegen.integrate.methods import Task
+from functools import cache
+
+from codegen.integrate.scales import PART
+from codegen.loops.projection import units
+
+DOP853_REACH = 6.1
+"""S of DOP853: Hairer and Wanner II, sect. IV.2."""
+NEAR = 0.6
+"""Part of S from which on a step counts as limited. Accuracy keeps h |lambda| of Taylor series below
+0.2 S at all tolerances, and of DOP853 below 0.4 S up to 1e-3 (linear oscillator)."""
+DAMPED = 0.05
+"""Least -Re lambda/|lambda|: implicit methods must follow what hardly decays as well."""
+WORTH = {True: 200_000, False: 5_000}
+"""Explicit steps, in generated C or in Python, that cost as much as a whole implicit run. Van der Pol's
+oscillator, mu = 1000, to t = 2000 at 1e-9: 584,000 steps in C take 0.07 s (Taylor) to 0.17 s (DOP853),
+LSODA 0.08 s, Radau 1.6 s; Robertson's problem to t = 400: 285,000 in 0.04 to 0.1 s, 0.02 s, 0.17 s."""
+ROOT = math.sqrt(np.finfo(float).eps)
+BDF_ANGLE = math.tan(math.radians(51.8))
+"""|Im lambda|/|Re lambda| up to which BDF of order 5 is stable: Hairer and Wanner II, sect. V.2."""
+
+
+@dataclass(frozen=True)
+class Stiff:
+    """The eigenvalue (1/s) that limits explicit steps, h |lambda|, and the steps that would be left."""
+
+    eigenvalue: complex
+    reach: float
+    left: float
+
+    @property
+    def oscillates(self) -> bool:
+        """Whether methods that are stable along the negative axis alone would be limited as well."""
+        return abs(self.eigenvalue.imag) > BDF_ANGLE * abs(self.eigenvalue.real)
+
+    def __str__(self) -> str:
+        return (
+            f"explicit steps were limited by stability, h |lambda| = {self.reach:.2g}, "
+            f"with {self.left:.1e} of them to go"
+        )
+
+
+@cache
+def taylor_reach(order: int) -> float:
+    """Return S of a Taylor series: the first z > 0 with |1 - z + ... + (-z)^p/p!| > 1."""
+    z, step = 1.0, 1.0 / 64
+    while abs(math.fsum((-z) ** k / math.factorial(k) for k in range(order + 1))) <= 1.0:
+        z += step
+    return z
+
+
+def promising(compiled: Compiled, problem: Problem, u: Array, worth: int) -> bool:
+    """Tell whether stability may cost more than ``worth`` steps of DOP853, judged by the start alone.
+
+    Costs as many calls of the rates as there are states where the norm of the Jacobian excludes it.
+    """
+    start, end = problem.t_span
+    span = abs(end - start)
+    changes, slopes = _differences(compiled, problem, start, problem.x0, u)
+    bound = float((np.abs(slopes).T @ (1.0 / changes)).max())
+    if not math.isfinite(bound) or bound * span < worth * DOP853_REACH:
+        return False
+    J = slopes.T / changes
+    worst = _worst(J, math.copysign(1.0, end - start))
+    return worst is not None and abs(worst) * span >= worth * DOP853_REACH
+
+
+def limited(
+    compiled: Compiled,
+    problem: Problem,
+    at: tuple[float, Array, float],
+    u: Array,
+    reach: float,
+    worth: int,
+) -> Stiff | None:
+    """Return what limits a run whose last step was h at t and x, ``at`` = (t, x, h), or None.
+
+    ``reach``: S of the method. None also where less than ``worth`` steps are left.
+    """
+    t, x, h = at
+    left = abs((problem.t_span[1] - t) / h) if h else 0.0
+    if left < worth:
+        return None
+    changes, slopes = _differences(compiled, problem, t, x, u)
+    J = slopes.T / changes
+    worst = _worst(J, math.copysign(1.0, h)) if np.all(np.isfinite(J)) else None
+    if worst is None or abs(h * worst) < NEAR * reach:
+        return None
+    return Stiff(worst, abs(h * worst), left)
+
+
+def _differences(
+    compiled: Compiled, problem: Problem, t: float, x: Array, u: Array
+) -> tuple[Array, Array]:
+    """Return by how much each state is moved, about 1e-8 of its size, and in rows how the rates change."""
+    rates, p, n = compiled.rhs, problem.parameters, len(x)
+    moved = x + ROOT * np.maximum(np.abs(x), _least(compiled, problem, x))
+    point, slopes, here = x.copy(), np.empty((n, n)), rates(t, x, p, u)
+    for j in range(n):
+        point[j] = moved[j]
+        rates(t, point, p, u, slopes[j])
+        point[j] = x[j]
+    with np.errstate(invalid="ignore"):  # rates that overflow; the caller looks for them
+        slopes -= here
+    return moved - x, slopes
+
+
+def _least(compiled: Compiled, problem: Problem, x: Array) -> Array:
+    """Return for each state the size below which it is moved as one of that size.
+
+    What counts as zero by the tolerances, or a part of the largest state of its unit: beside that a
+    change of 1e-8 of a much smaller state is lost in rounding.
+    """
+    known = np.array(units(compiled.layout))
+    largest = np.zeros(known.max(initial=0) + 1)
+    np.maximum.at(largest, known, np.abs(x))
+    return np.asarray(np.maximum(problem.atol / problem.rtol, PART * largest[known]))
+
+
+def _worst(J: Array, direction: float) -> complex | None:
+    """Return the largest eigenvalue among those of motions that decay."""
+    values = np.linalg.eigvals(J)
+    decaying = values[-direction * values.real > DAMPED * np.abs(values)]
+    return complex(decaying[np.argmax(np.abs(decaying))]) if decaying.size else None
+
 
 Integrator = Callable[[Problem], Trajectory]
 Prepare = Callable[["Task"], tuple[Integrator, str]]
@@ -89,7 +222,7 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     try:
         ready = methods[chosen.method](task)
     except native.CompilerError as error:
-        chosen = Explicit("DOP853", f"{chosen.method}: {error.what}", stiffness.DOP853_REACH)
+        chosen = Explicit("DOP853", f"{chosen.method}: {error.what}", DOP853_REACH)
         ready = methods[chosen.method](task)
     return _going_on(task, methods, chosen, ready), ready[1]
 
@@ -106,7 +239,7 @@ def _told(run: Integrator, name: str, why: str, method: str) -> Integrator:
     return lambda problem: replace(run(problem), method=name, why=why, methods=(method,))
 
 
-def _implicit(stiff: stiffness.Stiff, task: Task) -> str:
+def _implicit(stiff: Stiff, task: Task) -> str:
     """LSODA costs a twentieth of the others, but like all BDF fails where stiff modes oscillate.
 
     Neither can project its states onto invariants.
@@ -124,10 +257,10 @@ def _inputs(task: Task, t: float) -> Array:
     return task.problem.inputs if task.signals is None else task.signals(t)
 
 
-def _stiff_from_the_start(task: Task, methods: Mapping[str, Prepare]) -> stiffness.Stiff | None:
+def _stiff_from_the_start(task: Task, methods: Mapping[str, Prepare]) -> Stiff | None:
     compiled, problem = task.compiled, task.problem
-    u, worth = _inputs(task, problem.t_span[0]), stiffness.WORTH[_is_native(task)]
-    if not stiffness.promising(compiled, problem, u, worth):
+    u, worth = _inputs(task, problem.t_span[0]), WORTH[_is_native(task)]
+    if not promising(compiled, problem, u, worth):
         return None
     trial = replace(
         problem,
@@ -142,7 +275,7 @@ def _stiff_from_the_start(task: Task, methods: Mapping[str, Prepare]) -> stiffne
     h = float(np.median(np.diff(made.t[-TRIAL // 4 :])))
     at = made.stop.t, made.state_at_stop, h
     u = _inputs(task, made.stop.t)
-    return stiffness.limited(compiled, problem, at, u, stiffness.DOP853_REACH, worth)
+    return limited(compiled, problem, at, u, DOP853_REACH, worth)
 
 
 def _is_native(task: Task) -> bool:
@@ -160,8 +293,8 @@ def _explicit(task: Task) -> Explicit:
         against = _against_series(SameObject(task.compiled), order)
         if not against:
             why = "smooth rates, not stiff, a Taylor series for every operation"
-            return Explicit("taylor", why, stiffness.taylor_reach(order))
-    return Explicit("DOP853", f"not stiff; no Taylor series: {against}", stiffness.DOP853_REACH)
+            return Explicit("taylor", why, taylor_reach(order))
+    return Explicit("DOP853", f"not stiff; no Taylor series: {against}", DOP853_REACH)
 
 
 @lru_cache(maxsize=256)
@@ -192,7 +325,7 @@ LONGEST = 64_000
 """Operations of all coefficients of a series."""
 
 
-NEXT: Mapping[str, tuple[str, float]] = {"taylor": ("DOP853", stiffness.DOP853_REACH)}
+NEXT: Mapping[str, tuple[str, float]] = {"taylor": ("DOP853", DOP853_REACH)}
 """What goes on where an explicit method cannot, and the length of its stability region."""
 
 
@@ -228,7 +361,7 @@ class _Look:
     def __init__(self, task: Task, problem: Problem, chosen: Explicit) -> None:
         self.task, self.problem, self.chosen = task, problem, chosen
         self.native = _is_native(task)
-        self.stiff: stiffness.Stiff | None = None
+        self.stiff: Stiff | None = None
 
     def watching(self) -> Problem:
         """Return the problem, watched."""
@@ -236,8 +369,8 @@ class _Look:
 
     def _limited(self, t: float, x: Array, h: float) -> bool:
         at, u = (t, x, h), _inputs(self.task, t)
-        reach, worth = self.chosen.reach, stiffness.WORTH[self.native]
-        self.stiff = stiffness.limited(self.task.compiled, self.problem, at, u, reach, worth)
+        reach, worth = self.chosen.reach, WORTH[self.native]
+        self.stiff = limited(self.task.compiled, self.problem, at, u, reach, worth)
         return self.stiff is not None
 
 
@@ -246,7 +379,7 @@ def _implicitly(
     methods: Mapping[str, Prepare],
     problem: Problem,
     first: Trajectory,
-    stiff: stiffness.Stiff,
+    stiff: Stiff,
 ) -> Trajectory:
     """Go on with a stiff method."""
     rest, implicit = _rest(problem, first), _implicit(stiff, task)

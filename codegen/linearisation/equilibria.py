@@ -8,11 +8,20 @@ Newton's method (`codegen.linearisation.newton`) with derivatives of the program
 (`codegen.linearisation.tangents`); where the equations leave a family of solutions open, it goes to a near
 one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found is told with
 its residual, and with the rank of the Jacobian: whether it stands alone.
+
+What is near a guess: distances in the scales of the unknowns, points around it, whole turns.
+
+Scales of states and inputs, what is a small change of each, come from the equations themselves. The matrix
+of derivatives of rates by states is balanced by a diagonal matrix D: row and column k of D^-1 A D get equal
+sums (Osborne, J. ACM 7 (1960) 338; Parlett and Reinsch, Numer. Math. 13 (1969) 293). For x' = v, v' = -w^2
+x a change of v has w times the size of one of x; it does not depend on units. Each set of states that have
+to do with each other keeps one factor free, which angles, else the values of a state, settle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +33,6 @@ from codegen.frontend.layout import names_of, to_array
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.passes import dependence
 from codegen.linearisation import newton
-from codegen.linearisation.nearby import NEAR, NEAR_POINTS, Near, scales_of
 from codegen.linearisation.steady import Equilibrium, together
 from codegen.linearisation.unknowns import Equations, maintained
 from eom.errors import InputError, near_matches, typed, unknown_name
@@ -64,7 +72,7 @@ def equilibrium(
     for, from there. ``cyclic``: states that may run, on which no other rate depends. ``hold``: values of
     states, outputs or invariants that the solution must have; the constraints that the system maintains
     are met anyhow. ``starts``, ``seed``, ``spread``: how many points are tried, drawn how, how far from
-    the guess, in the scale of each state (`codegen.linearisation.nearby`: 1 for angles, others by what
+    the guess, in the scale of each state (`codegen.linearisation.equilibria`: 1 for angles, others by what
     they do beside them), in which near is meant, too. Values that rounding hides are zero. The same
     arguments give the same result. Units are those of the system. Raises `InputError` where nothing is
     found, for unknown names, and for rates that depend on time. Source: Newton's method with steps of least
@@ -403,3 +411,142 @@ def _start(
         if not any(x[k] for k in four):
             x[min(four)] = 1.0
     return x
+
+
+NEAR, NEAR_POINTS = 0.3, 6
+"""How far from the guess, in scales, derivatives are looked at for their size, and at how many points."""
+WIDEST = 2
+"""Deviation of the farthest points around a guess, in scales."""
+
+
+def scales_of(equations: Equations, x: Array, u: Array, turning: Sequence[bool]) -> Array:
+    """Return the scale of each state and input (see `state_scales`), from the rates around a guess.
+
+    ``turning``: whether each is an angle, or part of a quaternion. How far around depends on the scales:
+    they are made twice, first of points that are as far as the guess is from zero.
+    """
+    guess, n = np.concatenate([x, u]), x.size
+    scale = np.where(turning, 1.0, np.abs(guess))
+    for _ in range(2):
+        size = np.median(np.abs(_derivatives(equations, guess, scale, n)), axis=0)
+        states = state_scales(size[:, :n], x, turning[:n])
+        terms = np.linalg.norm(size[:, :n] * states, axis=1)
+        scale = np.concatenate([states, input_scales(size[:, n:], terms, u)])
+    return scale
+
+
+def _derivatives(equations: Equations, guess: Array, scale: Array, n: int) -> Array:
+    """Return derivatives of the rates by states and inputs at points around a guess, (points, n, m)."""
+    draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, guess.size))
+    points = [guess, *(guess + NEAR * draw * scale)]
+    with np.errstate(all="ignore"):
+        found = [equations.rates(z[:n], z[n:]) for z in points]
+    finite = [J for J in found if np.all(np.isfinite(J))]
+    return np.array(finite or [np.zeros_like(found[0])])
+
+
+@dataclass(frozen=True)
+class Near:
+    """The unknowns of a guess with their scales; ``fours``: places of unit quaternions among them."""
+
+    first: Array
+    scales: Array
+    angles: Sequence[bool]
+    fours: Sequence[Sequence[int]]
+
+    def distance(self, z: Array) -> float:
+        """Return how far a point is from the guess, in the scales of the unknowns."""
+        return float(np.linalg.norm((self._same_side(z) - self.first) / self.scales))
+
+    def turned(self, z: Array) -> Array:
+        """Return angles within half a turn of the guess, quaternions on its side."""
+        turns = np.ceil((z - self.first) / (2 * np.pi) - 0.5)
+        return self._same_side(z - 2 * np.pi * np.where(self.angles, turns, 0.0))
+
+    def _same_side(self, z: Array) -> Array:
+        z = z.copy()
+        for four in self.fours:
+            places = list(four)
+            if z[places] @ self.first[places] < 0:
+                z[places] *= -1
+        return z
+
+    def starts(self, still: Array, count: int, seed: int, spread: float) -> list[Array]:
+        """Return the guess, ``still``, and points around that, farther and farther; the nearest first."""
+        draw = np.random.default_rng(seed)
+        around = [
+            still + spread * WIDEST * (k + 1) / count * draw.normal(size=still.size) * self.scales
+            for k in range(count - 2)
+        ]
+        return sorted([self.first, *[still] * (count > 1), *around], key=self.distance)
+
+
+TURNS = 100
+SETTLED = 1e-3
+"""Change of all factors, relative, at which they are taken."""
+
+
+def balanced(A: Array) -> Array:
+    """Return d such that |A_kl| d_l / d_k has equal sums by rows and columns.
+
+    ``A``: (n, n); signs and the diagonal do not matter. A state that only drives, or is only driven, gets
+    what its own row or column asks for.
+    """
+    size = np.abs(A)
+    np.fill_diagonal(size, 0.0)
+    d = np.ones(len(A))
+    for _ in range(TURNS):
+        before = d.copy()
+        for k in range(len(A)):
+            row, column = size[k] @ d / d[k], np.sum(size[:, k] / d) * d[k]
+            if row > 0 and column > 0:
+                d[k] *= np.sqrt(row / column)
+        if np.max(np.abs(d / before - 1), initial=0.0) < SETTLED:
+            break
+    return d
+
+
+def parts(A: Array) -> list[list[int]]:
+    """Return the sets of states that an entry of A, either way, connects, in order."""
+    left, found = set(range(len(A))), []
+    linked = (A != 0) | (A.T != 0)
+    while left:
+        stack, part = [min(left)], set()
+        while stack:
+            k = stack.pop()
+            if k in left:
+                left.discard(k)
+                part.add(k)
+                stack += [int(j) for j in np.flatnonzero(linked[k]) if j in left]
+        found.append(sorted(part))
+    return found
+
+
+def state_scales(A: Array, x: Array, angles: Sequence[bool]) -> Array:
+    """Return the scale of each state (n,): 1 for angles, others by what they do beside them.
+
+    ``A``: sizes of the derivatives of rates by states, around ``x``. Without angles: by the values, and so
+    that the scales have the geometric mean 1 at least.
+    """
+    d = balanced(A)
+    for part in parts(A):
+        own, turns = d[part], [k for k in part if angles[k]]
+        if turns:
+            factor = float(np.exp(-np.mean(np.log(d[turns]))))
+        else:
+            mean = float(np.exp(-np.mean(np.log(own))))
+            factor = max(mean, float(np.max(np.abs(x[part]) / own)))
+        d[part] = own * factor
+    return np.where(np.asarray(angles), 1.0, d)
+
+
+def input_scales(B: Array, rates: Array, u: Array) -> Array:
+    """Return the scale of each input (m,): what changes some rate by the size of its terms, or its value.
+
+    ``B``: (n, m), sizes of derivatives by inputs; ``rates``: (n,), sizes of the terms of each rate.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.where(B > 0, rates[:, None] / B, np.inf)
+    least = np.min(change, axis=0, initial=np.inf)
+    found: Array = np.maximum(np.abs(u), np.where(np.isfinite(least) & (least > 0), least, 1.0))
+    return found

@@ -3,7 +3,8 @@
 Each step is the shortest one that solves the linear equations (Ben-Israel, J. Math. Anal. Appl. 15, 1966,
 p. 243), no longer than a radius within which the linear equations held so far, and halved until the
 equations get smaller: so a search goes to a solution near its start. Unknowns are in their scales
-(`codegen.linearisation.nearby`); rows are scaled by the size that their derivatives have around the start.
+(`codegen.linearisation.equilibria`); rows are scaled by the size that their derivatives have around the
+start.
 """
 
 from __future__ import annotations

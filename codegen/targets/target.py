@@ -2,7 +2,7 @@
 
 A target is one file: a table of templates over `codegen.ir.ops`, helper functions for what the
 language lacks or does otherwise than IEEE 754, and a function that writes the files. Its `Target`
-becomes a row of `codegen.compiling.registry`. CONTRIBUTING.md shows the steps on one target.
+becomes a row of `codegen.compiling.compiled`. CONTRIBUTING.md shows the steps on one target.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util import logging
 
-from eom.checker.report.mathml import mathml
+from eom.checker.report.page import mathml
 
 LOG = logging.getLogger(__name__)
 

@@ -57,7 +57,7 @@ def _scenes() -> Rows:
 
 
 def _targets() -> Rows:
-    from codegen.compiling.registry import ROWS
+    from codegen.compiling.compiled import ROWS
 
     return [(f"`{name}`", f".{row.extension}") for name, row in sorted(ROWS.items())]
 

@@ -1,13 +1,75 @@
-"""The report on a note: what was found of every formula, in order."""
+"""The report on a note: what was found of every formula, in order.
+
+What is said of a wrong line: what is left over, what would make it right, and where it fails.
+
+What became of a note among many: its report, or the error that left none.
+
+How notes are checked.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from eom.checker.explanation import UNEXPLAINED, Explanation
 from eom.checker.read.places import NOWHERE, Source, Span
+
+if TYPE_CHECKING:
+    from eom.opening import AnyScene
+    from eom.system import System
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A line that holds, a slip or two away from the one that is wrong.
+
+    ``latex``: the whole line in the writer's notation; ``span``: what of the note ``text`` replaces;
+    ``change``: the slip undone, in words; ``slip``: its kind, a row of a table; ``sets``: the smallest
+    sets of assumptions under which the corrected line holds, none where it always does.
+    """
+
+    latex: str
+    change: str
+    slip: str
+    span: Span = NOWHERE
+    text: str = ""
+    sets: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """Small numbers for which a line fails.
+
+    ``values``: by the LaTeX of symbols; ``members``: what each member of the line then is. Both are texts,
+    in any consistent units. ``assumptions``: under which the numbers stand.
+    """
+
+    values: tuple[tuple[str, str], ...]
+    members: tuple[tuple[str, str], ...]
+    assumptions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a line is wrong.
+
+    ``residual``: LaTeX of what is too much on the left side, in the writer's symbols, "" if no short one
+    was found; ``blamed``: the places at fault; ``corrections``: the most plausible first;
+    ``counterexample``: small numbers for which it fails, None if none was found;
+    ``convention``: what other convention makes the line right, "" for none.
+    """
+
+    residual: str = ""
+    blamed: tuple[Span, ...] = ()
+    corrections: tuple[Correction, ...] = ()
+    counterexample: Counterexample | None = None
+    convention: str = ""
+
+
+UNEXPLAINED = Explanation()
+"""Nothing is said."""
+
 
 FAULTS = frozenset({"wrong", "ill-formed"})
 """Verdicts that say that something is wrong."""
@@ -121,7 +183,6 @@ class Report:
 
     def __str__(self) -> str:
         """Return the report as text, as `eom check` prints it."""
-        from eom.checker.graded import Graded
         from eom.checker.report.report_text import text, told
 
         return "\n".join(text(line) for line in told(Graded(self.name, self)))
@@ -130,3 +191,45 @@ class Report:
         """Print the report in a notebook."""
         del cycle
         printer.text(str(self))
+
+
+@dataclass(frozen=True)
+class Graded:
+    """A note by its name with its ``report``, or with the ``error`` for which there is none."""
+
+    name: str
+    report: Report | None = None
+    error: str = ""
+
+    @property
+    def status(self) -> str:
+        """Return "nothing wrong", "wrong" or "unusable"."""
+        if self.report is None:
+            return "unusable"
+        return "wrong" if self.report.faults else "nothing wrong"
+
+
+GIVEN = ("constant_mass",)
+"""What is assumed without being said, unless something else is given."""
+FORMULA_SECONDS = 10.0
+NOTE_SECONDS = 300.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How notes are checked.
+
+    ``notation``: a preset, ``lexicon``: a TOML file, "" for neither; ``given``: assumptions made without
+    being said; ``kind``: of texts that are no files, see `read_document`, "" for what they look like;
+    ``system``: what scalar lines are about, a name, a scene file or an object, None for what the note says;
+    ``seconds`` of processor time: for the meaning of a formula, and again for its judgement;
+    ``note_seconds``: for a note.
+    """
+
+    notation: str = ""
+    lexicon: str = ""
+    given: tuple[str, ...] = GIVEN
+    kind: str = ""
+    system: str | System | AnyScene | None = None
+    seconds: float = FORMULA_SECONDS
+    note_seconds: float = NOTE_SECONDS

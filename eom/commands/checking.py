@@ -15,10 +15,9 @@ from eom.errors import InputError, printable, unknown_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eom.checker.graded import Graded
     from eom.checker.read.inputs import Note
     from eom.checker.report.report_text import Line
-    from eom.checker.settings import Settings
+    from eom.checker.reports import Graded, Settings
 
 WRONG, UNUSABLE = 1, 2
 """Exit status where something is wrong, and where a note cannot be used."""
@@ -175,7 +174,7 @@ def _settings(
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
     from eom.checker.read.inputs import TEXT_KINDS
-    from eom.checker.settings import GIVEN, Settings
+    from eom.checker.reports import GIVEN, Settings
     from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:

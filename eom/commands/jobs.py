@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from eom.commands.occurring import events_of
-from eom.commands.shared import EVERY, compiled_of, waiting_for
+from eom.commands.shared import EVERY, compiled_of, events_of, waiting_for
 from eom.errors import InputError
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.jobs import Job, job_of
-from eom.commands.occurring import event_option, rows
 from eom.commands.shared import (
     WithTable,
+    event_option,
     finite,
     handover_option,
     methods,
@@ -22,6 +22,7 @@ from eom.commands.shared import (
     progress_of,
     project_option,
     report_files,
+    rows,
     scene_argument,
     scene_of,
     target_option,

@@ -9,8 +9,7 @@ import sympy as sp
 from eom.derivations.common import explicit
 from eom.derivations.derivation import Derivation, Maker
 from eom.mechanics import freebody, steady
-from eom.mechanics.freebody import MOMENTS
-from eom.mechanics.herpolhode import herpolhode_rate
+from eom.mechanics.freebody import MOMENTS, herpolhode_rate
 from eom.mechanics.rigidbody import OMEGA, angular_momentum, free_rigid_body
 from eom.terms.rules import components, compute, scalars_in, use
 from eom.terms.terms import (

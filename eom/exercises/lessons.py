@@ -2,19 +2,33 @@
 
 A topic is a derivation. Those of the solids are told as a marker would: integrals over the mass, their
 values, and the theorem of parallel axes; all others are the verified steps themselves.
+
+Moments of inertia of a uniform solid as the lines of a derivation, in the letters of books.
+
+About the centre of mass by integration, about each named point by the theorem of parallel axes; values
+are those of the catalogue of solids, which integrates over the solid's own coordinates.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
 
 from eom import derivations
+from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
-from eom.derivations.derivation import Derivation, Step
-from eom.derivations.showing import Item, only_names, symbols
+from eom.derivations import SOLIDS
+from eom.derivations.derivation import Derivation, Item, Step, only_names, symbols
 from eom.errors import typed, unknown_name
-from eom.exercises.solids import front_matter_of, legend, solid_of, told
+from eom.mass.properties import MassProperties
+from eom.mass.solids import MASS, mass_properties
+from eom.mass.solids import SOLIDS as CATALOGUE
+from eom.terms.terms import Equation, expr, integral
+from eom.typeset.boxes import Formula
+from eom.typeset.markup import symbol_latex
 from eom.typeset.notation import NOTATIONS, Notation
 
 RELATIONS = ("=", ":=")
@@ -70,3 +84,123 @@ def _is_line(step: Step) -> bool:
 
 def _with(made: Derivation, steps: tuple[Step, ...]) -> Derivation:
     return Derivation(made.name, made.title, made.group, steps, made.scalars, {})
+
+
+Expr = Any
+PREFIX = "inertia-of-"
+GROUP = "Inertia of solids"
+X, Y, Z = COORDINATES
+SQUARES = (Y**2 + Z**2, X**2 + Z**2, X**2 + Y**2)
+PAIRS = ((0, 1), (0, 2), (1, 2))
+
+
+def solid_of(topic: str) -> str:
+    """Return the solid that a topic is about, "" for other topics."""
+    return next((s for s in SOLIDS if topic == PREFIX + s.replace(" ", "-")), "")
+
+
+def told(topic: str, solid: str) -> Derivation:
+    """Return the derivation of a solid's moments of inertia. Raises `InputError` for other solids."""
+    title = derivations.titles()[GROUP][topic]
+    return Derivation(topic, title, GROUP, tuple(_steps(solid)), {}, {})
+
+
+def front_matter_of(solid: str) -> str:
+    """Return front matter that names the solid, so that `eom check` knows mass, sizes and moments."""
+    names = [(s, old.name) for old, s in _letters(solid).items()]
+    names += [
+        (_moment(k, point), f"I{k}{_tail(point)}") for k in (1, 2, 3) for point in _points(solid)
+    ]
+    names += [
+        (_product(i, j, point), f"J{i + 1}{j + 1}{_tail(point)}")
+        for i, j in PAIRS
+        for point in _points(solid)
+    ]
+    rows = [f"'{symbol_latex(s.name)}' = '{name}'" for s, name in names]
+    return "\n".join(
+        ["+++", "[check.system]", f'is = "{solid}"', "[check.system.symbols]", *rows, "+++", "", ""]
+    )
+
+
+def legend(solid: str) -> Iterator[Item]:
+    """Yield mass, sizes, axes and moments with their meanings."""
+    for old, letter in _letters(solid).items():
+        yield (
+            Formula(letter),
+            old.name.replace("_", " ") if len(old.name) > 1 else "an edge or axis",
+        )
+    for point in _points(solid):
+        where = f"the {point}" if point else "the centre of mass"
+        yield (
+            Formula(_moment(1, point)),
+            f"moment of inertia about axis 1 through {where}; 2, 3 likewise",
+        )
+    yield Formula(X), "coordinate along axis 1 from the centre of mass; y, z along axes 2, 3"
+
+
+def _points(solid: str) -> tuple[str, ...]:
+    return ("", *CATALOGUE[solid].points)
+
+
+def _tail(point: str) -> str:
+    return f"_{point.replace(' ', '_')}" if point else ""
+
+
+def _letters(solid: str) -> dict[Expr, Expr]:
+    """Return mass and sizes of a solid with the letters that stand for them in books."""
+    names = (MASS.name, *CATALOGUE[solid].sizes)
+    return {
+        sp.Symbol(n, positive=True): sp.Symbol(SPELLINGS.get(n, (n,))[0], positive=True)
+        for n in names
+    }
+
+
+def _moment(k: int, point: str) -> Expr:
+    return sp.Symbol(f"I_{k}{_tail(point)}")
+
+
+def _product(i: int, j: int, point: str) -> Expr:
+    return sp.Symbol(f"J_{i + 1}{j + 1}{_tail(point)}")
+
+
+def _steps(solid: str) -> Iterator[Step]:
+    letters = _letters(solid)
+    body = mass_properties(solid)
+    m = letters[MASS]
+    for point in _points(solid):
+        moved = mass_properties(solid, point) if point else body
+        where = f"the {point}" if point else "the centre of mass"
+        for k in (1, 2, 3):
+            value = sp.expand(moved.inertia[k - 1, k - 1].xreplace(letters))
+            symbol, label = _moment(k, point), f"I{k}{_tail(point)}"
+            if point:
+                central = expr(_moment(k, "") + m * _distance(body, moved, k - 1, letters))
+                yield _step(
+                    f"{label}-moved", symbol, central, f"parallel axes: axis {k} through {where}"
+                )
+            else:
+                about = integral(expr(SQUARES[k - 1]))
+                yield _step(
+                    f"{label}-integral", symbol, about, f"moment about axis {k} through {where}"
+                )
+            yield _step(label, symbol, expr(value), "carried out")
+        yield from _products(moved, point, where, letters)
+
+
+def _products(body: MassProperties, point: str, where: str, letters: Any) -> Iterator[Step]:
+    """Yield products of inertia that are not zero."""
+    for i, j in PAIRS:
+        value = sp.expand(body.inertia[i, j].xreplace(letters))
+        if value != 0:
+            words = f"entry {i + 1}{j + 1} of the inertia matrix about {where}"
+            yield _step(f"J{i}{j}{_tail(point)}", _product(i, j, point), expr(value), words)
+
+
+def _distance(body: MassProperties, moved: MassProperties, k: int, letters: Any) -> Expr:
+    """Return the square of the distance of an axis from that through the centre of mass."""
+    r = [sp.factor(a - b) for a, b in zip(body.centre, moved.centre, strict=True)]
+    return sp.Add(*(r[j] ** 2 for j in range(3) if j != k)).xreplace(letters)
+
+
+def _step(label: str, left: Expr, right: Any, reason: str) -> Step:
+    return Step(label, Equation(expr(left), right), reason)

@@ -13,10 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import eom.checker.note.checking as checker
-from eom.checker.explanation import Counterexample
-from eom.checker.reports import FAULTS, Finding
-from eom.derivations.derivation import Derivation, Step
-from eom.derivations.showing import Item
+from eom.checker.reports import FAULTS, Counterexample, Finding
+from eom.derivations.derivation import Derivation, Item, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import page, slips

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from eom.derivations.derivation import Derivation, Step, meaning_of
-from eom.derivations.showing import separate
+from eom.derivations.derivation import Derivation, Step, meaning_of, separate
 from eom.errors import typed
 from eom.terms.terms import Term
 from eom.typeset import pages

@@ -21,8 +21,7 @@ from eom.kinematics.coordinates import Attitude
 from eom.kinematics.frames import Vector, vector
 from eom.kinematics.transport import first_derivative, time_derivative
 from eom.mass.inertia import check_principal_moments, physical
-from eom.mechanics.freebody import H, T
-from eom.mechanics.precession import AXIAL, TRANSVERSE
+from eom.mechanics.freebody import AXIAL, TRANSVERSE, H, T
 from eom.mechanics.rigidbody import (
     OMEGA,
     angular_momentum,

@@ -2,23 +2,33 @@
 
 Everything follows from h = J omega, T = omega . h / 2 and dh/dt = 0 (Hughes, Spacecraft Attitude
 Dynamics, 1986, ch. 4; Goldstein, Poole, Safko, 2002, sect. 5.6). Numbers are compared as
-`eom.exact.numbers` says. The herpolhode is in `eom.mechanics.herpolhode`, steady spin in
-`eom.mechanics.steady`, precession of the symmetric body in `eom.mechanics.precession`.
+`eom.exact.numbers` says. The herpolhode is in `eom.mechanics.freebody`, steady spin in
+`eom.mechanics.steady`, precession of the symmetric body in `eom.mechanics.freebody`.
+
+The herpolhode: the curve of omega on the invariable plane of the torque-free body.
+
+Source: Goldstein, Poole, Safko, Classical Mechanics, 2002, sect. 5.6 (Poinsot's construction).
+
+Precession of a torque-free body with an axis of symmetry, which may carry a rotor about it.
+
+Source: Hughes, Spacecraft Attitude Dynamics, 1986, ch. 4; with a rotor ch. 6.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import InputError
 from eom.exact.numbers import number, sign, tolerance
-from eom.kinematics.frames import Vector, vector
+from eom.kinematics.frames import Vector, unit_vector, vector
+from eom.kinematics.transport import first_derivative
 from eom.mass.inertia import check_principal_moments
-from eom.mechanics.rigidbody import OMEGA, angular_momentum, principal_inertia
+from eom.mechanics.rigidbody import OMEGA, angular_momentum, euler_equations, principal_inertia
 from eom.system import as_expression
 
 Expr = Any
@@ -323,3 +333,157 @@ def motion_of(moments: Sequence[Expr], omega: Sequence[Expr]) -> Motion:
     if all(w == 0 for w in exact[3:]):
         raise InputError("the body does not turn", got="omega = 0", expected="a rate")
     return Motion(tuple(exact[:3]), vector("B", exact[3:]), tolerance(given))
+
+
+@dataclass(frozen=True)
+class Herpolhode:
+    """The curve of omega on the invariable plane, which stands normal to h (Poinsot).
+
+    ``distance``: of the plane from the fixed point, 2 T/H; ``inner`` and ``outer``: least and
+    greatest distance of the curve from the foot of h. All in rad/s.
+    """
+
+    distance: Expr
+    inner: Expr
+    outer: Expr
+
+
+def herpolhode(moments: Sequence[Expr], omega: Sequence[Expr]) -> Herpolhode:
+    """Return plane and radii of the herpolhode.
+
+    Arguments, numbers and errors as in `eom.mechanics.freebody.classify`.
+
+    >>> herpolhode((2, 2, 1), (3, 0, 4))
+    Herpolhode(distance=17*sqrt(13)/13, inner=6*sqrt(13)/13, outer=6*sqrt(13)/13)
+    """
+    motion = motion_of(moments, omega)
+    energy, squared = motion.constants
+    foot = (2 * energy) ** 2 / squared
+    ends = ends_of(motion, kind_of(motion))
+    inner, outer = motion.root_range([sp.Add(*end) - foot for end in ends])
+    return Herpolhode(motion.root(foot), inner, outer)
+
+
+def turning_point(k: int, moments: Sequence[Expr] = MOMENTS) -> tuple[Expr, ...]:
+    """Return the squares of omega_1..3 where the polhode crosses omega_k = 0, over T and H.
+
+    They are points of the motion where none of them is negative.
+    """
+    equations = linear_constants(moments) * sp.Matrix(SQUARES) - sp.Matrix([2 * T, H**2])
+    (solution,) = sp.linsolve([*equations, SQUARES[k - 1]], SQUARES)
+    return tuple(solution)
+
+
+def herpolhode_radius(k: int) -> Expr:
+    """Return the radius where omega_k = 0; for I1 < I2 < I3 the extremes have k = 2 and 1 or 3.
+
+    It is the length of omega less its part along h, 2 T/H.
+    """
+    return sp.sqrt(sp.Add(*turning_point(k)) - (2 * T / H) ** 2)
+
+
+def herpolhode_rate() -> Expr:
+    """Return the rate (rad/s) at which the herpolhode turns about h, over omega and the moments.
+
+    rho = omega - (omega . h) h/H^2 has the inertial derivative of omega, since h and T are
+    constant; the rate is (rho x rho') . h/(H rho^2). It is 0/0 in steady spin, where rho = 0.
+    """
+    J, _ = principal_inertia()
+    _, rates = euler_equations(J, vector("B", (0, 0, 0)))
+    h = angular_momentum(J, OMEGA)
+    squared = h.dot(h)
+    rho = OMEGA - h.scaled(OMEGA.dot(h) / squared)
+    moving = dict(zip(OMEGA.components, rates, strict=True))
+    rho_dot = first_derivative(OMEGA, OMEGA, moving).total
+    return rho.cross(rho_dot).dot(h) / (sp.sqrt(squared) * rho.dot(rho))
+
+
+TRANSVERSE, AXIAL = sp.Symbol("It", positive=True), sp.Symbol("Ia", positive=True)
+
+
+@dataclass(frozen=True)
+class Precession:
+    """Steady precession of a torque-free body with I1 = I2, which may carry a rotor about b3.
+
+    omega = ``rate`` h/H + ``spin`` b3 (rad/s): the body precesses about h and spins about its axis
+    in the frame that precesses. ``body_cone_rate``: rate of omega about b3 as seen in the body,
+    minus the spin. ``nutation``: angle between h and b3; ``body_cone``: half-angle of the cone of
+    omega about b3, at most a right angle; ``space_cone``: angle between omega and h. In radians.
+    """
+
+    rate: Expr
+    spin: Expr
+    body_cone_rate: Expr
+    nutation: Expr
+    body_cone: Expr
+    space_cone: Expr
+
+    @property
+    def sense(self) -> str:
+        """Direct, retrograde, or none without spin or across the axis; numbers only."""
+        about_axis = self.spin * self.rate * sp.cos(self.nutation)
+        if not about_axis.is_number:
+            raise InputError("the sense of precession needs numbers", got=about_axis)
+        return SENSES[sign(about_axis)]
+
+
+SENSES = {1: "direct", -1: "retrograde", 0: "none"}
+"""By the sign of the spin about the axis times the axial part of the precession."""
+
+
+def precession(
+    transverse: Expr = TRANSVERSE,
+    axial: Expr = AXIAL,
+    omega: Sequence[Expr] = OMEGA.components,
+    rotor_momentum: Expr = 0,
+) -> Precession:
+    """Return the precession of a symmetric body from its rates (Hughes, 1986, ch. 4; gyrostat ch. 6).
+
+    ``transverse``, ``axial``: moments It = I1 = I2 and Ia = I3 (kg m^2), a rotor held fast;
+    ``rotor_momentum``: Js Omega about b3 (N m s), constant. Without it the precession is direct if
+    the body is prolate, retrograde if oblate. Raises `InputError` for h = 0 and impossible moments.
+
+    >>> precession().spin
+    omega_3*(-Ia + It)/It
+    >>> precession(1, 2, (3, 0, 2)).sense
+    'retrograde'
+    """
+    if len(omega) != 3:
+        raise InputError("three rates are needed", where="precession", got=len(omega))
+    values = [as_expression(v) for v in (transverse, axial, rotor_momentum, *omega)]
+    for value in filter(lambda v: v.is_number, values):
+        number(value)
+    It, Ia, stored, w1, w2, w3 = values
+    if It.is_number and Ia.is_number:
+        check_principal_moments([float(It), float(It), float(Ia)], "precession")
+    across = sp.sqrt(w1**2 + w2**2)
+    turn = vector("P", (across, 0, w3))
+    h = vector("P", (It * across, 0, Ia * w3 + stored))
+    H = sp.sqrt(h.dot(h))
+    if H == 0:
+        raise InputError("no precession without angular momentum", where="precession", got="h = 0")
+    given = dict(zip(_SYMMETRIC, (It, Ia, across, w3, stored, H), strict=True))
+    rate, spin = (e.xreplace(given) for e in _along_h_and_axis())
+    return Precession(
+        rate=rate,
+        spin=spin,
+        body_cone_rate=-spin,
+        nutation=sp.atan2(h.components[0], h.components[2]),
+        body_cone=sp.atan2(across, sp.Abs(w3)),
+        space_cone=sp.atan2(sp.Abs(turn.cross(h).components[1]), turn.dot(h)),
+    )
+
+
+_SYMMETRIC = (TRANSVERSE, AXIAL, *sp.symbols("omega_t omega_a p H", real=True))
+
+
+@lru_cache
+def _along_h_and_axis() -> tuple[Expr, Expr]:
+    """Solve omega = rate h/H + spin b3 in the plane of omega, h and b3."""
+    It, Ia, across, along, stored, H = _SYMMETRIC
+    omega, axis = vector("P", (across, 0, along)), unit_vector("P", 3)
+    h = angular_momentum(sp.diag(It, It, Ia), omega) + axis.scaled(stored)
+    rate, spin = sp.symbols("rate spin", real=True)
+    rest = omega - h.scaled(rate / H) - axis.scaled(spin)
+    (found,) = sp.linsolve([rest.components[0], rest.components[2]], [rate, spin])
+    return found[0], sp.factor_terms(sp.collect(found[1], along))

@@ -21,7 +21,7 @@ from eom.kinematics.coordinates import Attitude
 from eom.kinematics.frames import Vector, unit_vector, vector
 from eom.kinematics.transport import FirstDerivative, first_derivative
 from eom.mass.inertia import physical
-from eom.mechanics.precession import TRANSVERSE
+from eom.mechanics.freebody import TRANSVERSE
 from eom.mechanics.rigidbody import (
     OMEGA,
     angular_momentum,

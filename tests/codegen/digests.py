@@ -15,8 +15,7 @@ def digests():
     """A digest of each generated file by system, target and name."""
     from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
-    from codegen.compiling.compiled import generate
-    from codegen.compiling.registry import ROWS
+    from codegen.compiling.compiled import ROWS, generate
     from codegen.derivatives.derivative import jacobian
     from codegen.frontend.elsewhere import as_system
     from codegen.ir.groups import RATES

@@ -13,7 +13,8 @@ from codegen.closed import closed_forms
 from codegen.closed.closed_forms import Closed
 from codegen.compiling.events import Event
 from codegen.derivatives.taylor import prepare
-from codegen.integrate import choice, stiffness
+from codegen.integrate import choice
+from codegen.integrate import choice as stiffness
 from codegen.ir.interpret import Point
 from codegen.loops import taylor
 from codegen.native import native

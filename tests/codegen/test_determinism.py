@@ -1,6 +1,6 @@
 """The same system gives the same bytes in every process, whatever Python hashes strings to."""
 
-from codegen.compiling.registry import ROWS
+from codegen.compiling.compiled import ROWS
 from tests.codegen.digests import HASH_SEEDS, digests_started
 from tests.codegen.scenes import SCENES
 

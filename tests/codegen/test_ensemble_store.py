@@ -12,7 +12,8 @@ import sympy as sp
 import codegen
 from codegen import Normal, Sampler, Statistics, Uniform
 from codegen import compile as compile_system
-from codegen.ensembles import crews, store
+from codegen.ensembles import ensemble as crews
+from codegen.ensembles import store
 from codegen.native import native
 from eom.errors import InputError
 from eom.system import System

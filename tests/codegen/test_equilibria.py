@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import codegen
 import eom
-from codegen.linearisation import nearby, newton
+from codegen.linearisation import equilibria as nearby
+from codegen.linearisation import newton
 from codegen.linearisation.equilibria import equilibria, equilibrium
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Tree, derive

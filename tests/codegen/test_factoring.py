@@ -11,7 +11,7 @@ from codegen.frontend.lower import lower_expressions
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import Builder, Name
-from codegen.passes.factoring import factor_sums
+from codegen.passes.pipeline import factor_sums
 from tests.clock import growth_in_calls
 
 a, b, c, d, e, f = SYMBOLS = sp.symbols("a b c d e f", real=True)

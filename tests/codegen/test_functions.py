@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from codegen import compile as compile_system
 from codegen import compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN, jacobian
-from codegen.frontend.functions import FUNCTIONS, SUPPORTED
-from codegen.frontend.lower import lower_expressions
+from codegen.frontend.lower import FUNCTIONS, SUPPORTED, lower_expressions
 from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 from codegen.ir.special import FAR, bessel

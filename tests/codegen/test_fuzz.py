@@ -18,7 +18,7 @@ from benchmarks.expressions import (
     points,
 )
 from benchmarks.fuzz import Findings, Unit, check
-from codegen.compiling.registry import ROWS
+from codegen.compiling.compiled import ROWS
 from codegen.ir.interpret import Point
 from codegen.ir.ops import OPS, TRUTH_VALUES
 from codegen.native import native

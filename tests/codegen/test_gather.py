@@ -13,8 +13,8 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Builder
 from codegen.passes.gather import gather
 from codegen.passes.pipeline import join, specialised
-from codegen.passes.rescale import rescale
 from codegen.passes.stages import by_parameters, reciprocals
+from codegen.passes.strength import rescale
 from eom.opening import load_scene
 from tests.codegen.scenes import SCENES
 from tests.codegen.test_compiled import TIME, expressions, modest, p, points, q, reliable, x, y, z

@@ -26,8 +26,7 @@ from codegen.ir.program import Builder
 from codegen.native import native
 from codegen.passes.pipeline import specialised
 from codegen.targets import lanes
-from codegen.targets.lanes import single_text
-from codegen.targets.lanes_math import LARGEST_ANGLE, ULPS
+from codegen.targets.lanes import LARGEST_ANGLE, ULPS, single_text
 from eom.errors import InputError
 from eom.system import System
 from tests.codegen.scenes import SCENES

@@ -11,7 +11,7 @@ from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 from codegen import compile as compile_system
 from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.derivatives.elimination import ORDERS
-from codegen.frontend import massmatrix
+from codegen.frontend import lower as massmatrix
 from codegen.frontend.lower import lower_system
 from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound

@@ -11,8 +11,7 @@ from click.testing import CliRunner
 
 import eom
 from codegen import compile as compile_system
-from codegen.compiling.compiled import generate
-from codegen.compiling.registry import ROWS
+from codegen.compiling.compiled import ROWS, generate
 from codegen.frontend.excerpt import excerpt
 from codegen.frontend.layout import Layout
 from codegen.frontend.lower import lower_system

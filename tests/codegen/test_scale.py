@@ -16,7 +16,7 @@ from codegen.compiling.compiled import generate
 from codegen.derivatives.derivative import jacobian
 from codegen.frontend.lower import lower_expressions
 from codegen.ir.groups import RATES
-from codegen.passes.rescale import rescale
+from codegen.passes.strength import rescale
 from eom.errors import InputError
 from eom.system import TIME, Definition, Quantity, System, free_symbols, nodes, replaced
 

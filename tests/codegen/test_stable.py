@@ -15,9 +15,8 @@ from codegen.frontend.lower import lower_expressions
 from codegen.frontend.structure import Structure
 from codegen.ir.interpret import Point, interpret, interpret_exactly
 from codegen.ir.program import Builder
-from codegen.passes.identities import IDENTITIES, RANGE
 from codegen.passes.pipeline import as_written
-from codegen.passes.stable import EVERY, rewritten, rewritten_freely
+from codegen.passes.stable import EVERY, IDENTITIES, RANGE, rewritten, rewritten_freely
 from eom import load_scene
 from eom.system import System
 from tests.codegen.scenes import SCENES

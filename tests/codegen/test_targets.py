@@ -15,8 +15,7 @@ import eom
 from codegen import compile as compile_system
 from codegen import simulate
 from codegen.compiling.compiled import generate, write_files
-from codegen.frontend.functions import BESSEL, FUNCTIONS
-from codegen.frontend.lower import _CHAINS, _COMPARISONS, lower_expressions
+from codegen.frontend.lower import _CHAINS, _COMPARISONS, BESSEL, FUNCTIONS, lower_expressions
 from codegen.ir.ops import BLOCKS, OPS, SOLVE
 from codegen.native import native
 from codegen.targets import c, load_module, numpy_

@@ -3,8 +3,8 @@
 import pytest
 
 import eom
-from eom.checker.graded import Graded
 from eom.checker.report.report_text import text, told
+from eom.checker.reports import Graded
 
 
 def labels(excerpt):

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from eom.exact import series
 from eom.exact.series import Field, Series, Singular
-from eom.worlds.generators import world
-from eom.worlds.motions import Body, free_attitude
+from eom.worlds.generators import Body, free_attitude, world
 from eom.worlds.shapes import Draw, along, mirrored, shape
 from eom.worlds.turning import elementary
 from eom.worlds.worlds import LENGTH, closure

@@ -15,9 +15,12 @@ from scipy.integrate import solve_ivp
 from eom import InputError
 from eom.exact.identity import equal, vanishes
 from eom.kinematics.coordinates import quaternion
-from eom.mechanics.freebody import OMEGA, H, T, classify
-from eom.mechanics.herpolhode import (
+from eom.mechanics.freebody import (
+    OMEGA,
+    H,
     Herpolhode,
+    T,
+    classify,
     herpolhode,
     herpolhode_radius,
     herpolhode_rate,

@@ -15,7 +15,7 @@ from eom import InputError
 from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import gyrostat
-from eom.mechanics.precession import precession
+from eom.mechanics.freebody import precession
 from tests.draws import nonzero
 
 I1, I2, I3, Js_1 = sp.symbols("I1:4 Js_1", positive=True)

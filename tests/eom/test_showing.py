@@ -9,8 +9,7 @@ import pytest
 import sympy as sp
 
 from eom import derivations
-from eom.derivations.derivation import Maker
-from eom.derivations.showing import FORMATS, chains, show_derivation
+from eom.derivations.derivation import FORMATS, Maker, chains, show_derivation
 from eom.errors import InputError
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.terms.rules import transport

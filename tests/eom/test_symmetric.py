@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 from eom.exact.identity import equal
 from eom.exact.numbers import sign
 from eom.kinematics.coordinates import attitude
-from eom.mass.principal import principal_axes
-from eom.mass.symmetric import PrincipalAxes, exact_axes
+from eom.mass.principal import PrincipalAxes, exact_axes, principal_axes
 
 a, b, c, d, e, f = sp.symbols("a b c d e f", real=True)
 whole = st.integers(-9, 9)

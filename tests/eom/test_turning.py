@@ -8,8 +8,7 @@ import pytest
 
 from eom.exact import series
 from eom.exact.series import Field, Series
-from eom.worlds.generators import worlds
-from eom.worlds.motions import any_turn, fixed_turn
+from eom.worlds.generators import any_turn, fixed_turn, worlds
 from eom.worlds.shapes import Draw
 from eom.worlds.turning import about_axis, angle, composed, reversed_, sequence
 from eom.worlds.worlds import SEQUENCES, closure

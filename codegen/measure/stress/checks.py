@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from codegen.measure.stress.angles import near_singular_angles
 from codegen.measure.stress.estimates import accuracy_estimate
-from codegen.measure.stress.extremes import extreme_bodies
+from codegen.measure.stress.extremes import extreme_bodies, single_precision
 from codegen.measure.stress.forms import perturbed_forms
 from codegen.measure.stress.growth import long_run
 from codegen.measure.stress.hostile import hostile
-from codegen.measure.stress.memory import memory
 from codegen.measure.stress.record import Check
 from codegen.measure.stress.scenes import random_scenes
-from codegen.measure.stress.single import single_precision
-from codegen.measure.stress.sweeps import there_and_back, tolerances
+from codegen.measure.stress.sweeps import memory, there_and_back, tolerances
 from eom.errors import unknown_name
 
 CHECKS = (

@@ -4,22 +4,32 @@ A method promises local errors of at most rtol (|x| + 1e-3) in each state and st
 make at the end, all errors in the worst sense, is their number times the amplification of the
 problem (`codegen.measure.stress.amplification`) times rtol. Rounding is a local error of a few units in the
 last place.
+
+Peak memory of a run of many steps that is asked for little, in a process of its own.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import compile as compile_system
 from codegen.measure.stress.amplification import UNKNOWN, Amplification, amplification
+from codegen.measure.stress.growth import MOMENTS, OMEGA
 from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
-from codegen.measure.stress.running import Collector, Run
+from codegen.measure.stress.running import Collector, Refusal, Run, attempt
+from codegen.measure.stress.workers import Worker
 from codegen.measure.workprecision.case import Case, Reference, reference
+from codegen.native.trajectory import Array
+from codegen.runs.simulation import Result
 from eom.errors import InputError
+from eom.system import System
 
 ROUNDING = 8 * EPSILON
 """Local error of a step by rounding, of the size of a state."""
@@ -147,3 +157,97 @@ def _return(track: Track, method: str, plan: Plan, found: Collector) -> None:
     bound = PROMISED * _summed(track.gain.back, steps, RETURN_RTOL + ROUNDING)
     note = f"{steps} steps, an error grows up to {track.gain.back:.1e} times"
     found.figures.append(Figure(what, error, bound, note))
+
+
+ASKED = 3
+"""Stored times."""
+SHORT = 200
+"""Steps of the run that comes before, so that everything is loaded."""
+SLACK = 2.0
+"""Megabytes beside the stored numbers: pages that the allocator keeps."""
+SECONDS = 300.0
+IN_C = 20
+"""Methods whose loop is generated C take so many times the steps."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A method, and the number of its steps at least."""
+
+    system: System
+    method: str
+    steps: int
+
+
+@dataclass(frozen=True)
+class Use:
+    """Growth of the peak (MB), steps made, numbers stored, and how the run ended."""
+
+    growth: float
+    steps: int
+    stored: int
+    message: str
+
+
+def memory(material: Material, plan: Plan) -> Findings:
+    """Run every method over so many steps that storing them would be seen."""
+    figures, absent = [], []
+    for k, method in enumerate(plan.methods):
+        with Worker(use) as worker:
+            steps = plan.size.steps * (1 if ":" in method else IN_C)
+            answer = worker.ask(Job(material.free_body, method, steps), SECONDS)
+        if answer.trouble:
+            figures.append(Figure(f"{method}: peak growth, MB", math.inf, 0.0, answer.trouble))
+        elif isinstance(answer.value, str):
+            absent.append(f"{method}: {answer.value}")
+        else:
+            figures += _figures(method, answer.value)
+        plan.progress((k + 1) / len(plan.methods))
+    return Findings(tuple(figures), tuple(absent))
+
+
+def _figures(method: str, found: Use) -> list[Figure]:
+    asked = 8e-6 * ASKED * 8
+    every = 8e-6 * found.steps * 8
+    note = f"{found.steps} steps, {every:.1f} MB if all were stored; {found.message}"
+    return [
+        Figure(f"{method}: peak growth, MB", found.growth, SLACK + asked, note),
+        Figure(f"{method}: numbers stored", float(found.stored), 8.0 * ASKED, note),
+    ]
+
+
+def use(job: Job) -> Use | str:
+    """Measure a long run in this process; or say why there is none."""
+    compiled = compile_system(job.system, parameters=MOMENTS)
+    start = np.array([*OMEGA, 1.0, 0.0, 0.0, 0.0])
+    step = 1e-3
+    short = _run(compiled, start, step, SHORT, job.method)
+    if isinstance(short, Refusal):
+        return short.reason
+    before = peak()
+    found = _run(compiled, start, step, job.steps, job.method)
+    if isinstance(found, Refusal):
+        return found.reason
+    stored = found.t.size + found.y.size
+    return Use(peak() - before, found.steps, stored, found.message)
+
+
+def _run(
+    compiled: Compiled, start: Array, step: float, steps: int, method: str
+) -> Result | Refusal:
+    times = np.linspace(0.0, step * steps, ASKED)
+    return attempt(Run(compiled, start, times, max_step=step), method, 1e-6)
+
+
+def peak() -> float:
+    """Return the peak of this process's memory in megabytes."""
+    status = Path("/proc/self/status")
+    if status.is_file():
+        lines = status.read_text("ascii", "replace").splitlines()
+        found = [line.split()[1] for line in lines if line.startswith("VmHWM")]
+        if found:
+            return int(found[0]) / 1024
+    import resource
+
+    size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return size / (2**20 if sys.platform == "darwin" else 1024)

@@ -1,6 +1,8 @@
 """Lexica from TOML: files beside notes, front matter, and the presets.
 
 Every bad entry is one error that says where, what was got and what is expected.
+
+Patterns of a lexicon: LaTeX of one symbol with its labels, slots in angle brackets.
 """
 
 from __future__ import annotations
@@ -17,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 
 from eom.checker.mean.lexicon import Entry, Lexicon, Notation, Scope
 from eom.checker.mean.meanings import SLOT, meaning
-from eom.checker.mean.patterns import label_of, look_of, slotted
 from eom.checker.read.front import yaml_table
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.looks import Labels
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     from eom.checker.mean.model import Model
     from eom.opening import AnyScene
     from eom.system import System
+
+from eom.checker.read.looks import Look, labels, seen
+from eom.checker.read.syntax import Group, Node, Product, Scripts
 
 PRESETS = (
     "arrow-tilde",
@@ -144,7 +148,7 @@ class _Reader:
         """Return the system that scalar lines are about, and its symbols: the note's own, the usual."""
         if "system" not in data:
             return None, ()
-        from eom.checker.mean.model_files import model_in  # most notes need no scenes
+        from eom.checker.mean.model import model_in  # most notes need no scenes
 
         where = self.where("system")
         try:
@@ -197,7 +201,7 @@ def _entries_of(
     model: Model, given: Any, notation: Notation, where: str
 ) -> tuple[Model, tuple[tuple[Entry, ...], ...]]:
     """Return a system with its letters, and its symbols: the note's own, then the usual ones."""
-    from eom.checker.mean.model_files import symbols_in
+    from eom.checker.mean.model import symbols_in
 
     own, usual = symbols_in(given, model, where)
     entries = tuple(_entry(latex, value, notation, place) for latex, value, place in own)
@@ -368,3 +372,51 @@ def _nuclei(value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
         raise InputError("not a list of letters", where=where, got=value)
     looks = [look_of(v, where) for v in value]
     return tuple((look.style, look.accents) for look in looks)
+
+
+_SLOTS = frozenset("FGPQijkl")
+
+
+def slotted(latex: str, where: str) -> str:
+    """Write slots as letters that no formula has."""
+    unknown = [s for s in SLOT.findall(latex) if s not in _SLOTS]
+    if unknown:
+        raise InputError(
+            "unknown slot",
+            where=where,
+            got=f"<{unknown[0]}>",
+            expected="<F> <G> <P> <Q> <i> <j> <k> <l>",
+        )
+    return SLOT.sub(lambda m: rf"\mathtt{{{m[1]}}}", latex)
+
+
+def look_of(latex: str, where: str = "") -> Look:
+    """Return the look of a pattern. Raises `InputError` for what is not one symbol."""
+    tree = read_formula(slotted(latex, where)).tree
+    called = _is_call(tree)
+    found = seen(tree.factors[0] if isinstance(tree, Product) and called else tree)
+    if found is None or found.dots or len(found.raised) > 1:
+        raise InputError(
+            "a pattern is one symbol with its labels, without dots",
+            where=where,
+            got=latex,
+            hint="the body of a formula that stands for something else goes into equals",
+        )
+    return replace(found.with_label() or found.look, called=called)
+
+
+def _is_call(tree: Node) -> bool:
+    """Whether this is a function with its argument: f(r)."""
+    if not isinstance(tree, Product) or tree.operator or len(tree.factors) != 2:
+        return False
+    last = tree.factors[1]
+    return isinstance(last, Group) and last.open == "("
+
+
+def label_of(latex: str, where: str = "") -> Labels:
+    """Return the words of a label. Raises `InputError` for what cannot be one."""
+    tree = read_formula(f"x_{{{latex}}}").tree
+    found = labels(tree.sub) if isinstance(tree, Scripts) else ()
+    if not found:
+        raise InputError("not a label", where=where, got=latex)
+    return found

@@ -13,7 +13,6 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from eom.checker.graded import Graded
 from eom.checker.judge.judge import UNDECIDED, UNDER, WRONG
 from eom.checker.judge.notes import Understood, understand
 from eom.checker.judge.systems import covered
@@ -27,8 +26,7 @@ from eom.checker.read.documents import Document
 from eom.checker.read.inputs import Note, document_of, name_of, note_of
 from eom.checker.read.places import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
-from eom.checker.reports import Finding, Remark, Report
-from eom.checker.settings import FORMULA_SECONDS, GIVEN, Settings
+from eom.checker.reports import FORMULA_SECONDS, GIVEN, Finding, Graded, Remark, Report, Settings
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure

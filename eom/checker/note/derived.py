@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.lexicon_files import preset
-from eom.checker.mean.patterns import label_of, look_of
+from eom.checker.mean.lexicon_files import label_of, look_of, preset
 from eom.checker.read.places import ReadingError
 from eom.derivations.derivation import Derivation
 from eom.errors import InputError

@@ -16,10 +16,9 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from eom.checker.graded import Graded
 from eom.checker.read.inputs import Note, name_of, note_of, notes_of
 from eom.checker.read.places import printable
-from eom.checker.settings import Settings
+from eom.checker.reports import Graded, Settings
 from eom.errors import InputError, typed
 from eom.interrupts import not_interrupted
 from eom.worlds.worlds import closure

@@ -3,37 +3,54 @@
 Sentences run over inline formulas and end at displays, headings and paragraphs; what stands in brackets
 is left out. A claim is called wrong only where nothing in its section hints at an assumption that is not
 understood.
+
+Claims on the points about which an equation is valid: "(5) holds if taken about the centre of mass".
+
+The quantities of the equation that are about a point are taken about O, and judged in worlds where O is
+the point that the words name. An equation with a slip stands for its most plausible repair.
+
+Claims that an equation shows of what kind a quantity is: "(5) shows that E is a rotation matrix".
+
+It does not where the equation holds as well with twice the quantity in its place, as twice a rotation
+matrix is none; nothing else is decided here.
+
+Sentences of a note that may claim something, with marks for their formulas.
+
+Sentences run over inline formulas and end at displays, headings and paragraphs; what stands in brackets
+is left out.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from eom.checker.assume.context import implied
 from eom.checker.assume.phrases import Limits, Said, said
-from eom.checker.explanation import Explanation
-from eom.checker.judge.judge import UNDECIDED, WRONG, equations
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, equations, judge, judge_within
 from eom.checker.judge.notes import Understood
-from eom.checker.mean.claims import Claim
+from eom.checker.judge.verdicts import GRAVE, verdict
+from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.values import Refusal
-from eom.checker.prose_claims.at_points import at_points, number_in
-from eom.checker.prose_claims.marked import Sentence, sentences
-from eom.checker.prose_claims.pointing import TERMS, Displays, pointed
+from eom.checker.prose_claims.pointing import TERMS, Displays, opened, pointed
 from eom.checker.prose_claims.proposition_words import Formulas, Subject
 from eom.checker.prose_claims.propositions import All, Plain, Proposition, Reading, Test
 from eom.checker.prose_claims.quantified import Decision, decide, quantified
-from eom.checker.prose_claims.shown import HINTS, numbers_in, shown
-from eom.checker.prose_claims.stability import stability
-from eom.checker.prose_claims.theorems import theorem
+from eom.checker.prose_claims.stability import stability, theorem
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.looks import labels
-from eom.checker.reports import PROSE, Finding
+from eom.checker.read.places import Source, Span
+from eom.checker.repair.corrections import corrections, workshop
+from eom.checker.repair.lines import line
+from eom.checker.reports import PROSE, Explanation, Finding
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
-from eom.terms.terms import add
+from eom.terms.terms import MATRIX, VECTOR, Term, add, atom, mul, nodes, number
+from eom.terms.terms import replace as rewritten
+from eom.worlds.worlds import closure
 
 
 def in_words(
@@ -292,3 +309,350 @@ def _stated(sentence: Sentence, by_piece: ByPiece, phrases: Sequence[Said]) -> f
     there = (inside or earlier or [frozenset[str]()])[0]
     kept = before | (earlier[0] if earlier else frozenset[str]())
     return before | (there - (own - kept))
+
+
+_CENTRE = (
+    r"(?:the |its )?(?:cent(?:re|er) of (?:mass|gravity)|mass cent(?:re|er)|c\.?m\.?|c\.?g\.?)"
+)
+_A = r"(?:an? |any |the |some |every )?(?:arbitrary |any )?"
+POINTS: tuple[tuple[str, tuple[str, ...]], ...] = (
+    (_CENTRE, ("about_centre",)),
+    (rf"{_A}(?:inertial|inertially fixed|fixed|fixed inertial|stationary)(?: reference)? point",
+     ("O_fixed_in_space",)),
+    (rf"{_A}point (?:that is |which is )?(?:inertially fixed|fixed in (?:inertial )?space)",
+     ("O_fixed_in_space",)),
+    (rf"{_A}(?:body[- ]fixed point|point (?:that is |which is )?(?:fixed in|of) the body)",
+     ("O_fixed_in_body",)),
+    ((rf"{_A}point (?:that is |which is )?fixed (?:both )?in (?:both )?the body and (?:in )?"
+     r"(?:inertial )?space"), ("O_fixed_in_body", "O_fixed_in_space")),
+    (r"(?:any|an arbitrary|every) point", ()),
+)  # fmt: skip
+"""Words for a point, and what they say of O."""
+
+_ABOUT = re.compile(
+    r"\x02(?P<number>\d+)\x03 holds (?:(?:if|when|provided) )?(?:it is |they are |both are )?"
+    r"(?:(?:calculated|taken|computed|evaluated|written|expressed|formed|derived) )?"
+    r"(?:about|with respect to|relative to) (?P<points>.+)"
+)
+_QUANTITIES = frozenset({"torque", "inertia", "angular_momentum", "absolute_angular_momentum"})
+_LAWS = ("body_frame", "newton_2", "third_law_strong")
+_PLACES = frozenset({"about_centre", "O_fixed_in_space", "O_at_origin", "C_at_rest"})
+"""What a note may state of the points, and the words of the claim say otherwise."""
+
+
+def number_in(text: str) -> int | None:
+    """Return the number of the display that a sentence of this kind is about, else None."""
+    match = _ABOUT.fullmatch(text)
+    return int(match["number"]) if match and _points(match["points"]) is not None else None
+
+
+def at_points(
+    text: str, one: Understood, stated: Iterable[str], given: tuple[str, ...]
+) -> Decision | None:
+    """Return the verdict on "this holds about such points"; ``one``: what the sentence is about."""
+    match = _ABOUT.fullmatch(text)
+    points = _points(match["points"]) if match else None
+    claim = _claim(one, given, frozenset(stated))
+    if points is None or claim is None:
+        return None
+    known = [n for n in stated if n not in _PLACES]
+    decided = [_at(claim, words, names, known, given) for words, names in points]
+    if any(d is None for d in decided):
+        return None
+    found = [d for d in decided if d is not None]
+    return next((d for d in found if d.verdict == WRONG), found[0])
+
+
+def _points(words: str) -> list[tuple[str, tuple[str, ...]]] | None:
+    """Return what each of the points says, None if one of them is not known here."""
+    found = []
+    for part in re.split(r",? or (?:about |with respect to |relative to )?", words):
+        names = next((n for p, n in POINTS if re.fullmatch(p, part.strip())), None)
+        if names is None:
+            return None
+        found.append((part.strip(), names))
+    return found
+
+
+def _claim(one: Understood, given: tuple[str, ...], stated: frozenset[str]) -> Claim | None:
+    """Return what a display says with all its points called O; of one with a slip, what was meant."""
+    judged = verdict(one, given).claims
+    if len(judged) != 1:
+        return None
+    claim = judged[0].claim
+    if judged[0].verdict in GRAVE:
+        wrong = line(one, claim)
+        found = corrections(one, workshop(one, wrong, given), given, stated) if wrong else []
+        if not found:
+            return None
+        claim = found[0].claim
+    plain = claim.kind == STATEMENT and EQUALITIES.issuperset(claim.relations) and claim.members
+    if claim.findings or claim.model is not None or not plain:
+        return None
+    terms = [*(m.term for m in claim.members), *claim.scalars.values()]
+    names = {n.data[0] for t in terms for n in nodes(t) if n.head == "atom"}
+    return _about_o(claim) if names & _QUANTITIES and "position" not in names else None
+
+
+def _about_o(claim: Claim) -> Claim:
+    def rule(term: Term) -> Term:
+        about = term.head == "atom" and term.data[0] in _QUANTITIES and term.data[-1] == "C"
+        return atom(*term.data[:-1], "O", kind=term.kind) if about else term
+
+    members = tuple(replace(m, term=rewritten(m.term, rule)) for m in claim.members)
+    scalars = {s: rewritten(t, rule) for s, t in claim.scalars.items()}
+    return replace(claim, members=members, scalars=scalars)
+
+
+def _at(
+    claim: Claim, words: str, names: tuple[str, ...], known: list[str], given: tuple[str, ...]
+) -> Decision | None:
+    """Return whether a claim holds about one point, None where no world tells."""
+    for assumed in _largest([*_LAWS, *names], known):
+        found = judge_within(claim, assumed, given)
+        if found.verdict == WRONG:
+            return Decision(WRONG, (), _failing(claim, words, assumed, given))
+        if found.sets:
+            return Decision(UNDER, found.sets)
+        return Decision(found.verdict, (), found.reason)
+    return None
+
+
+def _largest(names: list[str], known: list[str]) -> Iterator[frozenset[str]]:
+    """Yield what is assumed: with all that is known if that can stand together, else without."""
+    for more in (known, []):
+        try:
+            yield closure([*names, *more])
+        except InputError:
+            continue
+
+
+def _failing(claim: Claim, words: str, assumed: frozenset[str], given: tuple[str, ...]) -> str:
+    """Return that a claim fails about a point, and what else that needs to be."""
+    for more, told in (
+        ("O_fixed_in_body", "fixed in the body"),
+        ("O_fixed_in_space", "fixed in space"),
+    ):
+        try:
+            wider = closure([*assumed, more])
+        except InputError:
+            continue
+        if more not in assumed and judge_within(claim, wider, given).verdict != WRONG:
+            return f"about {words} it fails, unless that is {told} as well"
+    return f"about {words} it fails"
+
+
+KINDS: tuple[tuple[str, str, str], ...] = (
+    ((r"(?:an? )?(?:proper )?rotation(?: matrix)?|(?:an? )?direction cosine matrix|"
+     r"(?:an? )?(?:proper )?(?:orthogonal|orthonormal)(?: matrix)?"), MATRIX, "rotation matrix"),
+    (r"(?:an? )?unit vector|normali[sz]ed|of unit (?:length|magnitude|norm)", VECTOR, "unit vector"),
+)  # fmt: skip
+"""Properties that twice a quantity does not have, its kind, and the property in a word."""
+
+FREE = frozenset({"eigenvectors", "vector"})
+"""Quantities that have no such property by what they mean."""
+
+_SHOWS = re.compile(
+    r"\x02(?P<number>\d+)\x03 (?:shows|proves|demonstrates|implies|means)(?: that)? "
+    r"(?:the (?:matrix|vector) )?\x02(?P<subject>\d+)\x03 (?:is|must be|has to be) (?P<kind>.+)"
+)
+_INSERTED = re.compile(r",? (?:in fact|indeed|therefore|thus|itself|necessarily|actually)\b,?")
+HINTS = re.compile(
+    r"normali[sz]|orthonormal|unit (?:vector|length|norm)|right[- ]handed|orthogonal"
+)
+"""Words that may say elsewhere what the equation does not show."""
+
+
+def numbers_in(text: str) -> tuple[int, int] | None:
+    """Return the numbers of the display and the quantity that a sentence of this kind is about."""
+    match = _SHOWS.fullmatch(_INSERTED.sub("", text))
+    return (int(match["number"]), int(match["subject"])) if match else None
+
+
+def shown(
+    text: str, one: Understood, subjects: Mapping[int, Subject], given: tuple[str, ...]
+) -> Decision | None:
+    """Return that an equation does not show what is said, None where nothing is known."""
+    match = _SHOWS.fullmatch(_INSERTED.sub("", text))
+    subject = subjects.get(int(match["subject"])) if match else None
+    if match is None or subject is None:
+        return None
+    term = subject.terms[0][0]
+    kind = next((k for k in KINDS if term.kind == k[1] and re.fullmatch(k[0], match["kind"])), None)
+    free = term.head == "atom" and term.data[0] in FREE
+    if kind is None or not free or not one.claims or not _unmoved(one, term, given):
+        return None
+    name, line = subject.text, one.formula.piece.line
+    reason = f"line {line} holds with 2 {name} in place of {name} as well, which is no {kind[2]}"
+    return Decision(WRONG, (), reason)
+
+
+def _unmoved(one: Understood, term: Term, given: tuple[str, ...]) -> bool:
+    """Tell whether all claims that have a term hold, and hold no less with twice the term."""
+    claims = [c for c in one.claims if _twice(c, term) != c]
+    if not claims or any(c.findings or c.model is not None for c in claims):
+        return False
+    for claim in claims:
+        before, behind = judge(claim, given), judge(_twice(claim, term), given)
+        good = {before.verdict, behind.verdict} <= {HOLDS, UNDER}
+        if not good or not set(before.sets) <= set(behind.sets or before.sets):
+            return False
+    return True
+
+
+def _twice(claim: Claim, term: Term) -> Claim:
+    def rule(node: Term) -> Term:
+        return mul(number(2), node) if node == term else node
+
+    members = tuple(replace(m, term=rewritten(m.term, rule)) for m in claim.members)
+    return replace(claim, members=members)
+
+
+MAX_SENTENCE = 600
+MAX_SENTENCES = 5000
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Small letters with marks for formulas, its place, and the numbers of its pieces and formulas.
+
+    ``first``: number of the piece where it begins; ``formulas``: numbers of the pieces of its marks.
+    """
+
+    text: str
+    source: Source
+    span: Span
+    first: int
+    formulas: tuple[int, ...]
+
+
+_END = re.compile(
+    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|"
+    r"\n[ \t]*\n|\n[ \t]*[-*+] "
+)
+_MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
+_BRACKETS = re.compile(r"\([^()]*\)")
+_MARK = "\x02{}\x03"
+
+
+def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
+    """Yield the sentences of a note that may claim something.
+
+    One that begins with a small letter goes on with the one before: its full stop is a slip.
+    """
+    count = 0
+    for run in _runs(pieces):
+        parts = [p for p in _parts(pieces, run) if p.text]
+        for one in _joined(parts):
+            count += 1
+            if len(one.text) <= MAX_SENTENCE and count <= MAX_SENTENCES:
+                yield one
+    for k, piece in enumerate(pieces):
+        if piece.kind == "display":
+            yield from _beside(piece, k)
+
+
+_VALID = re.compile(
+    r"\\text\s*\{\s*\(?((?:this )?(?:is )?(?:only )?(?:valid|true|holds|correct)\b[^{}$()]*)\)?\.?\s*\}",
+    re.IGNORECASE,
+)
+
+
+def _beside(piece: Piece, number: int) -> Iterator[Sentence]:
+    """Yield what words beside a display say of where it holds."""
+    match = _VALID.search(piece.body)
+    if match is not None:
+        start = piece.span.start + match.start(1)
+        text = f"{_MARK.format(number)} {_plain(match[1]).lower()}"
+        yield Sentence(text, piece.source, Span(start, start + len(match[1])), number, (number,))
+
+
+def _runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
+    """Yield the numbers of pieces of prose and inline formulas that stand together."""
+    run: list[int] = []
+    for k, piece in enumerate(pieces):
+        apart = bool(run) and piece.source is not pieces[run[-1]].source
+        if apart or piece.kind not in {"prose", "inline"}:
+            yield from [run] if run else []
+            run = []
+        if piece.kind in {"prose", "inline"}:
+            run.append(k)
+    yield from [run] if run else []
+
+
+def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
+    """Yield the sentences of a run, cut at every full stop."""
+    text, places, owners = "", list[int](), list[int]()
+    for k in run:
+        piece = pieces[k]
+        inline = piece.kind == "inline"
+        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, opened(piece.body))
+        text += body
+        wide = 0 if inline else 1
+        places += [piece.span.start + wide * n for n in range(len(body))]
+        owners += [k] * len(body)
+    cuts = [0, *(m.end() for m in _END.finditer(text)), len(text)]
+    for start, stop in pairwise(cuts):
+        inside = text[start:stop]
+        lead = len(inside) - len(inside.lstrip())
+        tail = len(inside.rstrip()) - 1
+        if tail >= lead:
+            first, last = start + lead, start + tail
+            end = pieces[owners[last]].span.stop if text[last] == "\x03" else places[last] + 1
+            yield Sentence(
+                _plain(inside),
+                pieces[run[0]].source,
+                Span(places[first], end),
+                owners[first],
+                tuple(int(n) for n in re.findall("\x02(\\d+)\x03", inside)),
+            )
+
+
+def _blank(match: re.Match[str]) -> str:
+    return " " * len(match[0])
+
+
+def _plain(text: str) -> str:
+    """Return a sentence without what stands in brackets and without its full stop."""
+    bare = _BRACKETS.sub(" ", text)
+    return re.sub(r"\s+", " ", bare).strip(" .!?;:,\n\t")
+
+
+def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
+    """Yield sentences; what begins with a small letter behind a full stop is a part of the one before.
+
+    The first letter alone is made small here; others stay, as they may name points.
+    """
+    kept: Sentence | None = None
+    for one in parts:
+        goes_on = kept is not None and one.text[0].islower() and _stopped(kept, one)
+        goes_on = goes_on or (kept is not None and _listing(kept, one))
+        if kept is not None and goes_on:
+            span = Span(kept.span.start, one.span.stop)
+            formulas = (*kept.formulas, *one.formulas)
+            kept = replace(kept, text=f"{kept.text} {one.text}", span=span, formulas=formulas)
+            continue
+        if kept is not None:
+            yield replace(kept, text=kept.text.lower())
+        kept = one
+    if kept is not None:
+        yield replace(kept, text=kept.text.lower())
+
+
+_CONDITION = re.compile(r"(?:if|when|whenever) ")
+
+
+def _listing(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether a colon parts a claim from its conditions: "it vanishes in two cases: if ..."."""
+    colon = before.source.text[before.span.stop - 1] == ":"
+    return colon and _CONDITION.match(behind.text) is not None
+
+
+def _stopped(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether nothing but a full stop stands between two sentences."""
+    text = before.source.text
+    between = text[before.span.stop - 1 : behind.span.start]
+    return (
+        re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None
+        and text[before.span.stop - 1] in ".,"
+    )

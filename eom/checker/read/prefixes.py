@@ -9,8 +9,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eom.checker.read import latex
-from eom.checker.read.derivatives import bracket_ahead, left_script_ahead, left_scripted
-from eom.checker.read.differentials import ROMAN, d_ahead, differential_ahead, differential_of
+from eom.checker.read.derivatives import (
+    ROMAN,
+    bracket_ahead,
+    d_ahead,
+    differential_ahead,
+    differential_of,
+    left_script_ahead,
+    left_scripted,
+)
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
     Addition,

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from eom.checker.explanation import Counterexample
 from eom.checker.judge.contexts import contexts, labels_in
 from eom.checker.judge.judge import MENTIONS, needed_names
 from eom.checker.mean.claims import CONSTANT
@@ -39,6 +38,7 @@ from eom.checker.repair.candidates import Candidate, Workshop
 from eom.checker.repair.lines import Member, Place, valued
 from eom.checker.repair.palette import symbols
 from eom.checker.repair.remainder import pair
+from eom.checker.reports import Counterexample
 from eom.errors import InputError
 from eom.exact.series import PRIME, Field, Series, Singular
 from eom.terms.terms import Term, add, mul, number, zero

@@ -26,7 +26,7 @@ from eom.checker.read.syntax import (
 )
 from eom.checker.read.trees import children
 from eom.checker.repair.lines import Line, Place, Signature, agrees, signature, valued, worth
-from eom.checker.repair.slips_marks import dotted
+from eom.checker.repair.slips import dotted
 from eom.exact.series import PRIME
 from eom.terms.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
 

@@ -3,6 +3,10 @@ r"""Known slips of the pen and of scans, each as a small edit that undoes it.
 A row of `SLIPS` looks at one node and offers what may have been meant instead. ``weight``: the larger,
 the less plausible; an offer may add to it. Rules are blind to meaning: an edit that gives no value, or
 a false line, is dropped by those who apply them.
+
+Slips in what stands on symbols: dots and other derivatives, tildes, crosses, transposes.
+
+Slips in signs, numbers and powers, in terms, factors and their order.
 """
 
 from __future__ import annotations
@@ -10,12 +14,408 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-from eom.checker.read.paths import Path, places, put, tidy
-from eom.checker.read.syntax import Node
+from eom.checker.read.looks import DOTS, seen
+from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
+from eom.checker.read.syntax import (
+    Accent,
+    Addition,
+    Braced,
+    Call,
+    Derivative,
+    Fraction,
+    Group,
+    Integral,
+    Marks,
+    Matrix,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Root,
+    Scripts,
+    Section,
+    Symbol,
+)
 from eom.checker.repair import slips_letters as letters
-from eom.checker.repair import slips_marks as marks
-from eom.checker.repair import slips_terms as terms
 from eom.checker.repair.offers import Offer, Palette
+
+# -- signs, numbers, powers ------------------------------------------------------------------------
+
+
+def signs(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer another sign of a term or of an entry."""
+    if isinstance(node, Addition):
+        for k, sign in enumerate(node.signs):
+            new = "-" if sign in {"", "+"} else "+" if k else ""
+            yield replace(node, signs=(*node.signs[:k], new, *node.signs[k + 1 :])), 0.0
+    if isinstance(node, Matrix):
+        for r, row in enumerate(node.rows):
+            for c, cell in enumerate(row):
+                if not isinstance(cell, Addition) and cell != Number("0"):
+                    minus = Addition((cell,), ("-",), span=cell.span)
+                    new_row = (*row[:c], minus, *row[c + 1 :])
+                    yield replace(node, rows=(*node.rows[:r], new_row, *node.rows[r + 1 :])), 0.0
+
+
+HALF = Fraction(Number("1"), Number("2"))
+_FACTORS: tuple[tuple[Node, float], ...] = ((HALF, 0.0), (Number("2"), 0.0), (Number("3"), 0.5))
+
+
+def missing_number(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a half, two or three as a factor."""
+    plain = isinstance(node, Product) and not isinstance(node.factors[0], Number | Fraction)
+    other = isinstance(node, Integral | Derivative) or seen(node) is not None
+    if plain or (other and not isinstance(node, Number)):
+        for factor, extra in _FACTORS:
+            loose = isinstance(node, Product) and node.operator
+            body = (factor, node) if not loose else (factor, *_first_of(node))
+            if loose and isinstance(node, Product):
+                yield replace(node, factors=(Product(body[:2]), *node.factors[1:])), extra
+            else:
+                yield Product(body, span=node.span), extra
+
+
+def _first_of(node: Node) -> tuple[Node, ...]:
+    return node.factors[:1] if isinstance(node, Product) else (node,)
+
+
+_SWAPPED = {"1": ("2", "0"), "2": ("1", "3"), "3": ("1", "2"), "4": ("2",), "0": ("1",)}
+
+
+def other_number(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer another number."""
+    if isinstance(node, Number):
+        for text in _SWAPPED.get(node.text, ()):
+            yield replace(node, text=text), 0.2
+    below = node.below if isinstance(node, Fraction) and isinstance(node.above, Number) else None
+    if isinstance(below, Number):
+        yield Number(below.text, span=node.span), 0.1
+
+
+_POWERS = {"2": ("3", "4"), "3": ("2", "4", "5"), "4": ("2", "3"), "5": ("3", "4")}
+
+
+def exponent(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer another exponent, one more or none."""
+    if isinstance(node, Scripts) and isinstance(node.sup, Number):
+        for text in _POWERS.get(node.sup.text, ()):
+            yield replace(node, sup=Number(text, span=node.sup.span)), 0.0
+        yield without_sup(node), 0.0
+        return
+    bare = seen(node) is not None and not (isinstance(node, Scripts) and node.sup is not None)
+    if (bare or (isinstance(node, Group) and node.open == "(")) and not isinstance(node, Number):
+        base = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        yield replace(base, sup=Number("2")), 0.0
+    if isinstance(node, Call):
+        if node.sup is None:
+            yield replace(node, sup=Number("2")), 0.0
+        elif node.sup == Number("2"):
+            yield replace(node, sup=None), 0.0
+    if isinstance(node, Root):
+        yield node.body, 0.2
+
+
+_TRIG = {"sin": ("cos",), "cos": ("sin",), "tan": ("sin", "cos", "cot")}
+
+
+def functions(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer sine for cosine, and so on."""
+    if isinstance(node, Call):
+        for name in _TRIG.get(node.function, ()):
+            yield replace(node, function=name), 0.0
+
+
+# -- terms and factors -----------------------------------------------------------------------------
+
+
+def superfluous_term(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a sum without one of its terms."""
+    if isinstance(node, Addition) and len(node.terms) > 1:
+        for k in range(len(node.terms)):
+            yield replace(node, terms=(*node.terms[:k], NOTHING, *node.terms[k + 1 :])), 0.0
+
+
+_PLAIN = -0.35
+"""What it weighs less to leave out a number than any other factor."""
+
+
+def _is_number(node: Node) -> bool:
+    if isinstance(node, Fraction):
+        return isinstance(node.above, Number) and isinstance(node.below, Number)
+    return isinstance(node, Number)
+
+
+def superfluous_factor(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a product without one of its factors."""
+    if isinstance(node, Product):
+        for k, factor in enumerate(node.factors):
+            extra = _PLAIN if _is_number(factor) else 0.0
+            rest = (*node.factors[:k], NOTHING, *node.factors[k + 1 :])
+            yield replace(node, factors=rest), extra
+    if isinstance(node, Fraction):
+        yield node.above, 0.3
+    if isinstance(node, Call) and isinstance(node.argument, Node):
+        yield NOTHING, 0.4
+
+
+def missing_factor(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a factor of the line before, between or behind those of a product."""
+    if isinstance(node, Number | Addition | Matrix):
+        return
+    juxtaposed = isinstance(node, Product) and not node.operator
+    if not juxtaposed and (isinstance(node, Product) or not _factor_like(node)):
+        return
+    factors = node.factors if isinstance(node, Product) else (node,)
+    for new in palette.factors:
+        for k in range(len(factors) + 1):
+            yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.0
+    for new in palette.near:
+        for k in sorted({0, len(factors)}):
+            yield Product((*factors[:k], new, *factors[k:]), span=node.span), 0.3
+
+
+def _factor_like(node: Node) -> bool:
+    return seen(node) is not None or isinstance(node, Group | Call | Derivative | Integral)
+
+
+def missing_cross(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put ``omega x`` of the line before a vector."""
+    whole = isinstance(node, Product) and not node.operator
+    if seen(node) is not None or isinstance(node, Group) or whole:
+        for new in palette.omegas:
+            if new != node:
+                yield Product((new, node), "cross", span=node.span), 0.0
+                yield Group(Product((new, node), "cross"), span=node.span), 0.1
+
+
+_VECTOR_LIKE = (Group, Derivative, Integral, Braced)
+
+
+def missing_vector(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a vector of the line before another one or behind it, with a cross or a dot between."""
+    whole = isinstance(node, Product) and node.operator in {"", "cross"}
+    if not whole and not (seen(node) is not None or isinstance(node, _VECTOR_LIKE)):
+        return
+    body = Group(node, span=node.span) if isinstance(node, Product) and node.operator else node
+    alone = seen(node) is not None or isinstance(node, Group)
+    for rank, new in enumerate(n for n in palette.vectors if n != node):
+        for pair in ((new, body), (body, new)):
+            crossed = Product(pair, "cross", span=node.span)
+            yield Group(crossed) if alone else crossed, 0.01 * rank
+            yield Product(pair, "dot", span=node.span), 0.1 + 0.01 * rank
+        yield Product((Product((HALF, new)), body), "dot", span=node.span), 0.3 + 0.01 * rank
+
+
+def order(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer two neighbours of a product exchanged."""
+    if isinstance(node, Product) and node.operator in {"", "cross", "tensor"}:
+        for k in range(len(node.factors) - 1):
+            a, b = node.factors[k : k + 2]
+            yield replace(node, factors=(*node.factors[:k], b, a, *node.factors[k + 2 :])), 0.0
+
+
+def operator(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer another product."""
+    swapped = {"dot": ("cross", ""), "cross": ("dot", ""), "": ()}
+    if isinstance(node, Product):
+        for other in swapped.get(node.operator, ()):
+            yield replace(node, operator=other), 0.2 if not other else 0.0
+        if not node.operator and len(node.factors) >= 2:
+            for k in range(1, len(node.factors)):
+                left, right = (_joined(p) for p in (node.factors[:k], node.factors[k:]))
+                for operator in ("cross", "dot"):
+                    yield Product((left, right), operator, span=node.span), 0.1
+    if isinstance(node, Section):
+        yield node.operand, 0.0
+    if isinstance(node, Group) and node.open == "[" and not isinstance(node.body, Section):
+        yield replace(node, body=Section(node.body, "cross", span=node.body.span)), 0.0
+
+
+def _joined(factors: tuple[Node, ...]) -> Node:
+    return factors[0] if len(factors) == 1 else Product(factors)
+
+
+def upside_down(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a fraction upside down."""
+    if isinstance(node, Fraction):
+        yield replace(node, above=node.below, below=node.above), 0.0
+    if isinstance(node, Quotient):
+        yield replace(node, left=node.right, right=node.left), 0.0
+
+
+# -- dots and other derivatives --------------------------------------------------------------------
+
+_MORE = {"dot": "ddot", "ddot": "dddot"}
+_LESS = {more: less for less, more in _MORE.items()}
+
+
+def dotted(node: Node) -> Node | None:
+    """Return a symbol with one overdot more, or a sum with one on each of its terms."""
+    if isinstance(node, Accent) and node.mark in DOTS:
+        return replace(node, mark=_MORE[node.mark]) if node.mark in _MORE else None
+    if isinstance(node, Group) and isinstance(node.body, Addition):
+        terms = [dotted(t) for t in node.body.terms]
+        if any(t is None for t in terms):
+            return None
+        kept = tuple(t for t in terms if t is not None)
+        return replace(node, body=replace(node.body, terms=kept))
+    if isinstance(node, Scripts) and seen(node) is not None:
+        base = dotted(node.base)
+        return None if base is None else replace(node, base=base)
+    given = seen(node)
+    if given is None or not given.look.name.isalpha():
+        return None
+    return Accent("dot", node, span=node.span)
+
+
+def more_dots(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Offer a dot more, or a raised mark."""
+    new = dotted(node)
+    if new is not None:
+        yield new, 0.0
+    given = seen(node)
+    if given is not None and not given.raised:
+        bare = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        for mark in palette.marks:
+            if mark != "prime" or given.look.name.isalpha():
+                yield replace(bare, sup=Marks((mark,), span=node.span)), 0.3
+    names = node.sup.names if isinstance(node, Scripts) and isinstance(node.sup, Marks) else ()
+    if names and set(names) <= set(palette.marks) and isinstance(node, Scripts):
+        yield replace(node, sup=Marks((*names, names[-1]), span=node.span)), 0.1
+
+
+def fewer_dots(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Offer a dot or a raised mark less, or no derivative."""
+    if isinstance(node, Accent) and node.mark in DOTS:
+        yield (replace(node, mark=_LESS[node.mark]) if node.mark in _LESS else node.base), 0.0
+    if isinstance(node, Scripts) and seen(node) is not None:
+        for base, extra in fewer_dots(node.base, palette):
+            yield replace(node, base=base), extra
+        if isinstance(node.sup, Marks) and set(node.sup.names) <= set(palette.marks):
+            left = node.sup.names[:-1]
+            new = replace(node, sup=replace(node.sup, names=left) if left else None)
+            yield (new if left or new.sub or new.presup or new.presub else new.base), 0.0
+    if isinstance(node, Derivative) and node.operand is not None:
+        yield node.operand, 0.2
+
+
+def derived(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Put a derivative in a frame before a symbol: the frame cannot be told by a dot."""
+    given = seen(node)
+    if given is not None and given.look.name.isalpha() and not given.dots:
+        for frame in palette.frames[:3]:
+            time = (Symbol("t"),)
+            yield Derivative(node, time, frame=frame, form="before", span=node.span), 0.0
+
+
+def frame_of_derivative(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Offer other frames of a derivative."""
+    if isinstance(node, Derivative):
+        for frame in palette.frames:
+            if frame != node.frame:
+                yield replace(node, frame=frame), 0.0
+        if node.frame is not None:
+            yield replace(node, frame=None), 0.2
+
+
+def other_mark(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Exchange raised marks, and overdots for them."""
+    if not isinstance(node, Scripts) or not isinstance(node.sup, Marks):
+        given = seen(node)
+        if given is not None and given.dots and not given.raised:
+            for bare, extra in fewer_dots(node, palette):
+                body = bare if isinstance(bare, Scripts) else Scripts(bare, span=node.span)
+                for mark in palette.marks:
+                    yield replace(body, sup=Marks((mark,), span=node.span)), extra
+        return
+    names = node.sup.names
+    for k, name in enumerate(names):
+        if name in palette.marks:
+            for other in palette.marks:
+                if other != name:
+                    new = (*names[:k], other, *names[k + 1 :])
+                    yield replace(node, sup=replace(node.sup, names=new)), 0.0
+
+
+def raised_dot(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Read a dot on the line as a mark that was raised: of a x b . c make a x b^bullet c."""
+    if not isinstance(node, Product) or node.operator != "dot" or len(node.factors) != 2:
+        return
+    left, right = node.factors
+    last = _last_symbol(left)
+    if last is None:
+        return
+    for new, _ in more_dots(at(left, last), replace(palette, skew=())):
+        yield Product((Group(put(left, last, new)), right), span=node.span), 0.0
+
+
+def _last_symbol(node: Node) -> Path | None:
+    symbols = [path for path, here in places(node) if seen(here) is not None]
+    return symbols[-1] if symbols else None
+
+
+# -- accents, transposes, brackets -----------------------------------------------------------------
+
+
+def more_skew(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Offer a tilde or a cross more, also in the place of a dot."""
+    given = seen(node)
+    if given is None or not given.look.name.isalpha():
+        return
+    for mark in palette.skew:
+        if mark not in given.look.accents:
+            yield _accented(node, mark), 0.0
+        if given.dots:
+            for bare, _ in fewer_dots(node, palette):
+                yield _accented(bare, mark), 0.2
+    if not given.raised:
+        bare = node if isinstance(node, Scripts) else Scripts(node, span=node.span)
+        yield replace(bare, sup=Marks(("times",), span=node.span)), 0.0 if not palette.skew else 0.6
+
+
+def _accented(node: Node, mark: str) -> Node:
+    if isinstance(node, Scripts):
+        return replace(node, base=_accented(node.base, mark))
+    return Accent(mark, node, span=node.span)
+
+
+def fewer_skew(node: Node, palette: Palette) -> Iterator[Offer]:
+    """Offer a tilde or a cross less."""
+    if isinstance(node, Accent) and node.mark in palette.skew:
+        yield node.base, 0.0
+        yield replace(node, mark="dot"), 0.2
+    if isinstance(node, Scripts):
+        if seen(node) is not None:
+            for base, extra in fewer_skew(node.base, palette):
+                yield replace(node, base=base), extra
+        if node.sup == Marks(("times",)):
+            yield without_sup(node), 0.0
+
+
+def without_sup(node: Scripts) -> Node:
+    """Return a symbol without what is raised."""
+    left = replace(node, sup=None)
+    return left if left.sub or left.presub or left.presup else left.base
+
+
+_T = Symbol("T")
+_TRANSPOSES = frozenset({"T", "top", "intercal"})
+
+
+def transpose(node: Node, _: Palette) -> Iterator[Offer]:
+    """Offer a transpose more or less."""
+    if isinstance(node, Scripts) and isinstance(node.sup, Symbol) and node.sup.name in _TRANSPOSES:
+        yield without_sup(node), 0.0
+        return
+    given = seen(node)
+    if isinstance(node, Scripts) and node.sup is not None:
+        return
+    if (given is not None and not given.dots) or (isinstance(node, Group) and node.open in "(["):
+        if isinstance(node, Scripts):
+            yield replace(node, sup=_T), 0.0
+        elif not isinstance(node, Number):
+            yield Scripts(node, None, _T, span=node.span), 0.0
+
 
 Rule = Callable[[Node, Palette], Iterable[Offer]]
 
@@ -46,29 +446,29 @@ class Edit:
 # -- the table -------------------------------------------------------------------------------------
 
 SLIPS: tuple[Slip, ...] = (
-    Slip("lost dot", "a dot was lost", 1.0, marks.more_dots, uniform=True),
-    Slip("superfluous dot", "a dot is too much", 1.0, marks.fewer_dots, uniform=True),
-    Slip("lost tilde", "a tilde or cross was lost", 1.0, marks.more_skew, uniform=True),
-    Slip("superfluous tilde", "a tilde or cross is too much", 1.1, marks.fewer_skew, uniform=True),
-    Slip("transpose", "a transpose was lost or is too much", 1.0, marks.transpose, uniform=True),
-    Slip("sign", "a sign", 1.0, terms.signs),
-    Slip("sine or cosine", "sine and cosine exchanged", 1.0, terms.functions, uniform=True),
+    Slip("lost dot", "a dot was lost", 1.0, more_dots, uniform=True),
+    Slip("superfluous dot", "a dot is too much", 1.0, fewer_dots, uniform=True),
+    Slip("lost tilde", "a tilde or cross was lost", 1.0, more_skew, uniform=True),
+    Slip("superfluous tilde", "a tilde or cross is too much", 1.1, fewer_skew, uniform=True),
+    Slip("transpose", "a transpose was lost or is too much", 1.0, transpose, uniform=True),
+    Slip("sign", "a sign", 1.0, signs),
+    Slip("sine or cosine", "sine and cosine exchanged", 1.0, functions, uniform=True),
     Slip("index", "another label: index, point or frame", 1.05, letters.labels, uniform=True),
-    Slip("factor", "a number as a factor was lost", 1.1, terms.missing_number),
-    Slip("number", "another number", 1.1, terms.other_number),
-    Slip("exponent", "another exponent", 1.15, terms.exponent, uniform=True),
-    Slip("frame of the derivative", "the frame of a derivative", 1.05, marks.frame_of_derivative),
-    Slip("mark of the derivative", "the mark of a derivative", 1.1, marks.other_mark, uniform=True),
-    Slip("order", "factors in another order", 1.1, terms.order),
-    Slip("operator", "another product", 1.2, terms.operator),
-    Slip("superfluous term", "a term is too much", 1.6, terms.superfluous_term),
-    Slip("superfluous factor", "a factor is too much", 1.4, terms.superfluous_factor),
-    Slip("lost factor", "a factor was lost", 1.4, terms.missing_factor),
-    Slip("lost cross product", "omega times was lost", 1.4, terms.missing_cross),
-    Slip("lost vector", "a vector with its product was lost", 1.5, terms.missing_vector),
-    Slip("lost derivative", "a derivative was lost", 1.4, marks.derived),
-    Slip("raised dot", "a dot on the line that was raised", 1.5, marks.raised_dot),
-    Slip("upside down", "a fraction upside down", 1.3, terms.upside_down),
+    Slip("factor", "a number as a factor was lost", 1.1, missing_number),
+    Slip("number", "another number", 1.1, other_number),
+    Slip("exponent", "another exponent", 1.15, exponent, uniform=True),
+    Slip("frame of the derivative", "the frame of a derivative", 1.05, frame_of_derivative),
+    Slip("mark of the derivative", "the mark of a derivative", 1.1, other_mark, uniform=True),
+    Slip("order", "factors in another order", 1.1, order),
+    Slip("operator", "another product", 1.2, operator),
+    Slip("superfluous term", "a term is too much", 1.6, superfluous_term),
+    Slip("superfluous factor", "a factor is too much", 1.4, superfluous_factor),
+    Slip("lost factor", "a factor was lost", 1.4, missing_factor),
+    Slip("lost cross product", "omega times was lost", 1.4, missing_cross),
+    Slip("lost vector", "a vector with its product was lost", 1.5, missing_vector),
+    Slip("lost derivative", "a derivative was lost", 1.4, derived),
+    Slip("raised dot", "a dot on the line that was raised", 1.5, raised_dot),
+    Slip("upside down", "a fraction upside down", 1.3, upside_down),
     Slip("symbol", "another symbol", 1.6, letters.letters, uniform=True),
 )
 """Every slip, with its weight."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 from eom.checker.read.looks import seen
 from eom.checker.read.syntax import Accent, Marks, Node, Number, Product, Quotient, Scripts
 from eom.checker.repair.offers import Offer, Palette
-from eom.checker.repair.slips_marks import dotted
+from eom.checker.repair.slips import dotted
 
 # -- labels and letters ----------------------------------------------------------------------------
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from fractions import Fraction
 
-from eom.checker.explanation import Counterexample
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Candidate, Workshop
 from eom.checker.repair.counterexample import (
@@ -22,6 +21,7 @@ from eom.checker.repair.counterexample import (
 from eom.checker.repair.lines import Place
 from eom.checker.repair.remainder import pair
 from eom.checker.repair.state_examples import StatePoint, points
+from eom.checker.reports import Counterexample
 from eom.errors import InputError
 from eom.system import Expr
 from eom.terms.terms import Term

@@ -1,30 +1,43 @@
-"""The report as one page of HTML: the note with a verdict at every equation, and a summary on top.
+r"""The report as one page of HTML: the note with a verdict at every equation, and a summary on top.
 
 The page holds no script and asks for nothing: formulas are MathML, styles are in the page, and what a note
 brings along is escaped. Details open by click or key.
+
+Formulas as MathML for a page: converted by latex2mathml, then rebuilt from elements that are allowed.
+
+The converter passes on what stands in ``\text`` and knows commands that set attributes; nothing of its
+output is trusted. What cannot be converted is shown as it stands, as code.
+
+The words of a note as HTML, with its formulas in their places.
+
+Markdown is rendered by markdown-it with HTML switched off; LaTeX is first brought into Markdown, as far
+as headings, lists, emphasis and paragraphs go. A formula is a mark while this is done.
 """
 
 from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterable, Iterator, Sequence
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
+from itertools import groupby
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from eom.checker.explanation import Correction, Counterexample
-from eom.checker.graded import Graded
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER
 from eom.checker.judge.verdicts import NONE
 from eom.checker.mean.roles import ASSUMPTION, DEFINITION
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
+from eom.checker.read import masks
 from eom.checker.read.documents import Document, Piece
-from eom.checker.read.places import Span
-from eom.checker.report.mathml import mathml
-from eom.checker.report.prose import prose
-from eom.checker.reports import FAULTS, Finding, Report
+from eom.checker.read.places import Source, Span
+from eom.checker.reports import FAULTS, Correction, Counterexample, Finding, Graded, Report
 from eom.worlds.worlds import ASSUMPTIONS
+
+if TYPE_CHECKING:
+    from markdown_it.token import Token
 
 SIGNS: dict[str, tuple[str, str]] = {
     WRONG: ("bad", "✗"),
@@ -298,3 +311,295 @@ def _assumptions(names: Iterable[str]) -> str:
 
 def _meaning(name: str) -> str:
     return ASSUMPTIONS[name].meaning if name in ASSUMPTIONS else name
+
+
+MAX_LENGTH = 20_000
+"""Longer formulas are shown as code."""
+
+ELEMENTS: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(
+        "math mrow mfrac msqrt mroot mstyle msub msup msubsup munder mover munderover mmultiscripts "
+        "mprescripts none mtable mtr mtd menclose mpadded mphantom mi mn mtext mspace".split(),
+        (),
+    ),
+    "math": ("display",),
+    "mi": ("mathvariant",),
+    "mn": ("mathvariant",),
+    "mo": (
+        "stretchy",
+        "fence",
+        "separator",
+        "accent",
+        "form",
+        "movablelimits",
+        "minsize",
+        "maxsize",
+    ),
+    "mover": ("accent",),
+    "munder": ("accentunder",),
+    "mfrac": ("linethickness",),
+    "mstyle": ("displaystyle", "scriptlevel"),
+    "mspace": ("width",),
+    "mtable": ("columnalign", "rowspacing", "columnspacing"),
+    "mtd": ("columnalign",),
+    "menclose": ("notation",),
+}
+"""Elements of MathML that a page may hold, and their attributes."""
+
+PARTS = {
+    **dict.fromkeys(("mfrac", "msub", "msup", "munder", "mover", "mroot"), 2),
+    **dict.fromkeys(("msubsup", "munderover"), 3),
+}
+"""Number of parts of an element that must have all of them."""
+
+MARK = "blamed"
+"""Class of what is at fault; the only class that is let through."""
+
+THIN = "\u2009"
+"""Space around the name of a function."""
+
+_PLAIN = re.compile(r"[A-Za-z0-9 .,%#()-]*")
+_SAFE = {"<": "\ue010", ">": "\ue011", "&": "\ue012"}
+"""Characters that the converter does not escape, and what stands for them while it works."""
+_BRACE = re.compile(r"\\.|[{}]", re.DOTALL)
+_ROWS = re.compile(r"\\begin\{(\w+\*?)\}")
+_SPELLINGS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
+    (re.compile(pattern), text)
+    for pattern, text in (
+        (r"\\prescript\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"{}^{\1}_{\2}"),
+        (r"\\(?:label|ref|eqref)\s*\{[^{}]*\}", ""),
+        (r"\\tag\*?\s*\{([^{}]*)\}", r"\\qquad\\text{(\1)}"),
+        (r"\\(begin|end)\{(?:aligned|align\*?|alignat\*?|gathered|eqnarray\*?)\}", r"\\\1{split}"),
+        (r"\\(?:notag|nonumber|displaystyle|limits|nolimits)(?![A-Za-z])", ""),
+        (r"\\(?:href|style|cssId|class|unicode|require)\s*\{[^{}]*\}", ""),
+        (r"\\begin\{(\w*matrix)\}", r"{\\begin{\1}"),
+        (r"\\end\{(\w*matrix)\}", r"\\end{\1}}"),
+        (r"\\bm(?![A-Za-z])", r"\\boldsymbol"),
+        (r"\\coloneqq(?![A-Za-z])", ":="),
+    )
+)
+"""Commands that the converter does not know, or that have no business on the page."""
+
+
+def mathml(
+    latex: str, *, display: bool = False, blamed: Iterable[Span] = (), marked: bool = False
+) -> str:
+    """Return a formula as an element of HTML: MathML, or its source as code where that fails.
+
+    ``blamed``: places in ``latex`` to mark; a place that is no term of its own is left unmarked.
+    ``marked``: whether to mark all of it.
+    """
+    if marked:
+        blamed = [Span(0, len(latex))]
+    for spans in (sorted(blamed), []):
+        converted = None
+        if len(latex) <= MAX_LENGTH and all(map(_balanced, _parts(latex, spans))):
+            converted = _converted(_with_marks(latex, spans), display)
+        if converted is not None and converted.count(f'class="{MARK}">') >= len(spans):
+            return converted
+    return f"<code>{html.escape(latex.strip())}</code>"
+
+
+def _parts(latex: str, spans: Iterable[Span]) -> Iterator[str]:
+    """Yield the formula and what is to be marked in it."""
+    yield latex
+    yield from (latex[s.start : s.stop] for s in spans)
+
+
+def _balanced(latex: str) -> bool:
+    """Tell whether every brace has its partner."""
+    depth = 0
+    for brace in _BRACE.findall(latex):
+        depth += {"{": 1, "}": -1}.get(brace, 0)
+        if depth < 0:
+            return False
+    return depth == 0
+
+
+def _with_marks(latex: str, spans: Sequence[Span]) -> str:
+    r"""Return the formula with ``\class`` around the places."""
+    kept = "&" if "&" in latex and (r"\\" in latex or r"\begin" in latex) else ""
+    pieces, place = [], 0
+    for span in spans:
+        start, stop = max(span.start, place), min(span.stop, len(latex))
+        inner = _safe(latex[start:stop], kept)
+        pieces += [_safe(latex[place:start], kept), rf"{{\class{{{MARK}}}{{{inner}}}}}"]
+        place = stop
+    return "".join([*pieces, _safe(latex[place:], kept)])
+
+
+def _safe(latex: str, kept: str) -> str:
+    for pattern, text in _SPELLINGS:
+        latex = pattern.sub(text, latex)
+    return "".join(c if c in kept else _SAFE.get(c, c) for c in latex)
+
+
+def _converted(latex: str, display: bool) -> str | None:
+    from latex2mathml.converter import convert
+
+    try:
+        text = convert(_aligned(latex), display="block" if display else "inline")
+        root = ET.fromstring(text)  # noqa: S314 - no "<" of the note is left in it
+    except Exception:  # whatever a note makes the converter raise, the source is shown
+        return None
+    built = _built(root)
+    return None if built is None or "\\" in built else built
+
+
+def _aligned(latex: str) -> str:
+    """Return the body of an environment of rows with a beginning and an end."""
+    bare = "&" in latex or r"\\" in latex
+    return rf"\begin{{split}}{latex}\end{{split}}" if bare and not _ROWS.search(latex) else latex
+
+
+def _built(root: ET.Element) -> str | None:
+    """Return the text of an element, with what is allowed alone; None for one that is not."""
+    names = [e.tag.rpartition("}")[2] for e in root.iter()]
+    if any(name not in ELEMENTS for name in names):
+        return None
+    if any(len(e) != PARTS.get(n, len(e)) for e, n in zip(root.iter(), names, strict=True)):
+        return None
+    for element, name in zip(root.iter(), names, strict=True):
+        element.tag = name
+        kept = ELEMENTS.get(name, ())
+        wanted = {k: v for k, v in element.attrib.items() if k in kept and _PLAIN.fullmatch(v)}
+        if name == "mrow" and element.get("class") == MARK:
+            wanted["class"] = MARK
+        element.attrib.clear()
+        element.attrib.update(wanted)
+        element.text, element.tail = _restored(element.text), _restored(element.tail)
+        if name == "mi" and element.text in _SAFE:
+            element.tag = "mo"
+        elif name == "mi" and element.text and len(element.text) > 1 and element.text.isalpha():
+            element.text = f"{THIN}{element.text}{THIN}"
+    return ET.tostring(root, encoding="unicode")
+
+
+def _restored(text: str | None) -> str | None:
+    for sign, stand_in in _SAFE.items():
+        text = text.replace(stand_in, sign) if text else text
+    return text
+
+
+_MARK = "\ue020{}\ue021"
+_MARKED = re.compile("\ue020(\\d+)\ue021")
+_OPEN = re.compile(
+    r"(?:\$\$|\$`|\$|\\\[|\\\(|\\begin\{[a-z]+\*?\}|^[ ]*(?:`{3,}|~{3,})[^\n]*\n?)\Z", re.MULTILINE
+)
+_CLOSE = r"(?:\$\$|`\$|\$|\\\]|\\\)|\\end\{[a-z]+\*?\}|(?:`{3,}|~{3,})[^\n]*)"
+_HARMLESS = re.compile(r"&lt;(su[bp]|em|strong|[bi])&gt;([^&<>]*)&lt;/\1&gt;")
+"""Elements of HTML that a note may use."""
+_DROPPED = re.compile("[\ue020\ue021]|<!--.*?-->", re.DOTALL)
+
+_SPECIAL = re.compile(r"([*_`#<>|~])")
+_LEVELS = {"part": "#", "chapter": "#", "section": "##", "subsection": "###"}
+_LATEX: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
+    (re.compile(r"(?<!\\)%[^\n]*"), ""),
+    (
+        re.compile(r"\\(part|chapter|section|subsection|subsubsection)\*?\s*\{([^{}]*)\}"),
+        lambda m: f"\n\n{_LEVELS.get(m[1], '####')} {m[2]}\n\n",
+    ),
+    (re.compile(r"\\(?:emph|textit|textsl)\s*\{([^{}]*)\}"), r"*\1*"),
+    (re.compile(r"\\textbf\s*\{([^{}]*)\}"), r"**\1**"),
+    (re.compile(r"\\texttt\s*\{([^{}]*)\}"), r"`\1`"),
+    (re.compile(r"\\item\s*(?:\[([^\]]*)\])?"), r"\n- \1 "),
+    (re.compile(r"\\(?:begin|end)\s*\{[^{}]*\}(?:\[[^\]]*\])?"), "\n\n"),
+    (re.compile(r"\\(?:label|index|vspace|hspace|documentclass|usepackage)\*?\s*\{[^{}]*\}"), ""),
+    (re.compile(r"\\(?:eqref|ref|cite)\s*\{([^{}]*)\}"), r"(\1)"),
+    (re.compile(r"\\([%&$#_{}])"), r"\1"),
+    (re.compile(r"\\\\|\\(?:par|newline)(?![A-Za-z])"), "\n\n"),
+    (re.compile(r"(?<!\\)~"), " "),
+    (re.compile(r"``|''"), '"'),
+    (re.compile(r"\\[A-Za-z]+\*?\s*"), ""),
+    (re.compile(r"[{}]"), ""),
+)
+"""How LaTeX around formulas becomes Markdown, in this order."""
+
+
+def prose(
+    document: Document, shown: Callable[[Piece], str], below: Callable[[Piece], str]
+) -> Iterator[str]:
+    """Yield the blocks of a note as HTML.
+
+    ``shown``: HTML of a formula in its line; ``below``: what follows the block that holds it.
+    """
+    number = 0
+    for _, group in groupby(document.pieces, lambda p: id(p.source)):
+        pieces = list(group)
+        formulas = {number + k: p for k, p in enumerate(p for p in pieces if p.is_formula)}
+        text = _text(pieces[0].source, formulas, document)
+        for block in _blocks(text):
+            held = [formulas[int(n)] for n in _MARKED.findall(block) if int(n) in formulas]
+            yield _MARKED.sub(lambda m, f=formulas: shown(f[int(m[1])]), block)  # type: ignore[misc]
+            yield from filter(None, map(below, held))
+        number += len(formulas)
+
+
+def _text(source: Source, formulas: Mapping[int, Piece], document: Document) -> str:
+    """Return Markdown with marks for the formulas of a source."""
+    is_latex = document.kind == "latex"
+    place = _start(source, is_latex)
+    parts: list[str] = []
+    for number, piece in formulas.items():
+        gap = source.text[place : piece.span.start]
+        parts += [_gap(gap, first=not parts), _mark(number, piece)]
+        place = piece.span.stop
+    gaps = [*parts, _gap(source.text[place:], first=not parts, last=True)]
+    return "".join(_markdown(g) if is_latex and k % 2 == 0 else g for k, g in enumerate(gaps))
+
+
+def _start(source: Source, is_latex: bool) -> int:
+    """Return where the note begins, behind its front matter or preamble."""
+    if is_latex:
+        match = re.search(r"\\begin\{document\}", source.text)
+        return match.end() if match else 0
+    front = masks.markdown(source.text).front
+    return source.text.find("\n", front[1] + 1) + 1 if front else 0
+
+
+def _gap(text: str, *, first: bool, last: bool = False) -> str:
+    """Return what stands between two formulas, without the delimiters and characters of marks."""
+    text = text if first else re.sub(rf"\A\s*{_CLOSE}", "", text)
+    text = text if last else _OPEN.sub("", text)
+    return _DROPPED.sub("", text)
+
+
+def _mark(number: int, piece: Piece) -> str:
+    mark = _MARK.format(number)
+    return mark if piece.kind == "inline" else f"\n\n{mark}\n\n"
+
+
+def _markdown(text: str) -> str:
+    """Return LaTeX as Markdown."""
+    text = _SPECIAL.sub(r"\\\1", text)
+    for pattern, replacement in _LATEX:
+        text = pattern.sub(replacement, text)
+    return text
+
+
+def _blocks(text: str) -> Iterator[str]:
+    """Yield the HTML of every block of Markdown that is in no other."""
+    from markdown_it import MarkdownIt
+
+    reader = MarkdownIt("commonmark", {"html": False, "linkify": False}).enable(["table"])
+    reader.disable(["image", "link", "autolink", "reference"])
+    tokens = _stepped(reader.parse(text))
+    depth, begin = 0, 0
+    for k, token in enumerate(tokens):
+        depth += token.nesting
+        if depth == 0:
+            block = reader.renderer.render(tokens[begin : k + 1], reader.options, {})
+            yield block if block.startswith("<pre") else _HARMLESS.sub(r"<\1>\2</\1>", block)
+            begin = k + 1
+
+
+def _stepped(tokens: list[Token]) -> list[Token]:
+    """Number the levels of headings from 2, each at most one below the one before."""
+    last, wanted = 1, {}
+    for token in tokens:
+        if token.type == "heading_open":
+            wanted = {"tag": f"h{min(int(token.tag[1]) + 1, last + 1, 6)}"}
+            last = int(wanted["tag"][1])
+        if token.type in {"heading_open", "heading_close"}:
+            token.tag = wanted["tag"]
+    return tokens

@@ -8,10 +8,16 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from eom.checker.explanation import Correction, Counterexample, Explanation
-from eom.checker.graded import Graded
 from eom.checker.read.places import NOWHERE, Source, Span
-from eom.checker.reports import ORDER, Finding, Report
+from eom.checker.reports import (
+    ORDER,
+    Correction,
+    Counterexample,
+    Explanation,
+    Finding,
+    Graded,
+    Report,
+)
 
 VERSION = 2
 """Of the schema; raised where a reader of an older one could go wrong. 2: findings of kind "prose"."""

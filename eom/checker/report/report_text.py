@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 
-from eom.checker.graded import Graded
 from eom.checker.judge.judge import UNDER
 from eom.checker.read.places import NOWHERE, Source, Span, printable
-from eom.checker.reports import FAULTS, Finding, Report
+from eom.checker.reports import FAULTS, Finding, Graded, Report
 from eom.worlds.worlds import ASSUMPTIONS
 
 Part = tuple[str, str]

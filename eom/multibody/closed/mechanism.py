@@ -3,18 +3,22 @@
 Shared by the three methods: the description of the tree and the table of joints, nothing that a
 method derives. Every body is a link of its own; a link's vectors are in the axes of its joint's frame F,
 from the origin of F. Rotations take components before to components after.
+
+Coordinates in place of those of the joints: which they may be, and what their rates are called.
+
+What closed forms and SymPy's mechanics take from a description; whatever else it says is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError
+from eom.errors import InputError, near_matches
 from eom.multibody.algebra.scalars import is_zero, negative
 from eom.multibody.algebra.spatial import (
     IDENTITY,
@@ -29,12 +33,10 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.algebra.values import is_number
-from eom.multibody.closed.coordinates import dotted, new_coordinates, q_dot
-from eom.multibody.closed.known import refuse_unknown
 from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
 from eom.multibody.model.joints import QUATERNION, Setting
-from eom.multibody.model.model import GROUND, Joint, Load, Tree
-from eom.system import Quantity, as_expression
+from eom.multibody.model.model import GROUND, Body, Joint, Load, Placement, Tree
+from eom.system import TIME, Quantity, as_expression
 
 Expr = Any
 
@@ -193,7 +195,7 @@ def mechanism(tree: Tree, coordinates: Mapping[Expr, Expr] | None = None) -> Mec
 
     ``coordinates``: other coordinates, for each coordinate that is replaced an expression over the
     new ones. Raises `InputError` for systems with too many speeds, coordinates that do not fit, and
-    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`.
+    whatever the tree says beyond `eom.multibody.closed.mechanism.KNOWN`.
     """
     refuse_unknown(tree, "a closed form")
     builder = _Building(tree, dict(coordinates or {}))
@@ -363,3 +365,105 @@ class _Building:
             force, torque = (times(transposed(link.seat), v) for v in (force, torque))
         point = link.point(self.vector(load.point))
         return Pull(self.seats[load.body], force, torque, point, load.axes == GROUND)
+
+
+def dotted(name: str) -> str:
+    """Return the name of a rate: ``u_dot`` of ``u``, ``q_ddot`` of ``q_dot``."""
+    return f"{name.removesuffix('_dot')}_ddot" if name.endswith("_dot") else f"{name}_dot"
+
+
+def q_dot(q: Quantity) -> Quantity:
+    """Return the rate of a chosen coordinate, as a quantity."""
+    unit = {"rad": "rad/s", "m": "m/s"}.get(q.unit, "")
+    return Quantity(sp.Symbol(f"{q.name}_dot", real=True), unit, f"rate of {q.name}")
+
+
+def new_coordinates(tree: Tree, chosen: Mapping[Expr, Expr]) -> tuple[Quantity, ...]:
+    """Return the new coordinates, in the order of those that they replace."""
+    where = f"tree {tree.name!r}: coordinates"
+    allowed = {
+        c.symbol: c
+        for j in tree.ordered
+        if j.motion is None and None not in j.row.paired(j.attitude) and j.row.name != "fixed"
+        for c in j.coordinates
+    }
+    for q in chosen:
+        if q not in allowed:
+            raise InputError(
+                f"cannot replace {q}",
+                where=where,
+                expected="a coordinate whose rate is a speed, of a joint that moves freely",
+                hint=near_matches(str(q), [c.name for c in allowed.values()]),
+            )
+    for j in tree.ordered:
+        if 0 < sum(c.symbol in chosen for c in j.coordinates) < len(j.coordinates):
+            raise InputError(
+                "replace all coordinates of a joint or none", where=f"{where}: {j.name}"
+            )
+    if any(TIME in e.free_symbols for e in chosen.values()):
+        raise InputError("new coordinates cannot depend on time", where=where)
+    parameters = set().union(*(_constants(tree)))
+    new: dict[Expr, Quantity] = {}
+    for old in (o for o in allowed if o in chosen):
+        for s in sorted(chosen[old].free_symbols - parameters, key=str):
+            new.setdefault(s, Quantity(s, allowed[old].unit, "coordinate"))
+    others = [s for s in new if s in allowed and s not in chosen]
+    if others or len(new) != len(chosen):
+        raise InputError(
+            "new coordinates are not as many as those that they replace",
+            where=where,
+            got=", ".join(str(s) for s in new) or "none",
+            expected=f"{len(chosen)} new symbols in place of {', '.join(map(str, chosen))}",
+        )
+    return tuple(new.values())
+
+
+def _constants(tree: Tree) -> list[set[Expr]]:
+    """Return the symbols of placements and bodies: lengths and angles that a coordinate may rest on."""
+    found: list[set[Expr]] = [set()]
+    for j in tree.joints:
+        for place in (j.on_parent, j.on_child):
+            given = (*place.position, *(x for row in place.rotation for x in row), *j.rest)
+            found += [x.free_symbols for x in given if not is_number(x)]
+    return found
+
+
+KNOWN: dict[type, frozenset[str]] = {
+    Tree: frozenset({"name", "bodies", "joints", "gravity", "loads", "inputs", "parameters"}),
+    Body: frozenset({"name", "mass", "centre", "inertia", "about", "axes"}),
+    Joint: frozenset(
+        {
+            *("name", "kind", "parent", "child", "axis", "second_axis", "pitch", "attitude"),
+            *("on_parent", "on_child", "stiffness", "rest", "damping", "armature", "force"),
+            *("motor", "motion"),
+        }
+    ),
+    Load: frozenset({"body", "force", "torque", "point", "axes"}),
+    Placement: frozenset({"position", "rotation"}),
+}
+"""The fields that are used, by type."""
+
+
+def refuse_unknown(tree: Tree, what: str) -> None:
+    """Raise `InputError` if a tree says something that ``what`` would leave out in silence."""
+    for part in _parts(tree):
+        known = next(names for kind, names in KNOWN.items() if isinstance(part, kind))
+        for f in fields(part):
+            if f.name not in known and getattr(part, f.name) != _default(f):
+                name = getattr(part, "name", "")
+                raise InputError(
+                    f"{what} cannot take {f.name.replace('_', ' ')} into account",
+                    where=f"{type(part).__name__.lower()} {name!r}" if name else "",
+                    hint="derive(tree) can",
+                )
+
+
+def _parts(tree: Tree) -> Iterator[Any]:
+    yield tree
+    yield from (*tree.bodies, *tree.joints, *tree.loads)
+    for j in tree.joints:
+        yield from (j.on_parent, j.on_child)
+
+
+def _default(f: Any) -> Any:
+    return f.default_factory() if f.default_factory is not MISSING else f.default

@@ -1,16 +1,18 @@
 """The data of a scene with many bodies: what a scene file may say of bodies, joints and loads.
 
 Wherever a number is wanted a formula in quotes may stand, over the scene's parameters.
+
+The data of rotors, springs between points, and points that are told, in a scene file.
+
+Constraints in a scene file, as data: a kind a row of `eom.multibody.files.sections.ROWS`.
 """
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, StrictBool
 
-from eom.multibody.files.attachment_parts import PointPart, RotorPart, SpringPart
-from eom.multibody.files.constraint_parts import ConstraintPart
 from eom.multibody.files.places import Axis, Each, Formulas, Place, Point, Turned
 from eom.scenes.description import Formula, InitialAttitude, Part, Request
 
@@ -102,3 +104,115 @@ class TreeDescription(Request):
     keep: tuple[str, ...] = ()
     initial: dict[str, Formula] = Field(default_factory=dict)
     initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)
+
+
+class RotorPart(Part):
+    """A rotor in a body: see `eom.multibody.model.attachments.Rotor`.
+
+    ``torque`` is over parameters, inputs, states and t; ``speed`` over parameters and t.
+    """
+
+    body: str
+    inertia: Formula
+    axis: Axis = "z"
+    damping: Formula = 0
+    torque: Formula = 0
+    motor: StrictBool = False
+    angle: StrictBool = False
+    speed: Formula | None = None
+
+
+class SpringPart(Part):
+    """A spring and damper between two points: see `eom.multibody.model.attachments.Spring`.
+
+    ``first``, ``second``: bodies, or the ground. ``first_point``, ``second_point``: on these, from their
+    origins, in their axes (m).
+    """
+
+    first: str
+    second: str
+    first_point: Formulas = (0, 0, 0)
+    second_point: Formulas = (0, 0, 0)
+    stiffness: Formula = 0
+    length: Formula = 0
+    damping: Formula = 0
+
+
+class PointPart(Part):
+    """A point of a ``body``, or of the ground: see `eom.multibody.recursion.points.Point`."""
+
+    body: str
+    position: Formulas = (0, 0, 0)
+
+
+class LoopPart(Part):
+    """A ``joint`` that closes a loop, of ``kind`` loop: see `eom.multibody.model.constraints.Loop`."""
+
+    kind: Literal["loop"]
+    joint: str
+    first: str
+    second: str
+    axis: Axis = "z"
+    second_axis: Axis = "x"
+    on_first: Place = Place()
+    on_second: Place = Place()
+
+
+class DistancePart(Part):
+    """A rod without mass, of ``kind`` distance: see `eom.multibody.model.constraints.Distance`."""
+
+    kind: Literal["distance"]
+    first: str
+    second: str
+    length: Formula
+    first_point: Formulas = (0, 0, 0)
+    second_point: Formulas = (0, 0, 0)
+
+
+class EquationPart(Part):
+    """An equation between coordinates, or with ``kind`` speed_equation between speeds.
+
+    See `eom.multibody.model.constraints.Equation` and `SpeedEquation`; ``expression`` is a formula in
+    quotes.
+    """
+
+    kind: Literal["equation", "speed_equation"]
+    expression: Formula
+
+
+class CouplingPart(Part):
+    """Gears, of ``kind`` coupling: see `eom.multibody.model.constraints.Coupling`; ``ratios`` by joint."""
+
+    kind: Literal["coupling"]
+    ratios: dict[str, Formula]
+
+
+class RollingPart(Part):
+    """A wheel (``axis``) or ``ball`` on a plane, of ``kind`` rolling.
+
+    See `eom.multibody.model.constraints.Rolling`.
+    """
+
+    kind: Literal["rolling"]
+    body: str
+    radius: Formula
+    axis: Axis = "z"
+    ball: bool = False
+    centre: Formulas = (0, 0, 0)
+    normal: Axis = "z"
+    origin: Formulas = (0, 0, 0)
+
+
+class SkatePart(Part):
+    """A knife edge under a ``body``, of ``kind`` skate: see `eom.multibody.model.constraints.Skate`."""
+
+    kind: Literal["skate"]
+    body: str
+    direction: Axis = "y"
+    point: Formulas = (0, 0, 0)
+
+
+ConstraintPart = Annotated[
+    LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | SkatePart,
+    Field(discriminator="kind"),
+]

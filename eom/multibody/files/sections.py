@@ -1,4 +1,9 @@
-"""From the sections of a scene to a `Tree`: one row of `SECTIONS` a section of the file."""
+"""From the sections of a scene to a `Tree`: one row of `SECTIONS` a section of the file.
+
+From the rotors, springs and points of a scene file to those of a tree.
+
+From the constraints of a scene file to those of a tree: one row of `ROWS` a kind.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +18,179 @@ from eom.errors import InputError, unknown_name
 from eom.mass import solids
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import is_number
-from eom.multibody.files.attachment_sections import bare_rotor, point, rotor, spring
-from eom.multibody.files.constraint_sections import axis_of, constraint, placement
-from eom.multibody.files.description import BodyPart, JointPart, LoadPart, TreeDescription
+from eom.multibody.files.description import (
+    BodyPart,
+    CouplingPart,
+    DistancePart,
+    EquationPart,
+    JointPart,
+    LoadPart,
+    LoopPart,
+    PointPart,
+    RollingPart,
+    RotorPart,
+    SkatePart,
+    SpringPart,
+    TreeDescription,
+)
 from eom.multibody.files.formulas import Formulas
-from eom.multibody.model.attachments import Rotor
+from eom.multibody.files.places import Place
+from eom.multibody.model.attachments import Rotor, Spring
+from eom.multibody.model.constraints import (
+    Coupling,
+    Distance,
+    Equation,
+    Loop,
+    Rolling,
+    Skate,
+    SpeedEquation,
+)
 from eom.multibody.model.joints import KINDS
-from eom.multibody.model.model import Body, Joint, Load, Motion, Tree
+from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
 from eom.multibody.recursion.points import Point
 from eom.scenes.naming import check_names, spelling
 from eom.system import TIME, Quantity
+
+
+def placement(part: Place, read: Formulas, where: str) -> Placement:
+    """Return where a joint's frame is."""
+    return Placement(
+        read.values(part.position, f"{where}: position"),
+        read.rotation(part.rotation, f"{where}: rotation"),
+    )
+
+
+def axis_of(given: Any, read: Formulas, where: str) -> Any:
+    """Return the name of an axis as it is, or its components."""
+    return given if isinstance(given, str) else read.values(given, where)
+
+
+def _loop(name: str, part: LoopPart, reading: Reading) -> Loop:
+    where, read = f"constraint {name!r}", reading.constants
+    return Loop(
+        name,
+        part.joint,
+        part.first,
+        part.second,
+        axis_of(part.axis, read, f"{where}: axis"),
+        axis_of(part.second_axis, read, f"{where}: second_axis"),
+        placement(part.on_first, read, f"{where}: on_first"),
+        placement(part.on_second, read, f"{where}: on_second"),
+    )
+
+
+def _distance(name: str, part: DistancePart, reading: Reading) -> Distance:
+    where, read = f"constraint {name!r}", reading.constants
+    return Distance(
+        name,
+        part.first,
+        part.second,
+        read.value(part.length, f"{where}: length"),
+        read.values(part.first_point, f"{where}: first_point"),
+        read.values(part.second_point, f"{where}: second_point"),
+    )
+
+
+def _equation(name: str, part: EquationPart, reading: Reading) -> Constraint:
+    found = reading.acting.value(part.expression, f"constraint {name!r}: expression")
+    return Equation(name, found) if part.kind == "equation" else SpeedEquation(name, found)
+
+
+def _coupling(name: str, part: CouplingPart, reading: Reading) -> Coupling:
+    where, read = f"constraint {name!r}", reading.constants
+    ratios = {j: read.value(x, f"{where}: ratio of {j}") for j, x in part.ratios.items()}
+    return Coupling(name, ratios)
+
+
+def _rolling(name: str, part: RollingPart, reading: Reading) -> Rolling:
+    where, read = f"constraint {name!r}", reading.constants
+    return Rolling(
+        name,
+        part.body,
+        read.value(part.radius, f"{where}: radius"),
+        None if part.ball else axis_of(part.axis, read, f"{where}: axis"),
+        read.values(part.centre, f"{where}: centre"),
+        axis_of(part.normal, read, f"{where}: normal"),
+        read.values(part.origin, f"{where}: origin"),
+    )
+
+
+def _skate(name: str, part: SkatePart, reading: Reading) -> Skate:
+    where, read = f"constraint {name!r}", reading.constants
+    return Skate(
+        name,
+        part.body,
+        axis_of(part.direction, read, f"{where}: direction"),
+        read.values(part.point, f"{where}: point"),
+    )
+
+
+ROWS: dict[str, Callable[[str, Any, Reading], Constraint]] = {
+    "loop": _loop,
+    "distance": _distance,
+    "equation": _equation,
+    "speed_equation": _equation,
+    "coupling": _coupling,
+    "rolling": _rolling,
+    "skate": _skate,
+}
+"""What makes a constraint, by the word for its kind."""
+
+
+def constraint(name: str, part: Any, reading: Reading) -> Constraint:
+    """Return a constraint of a scene. Raises `InputError` that names it."""
+    return ROWS[part.kind](name, part, reading)
+
+
+def bare_rotor(name: str, part: RotorPart) -> Rotor:
+    """Return a rotor that has the states and motors of one of a scene, and no more."""
+    given = None if part.speed is None else 0
+    return Rotor(name, part.body, inertia=1, motor=part.motor, angle=part.angle, speed=given)
+
+
+def rotor(name: str, part: RotorPart, reading: Reading) -> Rotor:
+    """Return a rotor of a scene. Raises `InputError` that names it."""
+    where, read = f"rotor {name!r}", reading.constants
+    speed = part.speed
+    return Rotor(
+        name,
+        part.body,
+        axis_of(part.axis, read, f"{where}: axis"),
+        read.value(part.inertia, f"{where}: inertia"),
+        read.value(part.damping, f"{where}: damping"),
+        reading.acting.value(part.torque, f"{where}: torque"),
+        motor=part.motor,
+        angle=part.angle,
+        speed=None if speed is None else reading.moving.value(speed, f"{where}: speed"),
+    )
+
+
+def spring(name: str, part: SpringPart, reading: Reading) -> Spring:
+    """Return a spring of a scene. Raises `InputError` that names it."""
+    where, read = f"spring {name!r}", reading.constants
+    points = (
+        read.values(part.first_point, f"{where}: first_point"),
+        read.values(part.second_point, f"{where}: second_point"),
+    )
+    stiffness, length, damping = (
+        read.value(getattr(part, key), f"{where}: {key}")
+        for key in ("stiffness", "length", "damping")
+    )
+    return Spring(name, (part.first, part.second), points, stiffness, length, damping)
+
+
+def point(name: str, part: PointPart, reading: Reading) -> Point:
+    """Return a point of a scene. Raises `InputError` that names it."""
+    where = f"point {name!r}"
+    known = (*reading.scene.bodies, GROUND)
+    if part.body not in known:
+        raise unknown_name("body", part.body, known, where)
+    found = Point(name, part.body, reading.constants.values(part.position, f"{where}: position"))
+    taken = {q.name for q in (*reading.states, *reading.parameters, *reading.inputs)}
+    for output in found.names:
+        if output in taken:
+            raise InputError("something else has the name of this output", where=where, got=output)
+    return found
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.multibody.algebra.scalars import Numbers, is_zero
 from eom.multibody.algebra.spatial import IDENTITY
-from eom.multibody.closed.known import refuse_unknown
+from eom.multibody.closed.mechanism import refuse_unknown
 from eom.multibody.model.joints import QUATERNION, Setting
 from eom.multibody.model.model import GROUND, Joint, Tree
 from eom.system import TIME, as_expression
@@ -90,8 +90,8 @@ def to_sympy(tree: Tree) -> Exported:
     """Return a tree in SymPy's mechanics.
 
     Raises `InputError` for prescribed motion whose rates are no derivatives of its position, and
-    whatever the tree says beyond `eom.multibody.closed.known.KNOWN`. Units, frames and signs are those of
-    the tree; forces and torques act on the child, as of `Joint`.
+    whatever the tree says beyond `eom.multibody.closed.mechanism.KNOWN`. Units, frames and signs are those
+    of the tree; forces and torques act on the child, as of `Joint`.
 
     >>> from eom.multibody import Body, Joint
     >>> hinge = Joint("hinge", "revolute", "ground", "bob", axis="x")

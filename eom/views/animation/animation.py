@@ -131,7 +131,7 @@ def animation_of(
     shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
 
     >>> import eom
-    >>> from eom.views.time.runs import run
+    >>> from eom.views.time.histories import run
     >>> made = animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0], seconds=2.0)
     >>> [(arrow.kind, arrow.unit) for arrow in made.arrows], float(made.times[-1])
     ([('omega', 'rad/s'), ('momentum', 'N m s')], 2.0)
@@ -317,7 +317,7 @@ def at(track: Track, point: Any) -> Floats:
 def _gravity(scene: AnyScene) -> NDArray[np.float64] | None:
     if isinstance(scene, Scene):
         return None if scene.torque.weight is None else np.array([0.0, 0.0, -1.0])
-    from eom.views.animation.tree_figures import Drawing
+    from eom.views.animation.figures import Drawing
 
     found = Drawing(scene, {}).array(scene.tree.gravity)
     return found if np.any(found) else None
@@ -327,7 +327,7 @@ def _floor(scene: AnyScene) -> float | None:
     """Return the height of a plane on which a body of a tree rolls."""
     if isinstance(scene, Scene):
         return None
-    from eom.views.animation.tree_figures import Drawing
+    from eom.views.animation.figures import Drawing
 
     drawing = Drawing(scene, {})
     for constraint in scene.tree.constraints:

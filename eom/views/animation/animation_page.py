@@ -37,7 +37,7 @@ def page(animation: Animation) -> str:
 
     >>> import eom
     >>> from eom.views.animation.animation import animation_of
-    >>> from eom.views.time.runs import run
+    >>> from eom.views.time.histories import run
     >>> made = page(animation_of(eom.load_scene("t-handle"), lambda scene: run(scene)[0]))
     >>> made[:15], "<title>Tumbling T-handle" in made
     ('<!DOCTYPE html>', True)

@@ -19,8 +19,8 @@ from eom.views.body.frame_sketches import SPACE
 from eom.views.body.load_arrows import force, marked, number, push, torque
 from eom.views.body.turns import Frame, after_turns, triads
 from eom.views.draw.lettering import formula, plain
-from eom.views.draw.outlines import solid
 from eom.views.draw.picture import Arrow, Floats, Item, Panel, Picture, check
+from eom.views.draw.printed import solid
 from eom.views.draw.solid_meshes import Mesh
 from eom.views.draw.viewpoint import CROWDED, best_view
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from codegen.closed.polhode import context, number
 from eom.errors import InputError
-from eom.mechanics.herpolhode import herpolhode as exact_herpolhode
+from eom.mechanics.freebody import herpolhode as exact_herpolhode
 from eom.views.body.free import FreeBody, moving, polhode_of, polhode_points
 from eom.views.body.matrices import quaternion_matrices
 from eom.views.body.polhodes import OWN, energy_axes
@@ -130,7 +130,7 @@ def herpolhode(body: FreeBody, seconds: float | None = None, points: int | None 
     default some periods of the angular velocity, one turn where two moments are equal, and on the
     separatrix from where omega leaves the intermediate axis to where it comes back, at as many times as
     needed. Axes: omega (rad/s), the third along H. The circles have the exact radii of
-    `eom.mechanics.herpolhode`; source: Goldstein, Classical Mechanics (2002), sect. 5.6. Raises
+    `eom.mechanics.freebody`; source: Goldstein, Classical Mechanics (2002), sect. 5.6. Raises
     `InputError` for a body at rest, for moments that no body has, and for a time that is not positive.
 
     >>> from eom.views.body.free import FreeBody

@@ -12,7 +12,7 @@ from eom.errors import InputError
 from eom.views.body.free import FreeBody, free_body, not_free
 from eom.views.body.matrices import quaternion_matrices, sequence_matrices
 from eom.views.draw.picture import Floats
-from eom.views.time.runs import integrated
+from eom.views.time.histories import integrated
 
 if TYPE_CHECKING:
     from codegen import Result

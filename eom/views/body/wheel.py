@@ -70,7 +70,7 @@ def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:
     """
     from eom.scenes.scene import Scene
     from eom.views.animation.tracks import with_attitude
-    from eom.views.time.runs import run
+    from eom.views.time.histories import run
 
     if not isinstance(scene, Scene) or scene.model != "spinner":
         raise InputError("not the scene of a spinner", where=scene.title or scene.name)

@@ -2,6 +2,12 @@
 
 The settings of whoever uses Matplotlib are left alone and have no effect. Space is drawn without
 perspective; see `eom.views.draw.depth` for what hides what.
+
+Fewer points of a long curve, none of its extremes lost.
+
+Solids in sketches: a translucent surface and its sharp edges.
+
+Packages that pictures need and that are optional extras of this one.
 """
 
 from __future__ import annotations
@@ -16,7 +22,6 @@ import numpy as np
 
 from eom.views.draw import formulas
 from eom.views.draw.depth import Drawn, View, bounds, diagonal, in_space
-from eom.views.draw.extras import require
 from eom.views.draw.picture import (
     COLOURS,
     Arrow,
@@ -33,6 +38,13 @@ from eom.views.draw.picture import (
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+import importlib.util
+import itertools
+
+from eom.errors import InputError
+from eom.views.draw.meshes import Faces
+from eom.views.draw.picture import Item
+from eom.views.draw.solid_meshes import Mesh
 
 STYLE: Any = {
     "font.size": 9.0,
@@ -418,3 +430,74 @@ def _label(axes: Any, place: Any, text: str, colour: str, shift: tuple[float, fl
         annotation_clip=False,
         path_effects=[withStroke(linewidth=2.0, foreground="white")],
     )
+
+
+MOST = 4000
+"""Points of one curve that are drawn: more than a picture has columns of dots."""
+
+
+def thinned(x: Floats, y: Floats, most: int = MOST) -> tuple[Floats, Floats]:
+    """Return a curve with at most ``most`` points: the least and largest y of each stretch of it.
+
+    ``x``, ``y``: shape (N,). The points are some of those given, in their order, the first and the last
+    among them; a stretch without numbers keeps one that is none, so that gaps stay gaps.
+    """
+    size = len(x)
+    if size <= most:
+        return x, y
+    edges = np.linspace(0, size, most // 2).astype(np.int64)
+    kept = {0, size - 1}
+    for first, last in itertools.pairwise(edges):
+        kept |= _extremes(y[first:last], int(first))
+    chosen = np.array(sorted(kept))
+    return x[chosen], y[chosen]
+
+
+def _extremes(y: Floats, first: int) -> set[int]:
+    """Return the places of the least and the largest number, or of one that is none."""
+    known = np.flatnonzero(np.isfinite(y))
+    if len(known) == 0:
+        return {first}
+    return {first + int(known[np.argmin(y[known])]), first + int(known[np.argmax(y[known])])}
+
+
+OPACITY = 0.3
+
+
+def solid(mesh: Mesh, C: Floats, origin: Floats, colour: str = "sky") -> Iterator[Item]:
+    """Yield the surface of a mesh in its body's axes, and its edges; C from space to the body."""
+    vertices = mesh.vertices @ C + origin
+    yield Surface(vertices, mesh.faces, colour, OPACITY)
+    edges = sharp_edges(mesh)
+    if len(edges):
+        gaps = np.full((len(edges), 1, 3), np.nan)
+        lines = np.concatenate([vertices[edges], gaps], axis=1)
+        yield Curve(lines.reshape(-1, 3), colour, 0.8)
+
+
+def sharp_edges(mesh: Mesh) -> Faces:
+    """Return the edges that one triangle alone has, pairs of vertices of shape (N, 2).
+
+    A mesh shares vertices within its smooth pieces, so that these bound them.
+    """
+    pairs = np.sort(mesh.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, counts = np.unique(pairs, axis=0, return_counts=True)
+    return np.asarray(edges[counts == 1])
+
+
+EXTRAS = {"matplotlib": ("Matplotlib", "plot"), "plotly": ("Plotly", "turn")}
+"""Name and extra by package."""
+
+
+def installed(package: str) -> bool:
+    """Tell whether a package is there."""
+    return importlib.util.find_spec(package) is not None
+
+
+def require(package: str, where: str = "") -> None:
+    """Raise `InputError` that says which extra to install where a package is missing."""
+    if not installed(package):
+        name, extra = EXTRAS[package]
+        raise InputError(
+            f"{name} is not installed", where=where, hint=f"pip install 'eom-toolkit[{extra}]'"
+        )

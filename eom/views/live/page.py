@@ -2,14 +2,30 @@
 
 Scripts and style are allowed by their hashes alone, so that nothing else on the page can run. What the
 scene brings along (titles, names, meanings) is escaped here, or set as text by the script.
+
+The scripts of a live page that need no document: data, right-hand sides, integrator.
 """
 
 from __future__ import annotations
 
 import html
+import json
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from importlib import resources
 from typing import Any
 
+from codegen.frontend.layout import Layout
+from codegen.ir.groups import RATES
+from codegen.ir.passes import prune
+from codegen.ir.program import Program
+from codegen.loops import javascript as integrators
+from codegen.loops.tableaux import DOP853
+from codegen.passes.pipeline import specialised
+from codegen.targets import javascript
+from codegen.targets.javascript import JAVASCRIPT
+from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
 from eom.multibody.files.scene import TreeScene
 from eom.opening import AnyScene
@@ -17,8 +33,8 @@ from eom.system import Definition
 from eom.typeset.boxes import symbol
 from eom.typeset.markup import render
 from eom.typeset.policy import hashed, policy
-from eom.views.live import code, equations, single, trees
-from eom.views.live.subject import Choice, Knob, Subject, Switch
+from eom.views.live import equations, single, trees
+from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0
@@ -57,17 +73,17 @@ def page(scene: AnyScene) -> str:
 
 def written(subject: Subject, speed: float = 1.0) -> str:
     """Return the page of a subject; ``speed``: seconds of motion a second. Raises as `page` does."""
-    core, data = code.script(subject)
+    core, data = script(subject)
     texts = _Templates()
     data |= {
-        "told": {code.key(c): told(subject, c, texts) for c in subject.variants},
-        "none": code.key(tuple(False for _ in subject.switches)),
+        "told": {key(c): told(subject, c, texts) for c in subject.variants},
+        "none": key(tuple(False for _ in subject.switches)),
         "meanings": {d.name: d.quantity.description for d in _invariants(subject)},
         "speed": speed,
     }
-    scripts = [code.web("three.js"), code.web("viewer.js"), core, code.web("live.js")]
-    style = code.web("live.css")
-    return code.web("live.html").format(
+    scripts = [web("three.js"), web("viewer.js"), core, web("live.js")]
+    style = web("live.css")
+    return web("live.html").format(
         policy=policy(scripts, hashed(style), "data: blob:"),
         style=style,
         title=html.escape(subject.title),
@@ -77,14 +93,14 @@ def written(subject: Subject, speed: float = 1.0) -> str:
         picture=html.escape(f"{subject.title}: the motion in three dimensions"),
         caption=_caption(subject),
         speeds=_speeds(speed),
-        tolerance=f"{code.TOLERANCE:.0e}".replace("e-", "e\u2212"),
+        tolerance=f"{TOLERANCE:.0e}".replace("e-", "e\u2212"),
         switches=_switches(subject.switches),
         knobs="\n".join(_groups(subject)),
         shown=_shown(subject),
         notation="" if subject.kind == "tree" else _notation(),
         with_attitude="" if subject.kind == "tree" else "attitude included, ",
         templates="\n".join([*texts.elements(), *_symbols(subject)]),
-        data=code.as_json(data),
+        data=as_json(data),
         scripts="\n".join(f"<script>{s}</script>" for s in scripts),
     )
 
@@ -231,3 +247,91 @@ def _notation() -> str:
         for name, title in equations.notations().items()
     )
     return f'<p><label>Notation <select id="notation">{options}</select></label></p>'
+
+
+TOLERANCE = 1e-12
+"""Relative, of every step. A frame of one body then takes 10 to 20 right-hand sides at DOP853's order."""
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """What a variant is compiled to, once for equal ones: its number, operations of its rates."""
+
+    system: int
+    operations: int
+
+
+def script(subject: Subject) -> tuple[str, dict[str, Any]]:
+    """Return the script that defines ``EOM_SYSTEMS``, ``EOM_METHOD`` and ``createMotion``, and the data.
+
+    Raises `InputError` for operations that JavaScript cannot compute.
+    """
+    texts: dict[str, int] = {}
+    compiled = {choice: _compiled(v, texts) for choice, v in subject.variants.items()}
+    systems = ",\n".join(texts)
+    method = re.sub(r"^export ", "", integrators.text(DOP853), flags=re.MULTILINE)
+    parts = [
+        f"const EOM_METHOD = (() => {{\n{method}\nreturn {DOP853.name};\n}})();",
+        f"const EOM_SYSTEMS = [\n{systems}\n];",
+        web("live_core.js"),
+    ]
+    return "\n".join(parts), _data(subject, compiled)
+
+
+def _compiled(variant: Variant, texts: dict[str, int]) -> Compiled:
+    program, layout = specialised(variant.drawn)
+    refuse_unsupported(JAVASCRIPT, program, layout)
+    number = texts.setdefault(_text(program, layout), len(texts))
+    return Compiled(number, sum(prune(program, [RATES]).counts().values()))
+
+
+def _text(program: Program, layout: Layout) -> str:
+    """Return the functions of a system; nothing in a comment can end the script that they stand in."""
+    return re.sub(r"<(?=[A-Za-z/!?])", "< ", javascript.function(program, layout))
+
+
+def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, Any]:
+    """Return what the page's scripts are told, as JSON can hold it."""
+    return {
+        "kind": subject.kind,
+        "name": subject.name,
+        "tolerance": TOLERANCE,
+        "knobs": [asdict(k) for k in subject.knobs],
+        "switches": [asdict(s) for s in subject.switches],
+        "fixed": dict(subject.fixed),
+        "sequence": subject.sequence,
+        "inertia": subject.inertia,
+        "centre": subject.centre,
+        "bodies": subject.bodies,
+        "joints": subject.joints,
+        "up": list(subject.up),
+        "variants": {
+            key(choice): {
+                "system": compiled[choice].system,
+                "operations": compiled[choice].operations,
+                "equal": dict(v.equal),
+                "free": v.free,
+                "singular": [s.meaning for s in v.drawn.singularities],
+            }
+            for choice, v in subject.variants.items()
+        },
+    }
+
+
+def key(choice: Choice) -> str:
+    """Return a choice as scripts name it.
+
+    >>> key((True, False))
+    '10'
+    """
+    return "".join("01"[on] for on in choice)
+
+
+def as_json(data: object) -> str:
+    """Return data as JSON that cannot end the element of a page that it stands in."""
+    return json.dumps(data).replace("<", "\\u003c")
+
+
+def web(name: str) -> str:
+    """Return a file of `eom/views/web`."""
+    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")

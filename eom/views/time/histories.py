@@ -1,4 +1,7 @@
-"""Time histories: states and outputs over time, a panel a unit, and the drift of the invariants below."""
+"""Time histories: states and outputs over time, a panel a unit, and the drift of the invariants below.
+
+The integrated motion of a scene of any model, for pictures of its states and outputs.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,21 @@ import numpy as np
 from eom.errors import InputError
 from eom.views.draw.lettering import name, plain, unit
 from eom.views.draw.picture import Axis, Curve, Dash, Floats, Item, Panel, Picture, check, points
-from eom.views.draw.thinning import thinned
+from eom.views.draw.printed import thinned
 
 if TYPE_CHECKING:
     from codegen import Result
     from codegen.runs.drift import Drift
     from eom.opening import AnyScene
     from eom.system import Quantity, System
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from codegen import Result
+    from eom.opening import AnyScene
+    from eom.scenes.scene import Scene
+    from eom.system import System
+    from eom.views.draw.picture import Floats
 
 MOST = 8
 """Curves of one panel."""
@@ -104,8 +115,6 @@ def histories_of(
     >>> histories_of(eom.load_scene("t-handle"), seconds=1.0, points=101).rows[-1][0].axes[0].words
     '$t$ [s]'
     """
-    from eom.views.time.runs import run
-
     result, system = run(scene, seconds, points)
     known = (*system.state_names, *system.output_names)
     return histories_asked(result, system, [n for n in scene.requested if n in known], scene)
@@ -220,3 +229,64 @@ def _gaps(result: Result, shown: Sequence[_Group]) -> Iterator[str]:
         lost = int(np.count_nonzero(~np.isfinite(result[n])))
         if lost:
             yield f"{lost} of {len(result.t)} values of {n} are no numbers."
+
+
+def run(
+    scene: AnyScene, seconds: float | None = None, points: int | None = None
+) -> tuple[Result, System]:
+    """Integrate a scene as `eom simulate` does; return the run and the system of its states and outputs.
+
+    ``seconds``, ``points``: end and number of the stored times, by default the scene's own. Raises as
+    derivation and `codegen.simulate` do.
+    """
+    plan = scene.integration
+    t = np.linspace(0.0, seconds or plan.t_end, points or plan.points)
+    if plan.handover and scene.model != "tree":
+        return _handed_over(scene, t)
+    return integrated(scene, t), scene.derive()
+
+
+def integrated(scene: AnyScene, t: Floats) -> Result:
+    """Return the run of a scene over the times ``t``, in the scene's own coordinates."""
+    import codegen
+
+    plan = scene.integration
+    return codegen.simulate(
+        codegen.compile(scene.derive()),
+        scene.initial_values(),
+        (float(t[0]), float(t[-1])),
+        scene.parameter_values(),
+        plan.method,
+        plan.rtol,
+        plan.atol,
+        t,
+        inputs=scene.input_values(),
+        max_step=plan.max_step or math.inf,
+        max_steps=plan.max_steps,
+    )
+
+
+def _handed_over(scene: Scene, t: Floats) -> tuple[Result, System]:
+    """Return the run of a scene whose angles go on in a quaternion near their singularity."""
+    from codegen.runs import handover
+    from codegen.runs.charts import compile_charts
+    from eom.scenes.handover import charts, numbers
+
+    found = charts(scene)
+    initial, parameters = numbers(scene, found)
+    plan = scene.integration
+    held = {n: v.value for n, v in scene.inputs.items() if n in found.first.input_names}
+    result = handover.simulate(
+        compile_charts(found),
+        initial,
+        (float(t[0]), float(t[-1])),
+        parameters,
+        plan.method,
+        plan.rtol,
+        plan.atol,
+        t,
+        inputs=held,
+        max_step=plan.max_step or math.inf,
+        max_steps=plan.max_steps,
+    )
+    return result, found.first

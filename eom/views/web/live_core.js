@@ -1,6 +1,6 @@
 /* The motion behind a live page: numbers, choices, one integrator; it knows no document.
 
-   createMotion(data, systems, method) takes what `eom.views.live.code` writes: the scene as data, one
+   createMotion(data, systems, method) takes what `eom.views.live.page` writes: the scene as data, one
    function a right-hand side, and the integrator. Every change starts the motion anew, from the values. */
 "use strict";
 

@@ -2,10 +2,9 @@
 
 import pytest
 
-from eom.checker.judge.chains import judge_chain
 from eom.checker.judge.judge import HOLDS, UNDER, WRONG
 from eom.checker.judge.notes import understand
-from eom.checker.judge.verdicts import verdict
+from eom.checker.judge.verdicts import judge_chain, verdict
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.read.documents import read_document
 

@@ -8,7 +8,6 @@ import pytest
 from benchmarks.correcting import GIVEN, explained, line_of, same
 from benchmarks.edits import Original, undone
 from benchmarks.edits import edits as tree_edits
-from eom.checker.explanation import UNEXPLAINED
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.judge.notes import reread, understand
 from eom.checker.judge.verdicts import GRAVE, verdict
@@ -20,6 +19,7 @@ from eom.checker.read.writing import latex
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.offers import Palette
 from eom.checker.repair.slips import SLIPS, edits
+from eom.checker.reports import UNEXPLAINED
 from tests.eom.checker.true_lines import ARROWS, NOTES, UNDERLINES
 
 LINES = [(lexicon, note, k) for lexicon, note in NOTES for k in range(len(note))]

@@ -12,16 +12,23 @@ from pathlib import Path
 import pytest
 
 import eom
-from eom.checker.explanation import Correction, Counterexample, Explanation
-from eom.checker.graded import Graded
 from eom.checker.note import grading
 from eom.checker.note.checking import grade
 from eom.checker.read.inputs import Text
 from eom.checker.read.places import Source, Span
 from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
 from eom.checker.report.report_text import shown, text, told, total
-from eom.checker.reports import ORDER, Finding, Remark, Report
-from eom.checker.settings import Settings
+from eom.checker.reports import (
+    ORDER,
+    Correction,
+    Counterexample,
+    Explanation,
+    Finding,
+    Graded,
+    Remark,
+    Report,
+    Settings,
+)
 from eom.errors import InputError
 
 ARROWS = Settings("arrow-tilde")

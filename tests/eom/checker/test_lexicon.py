@@ -5,10 +5,10 @@ from eom.checker.mean.lexicon_files import (
     front_matter,
     lexicon_for,
     lexicon_of,
+    look_of,
     parse_lexicon,
     preset,
 )
-from eom.checker.mean.patterns import look_of
 from eom.checker.mean.propose import latex_of
 from eom.errors import InputError
 

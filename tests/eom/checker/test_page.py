@@ -8,13 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eom.checker.explanation import Correction, Counterexample, Explanation
 from eom.checker.read.documents import read_document
 from eom.checker.read.places import Span
-from eom.checker.report.mathml import ELEMENTS, MAX_LENGTH, mathml
-from eom.checker.report.page import page
-from eom.checker.report.prose import prose
-from eom.checker.reports import Finding, Remark, Report
+from eom.checker.report.page import ELEMENTS, MAX_LENGTH, mathml, page, prose
+from eom.checker.reports import Correction, Counterexample, Explanation, Finding, Remark, Report
 
 NOTE = r"""# A note with $x$
 

@@ -6,7 +6,7 @@ import pytest
 
 from eom import check
 from eom.checker.prose_claims.pointing import opened
-from eom.checker.prose_claims.theorems import THEOREMS, theorem
+from eom.checker.prose_claims.stability import THEOREMS, theorem
 
 TORQUE = r"$$\vec\tau_O = \dot{\vec H}_O + M\vec r_{C/O}\times\ddot{\vec R}_O \tag{3.15}$$" + "\n\n"
 SYSTEM = r"""+++

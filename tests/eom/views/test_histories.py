@@ -15,7 +15,7 @@ from eom.scenes.scene import Scene
 from eom.system import Quantity
 from eom.views.draw import lettering
 from eom.views.draw.picture import Curve
-from eom.views.draw.thinning import thinned
+from eom.views.draw.printed import thinned
 from eom.views.time.histories import FLOOR, MOST, histories, histories_of
 
 T = np.linspace(0.0, 2.0, 101)

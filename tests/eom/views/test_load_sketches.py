@@ -17,8 +17,7 @@ from eom.views.body.load_arrows import FORCE, REACTION, TORQUE, number
 from eom.views.draw.labels import names, paper
 from eom.views.draw.picture import Arrow, Curve, Marks, Surface, Words
 from eom.views.tree.tree_frames import tree_frames
-from eom.views.tree.tree_posture import Posture
-from eom.views.tree.tree_sketch import tree_sketch
+from eom.views.tree.tree_sketch import Posture, tree_sketch
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from eom import InputError, Scene, load_scene
 from eom.kinematics.coordinates import attitude
-from eom.mechanics.herpolhode import herpolhode as exact_herpolhode
+from eom.mechanics.freebody import herpolhode as exact_herpolhode
 from eom.views.body.cones import cones, free_cones
 from eom.views.body.free import FreeBody, free_body
 from eom.views.body.matrices import quaternion_matrices, sequence_matrices
