@@ -34,7 +34,7 @@ from eom.checker.mean.lexicon_files import lexicon_for, parse_lexicon
 from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import KINDS, Document, Piece, load
-from eom.checker.reports import Finding
+from eom.checker.report.findings import Finding
 from eom.errors import InputError
 
 LETTERS = {"display": "E", "inline": "i"}

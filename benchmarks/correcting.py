@@ -31,7 +31,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.repairs import apply
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.lines import place
-from eom.checker.reports import Explanation
+from eom.checker.report.findings import Explanation
 from eom.errors import InputError
 from eom.exact.series import PRIME
 from eom.worlds.worlds import closure

@@ -86,7 +86,7 @@ def test_forms_for_issues():
 def test_the_verdicts_of_the_form_are_those_of_the_checker():
     if not FORMS:
         pytest.skip("the sdist has no forms for issues")
-    from eom.checker.reports import ORDER
+    from eom.checker.report.findings import ORDER
 
     file = ROOT / ".github" / "ISSUE_TEMPLATE" / "wrong_verdict.yml"
     form = yaml.safe_load(file.read_text(encoding="utf-8"))

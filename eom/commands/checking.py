@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eom.checker.read.inputs import Note
-    from eom.checker.report.report_text import Line
-    from eom.checker.reports import Graded, Settings
+    from eom.checker.report.findings import Graded, Line, Settings
 
 WRONG, UNUSABLE = 1, 2
 """Exit status where something is wrong, and where a note cannot be used."""
@@ -174,7 +173,7 @@ def _settings(
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
     from eom.checker.read.inputs import TEXT_KINDS
-    from eom.checker.reports import GIVEN, Settings
+    from eom.checker.report.findings import GIVEN, Settings
     from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:
@@ -188,7 +187,7 @@ def _settings(
 
 def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
     """Return the verdicts that are told; words may be joined by hyphens or blanks."""
-    from eom.checker.reports import ORDER
+    from eom.checker.report.findings import ORDER
 
     known = {v.replace(" ", "-"): v for v in ORDER}
     wanted = [v.replace(" ", "-") for v in only]
@@ -293,7 +292,7 @@ def _status(graded: Sequence[Graded]) -> int:
 
 def _print(graded: Sequence[Graded], only: Sequence[str], quiet: bool) -> None:
     """Print reports, unusable notes to standard error, and how many notes are what."""
-    from eom.checker.report.report_text import told, total
+    from eom.checker.report.findings import told, total
 
     for k, one in enumerate(graded):
         for line in told(one, only, quiet):

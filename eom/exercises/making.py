@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 import eom.checker.note.checking as checker
-from eom.checker.reports import FAULTS, Counterexample, Finding
+from eom.checker.report.findings import FAULTS, Counterexample, Finding
 from eom.derivations.derivation import Derivation, Item, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name

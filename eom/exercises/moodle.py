@@ -4,6 +4,10 @@ Formulas stand between \( and \), or \[ and \], which Moodle's MathJax filter an
 tree is written by the standard library, which escapes every text; letters that XML has no place for are
 left out. The third question is there where the side with the slip is a scalar expression that Maxima can
 read; STACK compares what is typed with it as an expression.
+
+Scalar expressions in the language of Maxima, which STACK takes: from the tree, by a table.
+
+Operations that the table does not know have no spelling, and neither have expressions that hold them.
 """
 
 from __future__ import annotations
@@ -16,7 +20,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from eom.errors import typed
-from eom.exercises import maxima
 from eom.exercises.page import (
     DISPLAY,
     INLINE,
@@ -36,6 +39,9 @@ from eom.typeset.notation import notation_named
 
 if TYPE_CHECKING:
     from eom.exercises.making import Exercise
+from collections.abc import Callable, Mapping
+
+import sympy as sp
 
 CATEGORY = "$course$/top/Mechanics: find the false line"
 STACK_VERSION = "2023010400"
@@ -270,8 +276,8 @@ def typed_answer(exercise: Exercise) -> Typed | None:
     if any(t.head != "expr" for t in terms):
         return None
     symbols = terms[0].data[0].free_symbols | terms[1].data[0].free_symbols
-    names = maxima.names_for(symbols)
-    texts = [maxima.maxima(t.data[0], names) for t in terms]
+    names = names_for(symbols)
+    texts = [maxima(t.data[0], names) for t in terms]
     if texts[0] is None or texts[1] is None or not symbols:
         return None
     return Typed(side, texts[0], texts[1], names)
@@ -343,3 +349,121 @@ def _test(question: ET.Element, number: int, value: str, *, right: bool) -> None
     _element(expected, "expectedscore", int(right))
     _element(expected, "expectedpenalty", "" if right else "0.1")
     _element(expected, "expectedanswernote", f"prt1-1-{'T' if right else 'F'}")
+
+
+Expr = Any
+
+SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4
+"""How firmly a text holds together."""
+
+Spelt = tuple[str, int]
+Names = Mapping[Any, str]
+
+RESERVED = frozenset(
+    "and array beta break catch cons define delta diff do e else elseif enhance error eval exp false "
+    "first float for from gamma i if ind inf infinity int integrate j kronecker lambda last length "
+    "limit list lhs log map matrix minf mod next not noun op or params part phi pi plus prime psi "
+    "rand ratio rest return rhs second signum simp solve step subst sum tans tau then thru total true "
+    "und unit units unless while zero zeta zeroa zerob".split()
+)
+"""Words that Maxima or STACK keep for themselves, or read as a number or a function."""
+
+FUNCTIONS: dict[Any, str] = {
+    sp.sin: "sin",
+    sp.cos: "cos",
+    sp.tan: "tan",
+    sp.atan: "atan",
+    sp.asin: "asin",
+    sp.acos: "acos",
+    sp.exp: "exp",
+    sp.Abs: "abs",
+}
+
+
+def names_for(symbols: Iterable[Any]) -> dict[Any, str]:
+    """Return a name for each symbol that Maxima reads as one, all different; letters stay if they can.
+
+    >>> names_for(sp.symbols("I_1 lambda"))
+    {I_1: 'I_1', lambda: 'lambda0'}
+    """
+    found: dict[Any, str] = {}
+    for symbol in sorted(symbols, key=str):
+        name = "".join(c if c.isascii() and c.isalnum() else "_" for c in symbol.name)
+        name = name if name[:1].isalpha() else f"x{name}"
+        while name in RESERVED or name in found.values():
+            name += "0"
+        found[symbol] = name
+    return found
+
+
+def maxima(expression: Expr, names: Names) -> str | None:
+    """Return an expression as Maxima reads it, None where it holds what the table does not know."""
+    try:
+        return _spelt(expression, names)[0]
+    except LookupError:
+        return None
+
+
+def _spelt(value: Expr, names: Names) -> Spelt:
+    if value.is_Symbol:
+        return names[value], ATOM
+    rule = _RULES.get(value.func) or (_number if value.is_Rational else None)
+    if rule is None:
+        raise LookupError(value.func)
+    return rule(value, names)
+
+
+def _inside(value: Expr, names: Names, least: int) -> str:
+    text, firm = _spelt(value, names)
+    return text if firm >= least else f"({text})"
+
+
+def _number(value: Expr, _: Names) -> Spelt:
+    if value.is_Integer:
+        return str(value.p), ATOM if value.p >= 0 else SUM
+    return f"{value.p}/{value.q}", PRODUCT if value.p > 0 else SUM
+
+
+def _sum(value: Expr, names: Names) -> Spelt:
+    first, *others = value.as_ordered_terms()
+    text = _inside(first, names, SUM)
+    for term in others:
+        negative = term.could_extract_minus_sign()
+        text += (
+            f"-{_inside(-term, names, PRODUCT)}"
+            if negative
+            else f"+{_inside(term, names, PRODUCT)}"
+        )
+    return text, SUM
+
+
+def _product(value: Expr, names: Names) -> Spelt:
+    number = value.as_coeff_Mul()[0]
+    if number.is_Rational and number < 0:
+        return f"-{_inside(-value, names, PRODUCT)}", SUM
+    above, below = value.as_numer_denom()
+    if below != 1:
+        return f"{_inside(above, names, PRODUCT)}/{_inside(below, names, POWER)}", PRODUCT
+    return "*".join(_inside(f, names, POWER) for f in value.as_ordered_factors()), PRODUCT
+
+
+def _power(value: Expr, names: Names) -> Spelt:
+    base, exponent = value.as_base_exp()
+    if value.exp.could_extract_minus_sign():
+        return f"1/{_inside(1 / value, names, POWER)}", PRODUCT
+    if exponent == sp.Rational(1, 2):
+        return f"sqrt({_spelt(base, names)[0]})", ATOM
+    return f"{_inside(base, names, ATOM)}^{_inside(exponent, names, ATOM)}", POWER
+
+
+def _called(word: str) -> Callable[[Expr, Names], Spelt]:
+    return lambda value, names: (f"{word}({_spelt(value.args[0], names)[0]})", ATOM)
+
+
+_RULES: dict[Any, Callable[[Expr, Names], Spelt]] = {
+    sp.Add: _sum,
+    sp.Mul: _product,
+    sp.Pow: _power,
+    type(sp.pi): lambda *_: ("%pi", ATOM),
+    **{function: _called(word) for function, word in FUNCTIONS.items()},
+}

@@ -3,8 +3,7 @@
 import pytest
 
 import eom
-from eom.checker.report.report_text import text, told
-from eom.checker.reports import Graded
+from eom.checker.report.findings import Graded, text, told
 
 
 def labels(excerpt):

@@ -30,8 +30,7 @@ from eom.exercises import (
     topics,
     with_others,
 )
-from eom.exercises.maxima import RESERVED, maxima, names_for
-from eom.exercises.moodle import typed_answer
+from eom.exercises.moodle import RESERVED, maxima, names_for, typed_answer
 from eom.exercises.slips import SLIPS, around, names, planted
 from eom.terms.terms import expr
 from eom.typeset.notation import NOTATIONS

@@ -18,7 +18,7 @@ from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
 from eom.checker.note.carrying import SPECIAL_MOTION, vanishing
-from eom.checker.reports import Remark
+from eom.checker.report.findings import Remark
 from eom.errors import InputError
 from eom.exact.series import Singular
 from eom.worlds.worlds import ASSUMPTIONS, closure

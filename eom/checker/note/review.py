@@ -34,7 +34,7 @@ from eom.checker.note.carrying import (
 from eom.checker.note.remarks import ranked, remark, remarks
 from eom.checker.prose_claims.propositions import Plain, Reading, Test, truth
 from eom.checker.read.documents import Document
-from eom.checker.reports import Remark
+from eom.checker.report.findings import Remark
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, Term, add, cross, dot, nodes
 from eom.terms.terms import replace as rewritten

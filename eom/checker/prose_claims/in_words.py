@@ -45,7 +45,7 @@ from eom.checker.read.looks import labels
 from eom.checker.read.places import Source, Span
 from eom.checker.repair.corrections import corrections, workshop
 from eom.checker.repair.lines import line
-from eom.checker.reports import PROSE, Explanation, Finding
+from eom.checker.report.findings import PROSE, Explanation, Finding
 from eom.errors import InputError
 from eom.limits import Overdue, deadline
 from eom.terms.terms import MATRIX, VECTOR, Term, add, atom, mul, nodes, number

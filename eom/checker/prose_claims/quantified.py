@@ -41,7 +41,7 @@ from eom.checker.prose_claims.propositions import (
     text,
     truth,
 )
-from eom.checker.reports import Counterexample
+from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
 from eom.terms.terms import SCALAR, Term, der, dot, zero
 from eom.terms.vocabulary import omega, position, quantity

@@ -20,7 +20,7 @@ from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.values import ANY, Value
 from eom.checker.prose_claims.quantified import Decision
-from eom.checker.reports import Counterexample
+from eom.checker.report.findings import Counterexample
 from eom.mechanics.dissipation import damped_stability, nutation_trend
 from eom.mechanics.freebody import precession
 from eom.mechanics.steady import spin_stability

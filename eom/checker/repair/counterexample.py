@@ -38,7 +38,7 @@ from eom.checker.repair.candidates import Candidate, Workshop
 from eom.checker.repair.lines import Member, Place, valued
 from eom.checker.repair.palette import symbols
 from eom.checker.repair.remainder import pair
-from eom.checker.reports import Counterexample
+from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
 from eom.exact.series import PRIME, Field, Series, Singular
 from eom.terms.terms import Term, add, mul, number, zero

@@ -34,7 +34,7 @@ from eom.checker.repair.remainder import leftover
 from eom.checker.repair.rewriting import blamed, rewritten, tight
 from eom.checker.repair.slips import LOST
 from eom.checker.repair.stated import stated
-from eom.checker.reports import UNEXPLAINED, Correction, Counterexample, Explanation
+from eom.checker.report.findings import UNEXPLAINED, Correction, Counterexample, Explanation
 
 
 def explain(

@@ -33,7 +33,7 @@ from eom.checker.repair.lost import Pools
 from eom.checker.repair.offers import Palette
 from eom.checker.repair.palette import around, palette, symbols
 from eom.checker.repair.slips import Edit, edits
-from eom.checker.reports import Correction, Counterexample, Explanation
+from eom.checker.report.findings import Correction, Counterexample, Explanation
 from eom.errors import InputError
 from eom.exact.series import Singular
 from eom.worlds.evaluate import Evaluator

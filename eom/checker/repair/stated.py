@@ -21,7 +21,7 @@ from eom.checker.repair.counterexample import (
 from eom.checker.repair.lines import Place
 from eom.checker.repair.remainder import pair
 from eom.checker.repair.state_examples import StatePoint, points
-from eom.checker.reports import Counterexample
+from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
 from eom.system import Expr
 from eom.terms.terms import Term

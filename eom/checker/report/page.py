@@ -33,7 +33,7 @@ from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
 from eom.checker.read import masks
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.places import Source, Span
-from eom.checker.reports import FAULTS, Correction, Counterexample, Finding, Graded, Report
+from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
 from eom.worlds.worlds import ASSUMPTIONS
 
 if TYPE_CHECKING:

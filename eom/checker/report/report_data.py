@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from eom.checker.read.places import NOWHERE, Source, Span
-from eom.checker.reports import (
+from eom.checker.report.findings import (
     ORDER,
     Correction,
     Counterexample,

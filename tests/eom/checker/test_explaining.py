@@ -19,7 +19,7 @@ from eom.checker.read.writing import latex
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.offers import Palette
 from eom.checker.repair.slips import SLIPS, edits
-from eom.checker.reports import UNEXPLAINED
+from eom.checker.report.findings import UNEXPLAINED
 from tests.eom.checker.true_lines import ARROWS, NOTES, UNDERLINES
 
 LINES = [(lexicon, note, k) for lexicon, note in NOTES for k in range(len(note))]

@@ -16,9 +16,7 @@ from eom.checker.note import grading
 from eom.checker.note.checking import grade
 from eom.checker.read.inputs import Text
 from eom.checker.read.places import Source, Span
-from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
-from eom.checker.report.report_text import shown, text, told, total
-from eom.checker.reports import (
+from eom.checker.report.findings import (
     ORDER,
     Correction,
     Counterexample,
@@ -28,7 +26,12 @@ from eom.checker.reports import (
     Remark,
     Report,
     Settings,
+    shown,
+    text,
+    told,
+    total,
 )
+from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
 from eom.errors import InputError
 
 ARROWS = Settings("arrow-tilde")

@@ -10,8 +10,15 @@ from hypothesis import strategies as st
 
 from eom.checker.read.documents import read_document
 from eom.checker.read.places import Span
+from eom.checker.report.findings import (
+    Correction,
+    Counterexample,
+    Explanation,
+    Finding,
+    Remark,
+    Report,
+)
 from eom.checker.report.page import ELEMENTS, MAX_LENGTH, mathml, page, prose
-from eom.checker.reports import Correction, Counterexample, Explanation, Finding, Remark, Report
 
 NOTE = r"""# A note with $x$
 

@@ -5,8 +5,8 @@ import shutil
 import pytest
 
 from eom.checker.read.documents import read_document
+from eom.checker.report.findings import Correction, Explanation
 from eom.checker.report.page import page
-from eom.checker.reports import Correction, Explanation
 from tests.eom.checker.test_page import NOTE, report_on, term
 
 sync_api = pytest.importorskip("playwright.sync_api")
