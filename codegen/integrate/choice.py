@@ -34,31 +34,39 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from functools import cache, lru_cache, partial
+from typing import Any
 
 import numpy as np
 
 from codegen.closed import closed_forms
+from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
+from codegen.compiling.signals import Inputs
 from codegen.derivatives.taylor import prepare
 from codegen.derivatives.taylor_cost import operations
 from codegen.integrate import closed
+from codegen.integrate.scales import PART
 from codegen.ir.groups import RATES
 from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point
 from codegen.loops import taylor
+from codegen.loops.projection import units
 from codegen.native import native
 from codegen.native.trajectory import Array, Found, Problem, Trajectory
 from codegen.watch.trust import is_analytic
 from eom.errors import InputError
 
-if TYPE_CHECKING:
-    from codegen.integrate.methods import Task
-from functools import cache
 
-from codegen.integrate.scales import PART
-from codegen.loops.projection import units
+@dataclass(frozen=True)
+class Task:
+    """What is to be integrated: ``signals`` give the inputs over time where they are functions."""
+
+    compiled: Compiled
+    problem: Problem
+    signals: Inputs | None
+    events: tuple[events.Event, ...] = ()
+
 
 DOP853_REACH = 6.1
 """S of DOP853: Hairer and Wanner II, sect. IV.2."""

@@ -8,9 +8,9 @@ from functools import lru_cache
 
 from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
-from codegen.compiling.signals import Inputs
 from codegen.frontend.layout import Layout
 from codegen.integrate import choice, group, rkmk, scipy_, splitting, sundials
+from codegen.integrate.choice import Task
 from codegen.integrate.projector import Projector, with_values
 from codegen.ir.identity import SameObject
 from codegen.ir.program import Program
@@ -21,16 +21,6 @@ from codegen.native.trajectory import Problem, Trajectory
 from eom.errors import InputError, unknown_name
 
 Integrator = Callable[[Problem], Trajectory]
-
-
-@dataclass(frozen=True)
-class Task:
-    """What is to be integrated: ``signals`` give the inputs over time where they are functions."""
-
-    compiled: Compiled
-    problem: Problem
-    signals: Inputs | None
-    events: tuple[events.Event, ...] = ()
 
 
 @dataclass(frozen=True)

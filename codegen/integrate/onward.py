@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.compiling.compiled import Compiled
-from codegen.integrate.choice import NEXT
+from codegen.integrate.choice import NEXT, Task
 from codegen.integrate.fleet import NUMBERS, STATUS, Built, Runner, Runs, Shared, build, problem_of
-from codegen.integrate.methods import Task, resumed
+from codegen.integrate.methods import resumed
 from codegen.ir.groups import SINGULARITIES
 from codegen.native import halting
 from codegen.native.trajectory import Array, Problem, Stop, Trajectory

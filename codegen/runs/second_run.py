@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
 from codegen.integrate import choice
-from codegen.integrate.methods import Task, can_project, integrator_of
+from codegen.integrate.choice import Task
+from codegen.integrate.methods import can_project, integrator_of
 from codegen.ir.identity import SameObject
 from codegen.loops.taylor import order_of
 from codegen.native.native import CompilerError

@@ -22,7 +22,8 @@ from codegen.compiling.events import Event, Given, Occurrences
 from codegen.compiling.signals import Inputs
 from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import scales as sizes_of
-from codegen.integrate.methods import Task, can_project, integrator_of
+from codegen.integrate.choice import Task
+from codegen.integrate.methods import can_project, integrator_of
 from codegen.ir.groups import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.ir.identity import SameObject
 from codegen.loops.projection import chosen

@@ -71,8 +71,9 @@ from eom.typeset.boxes import (
     row,
     symbol,
 )
+from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex, width
-from eom.typeset.notation import Notation, equation_parts, notation_named, term_box, write
+from eom.typeset.notation import equation_parts, notation_named, term_box, write
 from eom.typeset.writing import expression_pieces
 from eom.worlds.worlds import ASSUMPTIONS, closure
 

@@ -9,8 +9,8 @@ numbers at which the line fails. The same topic and seed give the same bytes.
 (3, 'term')
 """
 
-from eom.exercises.lessons import Lesson, lesson, topics
-from eom.exercises.making import Exercise, exercise, planted_in, with_others
+from eom.exercises.lessons import Exercise, Lesson, lesson, topics
+from eom.exercises.making import exercise, planted_in, with_others
 from eom.exercises.moodle import moodle
 from eom.exercises.page import marker, student
 

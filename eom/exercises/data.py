@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from eom.derivations.derivation import Derivation
-from eom.exercises.making import Exercise
+from eom.exercises.lessons import Exercise, line_latex, steps
 from eom.exercises.moodle import typed_answer
-from eom.exercises.page import line_latex, marker, steps, student
+from eom.exercises.page import marker, student
 from eom.typeset.notation import notation_named, write
 
 

@@ -12,7 +12,7 @@ are those of the catalogue of solids, which integrates over the solid's own coor
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -20,16 +20,21 @@ import sympy as sp
 from eom import derivations
 from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
+from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
-from eom.derivations.derivation import Derivation, Item, Step, only_names, symbols
+from eom.derivations.derivation import Derivation, Item, Step, only_names, separate, symbols
 from eom.errors import typed, unknown_name
+from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
 from eom.mass.solids import MASS, mass_properties
 from eom.mass.solids import SOLIDS as CATALOGUE
 from eom.terms.terms import Equation, expr, integral
+from eom.typeset import pages
+from eom.typeset.blocks import Steps
 from eom.typeset.boxes import Formula
+from eom.typeset.letters import Notation
 from eom.typeset.markup import symbol_latex
-from eom.typeset.notation import NOTATIONS, Notation
+from eom.typeset.notation import NOTATIONS, notation_named
 
 RELATIONS = ("=", ":=")
 
@@ -204,3 +209,92 @@ def _distance(body: MassProperties, moved: MassProperties, k: int, letters: Any)
 
 def _step(label: str, left: Expr, right: Any, reason: str) -> Step:
     return Step(label, Equation(expr(left), right), reason)
+
+
+def steps(derivation: Derivation, notation: Notation) -> tuple[Steps, ...]:
+    """Return the lines of a derivation as blocks, without what would tell how they were verified."""
+    plain = tuple(
+        replace(s, states=(), evidence=s.kind if s.kind != "result" else "")
+        for s in derivation.steps
+    )
+    return tuple(separate(replace(derivation, steps=plain), notation))
+
+
+def lines(derivation: Derivation, notation: Notation) -> str:
+    """Return the lines of a derivation in Markdown, numbered, each a display with its reason."""
+    return pages.markdown_page(steps(derivation, notation))
+
+
+def line_latex(derivation: Derivation, step: Step, notation: Notation) -> str:
+    """Return one line as LaTeX."""
+    (block,) = steps(replace(derivation, steps=(step,)), notation)
+    return pages.display_latex((line, "") for line in block.lines[0])
+
+
+LINES = 6
+"""Lines of an exercise where nobody says how many."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What makes an exercise; ``seed``, ``notation``, ``lines``, ``slip`` as of `planted_in`."""
+
+    lesson: Lesson
+    seed: int = 0
+    notation: str = "arrow"
+    lines: int = LINES
+    slip: str = ""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Lines of which one is false.
+
+    ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
+    in it.
+    """
+
+    asked: Asked
+    right: Derivation
+    number: int
+    planted: Planted
+
+    @property
+    def wrong(self) -> Derivation:
+        """The lines that the student sees."""
+        steps = list(self.right.steps)
+        steps[self.number - 1] = replace(self.step, statement=self.planted.equation)
+        return replace(self.right, steps=tuple(steps))
+
+    @property
+    def step(self) -> Step:
+        """The line as it is right."""
+        return self.right.steps[self.number - 1]
+
+    @property
+    def legend(self) -> tuple[Item, ...]:
+        """Symbols with their meanings, of both versions of the false line: none tells by its absence.
+
+        Raises `InputError` for an unknown notation.
+        """
+        both = (*self.right.steps, self.wrong.steps[self.number - 1])
+        notation = notation_named(self.asked.notation)
+        return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
+
+
+@dataclass(frozen=True)
+class Exercise(Sheet):
+    """Lines of which the checker proves that one is false and no other.
+
+    ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
+    of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
+    ``others``: other false versions of that line, where they were asked for, the planted one first.
+    """
+
+    finding: Finding
+    others: tuple[Equation, ...] = ()
+
+    @property
+    def counterexample(self) -> Counterexample | None:
+        """A state in small numbers at which the line fails."""
+        return self.finding.explanation.counterexample

@@ -9,93 +9,26 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 
 import eom.checker.note.checking as checker
-from eom.checker.report.findings import FAULTS, Counterexample, Finding
-from eom.derivations.derivation import Derivation, Item, Step
+from eom.checker.report.findings import FAULTS, Finding
+from eom.derivations.derivation import Derivation, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
 from eom.exercises import page, slips
-from eom.exercises.lessons import Lesson, lesson
+from eom.exercises.lessons import LINES, Asked, Exercise, Lesson, Sheet, lesson, line_latex
 from eom.exercises.slips import Planted
 from eom.terms.terms import Equation
 from eom.typeset.notation import notation_named
 
-LINES = 6
-"""Lines of an exercise where nobody says how many."""
 LEAST_LINES, MOST_LINES = 2, 40
 TRIES = 40
 """Slips that are shown to the checker at most."""
 OTHERS = 4
 """False versions of the false line that are offered beside the right one."""
 DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What makes an exercise; ``seed``, ``notation``, ``lines``, ``slip`` as of `planted_in`."""
-
-    lesson: Lesson
-    seed: int = 0
-    notation: str = "arrow"
-    lines: int = LINES
-    slip: str = ""
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """Lines of which one is false.
-
-    ``right``: the lines as they are derived; ``number``: of the false one, from 1; ``planted``: the slip
-    in it.
-    """
-
-    asked: Asked
-    right: Derivation
-    number: int
-    planted: Planted
-
-    @property
-    def wrong(self) -> Derivation:
-        """The lines that the student sees."""
-        steps = list(self.right.steps)
-        steps[self.number - 1] = replace(self.step, statement=self.planted.equation)
-        return replace(self.right, steps=tuple(steps))
-
-    @property
-    def step(self) -> Step:
-        """The line as it is right."""
-        return self.right.steps[self.number - 1]
-
-    @property
-    def legend(self) -> tuple[Item, ...]:
-        """Symbols with their meanings, of both versions of the false line: none tells by its absence.
-
-        Raises `InputError` for an unknown notation.
-        """
-        both = (*self.right.steps, self.wrong.steps[self.number - 1])
-        notation = notation_named(self.asked.notation)
-        return tuple(self.asked.lesson.legend(replace(self.right, steps=both), notation))
-
-
-@dataclass(frozen=True)
-class Exercise(Sheet):
-    """Lines of which the checker proves that one is false and no other.
-
-    ``asked``: topic, seed and the rest that made it; ``right``: the lines as they are derived; ``number``:
-    of the false one, from 1; ``planted``: the slip in it; ``finding``: what the checker says of it;
-    ``others``: other false versions of that line, where they were asked for, the planted one first.
-    """
-
-    finding: Finding
-    others: tuple[Equation, ...] = ()
-
-    @property
-    def counterexample(self) -> Counterexample | None:
-        """A state in small numbers at which the line fails."""
-        return self.finding.explanation.counterexample
 
 
 @typed
@@ -247,7 +180,7 @@ def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
 
 def _written(made: Exercise, equation: Equation) -> str:
     step = replace(made.step, statement=equation)
-    return page.line_latex(made.right, step, notation_named(made.asked.notation))
+    return line_latex(made.right, step, notation_named(made.asked.notation))
 
 
 # -- the proof --------------------------------------------------------------------------------------

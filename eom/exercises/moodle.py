@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from eom.errors import typed
+from eom.exercises.lessons import line_latex, steps
 from eom.exercises.page import (
     DISPLAY,
     INLINE,
@@ -29,16 +30,14 @@ from eom.exercises.page import (
     display,
     inline,
     key,
-    line_latex,
     said,
-    steps,
     task,
 )
 from eom.typeset.markup import render, symbol_latex
 from eom.typeset.notation import notation_named
 
 if TYPE_CHECKING:
-    from eom.exercises.making import Exercise
+    from eom.exercises.lessons import Exercise
 from collections.abc import Callable, Mapping
 
 import sympy as sp

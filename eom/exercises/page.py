@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eom.derivations.derivation import Derivation, Step, meaning_of, separate
+from eom.derivations.derivation import meaning_of
 from eom.errors import typed
+from eom.exercises.lessons import line_latex, steps
 from eom.terms.terms import Term
 from eom.typeset import pages
-from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
-from eom.typeset.notation import Notation, notation_named, write
+from eom.typeset.blocks import Block, Bullets, Heading, Paragraph
+from eom.typeset.letters import Notation
+from eom.typeset.notation import notation_named, write
 
 if TYPE_CHECKING:
-    from eom.exercises.making import Exercise, Sheet
+    from eom.exercises.lessons import Exercise, Sheet
 
 WORDS, INLINE, DISPLAY = "words", "inline", "display"
 
@@ -47,26 +49,6 @@ def display(latex: str) -> Part:
 
 
 # -- lines -------------------------------------------------------------------------------------------
-
-
-def steps(derivation: Derivation, notation: Notation) -> tuple[Steps, ...]:
-    """Return the lines of a derivation as blocks, without what would tell how they were verified."""
-    plain = tuple(
-        replace(s, states=(), evidence=s.kind if s.kind != "result" else "")
-        for s in derivation.steps
-    )
-    return tuple(separate(replace(derivation, steps=plain), notation))
-
-
-def lines(derivation: Derivation, notation: Notation) -> str:
-    """Return the lines of a derivation in Markdown, numbered, each a display with its reason."""
-    return pages.markdown_page(steps(derivation, notation))
-
-
-def line_latex(derivation: Derivation, step: Step, notation: Notation) -> str:
-    """Return one line as LaTeX."""
-    (block,) = steps(replace(derivation, steps=(step,)), notation)
-    return pages.display_latex((line, "") for line in block.lines[0])
 
 
 # -- what is said -------------------------------------------------------------------------------------

@@ -29,8 +29,8 @@ from eom.typeset.boxes import (
     row,
     symbol,
 )
+from eom.typeset.letters import Notation, Written, letter_box, quantity_box
 from eom.typeset.markup import render, width
-from eom.typeset.notation import Notation, Written, letter_box, quantity_box
 
 ADD, OPEN, PRODUCT, SCALED, JUXTAPOSED, ATOM = range(6)
 """How firmly a box holds together. OPEN: a sum, integral or d/dt reaches to the right."""

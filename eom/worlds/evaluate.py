@@ -19,8 +19,7 @@ from eom.exact import series
 from eom.exact.series import Series
 from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import definition
-from eom.worlds.attitudes import ANGLES
-from eom.worlds.worlds import World
+from eom.worlds.worlds import ANGLES, World
 
 Value = Any
 """A series, a vector (three of them, in I), a dyadic (in I), a column or a matrix."""

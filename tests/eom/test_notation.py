@@ -41,12 +41,12 @@ from eom.terms.terms import (
     zero,
 )
 from eom.terms.vocabulary import QUANTITIES, definition, mass, omega, position, quantity, unit
+from eom.typeset.letters import ROLES
 from eom.typeset.notation import (
     ALIASES,
     LETTERS,
     NOTATIONS,
     PLAIN,
-    ROLES,
     notation_named,
     write,
     write_equation,

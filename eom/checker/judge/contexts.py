@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from eom.terms.terms import Term, nodes
-from eom.worlds.attitudes import sequence_of
+from eom.worlds.worlds import sequence_of
 
 CONTEXTS: tuple[tuple[str, ...], ...] = (
     (),

@@ -24,10 +24,9 @@ from eom.exact.series import LENGTH, Field, Series, Singular, Vector
 from eom.terms import rules
 from eom.terms.terms import SCALAR, VECTOR, Term, add, nodes, number, replace, zero
 from eom.terms.vocabulary import definition, quantity, unit
-from eom.worlds.attitudes import ANGLES
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import World, closure
+from eom.worlds.worlds import ANGLES, World, closure
 
 STRICT = frozenset({"<", ">"})
 LESS = frozenset({"<", "<="})

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -19,9 +18,6 @@ from eom.checker.judge.degenerate import CHANCE
 from eom.checker.judge.judge import HOLDS, Judgement, judge
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
 from eom.terms.terms import Term, add, expr, mul, nodes, number, zero
-
-if TYPE_CHECKING:
-    from eom.checker.judge.notes import Understood
 
 SCALAR = "scalar"
 """Quantity of the vocabulary that is free for the writer."""
@@ -43,14 +39,14 @@ def own(claim: Claim) -> frozenset[str]:
     return frozenset.union(*free) - frozenset.intersection(*free) if moving else frozenset()
 
 
-def firsts(found: Sequence[Understood]) -> Iterator[bool]:
-    """Yield for each formula of a note whether it is the first to tie a free scalar to the motion.
+def firsts(found: Iterable[Sequence[Claim]]) -> Iterator[bool]:
+    """Yield for the claims of each formula whether it is the first to tie a free scalar to the motion.
 
     A scalar that stands in a line before, but for lines between free scalars alone, is known already.
     """
     known: frozenset[str] = frozenset()
-    for one in found:
-        said = [c for c in one.claims if c.parameters is None]
+    for claims in found:
+        said = [c for c in claims if c.parameters is None]
         yield any(own(c) - known for c in said if not c.role)
         known |= {n for c in said for m in c.members for n in _free(_atoms(m.term, c))}
 

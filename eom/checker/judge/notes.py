@@ -15,10 +15,10 @@ from math import inf
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.systems import covered
 from eom.checker.mean.axes import labelled, listed, running, unnamed
-from eom.checker.mean.claims import Claim, claims, defined
+from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.naming import Named, brings, first, says
-from eom.checker.mean.parameters import Known, Relation, limited, named, read
+from eom.checker.mean.parameters import Known, limited, named, read
 from eom.checker.mean.roles import CLAIM, LAW, roles
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
 from eom.checker.read.documents import Document
@@ -126,7 +126,7 @@ def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
     placed = [replace(u, around=replace(u.around, trees=trees)) for u in found]
     return tuple(
         replace(u, role=LAW) if law and u.role == CLAIM else u
-        for u, law in zip(placed, firsts(placed), strict=True)
+        for u, law in zip(placed, firsts(u.claims for u in placed), strict=True)
     )
 
 

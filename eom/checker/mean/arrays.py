@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from eom.checker.mean.values import ROW
 from eom.terms.terms import (
     COLUMN,
     MATRIX,
@@ -29,7 +30,6 @@ from eom.terms.terms import (
 if TYPE_CHECKING:
     from eom.checker.mean.values import Value
 
-ROW = "row"
 Cells = tuple[tuple[Term, ...], ...]
 
 

@@ -37,7 +37,6 @@ from eom.terms.vocabulary import position
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
-    from eom.checker.mean.parameters import Parameters
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.symbols import TRANSPOSED
 from eom.checker.mean.values import ANY, basis
@@ -53,6 +52,35 @@ from eom.checker.read.syntax import (
 )
 from eom.terms.terms import SCALAR, VECTOR, dot, inner
 from eom.terms.vocabulary import unit
+
+Expr = Any  # SymPy has no usable annotations
+
+
+@dataclass(frozen=True)
+class Relation:
+    """What a note says that a scalar is: ``value`` in scalars without a relation; ``line`` of the note."""
+
+    symbol: Expr
+    value: Expr
+    written: Expr
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What a claim between free scalars may rest on, and what it is made of.
+
+    ``variables``: letters over which it integrates; ``integrals``: numbers of the members that have one;
+    ``fresh``: letters that a word as label brings in; ``constant``: whether an integrand shows none of
+    the variables, so that it may depend on them unseen; ``defining``: whether the words around say so.
+    """
+
+    relations: tuple[Relation, ...] = ()
+    variables: tuple[str, ...] = ()
+    integrals: frozenset[int] = frozenset()
+    fresh: frozenset[Expr] = frozenset()
+    constant: bool = False
+    defining: bool = False
+
 
 EQUALITIES = frozenset({"=", ":=", "=:", "equiv"})
 COMPARISONS = frozenset({"<", ">", "<=", ">=", "!=", "<<", ">>", "approx", "simeq"})

@@ -18,7 +18,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, claims
+from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
 from eom.checker.mean.integrals import called
 from eom.checker.mean.lexicon import Entry, Lexicon
 from eom.checker.mean.meanings import Meaning
@@ -36,32 +36,6 @@ IDENTITY, RESTS, NEW, FALSE, OPEN = "identity", "rests", "new", "false", "open"
 DIGITS, POINTS = 50, 3
 MAX_LEAVES = 400
 _PLAIN = frozenset({"expr", "atom", "add", "mul", "dot", "inner", "matmul", "column", "entries"})
-
-
-@dataclass(frozen=True)
-class Relation:
-    """What a note says that a scalar is: ``value`` in scalars without a relation; ``line`` of the note."""
-
-    symbol: Expr
-    value: Expr
-    written: Expr
-
-
-@dataclass(frozen=True)
-class Parameters:
-    """What a claim between free scalars may rest on, and what it is made of.
-
-    ``variables``: letters over which it integrates; ``integrals``: numbers of the members that have one;
-    ``fresh``: letters that a word as label brings in; ``constant``: whether an integrand shows none of
-    the variables, so that it may depend on them unseen; ``defining``: whether the words around say so.
-    """
-
-    relations: tuple[Relation, ...] = ()
-    variables: tuple[str, ...] = ()
-    integrals: frozenset[int] = frozenset()
-    fresh: frozenset[Expr] = frozenset()
-    constant: bool = False
-    defining: bool = False
 
 
 @dataclass(frozen=True)

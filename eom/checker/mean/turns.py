@@ -24,7 +24,7 @@ from eom.checker.read.syntax import (
 from eom.kinematics.coordinates import elementary
 from eom.terms.terms import MATRIX, entries
 from eom.terms.vocabulary import quantity
-from eom.worlds.attitudes import ANGLES
+from eom.worlds.worlds import ANGLES
 
 TURNS: dict[str, int] = {"turn": 1, "active_turn": -1}
 """Functions of an angle: the rotation about an axis that turns the frame, or the vector (inverse)."""

@@ -16,8 +16,9 @@ from eom.checker.read.places import ReadingError
 from eom.derivations.derivation import Derivation
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, Term, nodes
+from eom.typeset.letters import Notation
 from eom.typeset.markup import render, symbol_latex
-from eom.typeset.notation import NOTATIONS, Notation, notation_named, term_box
+from eom.typeset.notation import NOTATIONS, notation_named, term_box
 
 PRESETS: dict[str, tuple[str, dict[str, str]]] = {
     "arrow": ("arrow-tilde", {"dyads": "true", "juxtaposed": "true"}),

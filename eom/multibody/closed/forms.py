@@ -25,6 +25,7 @@ from eom.multibody.closed.terms import KINDS, Part, factor, parts
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of, singularities_of
 from eom.system import TIME, Definition, Quantity, System, as_expression
+from eom.typeset.shown import shown
 
 Expr = Any
 
@@ -34,6 +35,8 @@ METHODS: dict[str, tuple[str, Callable[[Mechanism], Any]]] = {
     "newton-euler": ("Newton-Euler", NewtonEuler),
 }
 """Titles and steps of the methods."""
+EQUATIONS = "equations"
+"""The style of the equations alone, as LaTeX."""
 
 
 @dataclass(frozen=True)
@@ -143,15 +146,11 @@ class ClosedForm:
 
         Raises `InputError` for other styles.
         """
-        from eom.multibody.closed.pages import show
-
-        return show(self, style)
+        return str(shown(self, style))
 
     def latex(self) -> str:
         """Return the equations as LaTeX: one aligned display."""
-        from eom.multibody.closed.pages import equations_latex
-
-        return equations_latex(self)
+        return str(shown(self, EQUATIONS))
 
     def _repr_markdown_(self) -> str:
         return self.show("markdown")
@@ -221,9 +220,7 @@ class Comparison:
 
         Raises `InputError` for other styles.
         """
-        from eom.multibody.closed.pages import show
-
-        return show(self, style)
+        return str(shown(self, style))
 
     def _repr_markdown_(self) -> str:
         return self.show("markdown")

@@ -16,7 +16,15 @@ import sympy as sp
 from eom.derivations.derivation import FORMATS
 from eom.errors import typed, unknown_name
 from eom.multibody.algebra.scalars import is_zero
-from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
+from eom.multibody.closed.forms import (
+    EQUATIONS,
+    METHODS,
+    ClosedForm,
+    Comparison,
+    Term,
+    closed_form,
+    compare,
+)
 from eom.multibody.closed.kane import Kane
 from eom.multibody.closed.lagrange import Lagrange
 from eom.multibody.closed.mechanism import dotted
@@ -54,14 +62,19 @@ from eom.typeset.boxes import (
     symbol,
 )
 from eom.typeset.markup import render
+from eom.typeset.shown import shown
 from eom.typeset.writing import expression_pieces
 
 Expr = Any
 Names = dict[Expr, Expr]
 
 
+@shown.register(ClosedForm)
+@shown.register(Comparison)
 def show(given: ClosedForm | Comparison, style: str = "text") -> str:
     """Return a page in a format of `eom.derivations.derivation.FORMATS`. Raises `InputError` for others."""
+    if style == EQUATIONS and isinstance(given, ClosedForm):
+        return equations_latex(given)
     if style not in FORMATS:
         raise unknown_name("format", style, FORMATS)
     return FORMATS[style](list(blocks(given)))

@@ -29,9 +29,8 @@ from eom.multibody.constrained.multipliers import (
     followed,
 )
 from eom.multibody.constrained.spots import Arithmetic, Scene, scene
-from eom.multibody.model import checks
 from eom.multibody.model.constraints import Coupling, Rolling, Skate, SpeedEquation
-from eom.multibody.model.model import GROUND, Tree
+from eom.multibody.model.model import GROUND, Tree, moves_nothing
 from eom.multibody.recursion.skeleton import Skeleton
 from eom.system import TIME, Assumption, Definition, Quantity, Singularity
 
@@ -71,7 +70,7 @@ def plan(
         raise InputError("independent speeds belong to elimination", where=f"tree {tree.name!r}")
     found = examine(tree, start)
     if multipliers is None:
-        light = checks.moves_nothing(tree, frozenset()) is not None
+        light = moves_nothing(tree, frozenset()) is not None
         alone = all(isinstance(c, OF_SPEEDS) for c in tree.constraints)
         multipliers = not (independent is not None or alone or light)
     chosen = None if multipliers else dependents(tree, found, independent)

@@ -9,8 +9,9 @@ import sympy as sp
 
 from eom.errors import InputError, entries, shown, typed_fields
 from eom.multibody.algebra import values
+from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import ZERO
-from eom.multibody.algebra.values import Value
+from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
 from eom.system import TIME, Quantity
 
@@ -50,7 +51,7 @@ class Rotor:
             keep(self, name, values.value(getattr(self, name), f"{where}: {name}"))
         if self.speed is not None:
             keep(self, "speed", values.value(self.speed, f"{where}: speed"))
-        checks.rotor(self)
+        _consistent(self)
 
     @property
     def states(self) -> tuple[Quantity, ...]:
@@ -107,3 +108,16 @@ class Spring:
         keep(self, "points", tuple(values.triple(p, f"{where}: point") for p in points))
         for name in ("stiffness", "length", "damping"):
             keep(self, name, values.value(getattr(self, name), f"{where}: {name}"))
+
+
+def _consistent(given: Rotor) -> None:
+    """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
+    where = f"rotor {given.name!r}"
+    J = given.inertia
+    if (is_number(J) and J <= 0) or getattr(J, "is_positive", None) is False:
+        raise InputError("inertia is not positive", where=where, got=J, expected="kg m^2")
+    driven = given.motor or given.angle or not (is_zero(given.torque) and is_zero(given.damping))
+    if given.speed is not None and driven:
+        raise InputError(
+            "a given speed leaves no room for torque, damping, motor and angle", where=where
+        )

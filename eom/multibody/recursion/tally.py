@@ -12,9 +12,8 @@ from typing import Any
 
 from eom.multibody.algebra.scalars import Scalar, Work
 from eom.multibody.algebra.spatial import General, Matrix, Pair, Vector, matrix_of
-from eom.multibody.model import checks
 from eom.multibody.model.joints import Kind, Relative, Setting
-from eom.multibody.model.model import Tree
+from eom.multibody.model.model import Tree, moves_nothing
 from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
 
@@ -87,7 +86,7 @@ def savings(tree: Tree) -> Savings:
     Operations are additions, multiplications, divisions, sines and cosines that depend on the state;
     sharing of equal values by the code generator comes on top, on both sides.
     """
-    light = checks.moves_nothing(tree, frozenset())
+    light = moves_nothing(tree, frozenset())
     if light is not None:
         reason = (
             f"not counted: joint {light.name} moves no mass, its motion follows from constraints"

@@ -1,1 +1,15 @@
-"""To be said."""
+"""Pictures as data and their renderers: Matplotlib for print, Plotly and pages to turn by hand."""
+
+from __future__ import annotations
+
+from eom.typeset.shown import shown
+from eom.views.draw.picture import Picture
+
+
+@shown.register
+def _in_a_notebook(picture: Picture, style: str) -> object:
+    """Return what IPython displays; renderers are imported where they draw."""
+    from eom.views.draw.notebook import bundle
+
+    del style
+    return bundle(picture)

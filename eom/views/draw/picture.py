@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
+from eom.typeset.shown import shown
 
 Floats = NDArray[np.float64]
 
@@ -151,9 +152,8 @@ class Picture:
 
     def _repr_mimebundle_(self, **_: object) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
         """Show the picture in a notebook."""
-        from eom.views.draw.notebook import bundle
-
-        return bundle(self)
+        data, metadata = shown(self, "notebook")
+        return data, metadata
 
 
 def points(*coordinates: ArrayLike) -> Floats:

@@ -13,7 +13,8 @@ from eom.terms.vocabulary import omega, quantity
 from eom.typeset import pages, printing
 from eom.typeset.blocks import Block, Display, Heading, Line
 from eom.typeset.boxes import row
-from eom.typeset.notation import NOTATIONS, Notation, equation_parts
+from eom.typeset.letters import Notation
+from eom.typeset.notation import NOTATIONS, equation_parts
 from eom.views.live.subject import Subject, Variant
 
 SECTIONS = ("Definitions", "Equations of motion", "Constants of the motion", "Singular where")
