@@ -36,7 +36,7 @@ from codegen.ir.program import Program
 from codegen.native import native
 from codegen.targets import c
 from eom.multibody import derive
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 BODIES = (7, 20, 50, 100)
 LARGEST_RATIO = 0.9

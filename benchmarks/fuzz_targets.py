@@ -19,7 +19,7 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.native import native
 from codegen.targets import lanes
-from eom.system import Quantity
+from eom.quantities import Quantity
 from tests import node
 from tests.codegen.test_c_float import Single
 from tests.codegen.test_compiled import DOUBLE, SINGLE

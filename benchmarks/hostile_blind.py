@@ -23,7 +23,8 @@ import codegen
 from codegen.measure.stress.hostile import RTOLS, Known, trusted
 from codegen.native.patience import TooLongError, watch
 from eom.errors import InputError
-from eom.system import TIME, BodyAttitude, System
+from eom.quantities import TIME
+from eom.system import BodyAttitude, System
 
 STORE = Path(__file__).with_suffix(".json")
 METHODS = (

@@ -1,9 +1,9 @@
 """Compile systems of equations of motion, and integrate them."""
 
 from codegen.closed.exact import FreeMotion, free_body, free_motion
-from codegen.compiling.compiled import Compiled, compile
+from codegen.compiling.compiled import Compiled, compile, compiled_jacobian
 from codegen.compiling.events import Event
-from codegen.compiling.linear import Linear, compiled_jacobian, linearise
+from codegen.compiling.linear import Linear, linearise
 from codegen.compiling.signals import Signal
 from codegen.compiling.sparse import SparseJacobian
 from codegen.ensembles.ensemble import Ensemble, ensemble

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from eom.mechanics.spinning import lecture_torque as lecture_torque
     from eom.multibody.files.scene import TreeScene as TreeScene
     from eom.opening import load_scene as load_scene
+    from eom.quantities import Assumption as Assumption
+    from eom.quantities import Definition as Definition
+    from eom.quantities import Quantity as Quantity
+    from eom.quantities import Singularity as Singularity
     from eom.scenes.scene import Scene as Scene
-    from eom.system import Assumption as Assumption
     from eom.system import BodyAttitude as BodyAttitude
-    from eom.system import Definition as Definition
-    from eom.system import Quantity as Quantity
-    from eom.system import Singularity as Singularity
     from eom.system import System as System
     from eom.tables import Table as Table
 
@@ -57,11 +57,11 @@ _HOME = {
     "load_scene": "opening",
     "SpinningSymmetricBody": "mechanics.spinning",
     "lecture_torque": "mechanics.spinning",
-    "Assumption": "system",
+    "Assumption": "quantities",
     "BodyAttitude": "system",
-    "Definition": "system",
-    "Quantity": "system",
-    "Singularity": "system",
+    "Definition": "quantities",
+    "Quantity": "quantities",
+    "Singularity": "quantities",
     "System": "system",
     "Table": "tables",
 }

@@ -21,8 +21,9 @@ from eom.mechanics.dissipation import viscous_slug
 from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.mechanics.spinning import lecture_torque
 from eom.opening import AnyScene, load_scene
+from eom.quantities import TIME
 from eom.scenes import catalogue
-from eom.system import TIME, System
+from eom.system import System
 
 ORBIT = 1.13e-3
 """Rate of a low circular orbit, rad/s."""

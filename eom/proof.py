@@ -23,7 +23,6 @@ from eom.kinematics.coordinates import SEQUENCES
 from eom.kinematics.coordinates import attitude as coordinates_of
 from eom.kinematics.frames import vector
 from eom.structure import COUNTS, LARGE_PRIME, QUATERNION, BodyAttitude
-from eom.system import System
 
 Expr = Any
 Equation = tuple[str, Expr, int | None]
@@ -65,24 +64,9 @@ class Motion:
         return expression.xreplace(known)
 
 
-def check(system: System) -> None:
-    """Prove every attitude that a system states. Raises `InputError` that says which equation fails."""
-    mass = system.mass_matrix
-    _check(
-        Motion(
-            system.name,
-            tuple(q.symbol for q in system.states),
-            system.rates,
-            None if mass is None else sp.ImmutableMatrix(mass),
-            tuple((d.symbol, d.expression) for d in system.definitions),
-            system.time,
-            system.attitudes,
-        )
-    )
-
-
 @lru_cache(maxsize=32)
-def _check(system: Motion) -> None:
+def check(system: Motion) -> None:
+    """Prove every attitude that is stated. Raises `InputError` that says which equation fails."""
     for k, stated in enumerate(system.attitudes):
         where = f"system {system.name!r}, attitude {stated.body or k + 1}"
         _check_shape(system, stated, where)

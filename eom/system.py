@@ -15,8 +15,18 @@ from typing import Any
 
 import sympy as sp
 
-from eom.errors import InputError, entries, is_text, shown, typed, typed_fields
+from eom import proof
+from eom.errors import InputError, entries, is_text, shown, typed
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
+from eom.quantities import (
+    TIME,
+    Assumption,
+    Definition,
+    Quantity,
+    Singularity,
+    as_expressions,
+    as_symbol,
+)
 from eom.structure import LARGE_PRIME, BodyAttitude, form_of
 
 __all__ = (
@@ -25,119 +35,6 @@ __all__ = (
 )  # fmt: skip
 
 Expr = Any  # a SymPy expression; SymPy ships no types
-
-TIME = sp.Symbol("t", real=True)
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A symbol with its SI unit, a one-line meaning and its LaTeX form.
-
-    ``symbol``: of SymPy, as a rule with ``real=True``. ``unit``: as text, for example kg m^2 or rad/s;
-    ``1`` or nothing where there is none. ``meaning``, ``latex``: for pages; nothing is computed from them.
-    Raises `InputError` for what is no symbol, and no text.
-    """
-
-    symbol: Expr
-    unit: str = ""
-    meaning: str = ""
-    latex: str = ""
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.symbol, sp.Symbol):
-            raise InputError("not a symbol", where="a quantity", got=shown(self.symbol),
-                             expected="a SymPy symbol")  # fmt: skip
-        if not (
-            isinstance(self.unit, str)
-            and isinstance(self.meaning, str)
-            and isinstance(self.latex, str)
-        ):
-            raise InputError("unit, meaning and LaTeX are texts", where=f"quantity {self.name!r}")
-
-    @property
-    def name(self) -> str:
-        """The symbol's name."""
-        return str(self.symbol.name)
-
-    @property
-    def description(self) -> str:
-        """The meaning, with the unit in brackets."""
-        return self.meaning + (f" [{self.unit}]" if self.unit not in {"", "1"} else "")
-
-
-@dataclass(frozen=True)
-class Definition:
-    """A named expression: an intermediate, an output or a constant of the motion.
-
-    ``quantity``: the name, with its SI unit. ``expression``: over states, parameters, inputs, time and
-    definitions before it. Raises `InputError` for what is no quantity, and no expression.
-    """
-
-    quantity: Quantity
-    expression: Expr
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.quantity, Quantity):
-            raise InputError("not a quantity", where="a definition", got=shown(self.quantity),
-                             expected="a Quantity")  # fmt: skip
-        if not isinstance(self.expression, sp.Basic):
-            object.__setattr__(self, "expression", as_expression(self.expression))
-
-    @property
-    def name(self) -> str:
-        """The name of the quantity that is defined."""
-        return self.quantity.name
-
-    @property
-    def symbol(self) -> Expr:
-        """The symbol of the quantity that is defined."""
-        return self.quantity.symbol
-
-
-@typed_fields
-@dataclass(frozen=True)
-class Singularity:
-    """A configuration in which the chosen coordinates fail: ``expression`` is zero there.
-
-    ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
-    configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
-    rotation sequence). ``meaning``: what happens there. Raises `InputError` for what is no expression.
-    """
-
-    expression: Expr
-    coordinate: Expr
-    meaning: str = ""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "expression", as_expression(self.expression))
-        _symbol(self.coordinate, "coordinate of a singularity")
-
-
-@typed_fields
-@dataclass(frozen=True)
-class Assumption:
-    """What was assumed, as data that can be tested on numbers.
-
-    Every expression of ``vanish`` is zero and every one of ``nonnegative`` is at least zero when
-    the assumption holds. The expressions may use symbols that the system no longer has, so that
-    values given for them can be tested against what was assumed. ``meaning``: in words. What has no
-    expressions is stated and not tested. Raises `InputError` for what is no expression, and a
-    tolerance below zero.
-    """
-
-    name: str
-    meaning: str
-    vanish: tuple[Expr, ...] = ()
-    nonnegative: tuple[Expr, ...] = ()
-    tolerance: float = 1e-9
-    """How far from holding values may be, relative to the largest of them."""
-
-    def __post_init__(self) -> None:
-        for name in ("vanish", "nonnegative"):
-            object.__setattr__(self, name, _expressions(getattr(self, name), name))
-        if not self.tolerance >= 0:
-            raise InputError("the tolerance is negative", where=f"assumption {self.name!r}",
-                             got=self.tolerance)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -211,7 +108,7 @@ class System:
         ('k',)
         """
         inputs = tuple(q.symbol for q in _quantities(inputs, "inputs"))
-        _symbol(time, "time"), _quantities(rates, "states")
+        as_symbol(time, "time"), _quantities(rates, "states")
         named = [_named(group or {}) for group in (outputs, invariants)]
         expressions = [as_expression(rate) for rate in rates.values()]
         everything = [*expressions, *(d.expression for group in named for d in group)]
@@ -343,18 +240,11 @@ def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
 # -- fields as users write them ------------------------------------------------------------------
 
 
-def _symbol(value: Any, where: str) -> Expr:
-    """Return a symbol with a name that can be written. Raises `InputError` for anything else."""
-    if not isinstance(value, sp.Symbol) or not is_text(value.name):
-        raise InputError("not a symbol", where=where, got=shown(value), expected="a SymPy symbol")
-    return value
-
-
 def _quantity(value: Any, where: str) -> Quantity:
     """Return a quantity as it is, a symbol as a quantity. Raises `InputError` for anything else."""
     if not isinstance(value, Quantity):
-        return Quantity(_symbol(value, where))
-    _symbol(value.symbol, where)
+        return Quantity(as_symbol(value, where))
+    as_symbol(value.symbol, where)
     if not (is_text(value.unit) and is_text(value.meaning) and is_text(value.latex)):
         raise InputError("unit, meaning and LaTeX are texts", where=where, got=shown(value))
     return value
@@ -362,11 +252,6 @@ def _quantity(value: Any, where: str) -> Quantity:
 
 def _quantities(values: Any, where: str) -> tuple[Quantity, ...]:
     return tuple(_quantity(v, where) for v in entries(values, where))
-
-
-def _expressions(values: Any, where: str) -> tuple[Expr, ...]:
-    rows = list(values) if isinstance(values, sp.MatrixBase) else entries(values, where)
-    return tuple(v if isinstance(v, sp.Basic) else as_expression(v) for v in rows)
 
 
 def _definition(value: Any, where: str) -> Definition:
@@ -413,7 +298,7 @@ def _matrix(value: Any, where: str) -> Expr | None:
     if value is None or isinstance(value, sp.MatrixBase):
         return value
     try:
-        return sp.Matrix([_expressions(row, where) for row in entries(value, where)])
+        return sp.Matrix([as_expressions(row, where) for row in entries(value, where)])
     except (TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -423,10 +308,10 @@ def _matrix(value: Any, where: str) -> Expr | None:
 _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "name": _text,
     "states": _quantities,
-    "rates": _expressions,
+    "rates": as_expressions,
     "parameters": _quantities,
     "inputs": _quantities,
-    "time": _symbol,
+    "time": as_symbol,
     "definitions": _definitions,
     "mass_matrix": _matrix,
     "outputs": _definitions,
@@ -503,14 +388,26 @@ def _check_symbols(system: System) -> None:
 def _check_attitudes(system: System) -> None:
     """Every attitude that is stated is one."""
     if system.attitudes:
-        from eom.proof import check  # it is about systems
-
         known = {q.symbol for q in (*system.states, *system.parameters, *system.inputs)}
         known |= {system.time, *(d.symbol for d in system.definitions)}
         for stated in system.attitudes:
             for expression in stated.expressions:
                 _check_expression(system, "attitude", expression, known)
-        check(system)
+        proof.check(_motion(system))
+
+
+def _motion(system: System) -> proof.Motion:
+    """Return what of a system its attitudes are about."""
+    mass = system.mass_matrix
+    return proof.Motion(
+        system.name,
+        tuple(q.symbol for q in system.states),
+        system.rates,
+        None if mass is None else sp.ImmutableMatrix(mass),
+        tuple((d.symbol, d.expression) for d in system.definitions),
+        system.time,
+        system.attitudes,
+    )
 
 
 def _check_expression(system: System, where: str, expression: Expr, known: set[Expr]) -> None:

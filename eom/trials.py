@@ -14,7 +14,8 @@ from math import pi
 import sympy as sp
 
 from eom.problems import Problem, ready
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 
 @dataclass(frozen=True)

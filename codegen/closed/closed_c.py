@@ -25,7 +25,7 @@ from codegen.native.trajectory import Problem
 from codegen.targets import lanes
 from codegen.targets.c_lines import guarded
 from eom.errors import InputError
-from eom.system import TIME, Quantity
+from eom.quantities import TIME, Quantity
 
 Array = NDArray[np.float64]
 

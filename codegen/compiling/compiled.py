@@ -4,23 +4,39 @@ Arrays are ``(n,)`` for one point or ``(n, N)`` for N points, in double precisio
 or ``(N,)``. Whatever has no column axis is the same at every point.
 
 The table of targets: what `generate` and the command line know of languages.
+
+Functions of many points: in vector lanes, divided among threads.
+
+Points are independent, and no point's result depends on its neighbours or its place: the results are
+the same to the last bit for any number of threads.
 """
 
 from __future__ import annotations
 
 import ctypes
 import errno
+import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from codegen.compiling.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
+from codegen.compiling.jacobians import (
+    KINDS,
+    differentiated,
+    layout_of_derivatives,
+    one_group,
+    slots,
+)
 from codegen.compiling.sparse import SparseJacobian
+from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.elsewhere import as_system
 from codegen.frontend.guard import Guard
 from codegen.frontend.layout import Layout, names_of
@@ -28,28 +44,22 @@ from codegen.frontend.structure import Structure
 from codegen.ir import telling
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.names import identifier
+from codegen.ir.passes import prune
 from codegen.ir.program import Program
+from codegen.loops import javascript, written
 from codegen.loops.written import Choice
 from codegen.native import fastcall, native
-from codegen.passes.pipeline import fitted
+from codegen.passes.pipeline import fitted, formed, optimise
 from codegen.passes.stages import by_parameters
-from codegen.targets import c, load_module, python_
-from codegen.targets.target import refuse_unsupported
-from eom.errors import InputError, typed, unknown_name
-from eom.system import BodyAttitude, System
-
-if TYPE_CHECKING:
-    from codegen.compiling.batches import Batch
-from functools import partial
-
-from codegen.loops import javascript, written
-from codegen.targets import checks, packaging
+from codegen.targets import c, checks, lanes, load_module, packaging, python_
 from codegen.targets.c_float import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.lanes import LANES
 from codegen.targets.numpy_ import NUMPY
 from codegen.targets.python_ import PYTHON
-from codegen.targets.target import Target
+from codegen.targets.target import Target, refuse_unsupported
+from eom.errors import InputError, typed, unknown_name
+from eom.system import BodyAttitude, System
 
 
 @dataclass(frozen=True)
@@ -146,8 +156,6 @@ class Compiled:
         ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
         singularities. Made at the first call and kept. Raises `InputError` for other words.
         """
-        from codegen.compiling.linear import compiled_jacobian
-
         return compiled_jacobian(self, wrt, of)
 
     @typed
@@ -155,11 +163,9 @@ class Compiled:
         """Return ``f(t, x, p, u, out=None)`` for many points, in vector lanes and threads.
 
         ``group``: rates, outputs, invariants or singularities. ``threads``: by default as many as
-        there are processors; results do not depend on it. See `codegen.compiling.batches`. Raises
+        there are processors; results do not depend on it. See `codegen.compiling.compiled`. Raises
         `InputError` for an unknown group and a number of threads that is none.
         """
-        from codegen.compiling.batches import batch
-
         return batch(self, group, threads)
 
     @cached_property
@@ -417,3 +423,207 @@ def target_of(name: str, integrator: written.Choice | None = None) -> Target:
             hint="leave out the integrator, or choose one of these targets",
         )
     return replace(ROWS[name], files=partial(_BESIDE[name], integrator))
+
+
+@typed
+def compiled_jacobian(
+    compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
+) -> SparseJacobian:
+    """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
+
+    ``of``: rates, outputs, invariants or singularities. ``by``: states, parameters, inputs or time.
+    ``target``: that of ``compiled`` if left out. The same arguments give the same object again, at once:
+    ``compiled`` keeps it. Raises `InputError` for other words and for groups that the system does not
+    have.
+
+    Accuracy: derivatives are exact up to rounding, as no differences are taken. Units are those of the
+    results over those of the variables.
+    Source: Griewank and Walther, Evaluating Derivatives (2008), ch. 9 and 10: elimination of inner values.
+
+    >>> import sympy as sp, codegen, eom
+    >>> y, v, k = sp.symbols("y v k", real=True)
+    >>> oscillator = eom.System.from_rates("oscillator", {y: v, v: -k * y})
+    >>> compiled_jacobian(codegen.compile(oscillator, "numpy")).dense(0, [1, 0], [4])
+    array([[ 0.,  1.],
+           [-4.,  0.]])
+    """
+    if by not in KINDS:
+        raise unknown_name("kind of variable", by, KINDS)
+    if of not in compiled.layout.sizes:
+        raise unknown_name("group of results", of, compiled.layout.sizes)
+    if target and target not in TARGETS:
+        raise unknown_name("target", target, TARGETS)
+    return kept_jacobian(compiled, (of,), (by,), target or compiled.target)
+
+
+def known_jacobian(compiled: Compiled) -> SparseJacobian | None:
+    """Return the Jacobian of the rates by the states if ``compiled`` keeps it already, else None."""
+    found = compiled.derived.get((compiled.target, RATES, "states"))
+    return found if isinstance(found, SparseJacobian) else None
+
+
+def kept_jacobian(
+    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
+) -> SparseJacobian:
+    """Return the derivatives of groups by kinds of variables, from what ``compiled`` keeps."""
+    key = (target, *of, *by)
+    if key not in compiled.derived:
+        compiled.derived[key] = _derived(compiled, of, by, target)
+    found = compiled.derived[key]
+    assert isinstance(found, SparseJacobian)
+    return found
+
+
+def _derived(
+    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
+) -> SparseJacobian:
+    layout = compiled.layout
+    derived = differentiated(compiled.program, layout, of, by)
+    results = tuple(n for group in of for n in layout.results[group])
+    names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
+    own = layout_of_derivatives(layout, "_".join((*of, "by", *by)), names)
+    whole = optimise(one_group(formed(derived.program, compiled.stable), JACOBIAN))
+    _, functions, _ = TARGETS[target](whole, own)
+    return SparseJacobian(
+        (len(results), sum(slots(layout, kind) for kind in by)),
+        tuple(r for r, _ in derived.pattern),
+        tuple(c for _, c in derived.pattern),
+        functions[JACOBIAN],
+        whole,
+        own,
+        derived.mode,
+    )
+
+
+BLOCK = 64
+"""Threads take whole multiples of so many points: of any number of lanes, and of lines of the cache."""
+FEWEST = 1024
+"""Points of a share, at least."""
+LEAST_WORK = 500_000
+"""Additions of a share, at least: about a tenth of a millisecond, which a thread takes to wake up."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A function ``f(t, x, p, u, out=None)`` like those of `Compiled`, for many points at once.
+
+    ``compiled``, ``group``: of what; ``threads``: how many work at once; ``function``: what they run.
+    ``form``: ``lanes``, or the target whose plain form it is. ``notice``: why, in that case.
+    """
+
+    compiled: Compiled
+    group: str
+    threads: int
+    form: str
+    notice: str
+    function: CheckedFunction
+
+    def __call__(
+        self,
+        t: ArrayLike,
+        x: ArrayLike,
+        p: ArrayLike | None = None,
+        u: ArrayLike | None = None,
+        out: Array | None = None,
+    ) -> Array:
+        """Return the results, (k,) or (k, N), in ``out`` where it is given.
+
+        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
+        """
+        return self.function(t, x, p, u, out)
+
+    def __repr__(self) -> str:
+        """Name the system, the group, the form and the threads."""
+        name = self.compiled.layout.name
+        return f"Batch({name!r}, {self.group}: {self.form}, {self.threads} threads)"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by what it was made from."""
+        return (batch, (self.compiled, self.group, self.threads))
+
+
+def batch(compiled: Compiled, group: str, threads: int | None = None) -> Batch:
+    """Return the function of a group of results over many points.
+
+    ``threads``: how many work at once, by default as many as this process has processors. Where there
+    are no lanes (another target than C, or a compiler without vector extensions) the plain form is
+    taken, and ``notice`` says so. Raises `InputError` for an unknown group or number of threads.
+    """
+    if group not in compiled.functions:
+        raise unknown_name("group of results", group, compiled.functions)
+    if threads is None:
+        threads = processors()
+    elif isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        raise InputError("wrong number of threads", got=threads, expected="1 or more, or None")
+    kernel, form, notice = _kernel(compiled, group)
+    cost = prune(compiled.program, [group]).cost()
+    fewest = max(FEWEST, LEAST_WORK // max(1, cost))
+    checked = CheckedFunction(group, compiled.layout, divided(kernel, threads, fewest))
+    return Batch(compiled, group, threads, form, notice, checked)
+
+
+def divided(kernel: Kernel, threads: int, fewest: int = FEWEST) -> Kernel:
+    """Divide the points among threads, ``fewest`` to each; the caller's own takes the first share."""
+
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        count = out.shape[1] if out.ndim == 2 else 1
+        share = max(fewest, -(-count // threads))
+        share = -(-share // BLOCK) * BLOCK
+        if share >= count:
+            kernel(t, x, p, u, out)
+            return
+
+        def part(first: int) -> None:
+            last = first + share
+            arrays = (a[:, first:last] if a.ndim == 2 else a for a in (x, p, u, out))
+            kernel(t[first:last] if t.ndim else t, *arrays)
+
+        others = [_pool(threads, os.getpid()).submit(part, k) for k in range(share, count, share)]
+        try:
+            part(0)
+        finally:
+            wait(others)  # nothing writes into ``out`` after an error
+        for other in others:
+            other.result()
+
+    return run
+
+
+def processors() -> int:
+    """Return the processors that this process may use."""
+    allowed: Callable[[int], set[int]] | None = getattr(os, "sched_getaffinity", None)
+    return len(allowed(0)) if allowed else os.cpu_count() or 1
+
+
+@cache
+def _pool(threads: int, process: int) -> ThreadPoolExecutor:  # noqa: ARG001 - a fork has no threads
+    return ThreadPoolExecutor(threads - 1, "eom-batch")
+
+
+def _kernel(compiled: Compiled, group: str) -> tuple[Kernel, str, str]:
+    """Return the kernel, its form, and why it is not in lanes."""
+    plain = _plain(compiled.functions[group])
+    if compiled.target != "c":
+        return plain, compiled.target, f"target {compiled.target} has no lanes: taking its own form"
+    try:
+        library = _library(compiled)
+    except native.CompilerError as error:
+        return plain, "c", f"{error.brief}: one point after the other"
+    symbol = f"{identifier(compiled.layout.name)}_{group}_{lanes.SUFFIX}"
+    return batch_kernel(library, symbol), lanes.SUFFIX, ""
+
+
+def _plain(function: Function) -> Kernel:
+    def run(t: Any, x: Array, p: Array, u: Array, out: Array) -> None:
+        function(t, x, p, u, out)
+
+    return run
+
+
+def _library(compiled: Compiled) -> Any:
+    """Compile and load the lanes of a system once."""
+    key = (lanes.SUFFIX,)
+    if key not in compiled.derived:
+        text = lanes.single_text(compiled.program, compiled.layout)
+        compiled.derived[key] = native.load(native.compile_library(text), text)
+    return compiled.derived[key]

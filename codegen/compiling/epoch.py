@@ -31,7 +31,7 @@ from codegen.ir.ops import LEAVES
 from codegen.ir.passes import prune
 from codegen.ir.program import Builder, Program, bindings
 from codegen.native.trajectory import Array
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 DIGITS = 50
 """Digits of phases at the start, beside those that its size takes."""

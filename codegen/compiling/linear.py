@@ -15,162 +15,14 @@ differences; where an operation has none (a corner, a tie) see `codegen.derivati
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from codegen.compiling.compiled import TARGETS, Compiled
-from codegen.compiling.sparse import SparseJacobian
-from codegen.derivatives.derivative import JACOBIAN, UNIT, Jacobian, derive, identity
-from codegen.frontend.layout import Layout
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
-from codegen.ir.ops import Instruction
-from codegen.ir.passes import prune
-from codegen.ir.program import Program
-from codegen.passes.pipeline import formed, join, optimise
-from eom.errors import typed, unknown_name
-
-Array = NDArray[np.float64]
-
-KINDS: Mapping[str, str] = {
-    "states": "state",
-    "parameters": "parameter",
-    "inputs": "input",
-    "time": "time",
-}
-"""What can be differentiated by, and the slots that hold it."""
-VALUES = "values"
-"""The one group of a program whose Jacobian is compiled."""
-
-
-@typed
-def compiled_jacobian(
-    compiled: Compiled, by: str = "states", of: str = RATES, target: str = ""
-) -> SparseJacobian:
-    """Return the compiled derivatives of a group of results by states, parameters, inputs or time.
-
-    ``of``: rates, outputs, invariants or singularities. ``by``: states, parameters, inputs or time.
-    ``target``: that of ``compiled`` if left out. The same arguments give the same object again, at once:
-    ``compiled`` keeps it. Raises `InputError` for other words and for groups that the system does not
-    have.
-
-    Accuracy: derivatives are exact up to rounding, as no differences are taken. Units are those of the
-    results over those of the variables.
-    Source: Griewank and Walther, Evaluating Derivatives (2008), ch. 9 and 10: elimination of inner values.
-
-    >>> import sympy as sp, codegen, eom
-    >>> y, v, k = sp.symbols("y v k", real=True)
-    >>> oscillator = eom.System.from_rates("oscillator", {y: v, v: -k * y})
-    >>> compiled_jacobian(codegen.compile(oscillator, "numpy")).dense(0, [1, 0], [4])
-    array([[ 0.,  1.],
-           [-4.,  0.]])
-    """
-    if by not in KINDS:
-        raise unknown_name("kind of variable", by, KINDS)
-    if of not in compiled.layout.sizes:
-        raise unknown_name("group of results", of, compiled.layout.sizes)
-    if target and target not in TARGETS:
-        raise unknown_name("target", target, TARGETS)
-    return _kept(compiled, (of,), (by,), target or compiled.target)
-
-
-def known_jacobian(compiled: Compiled) -> SparseJacobian | None:
-    """Return the Jacobian of the rates by the states if ``compiled`` keeps it already, else None."""
-    found = compiled.derived.get((compiled.target, RATES, "states"))
-    return found if isinstance(found, SparseJacobian) else None
-
-
-def _kept(
-    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
-) -> SparseJacobian:
-    """Return the derivatives of groups by kinds of variables, from what ``compiled`` keeps."""
-    key = (target, *of, *by)
-    if key not in compiled.derived:
-        compiled.derived[key] = _derived(compiled, of, by, target)
-    found = compiled.derived[key]
-    assert isinstance(found, SparseJacobian)
-    return found
-
-
-def _derived(
-    compiled: Compiled, of: tuple[str, ...], by: tuple[str, ...], target: str
-) -> SparseJacobian:
-    layout = compiled.layout
-    derived = _differentiated(compiled.program, layout, of, by)
-    results = tuple(n for group in of for n in layout.results[group])
-    names = (*results, *(f"d{r}_{c}" for r, c in derived.pattern))
-    own = _layout(layout, "_".join((*of, "by", *by)), names)
-    whole = optimise(_one_group(formed(derived.program, compiled.stable), JACOBIAN))
-    _, functions, _ = TARGETS[target](whole, own)
-    return SparseJacobian(
-        (len(results), sum(_count(layout, kind) for kind in by)),
-        tuple(r for r, _ in derived.pattern),
-        tuple(c for _, c in derived.pattern),
-        functions[JACOBIAN],
-        whole,
-        own,
-        derived.mode,
-    )
-
-
-def _differentiated(
-    program: Program, layout: Layout, of: tuple[str, ...], by: tuple[str, ...]
-) -> Jacobian:
-    """Return values and derivatives of groups of results, by all slots of some kinds."""
-    together = tuple(k for group in of for k in program.results[group])
-    values = prune(replace(program, results={VALUES: together}))
-    columns = [
-        {Instruction(KINDS[kind], (), None if kind == "time" else k): UNIT}
-        for kind in by
-        for k in range(_count(layout, kind))
-    ]
-    return derive(values, VALUES, identity(values, VALUES), columns)
-
-
-def with_jacobians(
-    program: Program, layout: Layout, by: Sequence[str], stable: bool = False
-) -> tuple[Program, Layout]:
-    """Return program and layout with one more group of results a kind of variables in ``by``.
-
-    The group ``rates_by_states`` (and so on) holds the rates and then the entries of their
-    Jacobian that are not zero everywhere; ``layout.patterns`` says where these stand. Raises
-    `InputError` for other words than those of `KINDS`.
-    """
-    for kind in by:
-        if kind not in KINDS:
-            raise unknown_name("kind of variable", kind, KINDS)
-    programs = {group: prune(program, [group]) for group in program.results}
-    results, patterns = dict(layout.results), dict(layout.patterns)
-    for kind in dict.fromkeys(by):
-        group = f"{RATES}_by_{kind}"
-        derived = _differentiated(program, layout, (RATES,), (kind,))
-        programs[group] = optimise(_one_group(formed(derived.program, stable), group))
-        entries = (f"d{r}_{c}" for r, c in derived.pattern)
-        results[group], patterns[group] = (*layout.results[RATES], *entries), derived.pattern
-    return join(programs), replace(layout, results=results, patterns=patterns)
-
-
-def _count(layout: Layout, kind: str) -> int:
-    sizes = {
-        "states": len(layout.states),
-        "parameters": len(layout.parameters),
-        "inputs": len(layout.inputs),
-        "time": 1,
-    }
-    return sizes[kind]
-
-
-def _layout(layout: Layout, suffix: str, names: tuple[str, ...]) -> Layout:
-    results = {JACOBIAN: names, OUTPUTS: (), INVARIANTS: ()}
-    return replace(layout, name=f"{layout.name}_{suffix}", results=results, coordinates=())
-
-
-def _one_group(program: Program, group: str) -> Program:
-    """Put the results before the entries of their Jacobian, as one group."""
-    together = (*program.results[VALUES], *program.results[JACOBIAN])
-    return replace(program, results={group: together})
+from codegen.compiling.checked import Array
+from codegen.compiling.compiled import Compiled, kept_jacobian
+from codegen.ir.groups import OUTPUTS, RATES
+from eom.errors import typed
 
 
 @dataclass(frozen=True)
@@ -217,7 +69,7 @@ def linearise(
     """
     layout = compiled.layout
     n, k = len(layout.states), len(layout.results[OUTPUTS])
-    whole = _kept(compiled, (RATES, OUTPUTS), ("states", "inputs"), compiled.target)
+    whole = kept_jacobian(compiled, (RATES, OUTPUTS), ("states", "inputs"), compiled.target)
     matrix = whole.dense(t, x, p, u)
     return Linear(
         matrix[:n, :n],

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.compiling.batches import batch
-from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import Compiled, batch
 from codegen.ensembles.samples import Population, check
 from codegen.ensembles.tallies import (
     BLOCK,

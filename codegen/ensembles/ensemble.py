@@ -31,8 +31,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen.compiling.batches import processors
-from codegen.compiling.compiled import Compiled
+from codegen.compiling.compiled import Compiled, processors
 from codegen.ensembles import store as stores
 from codegen.ensembles.chunks import (
     DRIFT,

@@ -14,7 +14,8 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from eom.errors import InputError
-from eom.system import BodyAttitude, Quantity, System, as_expression, nodes
+from eom.quantities import Quantity
+from eom.system import BodyAttitude, System, as_expression, nodes
 
 Expr = Any
 

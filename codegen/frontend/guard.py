@@ -10,7 +10,8 @@ from codegen.frontend.lower import lower_expressions
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.program import Program
 from eom.errors import AssumptionError, InputError, unknown_name
-from eom.system import Assumption, System
+from eom.quantities import Assumption
+from eom.system import System
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from codegen.frontend.attitude import Stated, stated_of
 from codegen.ir.groups import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from eom.errors import InputError, shown, unknown_name
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Builder, Name, Program
 from codegen.ir.residues import vanishing
 from eom.errors import InputError
-from eom.system import Definition, System, as_expression
+from eom.quantities import Definition
+from eom.system import System, as_expression
 from eom.tables import TableFunction
 
 Build = Callable[[Builder, Sequence[int]], int]

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.compiling.compiled import Compiled
-from codegen.compiling.linear import known_jacobian
+from codegen.compiling.compiled import Compiled, known_jacobian
 from codegen.compiling.signals import Inputs
 from codegen.compiling.sparse import SparseJacobian
 from codegen.integrate import sundials

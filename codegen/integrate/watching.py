@@ -25,7 +25,7 @@ from codegen.ir.program import Program
 from codegen.loops.lookout import CROWDED
 from codegen.native.trajectory import Array, Problem
 from codegen.watch.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 PLACES = np.array([0.0, 0.079, 0.173, 0.286, 0.419, 0.547, 0.668, 0.791, 0.902, 1.0])
 """Where in a step watched values and inputs are looked at: apart by no simple ratio."""

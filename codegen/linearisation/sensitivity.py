@@ -28,7 +28,8 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.runs.arguments import numbers
 from eom.errors import InputError, typed, unknown_name
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 Array = NDArray[np.float64]
 Values = Mapping[str, float]

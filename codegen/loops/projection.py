@@ -35,7 +35,7 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.passes.pipeline import formed, join, optimise
 from eom.errors import InputError, unknown_name
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 GROUP = "projection"
 NONE = dict.fromkeys(("PROJECTION", "PROJECT", "PROJECT_POINT", "PROJECT_STOP"), "")

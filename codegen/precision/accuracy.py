@@ -21,8 +21,7 @@ import numpy as np
 
 from codegen.compiling.checked import Array, Function
 from codegen.compiling.compiled import TARGETS as BUILDERS
-from codegen.compiling.compiled import Compiled
-from codegen.compiling.linear import compiled_jacobian
+from codegen.compiling.compiled import Compiled, compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.layout import Layout
 from codegen.ir.groups import RATES

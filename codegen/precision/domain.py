@@ -14,7 +14,7 @@ from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from eom.errors import InputError, unknown_name
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 Range = tuple[float, float]
 

@@ -37,8 +37,7 @@ if TYPE_CHECKING:
     from codegen.runs.simulation import Result
 from collections.abc import Callable
 
-from codegen.compiling.compiled import Compiled
-from codegen.compiling.linear import compiled_jacobian
+from codegen.compiling.compiled import Compiled, compiled_jacobian
 
 LOST = 0.1
 """Error over size from which on no digit is left."""

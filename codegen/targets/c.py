@@ -29,7 +29,7 @@ from codegen.targets.render import (
     with_slots_of,
 )
 from codegen.targets.sincos import circles
-from eom.system import Quantity
+from eom.quantities import Quantity
 
 
 def _call(name: str, arity: int = 1) -> Template:

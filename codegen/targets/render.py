@@ -19,7 +19,7 @@ from codegen.ir.names import HELPERS, comment, identifiers
 from codegen.ir.ops import BLOCKS, OPS
 from codegen.ir.program import Name, Program
 from codegen.passes.stages import Cut
-from eom.system import Quantity
+from eom.quantities import Quantity
 from eom.tables import Table
 
 MAX_INLINE = 72

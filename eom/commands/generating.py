@@ -97,7 +97,7 @@ def _generate(
 ) -> None:
     from codegen.compiling.compiled import generate as generate_files
     from codegen.compiling.compiled import write_files
-    from codegen.compiling.linear import with_jacobians
+    from codegen.compiling.jacobians import with_jacobians
     from codegen.passes.pipeline import specialised
     from codegen.precision.report import show as show_report
 

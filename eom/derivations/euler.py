@@ -10,7 +10,8 @@ from eom.exact.algebra import gather
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import OMEGA, principal_inertia, rigid_body
 from eom.mechanics.torques import applied
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 from eom.terms.rules import (
     apply,
     compute,

@@ -16,11 +16,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.exact.series import PRIME, Field, Singular, solve
-from eom.system import System, as_expression
+from eom.exact.series import PRIME, Field, Singular
+from eom.expressions import as_expression
 
 Expr = Any
-_FIELD = Field(PRIME)
+FIELD = Field(PRIME)
 
 
 def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
@@ -34,39 +34,11 @@ def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
     (True, False)
     """
     full = as_expression(expression)
-    return _zero_at_random_points(lambda point: point.value(full), points, seed)
+    return zero_at_random_points(lambda point: point.value(full), points, seed)
 
 
-def is_invariant(system: System, expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
-    """Tell whether ``expression`` stays constant along every solution of ``system``.
-
-    The time derivative is formed by the chain rule; where the system has a mass matrix, the
-    accelerations come from solving it at each point modulo the prime. Inputs may change with time,
-    so that nothing that contains one is constant.
-    """
-    full = system.expand(expression)
-    if full.free_symbols & {q.symbol for q in system.inputs}:
-        return False
-    gradient = [full.diff(q.symbol) for q in system.states]
-    explicit = full.diff(system.time)
-    rates = [system.expand(r) for r in system.rates]
-    mass = (
-        None
-        if system.mass_matrix is None
-        else [[system.expand(e) for e in row] for row in system.mass_matrix.tolist()]
-    )
-
-    def residual(point: RandomPoint) -> int:
-        velocity = [point.value(r) for r in rates]
-        if mass is not None:
-            velocity = solve([[point.value(e) for e in row] for row in mass], velocity, _FIELD)
-        work = sum(point.value(g) * v for g, v in zip(gradient, velocity, strict=True))
-        return (work + point.value(explicit)) % PRIME
-
-    return _zero_at_random_points(residual, points, seed)
-
-
-def _zero_at_random_points(residual: Callable[[RandomPoint], int], points: int, seed: int) -> bool:
+def zero_at_random_points(residual: Callable[[RandomPoint], int], points: int, seed: int) -> bool:
+    """Tell whether a residual is zero modulo `PRIME` at random points; it raises `Singular` at others."""
     generator = random.Random(seed)  # noqa: S311 - reproducible points, no secrets
     found = 0
     for _ in range(20 * points):
@@ -105,7 +77,7 @@ class RandomPoint:
         self,
         generator: random.Random,
         definitions: Mapping[Expr, Expr] | None = None,
-        field: Field = _FIELD,
+        field: Field = FIELD,
     ) -> None:
         self.generator, self.field, self.prime = generator, field, field.prime
         self.definitions = definitions or {}

@@ -13,7 +13,7 @@ import sympy as sp
 from sympy.core.evalf import PrecisionExhausted
 
 from eom.errors import InputError
-from eom.system import as_expression
+from eom.expressions import as_expression
 
 Expr = Any
 

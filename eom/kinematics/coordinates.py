@@ -16,7 +16,7 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches, typed
 from eom.kinematics.frames import Vector, tilde, unit_vector, vector
-from eom.system import Quantity, Singularity
+from eom.quantities import Quantity, Singularity
 
 Expr = Any
 

@@ -13,7 +13,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.system import as_expression
+from eom.expressions import as_expression
 
 Expr = Any
 

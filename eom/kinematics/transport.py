@@ -13,8 +13,8 @@ from typing import Any
 
 import sympy as sp
 
+from eom.expressions import as_expression
 from eom.kinematics.frames import Vector
-from eom.system import as_expression
 
 Expr = Any
 Rates = Mapping[Any, Any]

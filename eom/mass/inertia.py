@@ -14,7 +14,7 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.kinematics.frames import vector
-from eom.system import Assumption
+from eom.quantities import Assumption
 
 Expr = Any
 

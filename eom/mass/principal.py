@@ -25,9 +25,9 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.exact.numbers import TOLERANCE, number, sign, tolerance
+from eom.expressions import as_expression
 from eom.mass.inertia import matrix_conditions
 from eom.mass.properties import tidy
-from eom.system import as_expression
 
 __all__ = ["KINDS", "Definiteness", "PrincipalAxes", "definiteness", "principal_axes"]
 

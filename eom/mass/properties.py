@@ -14,9 +14,9 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
+from eom.expressions import as_expression
 from eom.kinematics.frames import Rotation
 from eom.mass.inertia import inertia_of_second_moments
-from eom.system import as_expression
 
 Expr = Any
 

@@ -17,8 +17,8 @@ import sympy as sp
 
 from eom.errors import InputError, unknown_name
 from eom.exact.integrals import Bound, definite
+from eom.expressions import as_expression
 from eom.mass.properties import MassProperties
-from eom.system import as_expression
 
 Expr = Any
 

@@ -34,7 +34,8 @@ from eom.mechanics.rigidbody import (
     with_outputs,
 )
 from eom.mechanics.steady import ROOT, VERDICTS, hurwitz_determinants, linearised, steady_values
-from eom.system import Assumption, Definition, Quantity, System
+from eom.quantities import Assumption, Definition, Quantity
+from eom.system import System
 
 Expr = Any
 

@@ -32,7 +32,8 @@ from eom.mechanics.rigidbody import (
     with_body,
     with_outputs,
 )
-from eom.system import Assumption, Definition, Quantity, System, as_expression
+from eom.quantities import Assumption, Definition, Quantity
+from eom.system import System, as_expression
 
 Expr = Any
 

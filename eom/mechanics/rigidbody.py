@@ -14,16 +14,17 @@ import sympy as sp
 
 from eom.errors import InputError, shown, typed
 from eom.exact.algebra import explicit_rates, gather
-from eom.exact.identity import is_invariant
 from eom.kinematics.coordinates import Attitude, constraint_value
 from eom.kinematics.coordinates import attitude as attitude_of_name
 from eom.kinematics.frames import Vector, vector
 from eom.kinematics.transport import FirstDerivative, first_derivative
 from eom.mass.inertia import physical
 from eom.mechanics import torques
+from eom.mechanics.invariants import is_invariant
 from eom.mechanics.torques import Torque
+from eom.quantities import Assumption, Definition, Quantity
 from eom.structure import NONE
-from eom.system import Assumption, BodyAttitude, Definition, Quantity, System, as_expression
+from eom.system import BodyAttitude, System, as_expression
 
 Expr = Any
 TorqueLaw = Callable[[Expr, Expr], Torque]

@@ -20,7 +20,8 @@ from eom.kinematics.coordinates import elementary
 from eom.kinematics.frames import Rotation, Vector, unit_vector
 from eom.kinematics.transport import FirstDerivative, first_derivative, time_derivative
 from eom.mechanics.rigidbody import angular_momentum, momentum_outputs, scalar, with_outputs
-from eom.system import Assumption, BodyAttitude, Quantity, Singularity, System, as_expression
+from eom.quantities import Assumption, Quantity, Singularity
+from eom.system import BodyAttitude, System, as_expression
 
 Expr = Any
 

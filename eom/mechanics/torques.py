@@ -14,7 +14,7 @@ import sympy as sp
 
 from eom.kinematics.frames import Vector, unit_vector, vector
 from eom.mass.inertia import integrate_over_mass, second_moments_of_inertia
-from eom.system import Assumption, Definition, Quantity
+from eom.quantities import Assumption, Definition, Quantity
 
 Expr = Any
 

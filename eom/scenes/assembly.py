@@ -14,10 +14,11 @@ from eom.mechanics import torques
 from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
 from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
+from eom.quantities import TIME, Assumption, Quantity
 from eom.scenes import parse, reduce
 from eom.scenes.description import Description, inertia_values, principal_values
 from eom.scenes.reduce import Explanation, Reduction
-from eom.system import TIME, Assumption, Quantity, System
+from eom.system import System
 
 Expr = Any
 

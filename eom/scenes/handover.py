@@ -33,10 +33,11 @@ from eom.mechanics import torques
 from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
 from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT
+from eom.quantities import Definition, Quantity, Singularity
 from eom.scenes import assembly, reduce, start
 from eom.scenes.description import Description, inertia_values
 from eom.scenes.scene import Scene
-from eom.system import Charts, Definition, Expr, Quantity, Singularity, System, as_expression
+from eom.system import Charts, Expr, System, as_expression
 
 BRANCH = sp.Symbol("branch", real=True)
 FIRST = sp.Symbol("first_angle", real=True)

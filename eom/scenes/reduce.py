@@ -13,10 +13,11 @@ from typing import Any
 import sympy as sp
 
 from eom.exact.algebra import operations
-from eom.exact.identity import is_invariant
+from eom.mechanics.invariants import is_invariant
 from eom.proof import coupled
+from eom.quantities import Assumption, Definition, Quantity
 from eom.structure import kept, substituted
-from eom.system import Assumption, Definition, Quantity, System, as_expression
+from eom.system import System, as_expression
 
 Expr = Any
 

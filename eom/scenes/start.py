@@ -10,8 +10,9 @@ import sympy as sp
 from eom.errors import InputError, near_matches
 from eom.kinematics.coordinates import attitude, constraint_value, quaternion_of_sequence
 from eom.kinematics.coordinates import quaternion as quaternion_coordinates
+from eom.quantities import Definition
 from eom.scenes.description import Description, inertia_values, principal_values
-from eom.system import Definition, System
+from eom.system import System
 
 
 def constants(scene: Description) -> dict[str, float]:

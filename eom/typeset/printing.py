@@ -13,7 +13,8 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import typed, unknown_name
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from eom.typeset import pages
 from eom.typeset.blocks import EQUALS, Block, Bullets, Display, Heading, Line
 from eom.typeset.boxes import Box, Formula, Fraction, Operator, Row, Symbol, Words

@@ -42,7 +42,8 @@ from codegen.precision.domain import (
 )
 from eom import Scene, load_scene
 from eom.errors import InputError
-from eom.system import TIME, Quantity, System
+from eom.quantities import TIME, Quantity
+from eom.system import System
 from tests.codegen.scenes import SCENES
 
 x, y, a, b, c, u = sp.symbols("x y a b c u", real=True)

@@ -32,7 +32,8 @@ from eom import BodyAttitude, InputError
 from eom.kinematics.coordinates import attitude, quaternion_product
 from eom.mechanics import torques
 from eom.mechanics.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 
 def compiled(system, **options):

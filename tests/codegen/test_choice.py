@@ -21,7 +21,8 @@ from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.watch.trust import is_analytic
 from eom.mechanics.dissipation import viscous_slug
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 x, v, k, mu = sp.symbols("x v k mu", real=True)
 y1, y2, y3 = sp.symbols("y1 y2 y3", real=True)
@@ -275,7 +276,7 @@ def test_a_closed_form_takes_the_place_of_steps():
 @pytest.mark.parametrize("sense", [1, -1])
 def test_a_closed_form_stops_at_a_singular_configuration(margin, amplitude, sense):
     """Singular at x = 1/2: passed at a speed, all but touched within an interval, not reached."""
-    singular = eom.system.Singularity(x - sp.Rational(1, 2), x, "half way")
+    singular = eom.quantities.Singularity(x - sp.Rational(1, 2), x, "half way")
     system = System(
         "stopping", SPRING.states, SPRING.rates, SPRING.parameters, singularities=(singular,)
     )
@@ -295,7 +296,7 @@ def test_a_closed_form_stops_at_a_singular_configuration(margin, amplitude, sens
 
 @pytest.mark.usefixtures("closed")
 def test_a_search_for_singularities_ends_with_max_steps():
-    singular = eom.system.Singularity(x - 5, x, "never")
+    singular = eom.quantities.Singularity(x - 5, x, "never")
     system = System(
         "endless", SPRING.states, SPRING.rates, SPRING.parameters, singularities=(singular,)
     )

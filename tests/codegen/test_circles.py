@@ -16,7 +16,8 @@ from codegen.ir.interpret import Point, interpret
 from codegen.ir.passes import prune
 from codegen.native import native
 from codegen.targets.sincos import BLOCK, CIRCLE, MANY_ANGLES, TURNED, circles
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 ULPS = 1.0

@@ -23,7 +23,8 @@ from eom.errors import AssumptionError, InputError
 from eom.kinematics.coordinates import SEQUENCES, attitude
 from eom.mechanics.rigidbody import full_inertia, rigid_body
 from eom.mechanics.torques import applied, gravity_gradient
-from eom.system import TIME, Definition, Quantity, System
+from eom.quantities import TIME, Definition, Quantity
+from eom.system import System
 from eom.tables import Table
 from tests.codegen.scenes import SCENES
 

@@ -24,7 +24,8 @@ from codegen.ir.names import identifier
 from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from eom.errors import AssumptionError, InputError
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 from tests.clock import within
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")

@@ -15,7 +15,8 @@ from codegen.linearisation import newton
 from codegen.linearisation.equilibria import equilibria, equilibrium
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Tree, derive
-from eom.system import TIME, Quantity, System
+from eom.quantities import TIME, Quantity
+from eom.system import System
 
 q, u, tau = sp.symbols("q u tau", real=True)
 g, c, m, l = sp.symbols("g c m l", positive=True)

@@ -13,7 +13,8 @@ from codegen.ir.interpret import constants
 from codegen.precision import extended
 from eom import problems
 from eom.errors import InputError
-from eom.system import TIME, Quantity, System
+from eom.quantities import TIME, Quantity
+from eom.system import System
 from tests.codegen.scenes import SCENES
 from tests.conftest import TARGETS
 

@@ -19,7 +19,8 @@ from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_
 from codegen.ir.special import FAR, bessel
 from codegen.native import native
 from eom.errors import InputError
-from eom.system import Definition, Quantity, Singularity, System
+from eom.quantities import Definition, Quantity, Singularity
+from eom.system import System
 
 x, y = sp.symbols("x y", real=True)
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 import eom
 from codegen.frontend.guard import Guard
 from eom.errors import AssumptionError, InputError
-from eom.system import Assumption, Quantity, System
+from eom.quantities import Assumption, Quantity
+from eom.system import System
 
 BODY = Guard.of(eom.free_rigid_body())
 moment = st.floats(1e-6, 1e6)

@@ -20,7 +20,8 @@ from codegen.loops.tableaux import DOP853, DP5, TSIT5
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from eom.errors import InputError
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 INTEGRATORS = [row.name for row in written.ROWS if row.name != "none"]
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

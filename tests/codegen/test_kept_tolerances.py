@@ -14,7 +14,8 @@ from codegen.integrate.methods import METHODS, OF_ATTITUDE
 from codegen.native import native
 from eom.kinematics.coordinates import quaternion_product
 from eom.mechanics.rigidbody import free_rigid_body, heavy_top
-from eom.system import TIME, BodyAttitude, System
+from eom.quantities import TIME
+from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")
 C, S = np.cos(0.3), np.sin(0.3)

@@ -14,9 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import compile as compile_system
-from codegen.compiling.batches import BLOCK, FEWEST, LEAST_WORK, divided
 from codegen.compiling.checked import CheckedFunction
-from codegen.compiling.compiled import batch_kernel, generate
+from codegen.compiling.compiled import BLOCK, FEWEST, LEAST_WORK, batch_kernel, divided, generate
 from codegen.frontend.layout import Layout
 from codegen.ir.interpret import Point, interpret, interpret_with_bound
 from codegen.ir.linsolve import Shape

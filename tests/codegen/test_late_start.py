@@ -17,8 +17,9 @@ from codegen.runs import handover
 from codegen.runs.charts import compile_charts
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_product
+from eom.quantities import TIME
 from eom.scenes.handover import charts
-from eom.system import TIME, BodyAttitude, System
+from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 

@@ -5,16 +5,18 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen.compiling.compiled import generate
-from codegen.compiling.linear import KINDS, compiled_jacobian, linearise, with_jacobians
+from codegen.compiling.compiled import compiled_jacobian, generate
+from codegen.compiling.jacobians import KINDS, with_jacobians
+from codegen.compiling.linear import linearise
 from codegen.derivatives.elimination import ORDERS
 from codegen.ir.names import identifier
 from codegen.passes.pipeline import specialised
 from codegen.targets import load_module
 from eom.errors import InputError
 from eom.opening import load_scene
+from eom.quantities import Definition, Quantity
 from eom.scenes.scene import Scene
-from eom.system import Definition, Quantity, System
+from eom.system import System
 from tests.codegen.scenes import SCENES
 
 x, v, m, k, c, f = sp.symbols("x v m k c f", real=True)

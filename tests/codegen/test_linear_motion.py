@@ -27,7 +27,8 @@ from codegen.linearisation.tangents import tangents
 from codegen.linearisation.unknowns import leaves_of
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Tree, derive
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from tests.codegen.test_derivative import POINTS, program_of_op
 from tests.eom.multibody.trees import state, tree
 

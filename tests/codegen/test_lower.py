@@ -8,7 +8,8 @@ from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.interpret import Point, interpret, interpret_exactly
 from codegen.ir.passes import prune
 from eom.errors import InputError
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 x, y, p, q = sp.symbols("x y p q", real=True)
 

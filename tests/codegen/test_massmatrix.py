@@ -18,7 +18,8 @@ from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_
 from codegen.ir.passes import prune
 from codegen.ir.program import Builder
 from codegen.targets import c
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 from tests.codegen.test_targets import COMPILERS, files_of, needs_compiler, strictly_compile
 
 x, y, z, p, q, r = sp.symbols("x y z p q r", real=True)

@@ -10,7 +10,8 @@ import codegen
 from codegen.integrate import onward
 from codegen.native import native
 from eom.errors import InputError
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
 x, v, w = sp.symbols("x v w", real=True)

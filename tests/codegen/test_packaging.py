@@ -20,7 +20,8 @@ from codegen.ir.names import identifier
 from codegen.native import native
 from codegen.passes.pipeline import specialised
 from codegen.targets import c, checks, packaging
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from tests.codegen.test_compiled import system_of as expressions_of
 from tests.codegen.test_targets import (
     COMPILERS,

@@ -165,7 +165,8 @@ def test_rules_are_chosen_by_name(target):
 
 def eom_system():
     """SymPy does not see that the difference is zero; the value numbers do."""
-    from eom.system import Definition, Quantity, System
+    from eom.quantities import Definition, Quantity
+    from eom.system import System
 
     r, s = sp.symbols("r s", real=True)
     named = [Definition(Quantity(q), x * y) for q in (r, s)]

@@ -21,7 +21,8 @@ from eom.__main__ import main
 from eom.commands.stressing import _material
 from eom.errors import InputError
 from eom.kinematics.coordinates import attitude
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 SECONDS = 60
 """A generous limit for what takes milliseconds, and did not end."""

@@ -21,7 +21,8 @@ from codegen.ir.names import RESERVED, identifier
 from codegen.ir.ops import OPS, SOLVE
 from codegen.targets import load_module
 from codegen.targets.python_ import _HELPERS, PYTHON
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from tests.codegen.test_compiled import (
     ARITHMETIC,
     SYSTEMS,

@@ -14,7 +14,8 @@ from codegen.ir.interpret import Point, interpret
 from codegen.loops import crossings, written
 from codegen.native import native
 from codegen.watch.narrow import steady
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
 METHODS = ("DOP853", "DP5", "Tsit5", "taylor")

@@ -24,7 +24,8 @@ from codegen.targets.target import Target, bodies, call, missing, used_helpers
 from eom.__main__ import generate as generate_command
 from eom.__main__ import main
 from eom.errors import InputError
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 from tests.codegen.test_python_target import computable
 from tests.codegen.test_targets import every_operation, p, system_of, x, y
 

@@ -6,7 +6,8 @@ from codegen.ir.passes import prune
 from codegen.passes.pipeline import specialised
 from codegen.precision.report import report, tree_operations
 from eom.opening import load_scene
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from tests.codegen.scenes import SCENES
 
 x, y = sp.symbols("x y", real=True)

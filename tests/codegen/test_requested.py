@@ -12,7 +12,8 @@ from codegen import simulate
 from codegen.native import native
 from codegen.runs import requested
 from eom.errors import InputError
-from eom.system import Singularity, System
+from eom.quantities import Singularity
+from eom.system import System
 
 WHEEL = eom.Scene.ready("bicycle-wheel").full_system
 START = {"theta": 0.3, "psi": 1.0, "phi": -2.0, "theta_dot": 0.1, "psi_dot": 0.2, "C": 30.0}

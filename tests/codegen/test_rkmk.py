@@ -17,7 +17,8 @@ from codegen.native import native
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_product
 from eom.mechanics.rigidbody import heavy_top
-from eom.system import TIME, BodyAttitude, System
+from eom.quantities import TIME
+from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 

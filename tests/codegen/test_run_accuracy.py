@@ -18,7 +18,8 @@ from codegen.runs.run_accuracy import LOST, growth
 from codegen.runs.second_run import CANDIDATES, FAMILIES
 from eom.errors import InputError
 from eom.mechanics.rigidbody import free_rigid_body
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 x, y, v, w, z = sp.symbols("x y v w z", real=True)

@@ -18,7 +18,8 @@ from codegen.frontend.lower import lower_expressions
 from codegen.ir.groups import RATES
 from codegen.passes.strength import rescale
 from eom.errors import InputError
-from eom.system import TIME, Definition, Quantity, System, free_symbols, nodes, replaced
+from eom.quantities import TIME, Definition, Quantity
+from eom.system import System, free_symbols, nodes, replaced
 
 x, v = sp.symbols("x v", real=True)
 TWICE = 2.3

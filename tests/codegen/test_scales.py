@@ -13,7 +13,8 @@ from codegen import simulate
 from codegen.integrate import scales, sundials
 from codegen.native import native
 from eom.problems import PROBLEMS
-from eom.system import TIME, Quantity, System
+from eom.quantities import TIME, Quantity
+from eom.system import System
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")
 X, V, Y, Z = sp.symbols("x v y z", real=True)

@@ -7,7 +7,8 @@ import sympy as sp
 from codegen import compile, simulate
 from codegen.integrate import scipy_
 from eom.mechanics import dissipation
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 CELLS = 60
 

@@ -19,8 +19,9 @@ from codegen.native import native
 from eom.errors import AssumptionError, InputError
 from eom.kinematics.coordinates import SEQUENCES
 from eom.mechanics.rigidbody import free_rigid_body
+from eom.quantities import TIME
 from eom.scenes import catalogue
-from eom.system import TIME, System
+from eom.system import System
 
 x, v, k, u, w = sp.symbols("x v k u w", real=True)
 y1, y2, y3 = sp.symbols("y1 y2 y3", real=True)

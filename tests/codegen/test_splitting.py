@@ -24,7 +24,8 @@ from eom.errors import InputError
 from eom.kinematics.coordinates import attitude, quaternion_product
 from eom.mechanics import torques
 from eom.mechanics.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
-from eom.system import TIME, BodyAttitude, Singularity, System
+from eom.quantities import TIME, Singularity
+from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 

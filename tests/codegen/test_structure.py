@@ -19,7 +19,8 @@ from codegen.passes.pipeline import costs, specialised
 from eom.errors import AssumptionError, InputError
 from eom.mechanics.rigidbody import principal_inertia, rigid_body
 from eom.mechanics.torques import applied
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 PLANAR = {"psi": 0.0, "phi": 0.0, "omega_2": 0.0, "omega_3": 0.0}
 """A top that swings about one axis."""

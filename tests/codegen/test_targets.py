@@ -21,7 +21,8 @@ from codegen.native import native
 from codegen.targets import c, load_module, numpy_
 from codegen.targets.render import Body, Line, split
 from eom.errors import InputError
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 from eom.tables import Table
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

@@ -23,7 +23,8 @@ from codegen.loops import taylor as method
 from codegen.native import native
 from codegen.watch.trust import limits
 from eom.errors import InputError
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 from tests.codegen.scenes import SCENES
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
@@ -283,8 +284,8 @@ SMOOTH = (
 EVERY = System.from_rates("every", {y1: sum(SMOOTH) / 40, y2: -y1 + sp.cos(TIME), y3: k})
 MATRIX = [[3 + sp.cos(y1), sp.sin(y2), y3], [sp.sin(y2), 4 + y1**2, k], [y3, k, 5]]
 COUPLED = System(
-    "coupled", (eom.system.Quantity(y1), eom.system.Quantity(y2), eom.system.Quantity(y3)),
-    (y2, -y1, sp.sin(y1)), (eom.system.Quantity(k),), mass_matrix=sp.ImmutableMatrix(MATRIX),
+    "coupled", (eom.quantities.Quantity(y1), eom.quantities.Quantity(y2), eom.quantities.Quantity(y3)),
+    (y2, -y1, sp.sin(y1)), (eom.quantities.Quantity(k),), mass_matrix=sp.ImmutableMatrix(MATRIX),
 )  # fmt: skip
 
 

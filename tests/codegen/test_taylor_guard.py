@@ -17,7 +17,8 @@ from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from codegen.precision.extended import Values, integrate
 from codegen.watch.trust import limits
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
 t, (x, v, w, p, q) = TIME, sp.symbols("x v w p q", real=True)

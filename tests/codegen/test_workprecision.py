@@ -18,7 +18,8 @@ from codegen.measure.workprecision.measuring import Plan, Point
 from codegen.native import native
 from codegen.native.patience import TooLongError
 from eom.errors import InputError
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 x, y, k = sp.symbols("x y k", real=True)
 OSCILLATOR = System.from_rates("oscillator", {x: y, y: -k * x})

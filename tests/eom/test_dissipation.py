@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from eom import InputError
-from eom.exact.identity import equal, is_invariant
+from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import dissipation
 from eom.mechanics.dissipation import damped_spin, damped_stability, excess_energy, viscous_slug
+from eom.mechanics.invariants import is_invariant
 from eom.mechanics.steady import linearised, spin_stability
 from tests.eom.motion import run
 

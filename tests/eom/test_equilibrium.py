@@ -11,7 +11,8 @@ from eom.exact.identity import vanishes
 from eom.mechanics.equilibrium import is_equilibrium, remainders
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.multibody import Body, Joint, Placement, Tree, derive
-from eom.system import Quantity, System
+from eom.quantities import Quantity
+from eom.system import System
 
 m, l, g, k, J = sp.symbols("m l g k J", positive=True)
 

@@ -12,14 +12,15 @@ from sympy.physics import mechanics as me
 
 import eom
 from eom import InputError
-from eom.exact.identity import equal, is_invariant
+from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import gyrostat
+from eom.mechanics.invariants import is_invariant
 from eom.mechanics.rigidbody import full_inertia
 from eom.mechanics.spinning import SpinningSymmetricBody
 from eom.mechanics.steady import SPIN_RATE, linearised
+from eom.quantities import Quantity
 from eom.scenes import reduce
-from eom.system import Quantity
 
 I1, I2, I3, Js_1, Js_2 = sp.symbols("I1:4 Js_1:3", positive=True)
 w = sp.symbols("omega_1:4", real=True)

@@ -7,8 +7,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eom.exact.identity import equal, is_invariant, vanishes
-from eom.system import Quantity, System
+from eom.exact.identity import equal, vanishes
+from eom.mechanics.invariants import is_invariant
+from eom.quantities import Quantity
+from eom.system import System
 
 x, y, z, k, m = sp.symbols("x y z k m", real=True)
 sin, cos, tan, exp, sqrt = sp.sin, sp.cos, sp.tan, sp.exp, sp.sqrt

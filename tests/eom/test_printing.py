@@ -7,8 +7,9 @@ import sympy as sp
 
 from eom import Scene, load_scene
 from eom.errors import InputError
+from eom.quantities import Definition, Quantity
 from eom.scenes import catalogue
-from eom.system import Definition, Quantity, System
+from eom.system import System
 from eom.typeset.printing import FORMATS, show
 
 

@@ -15,9 +15,10 @@ from eom.mechanics import torques
 from eom.mechanics.dissipation import viscous_slug
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import full_inertia, rigid_body
+from eom.quantities import TIME
 from eom.scenes import reduce
 from eom.structure import form_of
-from eom.system import TIME, BodyAttitude, System
+from eom.system import BodyAttitude, System
 
 KINDS = ("quaternion", "dcm", *SEQUENCES)
 w = sp.symbols("omega_1:4", real=True)

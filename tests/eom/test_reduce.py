@@ -7,9 +7,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from eom.quantities import Definition, Quantity, Singularity
 from eom.scenes import reduce
 from eom.scenes.reduce import Explanation, Reduction
-from eom.system import Definition, Quantity, Singularity, System
+from eom.system import System
 
 a, b, c, k, d, e, t = sp.symbols("a b c k d e t", real=True)
 SYMBOLS = sp.symbols("s0:6", real=True)

@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 from sympy.physics import mechanics as me
 
 import eom
-from eom.exact.identity import equal, is_invariant
+from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.kinematics.frames import vector
 from eom.mechanics import rigidbody, torques
+from eom.mechanics.invariants import is_invariant
 from eom.mechanics.rigidbody import euler_equations, full_inertia, principal_inertia
 from eom.scenes import reduce
 

@@ -4,9 +4,13 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.exact.numerals import differs, inexact, real_point, without_rates
 from eom.exact.series import PRIME, Singular
-from eom.exact.solutions import (
+from eom.mechanics.rigidbody import free_rigid_body, heavy_top
+from eom.mechanics.spinning import lecture_torque
+from eom.quantities import Quantity
+from eom.system import System
+from eom.worlds.numerals import differs, inexact, real_point, without_rates
+from eom.worlds.solutions import (
     ENDLESS,
     FIELD,
     Inconsistent,
@@ -16,9 +20,6 @@ from eom.exact.solutions import (
     rate,
     spread,
 )
-from eom.mechanics.rigidbody import free_rigid_body, heavy_top
-from eom.mechanics.spinning import lecture_torque
-from eom.system import Quantity, System
 
 x, v, k, m, a = sp.symbols("x v k m a", real=True)
 SPRING = System.from_rates("spring", {x: v, v: -k * x / m})

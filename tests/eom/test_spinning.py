@@ -14,7 +14,7 @@ from eom.exact.identity import equal
 from eom.kinematics.frames import vector
 from eom.mechanics import spinning
 from eom.mechanics.spinning import SpinningSymmetricBody, lecture_torque
-from eom.system import TIME, Quantity
+from eom.quantities import TIME, Quantity
 
 psi, theta, phi, psi_dot, theta_dot, Omega, C = (
     sp.Symbol(n, real=True) for n in ("psi", "theta", "phi", "psi_dot", "theta_dot", "Omega", "C")

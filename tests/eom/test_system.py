@@ -8,7 +8,8 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 
 x, y, k, u, d, e = sp.symbols("x y k u d e", real=True)
 t = sp.Symbol("t", real=True)

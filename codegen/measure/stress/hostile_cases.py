@@ -14,7 +14,8 @@ from typing import Any
 
 import sympy as sp
 
-from eom.system import TIME, BodyAttitude, System
+from eom.quantities import TIME
+from eom.system import BodyAttitude, System
 from eom.tables import Table
 
 Expr = Any

@@ -16,10 +16,10 @@ from functools import lru_cache
 import sympy as sp
 
 from eom.errors import InputError
-from eom.exact.numerals import without_rates
 from eom.exact.series import PRIME
-from eom.exact.solutions import FIELD, Motion, Restriction, order, rate, spread
 from eom.system import Expr, System
+from eom.worlds.numerals import without_rates
+from eom.worlds.solutions import FIELD, Motion, Restriction, order, rate, spread
 
 MAX_OPERATIONS = 1500
 MAX_TERMS = 6

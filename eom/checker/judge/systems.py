@@ -1,9 +1,9 @@
 """Whether a scalar claim holds on the solutions of the system that a note is about.
 
 Every symbol of the claim is a quantity of the system; time derivatives are those along its solutions.
-Both sides are compared as exact series at random points (`eom.exact.solutions`), so that an equation may be
-multiplied by any factor and written in any form. What does not hold is tried under what may be assumed of
-the system, the smallest sets first. A set is refused that makes something vanish which the claim itself
+Both sides are compared as exact series at random points (`eom.worlds.solutions`), so that an equation may
+be multiplied by any factor and written in any form. What does not hold is tried under what may be assumed
+of the system, the smallest sets first. A set is refused that makes something vanish which the claim itself
 writes: a slip in a term is no licence to assume the term away.
 """
 
@@ -21,11 +21,11 @@ from eom.checker.judge.leftover import MAX_SPREAD, Leftover, leftover
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.solid_models import COORDINATES, integrated
 from eom.errors import InputError
-from eom.exact.numerals import differs, inexact
 from eom.exact.series import Series, Singular
-from eom.exact.solutions import Inconsistent, Motion, Restriction, order, rate, spread
 from eom.system import Expr
 from eom.terms.terms import Term, nodes
+from eom.worlds.numerals import differs, inexact
+from eom.worlds.solutions import Inconsistent, Motion, Restriction, order, rate, spread
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model

@@ -9,11 +9,10 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean.arrays import assembled
 from eom.checker.mean.dimensions import LENGTH, MASS
 from eom.checker.mean.elaborator import Elaborator, number
 from eom.checker.mean.integrals import definite, element
-from eom.checker.mean.operations import determinant, overdot, rate, skew, trace, transposed
+from eom.checker.mean.operations import determinant, overdot, rate, skew, trace, transpose_of
 from eom.checker.mean.symbols import powered, pure
 from eom.checker.mean.values import (
     ANY,
@@ -22,6 +21,7 @@ from eom.checker.mean.values import (
     TABLES,
     UNDECIDED,
     Value,
+    assembled,
     mixed,
     negative,
     refuse,
@@ -221,7 +221,7 @@ def tuple_value(e: Elaborator, node: Group, body: Sequence) -> Value:
     values = [e.value(item) for item in body.items]
     if node.open in {"(", "["} and (len(values) > 3 or any(v.shape != SCALAR for v in values)):
         upright = _blocks(e, [[v] for v in values], node.span)
-        return upright if node.open == "(" else transposed(e.lexicon.notation, upright, node.span)
+        return upright if node.open == "(" else transpose_of(e.lexicon.notation, upright, node.span)
     if node.open not in {"(", "["} or len(values) != 3 or any(v.shape != SCALAR for v in values):
         raise refuse(UNDECIDED, "a list without a meaning", node.span)
     return line(e, values, node.span, COLUMN if node.open == "(" else ROW)

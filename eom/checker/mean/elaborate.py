@@ -12,7 +12,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean import arrays, calculus
+from eom.checker.mean import calculus
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborator import Elaborator, Rule, number, quotient
 from eom.checker.mean.lexicon import Lexicon
@@ -30,8 +30,10 @@ from eom.checker.mean.values import (
     components,
     crossed,
     dotted,
+    is_square,
     negative,
     refuse,
+    square,
     tensored,
     total,
 )
@@ -239,15 +241,15 @@ def _size(e: Elaborator, value: Value, span: Span) -> Value:
         return determinant(value, span)
     if value.shape == SCALAR:
         return replace(value, term=expr(sp.Abs(e.expression(value.term))), span=span)
-    if value.shape == TABLE and arrays.is_square(value):
+    if value.shape == TABLE and is_square(value):
         return determinant(value, span)
     if value.shape == TABLE:
-        square = arrays.square(value)
+        squared = square(value)
     elif value.shape not in {VECTOR, "column", "row"}:
         raise refuse(ILL_FORMED, "this has no magnitude", span, value.words)
     else:
-        square = (dot_product if value.shape == VECTOR else inner)(value.term, value.term)
-    return Value(expr(sp.sqrt(e.name("size^2", square))), SCALAR, value.dimension, span=span)
+        squared = (dot_product if value.shape == VECTOR else inner)(value.term, value.term)
+    return Value(expr(sp.sqrt(e.name("size^2", squared))), SCALAR, value.dimension, span=span)
 
 
 def _section(_: Elaborator, node: Section) -> Value:

@@ -20,18 +20,19 @@ from typing import TYPE_CHECKING, Any
 from eom.checker.mean.solid_models import SPELLINGS, solid_system
 from eom.errors import InputError, typed, unknown_name
 from eom.exact.series import Singular
-from eom.exact.solutions import Inconsistent, Motion, Restriction
 from eom.kinematics.coordinates import attitude as attitude_of
 from eom.mass.solids import CENTRE, SOLIDS, mass_properties
 from eom.mechanics.dissipation import viscous_slug
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.mechanics.spinning import lecture_torque
+from eom.quantities import Quantity
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
 from eom.scenes.start import constants
-from eom.system import Expr, Quantity, System
+from eom.system import Expr, System
 from eom.typeset.markup import symbol_latex
+from eom.worlds.solutions import Inconsistent, Motion, Restriction
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene

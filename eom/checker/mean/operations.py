@@ -7,8 +7,6 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, permutations
 
-from eom.checker.mean import arrays
-from eom.checker.mean.arrays import Cells, cells
 from eom.checker.mean.dimensions import RATE
 from eom.checker.mean.lexicon import Notation
 from eom.checker.mean.values import (
@@ -18,9 +16,12 @@ from eom.checker.mean.values import (
     ROW,
     UNDECIDED,
     VECTRIX,
+    Cells,
     Value,
+    cells,
     mixed,
     refuse,
+    transposed,
     turner,
 )
 from eom.checker.read.places import Span
@@ -54,13 +55,13 @@ def skew(notation: Notation, value: Value, span: Span) -> Value:
     raise refuse(ILL_FORMED, "this has no skew matrix", span, value.words, "a vector")
 
 
-def transposed(notation: Notation, value: Value, span: Span) -> Value:
+def transpose_of(notation: Notation, value: Value, span: Span) -> Value:
     """Return the transpose; a scalar is its own."""
     value = mixed(notation, value)
     if value.shape == SCALAR:
         return replace(value, span=span)
     if value.shape == TABLE:
-        return replace(arrays.transposed(value), span=span)
+        return replace(transposed(value), span=span)
     if value.shape == MATRIX:
         frames = (value.frames[1], value.frames[0])
         return replace(value, term=transpose(value.term), frames=frames, span=span)

@@ -17,7 +17,8 @@ import sympy as sp
 from eom.errors import InputError
 from eom.mass.properties import MassProperties
 from eom.mass.solids import CENTRE, MASS, SOLIDS, mass_properties
-from eom.system import Definition, Expr, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import Expr, System
 
 COORDINATES = tuple(sp.Symbol(n, real=True) for n in "xyz")
 MAX_DEGREE = 2

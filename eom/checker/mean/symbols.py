@@ -8,12 +8,11 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.mean.arrays import made
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.mean.lexicon import Found
 from eom.checker.mean.meanings import Meaning
-from eom.checker.mean.operations import overdot, rate, skew, transposed
+from eom.checker.mean.operations import overdot, rate, skew
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
@@ -24,6 +23,7 @@ from eom.checker.mean.values import (
     Value,
     basis,
     components,
+    made,
     refuse,
 )
 from eom.checker.read.grammar import read_formula
@@ -269,9 +269,9 @@ def raised(e: Elaborator, value: Value, above: Node, span: Span) -> Value:
             value = marked(e, value, mark, span)
         return value
     if isinstance(above, Symbol) and above.name in TRANSPOSED:
-        return transposed(e.lexicon.notation, value, span)
+        return transpose_of(e.lexicon.notation, value, span)
     if isinstance(above, Addition) and labels(above) in {("-", "T"), ("-", "top")}:
-        return transposed(e.lexicon.notation, inverted(e, value, span), span)
+        return transpose_of(e.lexicon.notation, inverted(e, value, span), span)
     if isinstance(above, Product) and all(isinstance(f, Marks | Symbol) for f in above.factors):
         for factor in above.factors:
             value = raised(e, value, factor, span)

@@ -30,9 +30,9 @@ from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value
 from eom.errors import InputError
 from eom.exact.series import Singular
-from eom.exact.solutions import rate
 from eom.system import Expr, System
 from eom.terms.terms import Term, expr, nodes
+from eom.worlds.solutions import rate
 from eom.worlds.worlds import ASSUMPTIONS, closure
 
 MAX_EARLIER = 4

@@ -31,9 +31,9 @@ from eom.checker.read.writing import latex
 from eom.checker.repair.lines import Line, Place, valued
 from eom.errors import InputError
 from eom.exact.series import Singular
-from eom.exact.solutions import Inconsistent, Motion, Restriction, order
 from eom.system import Expr
 from eom.terms.terms import Term
+from eom.worlds.solutions import Inconsistent, Motion, Restriction, order
 
 SPECIAL = 6
 """Restrictions under which repairs are looked for at most, one at a time."""

@@ -19,10 +19,10 @@ import sympy as sp
 from eom.checker.judge.systems import given_in, written
 from eom.checker.mean.model import Model
 from eom.errors import InputError
-from eom.exact.numerals import without_rates
-from eom.exact.solutions import Restriction, rate
 from eom.system import Expr, System
 from eom.terms.terms import Term
+from eom.worlds.numerals import without_rates
+from eom.worlds.solutions import Restriction, rate
 
 DRAWS = 24
 """States that are tried at most."""

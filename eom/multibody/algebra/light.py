@@ -17,7 +17,8 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from eom.multibody.algebra.values import value
-from eom.system import Definition, Quantity, nodes
+from eom.quantities import Definition, Quantity
+from eom.system import nodes
 
 Expr = Any
 Number = int | Fraction

@@ -24,7 +24,8 @@ from eom.multibody.closed.readable import Writer
 from eom.multibody.closed.terms import KINDS, Part, factor, parts
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of, singularities_of
-from eom.system import TIME, Definition, Quantity, System, as_expression
+from eom.quantities import TIME, Definition, Quantity
+from eom.system import System, as_expression
 from eom.typeset.shown import shown
 
 Expr = Any

@@ -36,7 +36,8 @@ from eom.multibody.algebra.values import is_number
 from eom.multibody.closed.polynomials import Algebra, Polynomial, Scalar
 from eom.multibody.model.joints import QUATERNION, Setting
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Placement, Tree
-from eom.system import TIME, Quantity, as_expression
+from eom.quantities import TIME, Quantity
+from eom.system import as_expression
 
 Expr = Any
 

@@ -32,7 +32,7 @@ from eom.multibody.constrained.spots import Arithmetic, Scene, scene
 from eom.multibody.model.constraints import Coupling, Rolling, Skate, SpeedEquation
 from eom.multibody.model.model import GROUND, Tree, moves_nothing
 from eom.multibody.recursion.skeleton import Skeleton
-from eom.system import TIME, Assumption, Definition, Quantity, Singularity
+from eom.quantities import TIME, Assumption, Definition, Quantity, Singularity
 
 OF_SPEEDS = (Coupling, Rolling, Skate, SpeedEquation)
 """Constraints whose dependent speeds are eliminated unless one asks for multipliers."""

@@ -27,7 +27,7 @@ from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Body, Joint, Tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
-from eom.system import TIME
+from eom.quantities import TIME
 
 TURNS = 200
 SLOW, BARELY = 8, 1e-4

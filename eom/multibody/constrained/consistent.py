@@ -20,7 +20,8 @@ from eom.multibody.constrained.configurations import (
 from eom.multibody.constrained.dependence import Sample, examine, independent_rows, not_met
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import symbols_of
-from eom.system import TIME, System
+from eom.quantities import TIME
+from eom.system import System
 
 NOTABLE = 1e-12
 """Changes, relative to the size of a value (1 at least), that are told."""

@@ -25,7 +25,7 @@ from eom.multibody.constrained.configurations import (
 )
 from eom.multibody.constrained.equations import Component
 from eom.multibody.model.model import Tree
-from eom.system import TIME
+from eom.quantities import TIME
 
 RANK = 1e-8
 """Remainder of a row, relative to the row, below which it counts as dependent."""

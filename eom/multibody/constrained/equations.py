@@ -47,7 +47,7 @@ from eom.multibody.model.constraints import (
 )
 from eom.multibody.model.model import Constraint, Tree
 from eom.multibody.recursion.motion import coordinate_rates
-from eom.system import TIME
+from eom.quantities import TIME
 
 
 @dataclass(frozen=True)

@@ -80,32 +80,6 @@ class LoadPart(Part):
     axes: Literal["body", "ground"] = "ground"
 
 
-class TreeDescription(Request):
-    """Bodies joined to the ground, loads, numbers, and what is asked for.
-
-    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
-    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
-    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters; what is not given is
-    zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
-    the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
-    that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
-    (`eom.multibody.files.outputs.Choice`); all states and points where none are named.
-    """
-
-    model: Literal["tree"] = "tree"
-    gravity: Formulas = (0, 0, 0)
-    bodies: dict[str, BodyPart]
-    joints: dict[str, JointPart]
-    loads: dict[str, LoadPart] = Field(default_factory=dict)
-    constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
-    rotors: dict[str, RotorPart] = Field(default_factory=dict)
-    springs: dict[str, SpringPart] = Field(default_factory=dict)
-    points: dict[str, PointPart] = Field(default_factory=dict)
-    keep: tuple[str, ...] = ()
-    initial: dict[str, Formula] = Field(default_factory=dict)
-    initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)
-
-
 class RotorPart(Part):
     """A rotor in a body: see `eom.multibody.model.attachments.Rotor`.
 
@@ -216,3 +190,29 @@ ConstraintPart = Annotated[
     LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | SkatePart,
     Field(discriminator="kind"),
 ]
+
+
+class TreeDescription(Request):
+    """Bodies joined to the ground, loads, numbers, and what is asked for.
+
+    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
+    ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
+    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters; what is not given is
+    zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
+    the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
+    that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
+    (`eom.multibody.files.outputs.Choice`); all states and points where none are named.
+    """
+
+    model: Literal["tree"] = "tree"
+    gravity: Formulas = (0, 0, 0)
+    bodies: dict[str, BodyPart]
+    joints: dict[str, JointPart]
+    loads: dict[str, LoadPart] = Field(default_factory=dict)
+    constraints: dict[str, ConstraintPart] = Field(default_factory=dict)
+    rotors: dict[str, RotorPart] = Field(default_factory=dict)
+    springs: dict[str, SpringPart] = Field(default_factory=dict)
+    points: dict[str, PointPart] = Field(default_factory=dict)
+    keep: tuple[str, ...] = ()
+    initial: dict[str, Formula] = Field(default_factory=dict)
+    initial_attitude: dict[str, InitialAttitude] = Field(default_factory=dict)

@@ -13,8 +13,9 @@ from eom.multibody.recursion.points import Point
 from eom.multibody.recursion.tally import Savings
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
 from eom.multibody.system.told import OUTPUTS
+from eom.quantities import Definition
 from eom.structure import kept as kept_attitudes
-from eom.system import Definition, System
+from eom.system import System
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "energies": ("kinetic_energy", "potential_energy"),

@@ -48,8 +48,8 @@ from eom.multibody.model.constraints import (
 from eom.multibody.model.joints import KINDS
 from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
 from eom.multibody.recursion.points import Point
+from eom.quantities import TIME, Quantity
 from eom.scenes.naming import check_names, spelling
-from eom.system import TIME, Quantity
 
 
 def placement(part: Place, read: Formulas, where: str) -> Placement:

@@ -47,7 +47,8 @@ from eom.multibody.recursion.motion import (
 )
 from eom.multibody.recursion.recursions import accelerated
 from eom.multibody.recursion.skeleton import Lift, Seat, Skeleton, skeleton
-from eom.system import TIME, Definition, Quantity, System
+from eom.quantities import TIME, Definition, Quantity
+from eom.system import System
 
 MOMENTS = tuple((i, j) for i in range(3) for j in range(i, 3))
 _UNITS = {"J": "kg m^2", "h": "kg m", "m": "kg"}

@@ -13,7 +13,7 @@ from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
-from eom.system import TIME, Quantity
+from eom.quantities import TIME, Quantity
 
 
 @typed_fields

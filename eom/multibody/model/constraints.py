@@ -22,7 +22,7 @@ from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
 from eom.multibody.model.joints import KINDS, Kind
 from eom.multibody.model.model import GROUND, HERE, Constraint, Placement, Tree
-from eom.system import TIME
+from eom.quantities import TIME
 
 CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
 """Kinds of joints that close loops."""

@@ -22,7 +22,7 @@ from eom.multibody.algebra.values import Value
 from eom.multibody.model import checks
 from eom.multibody.model.attachments import Rotor, Spring
 from eom.multibody.model.joints import KINDS, QUATERNION, Kind
-from eom.system import TIME, Quantity
+from eom.quantities import TIME, Quantity
 
 GROUND = "ground"
 """What does not move: the parent of the first joints, with the axes that are inertial."""

@@ -9,8 +9,9 @@ from eom.kinematics.coordinates import rotation_sequence
 from eom.multibody.algebra.values import is_number
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Tree
+from eom.quantities import TIME, Quantity, Singularity
 from eom.structure import COUNTS
-from eom.system import TIME, BodyAttitude, Expr, Quantity, Singularity
+from eom.system import BodyAttitude, Expr
 
 
 def states_of(tree: Tree, dependent: Iterable[int] = ()) -> tuple[Quantity, ...]:

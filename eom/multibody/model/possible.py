@@ -8,7 +8,7 @@ import sympy as sp
 
 from eom.mass.inertia import physical
 from eom.multibody.algebra.values import is_number
-from eom.system import Assumption
+from eom.quantities import Assumption
 
 if TYPE_CHECKING:
     from eom.multibody.model.model import Body, Tree

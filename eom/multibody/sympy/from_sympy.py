@@ -25,7 +25,7 @@ from eom.exact.identity import vanishes
 from eom.kinematics.coordinates import SEQUENCES, rotation_sequence
 from eom.kinematics.frames import vector
 from eom.multibody.model.model import GROUND, Body, Joint, Load, Placement, Tree
-from eom.system import TIME
+from eom.quantities import TIME
 
 Expr = Any
 

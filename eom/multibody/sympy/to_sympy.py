@@ -24,7 +24,8 @@ from eom.multibody.algebra.spatial import IDENTITY
 from eom.multibody.closed.mechanism import refuse_unknown
 from eom.multibody.model.joints import QUATERNION, Setting
 from eom.multibody.model.model import GROUND, Joint, Tree
-from eom.system import TIME, as_expression
+from eom.quantities import TIME
+from eom.system import as_expression
 
 Expr = Any
 _WORK = Numbers(sp.sin, sp.cos)

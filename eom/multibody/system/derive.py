@@ -31,7 +31,8 @@ from eom.multibody.recursion.points import Point
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.multibody.system.reactions import Reaction, of_all
 from eom.multibody.system.told import Told, Variables, check, invariants_of, told_of
-from eom.system import BodyAttitude, Definition, Expr, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import BodyAttitude, Expr, System
 
 
 @typed

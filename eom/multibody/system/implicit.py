@@ -31,7 +31,8 @@ from eom.multibody.recursion.recursions import inverse_dynamics
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.multibody.system.derive import derive, variables_of
 from eom.multibody.system.told import Variables
-from eom.system import Definition, Quantity, System
+from eom.quantities import Definition, Quantity
+from eom.system import System
 
 
 @dataclass(frozen=True)

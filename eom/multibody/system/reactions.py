@@ -36,7 +36,7 @@ from eom.multibody.model.model import CENTRE, GROUND, ORIGIN, Joint, Tree
 from eom.multibody.recursion.motion import Scalars, places, poses
 from eom.multibody.recursion.recursions import along_joints, transmitted
 from eom.multibody.recursion.skeleton import Lift, Seat, Skeleton, skeleton
-from eom.system import Definition, Quantity
+from eom.quantities import Definition, Quantity
 
 JOINT = "joint"
 

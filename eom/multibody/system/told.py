@@ -32,7 +32,7 @@ from eom.multibody.recursion.quantities import (
 from eom.multibody.recursion.skeleton import Skeleton
 from eom.multibody.system import reactions
 from eom.multibody.system.reactions import Reaction, joint_named, of_all
-from eom.system import TIME, Definition, Quantity
+from eom.quantities import TIME, Definition, Quantity
 
 
 @dataclass(frozen=True)

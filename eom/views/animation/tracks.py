@@ -43,7 +43,7 @@ from eom.multibody.recursion.quantities import (
     momentum,
 )
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
-from eom.system import TIME
+from eom.quantities import TIME
 
 if TYPE_CHECKING:
     from codegen import Result

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from eom.quantities import Definition
 from eom.scenes import start
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
-from eom.system import Definition
 from eom.views.animation.equivalents import central, equivalent
 from eom.views.animation.tracks import matrices
 from eom.views.body.frame_sketches import SPACE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from eom.system import Quantity
+from eom.quantities import Quantity
 from eom.views.live.subject import Knob
 
 POSITIVE_UNITS = frozenset({"kg", "kg m^2"})

@@ -29,7 +29,7 @@ from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
 from eom.multibody.files.scene import TreeScene
 from eom.opening import AnyScene
-from eom.system import Definition
+from eom.quantities import Definition
 from eom.typeset.boxes import symbol
 from eom.typeset.markup import render
 from eom.typeset.policy import hashed, policy

@@ -21,11 +21,12 @@ from eom.kinematics.frames import vector
 from eom.kinematics.rotations import angles_of_matrix, matrix_of
 from eom.mechanics.rigidbody import OMEGA, full_inertia
 from eom.mechanics.spinning import I1, I2, PHI, PSI, THETA
+from eom.quantities import TIME, Definition, Quantity
 from eom.scenes import assembly, parse, start
 from eom.scenes.conventions import attitude_at_start
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
-from eom.system import TIME, Definition, Quantity, System
+from eom.system import System
 from eom.views.live.knobs import knob, of_states
 from eom.views.live.subject import MOST_SWITCHES, VIEW, Data, Knob, Subject, Switch, Variant
 

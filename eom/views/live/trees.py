@@ -21,8 +21,9 @@ from eom.multibody.model.model import Tree
 from eom.multibody.recursion.points import Point
 from eom.multibody.recursion.tally import savings
 from eom.multibody.system.derive import derive
+from eom.quantities import Definition, Quantity
 from eom.scenes.reduce import cost
-from eom.system import Definition, Quantity, System, as_expression
+from eom.system import System, as_expression
 from eom.views.live.knobs import knob, of_states
 from eom.views.live.subject import VIEW, Knob, Subject, Switch, Variant
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from codegen import Result
     from codegen.runs.drift import Drift
     from eom.opening import AnyScene
-    from eom.system import Quantity, System
+    from eom.quantities import Quantity
+    from eom.system import System
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:

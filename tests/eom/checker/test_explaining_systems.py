@@ -12,7 +12,7 @@ from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.read.documents import read_document
 from eom.checker.read.grammar import read_formula
 from eom.checker.repair.explaining import explain
-from eom.exact.solutions import rate
+from eom.worlds.solutions import rate
 from tests.eom.checker.system_lines import left_side, load_model, names_of, slips
 from tests.eom.checker.test_systems import TOP, latex, lexicon
 

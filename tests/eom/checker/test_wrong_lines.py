@@ -20,7 +20,7 @@ from eom.checker.repair.corrections import workshop
 from eom.checker.repair.explaining import corrected, explain
 from eom.checker.repair.lines import line
 from eom.checker.repair.state_examples import points
-from eom.exact.solutions import rate
+from eom.worlds.solutions import rate
 from eom.worlds.special import telling
 from tests.eom.checker.test_parameters import PLATE
 from tests.eom.checker.test_systems import TOP, lexicon

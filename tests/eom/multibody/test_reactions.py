@@ -32,7 +32,7 @@ from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.quantities import flow
 from eom.multibody.recursion.skeleton import skeleton
 from eom.multibody.system.reactions import Wrenches
-from eom.system import TIME
+from eom.quantities import TIME
 from tests.eom.multibody.trees import EXACT, number, state, tree
 
 seeds = st.integers(0, 10**6)

@@ -6,7 +6,8 @@ import sympy as sp
 
 import codegen
 from eom.errors import InputError
-from eom.exact.identity import equal, is_invariant
+from eom.exact.identity import equal
+from eom.mechanics.invariants import is_invariant
 from eom.multibody import Body, Joint, Placement, Rotor, Tree, derive
 
 J, c = sp.symbols("J c", positive=True)

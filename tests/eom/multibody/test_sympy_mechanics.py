@@ -13,7 +13,7 @@ from eom.multibody import Body, Joint, Motion, Placement, Tree, derive
 from eom.multibody.closed import closed_form
 from eom.multibody.sympy.from_sympy import body_from_sympy, placement_from_sympy, tree_from_sympy
 from eom.multibody.sympy.to_sympy import lagranges_method, to_sympy
-from eom.system import TIME
+from eom.quantities import TIME
 from tests.eom.multibody.small_trees import SCENES, J, c, g, k, l, m, pendulum, rotating, top
 from tests.eom.multibody.test_closed_forms import on_sphere
 from tests.eom.multibody.trees import tree

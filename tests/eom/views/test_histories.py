@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from codegen.runs.drift import Drift
 from codegen.runs.simulation import Result
 from eom.errors import InputError
+from eom.quantities import Quantity
 from eom.scenes.scene import Scene
-from eom.system import Quantity
 from eom.views.draw import lettering
 from eom.views.draw.picture import Curve
 from eom.views.draw.printed import thinned

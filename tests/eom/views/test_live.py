@@ -410,7 +410,7 @@ def test_the_switch_of_symmetry_is_about_the_moments_that_are_equal(moments):
 def test_sliders_hold_their_values_and_long_motions_are_shown_fast():
     for unit in ("rad", "kg", "N m", ""):
         for value in (0.0, 1e-6, 3.0, -250.0):
-            quantity = eom.system.Quantity(eom.scenes.parse.sp.Symbol("x", real=True), unit)
+            quantity = eom.quantities.Quantity(eom.scenes.parse.sp.Symbol("x", real=True), unit)
             if unit != "kg" or value > 0:
                 k = knobs.knob(quantity, value, "start")
                 assert k.low <= value <= k.high

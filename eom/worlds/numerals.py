@@ -1,6 +1,6 @@
 """Numbers for the quantities of a system, to many digits: what differs for certain.
 
-The counterpart of `eom.exact.solutions` for roots and inverse functions, whose branches no finite field
+The counterpart of `eom.worlds.solutions` for roots and inverse functions, whose branches no finite field
 has.
 """
 
@@ -11,8 +11,8 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from eom.exact.solutions import INVERSES, Restriction, order, rate
 from eom.system import Expr, System
+from eom.worlds.solutions import INVERSES, Restriction, order, rate
 
 DIGITS = 40
 TRIALS = 4
