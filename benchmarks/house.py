@@ -23,12 +23,12 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 598,
-    "lines of code": 80_000,
-    "modules in the fullest folder": 128,
-    "folders of more than 25 modules": 4,
-    "circles of files": 20,
-    "circles of folders": 1,
+    "modules": 552,
+    "lines of code": 79_000,
+    "modules in the fullest folder": 26,
+    "folders of more than 25 modules": 1,
+    "circles of files": 1,
+    "circles of folders": 0,
     "lines of functions, ninth decile": 19,
 }
 """What no change may make worse; a change that makes one better lowers it."""
@@ -106,14 +106,22 @@ def graph(found: Iterable[Module]) -> Graph:
     return {m.name: m.imports(names) for m in listed}
 
 
+def stages(found: Iterable[Module]) -> dict[str, str]:
+    """Return the stage of each module that is no folder's own: its folder, or itself beside folders.
+
+    A module that lies directly in a package of `PACKAGES` is a stage by itself: these are the contract of
+    both packages and what opens scenes of every kind.
+    """
+    plain = (m for m in found if not m.is_folder)
+    return {m.name: m.name if m.folder in PACKAGES else m.folder for m in plain}
+
+
 def of_folders(found: Iterable[Module], edges: Graph) -> Graph:
-    """Return what the modules of each folder import from others; folders' own modules do not count."""
-    listed = list(found)
-    folder = {m.name: m.folder for m in listed if not m.is_folder}
-    between: dict[str, set[str]] = {m.folder: set() for m in listed}
-    for name, targets in edges.items():
-        if name in folder:
-            between[folder[name]] |= {folder[t] for t in targets if t in folder} - {folder[name]}
+    """Return what the modules of each stage import from others; folders' own modules do not count."""
+    stage = stages(found)
+    between: dict[str, set[str]] = {s: set() for s in stage.values()}
+    for name in stage:
+        between[stage[name]] |= {stage[t] for t in edges[name] if t in stage} - {stage[name]}
     return between
 
 

@@ -1,8 +1,10 @@
 """How large the product is and how it hangs together: no figure gets worse."""
 
+import ast
 import dataclasses
 import importlib
 import re
+from fnmatch import fnmatchcase
 from functools import cache
 
 import pytest
@@ -43,7 +45,7 @@ def test_every_import_counts_and_texts_do_not(tmp_path):
         "eom": set(), "eom.a": {"eom.b"}, "eom.b": {"eom.c.d"}, "eom.c": set(), "eom.c.d": {"eom.a"},
     }  # fmt: skip
     assert house.circles(edges) == [["eom.a", "eom.b", "eom.c.d"]]
-    assert house.circles(house.of_folders(found, edges)) == [["eom", "eom.c"]]
+    assert house.circles(house.of_folders(found, edges)) == [["eom.a", "eom.b", "eom.c"]]
     assert [m.code for m in found] == [0, 2, 3, 0, 2]
     assert house.function_lengths(found) == [3]
 
@@ -52,6 +54,35 @@ def test_packages_show_their_public_names_alone():
     for package in (codegen, eom):
         assert dir(package) == sorted(package.__all__)
         assert all(hasattr(package, name) for name in package.__all__)
+
+
+FOUND = house.modules()
+CONTRACTS = {m.name: ast.get_docstring(ast.parse(m.text)) or "" for m in FOUND if m.is_folder}
+
+
+def named(contract):
+    """What a folder says that it imports: stages, or all of a package."""
+    *_, last = contract.rpartition("Imports: ")
+    return re.findall(r"`([a-z_.]+\*?)`", last.partition(".\n\n")[0])
+
+
+def test_each_folder_imports_what_its_contract_names_and_no_other():
+    """The docstring of a folder says what comes in, what goes out, and what it may import."""
+    wrong = {}
+    for folder, imported in house.of_folders(FOUND, house.graph(FOUND)).items():
+        if folder in CONTRACTS:
+            may = named(CONTRACTS[folder])
+            beyond = [n for n in imported if not any(fnmatchcase(n, m) for m in may)]
+            in_vain = [m for m in may if not any(fnmatchcase(n, m) for n in imported)]
+            if beyond or in_vain:
+                wrong[folder] = {"imports beyond its contract": beyond, "named in vain": in_vain}
+    assert wrong == {}
+    assert [f for f, text in CONTRACTS.items() if "Imports: " not in text and "." in f] == []
+
+
+def test_a_contract_is_ten_lines_at_most():
+    folders = {f: c.partition("\n>>>")[0].splitlines() for f, c in CONTRACTS.items()}
+    assert {f: len(lines) for f, lines in folders.items() if len(lines) > 10} == {}
 
 
 @cache

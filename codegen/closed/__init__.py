@@ -1,1 +1,7 @@
-"""Closed forms: the free body, the heavy top, the spinner, and where they are proved to hold."""
+"""Closed forms, where they are proved to hold.
+
+In: a compiled system with the values of a run. Out: trajectories of the free body, the heavy top and
+the spinner.
+Imports: `codegen.compiling`, `codegen.frontend`, `codegen.ir`, `codegen.native`, `codegen.targets`,
+`eom.errors`, `eom.quantities`.
+"""

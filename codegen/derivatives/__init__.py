@@ -1,1 +1,5 @@
-"""Derivatives of programs: Jacobians, products, Taylor recurrences."""
+"""Derivatives of programs.
+
+In: programs. Out: programs of Jacobians, products, Taylor recurrences.
+Imports: `codegen.frontend`, `codegen.ir`, `codegen.passes`, `eom.errors`, `eom.tables`.
+"""

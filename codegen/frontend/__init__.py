@@ -1,1 +1,5 @@
-"""From a system, or SymPy's mechanics, to a program: lowering, layout, what is known of its structure."""
+"""From a system, or SymPy's mechanics, to a program.
+
+In: a `System`. Out: a program, the layout of its arrays, what is known of its structure.
+Imports: `codegen.ir`, `eom.errors`, `eom.quantities`, `eom.system`, `eom.tables`.
+"""

@@ -1,1 +1,8 @@
-"""Integration of systems: methods as tables, one adaptive loop in C, and SciPy's methods."""
+"""Methods as a table, and what drives them.
+
+In: a `Task`: a compiled system with its problem. Out: trajectories, by our loops, on groups, by SciPy
+and SUNDIALS, in lanes.
+Imports: `codegen.closed`, `codegen.compiling`, `codegen.derivatives`, `codegen.frontend`, `codegen.ir`,
+`codegen.loops`, `codegen.native`, `codegen.passes`, `codegen.targets`, `codegen.watch`, `eom.errors`,
+`eom.quantities`, `eom.tables`.
+"""

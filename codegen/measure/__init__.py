@@ -1,1 +1,5 @@
-"""Tools that measure: run time against error, numerical stability."""
+"""Tools that measure.
+
+In: compiled systems, runs. Out: tables and pictures' data.
+Imports: `codegen.native`.
+"""

@@ -1,4 +1,9 @@
-"""Targets: each writes a program in one language, by a table of templates and one loop."""
+"""Targets: each writes a program in one language, by a table of templates and one loop.
+
+In: programs and layouts. Out: texts in C, NumPy, Python and JavaScript.
+Imports: `codegen.frontend`, `codegen.ir`, `codegen.passes`, `codegen.watch`, `eom.errors`,
+`eom.quantities`, `eom.tables`.
+"""
 
 from __future__ import annotations
 

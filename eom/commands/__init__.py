@@ -1,1 +1,5 @@
-"""The commands of `eom`: one module a group of them; heavy packages are imported where they are used."""
+"""The commands of `eom`: one module a group; heavy packages are imported where they are used.
+
+In: arguments of a command line. Out: text, files, exit statuses.
+Imports: `codegen.*`, `eom.*`.
+"""

@@ -1,1 +1,7 @@
-"""To be said."""
+"""Systems of single bodies, derived from momentum, and what is known of their motion.
+
+In: inertia, attitude, torques. Out: `System`s; free motion, steady spins, equilibria, constants of the
+motion.
+Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.mass`, `eom.quantities`, `eom.structure`,
+`eom.system`.
+"""

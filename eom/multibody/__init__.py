@@ -1,4 +1,7 @@
-"""Many bodies: trees of joints, their recursions, and the systems that they give."""
+"""Many bodies: trees of joints, their recursions, and the systems that they give.
+
+Imports: nothing of ours.
+"""
 
 from eom.multibody.closed import (
     ClosedForm,

@@ -1,1 +1,6 @@
-"""To be said."""
+"""Scenes of one body: a file or an object becomes a system with its numbers.
+
+In: TOML or Python. Out: `Scene`s: systems without what is left out, parameters, initial states.
+Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.mass`, `eom.mechanics`, `eom.proof`,
+`eom.quantities`, `eom.structure`, `eom.system`.
+"""

@@ -1,1 +1,5 @@
-"""To be said."""
+"""Statements of vector mechanics as typed terms.
+
+In: names of the vocabulary. Out: terms and equations, which rules rewrite and worlds evaluate.
+Imports: `eom.errors`.
+"""

@@ -1,4 +1,6 @@
-"""What people look at: pictures, animations and live pages, made from motions that `codegen` computes.
+"""What people look at, made from motions that `codegen` computes: the outer layer with `eom.commands`.
 
-With `eom.commands` the outer layer: it sees both packages, and neither knows it.
+In: scenes, results, mass properties. Out: pictures, animations, live pages.
+Imports: `codegen.measure.workprecision`, `eom.errors`, `eom.opening`, `eom.scenes`, `eom.views.body`,
+`eom.views.draw`, `eom.views.time`, `eom.views.tree`.
 """

@@ -1,1 +1,6 @@
-"""To be said."""
+"""Whether a claim is true, and under what.
+
+In: claims. Out: judgements: verdicts with the smallest sets of assumptions.
+Imports: `eom.checker.mean`, `eom.checker.read`, `eom.derivations`, `eom.errors`, `eom.exact`,
+`eom.limits`, `eom.system`, `eom.terms`, `eom.worlds`.
+"""

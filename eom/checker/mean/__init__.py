@@ -1,1 +1,8 @@
-"""To be said."""
+"""What symbols mean: trees become typed values with dimensions.
+
+In: statements, a lexicon, the words around them. Out: claims, the system or solid that a note is about,
+findings on what does not fit.
+Imports: `eom.checker.read`, `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.limits`, `eom.mass`,
+`eom.mechanics`, `eom.opening`, `eom.quantities`, `eom.scenes`, `eom.system`, `eom.terms`,
+`eom.typeset`, `eom.worlds`.
+"""

@@ -12,7 +12,7 @@ from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.mean.lexicon import Found
 from eom.checker.mean.meanings import Meaning
-from eom.checker.mean.operations import overdot, rate, skew
+from eom.checker.mean.operations import overdot, rate, skew, transpose_of
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,

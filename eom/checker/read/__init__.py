@@ -1,1 +1,6 @@
-"""To be said."""
+"""From text to statements.
+
+In: files and texts of notes. Out: pieces in their order, formulas as trees with a place on every node,
+statements.
+Imports: `eom.errors`.
+"""

@@ -1,4 +1,8 @@
-"""Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term."""
+"""Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term.
+
+Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.multibody.algebra`, `eom.multibody.model`,
+`eom.quantities`, `eom.system`, `eom.typeset`.
+"""
 
 from eom.multibody.closed.angles import absolute_angles
 from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare

@@ -1,1 +1,7 @@
-"""To be said."""
+"""Scenes of trees, and robots.
+
+In: TOML or URDF. Out: `TreeScene`s: trees, parameters, initial states, outputs.
+Imports: `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.multibody.algebra`,
+`eom.multibody.constrained`, `eom.multibody.model`, `eom.multibody.recursion`, `eom.multibody.system`,
+`eom.quantities`, `eom.scenes`, `eom.structure`, `eom.system`.
+"""

@@ -3,6 +3,8 @@
 A rule is a function ``Term -> Term`` that knows one law; a derivation applies rules and gives the
 reason. Rules know no physics beyond the calculus of vectors, sums and derivatives: everything else
 enters through `use` and `put`, which replace one side of an established statement by the other.
+
+Imports: `eom.kinematics`, `eom.terms`.
 """
 
 from eom.terms.rules.basic import Rule, apply, at, everywhere, inside, until_stable

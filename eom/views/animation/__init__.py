@@ -1,1 +1,7 @@
-"""To be said."""
+"""Where bodies are and what they look like: pages and films of them.
+
+In: scenes and results. Out: tracks and figures as data, one page of HTML, GIF, APNG, WebP.
+Imports: `eom.errors`, `eom.kinematics`, `eom.mass`, `eom.multibody.algebra`, `eom.multibody.files`,
+`eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.quantities`, `eom.scenes`,
+`eom.structure`, `eom.typeset`, `eom.views.draw`.
+"""

@@ -1,1 +1,7 @@
-"""To be said."""
+"""Pictures of one body and its motion.
+
+In: scenes, histories, moments of inertia. Out: pictures.
+Imports: `codegen.closed`, `eom.errors`, `eom.kinematics`, `eom.mechanics`, `eom.multibody.algebra`,
+`eom.opening`, `eom.quantities`, `eom.scenes`, `eom.views.animation`, `eom.views.draw`,
+`eom.views.time`.
+"""

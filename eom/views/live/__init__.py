@@ -1,6 +1,8 @@
 """Live pages: the equations of a scene, integrated where they are looked at.
 
-`page.page` makes one file of HTML from a scene: what can be changed (`knobs`), what can be left out
-(`single`, `trees`: one right-hand side for every choice, made beforehand), equations (`equations`), the
-generated JavaScript (`code`), and what of `eom/views/web` draws it.
+In: a scene. Out: one page of HTML with generated JavaScript.
+Imports: `codegen.frontend`, `codegen.ir`, `codegen.loops`, `codegen.passes`, `codegen.targets`,
+`eom.errors`, `eom.kinematics`, `eom.mechanics`, `eom.multibody.algebra`, `eom.multibody.files`,
+`eom.multibody.model`, `eom.multibody.recursion`, `eom.multibody.system`, `eom.opening`,
+`eom.quantities`, `eom.scenes`, `eom.system`, `eom.terms`, `eom.typeset`.
 """

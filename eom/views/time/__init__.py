@@ -1,1 +1,6 @@
-"""To be said."""
+"""Histories of a run, and run time against error.
+
+In: results, measured points. Out: pictures.
+Imports: `codegen.measure.workprecision`, `codegen.runs`, `eom.errors`, `eom.opening`, `eom.quantities`,
+`eom.scenes`, `eom.system`, `eom.views.draw`.
+"""
