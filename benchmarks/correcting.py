@@ -20,7 +20,7 @@ import click
 from benchmarks import checking
 from benchmarks.checking import GIVEN, LETTERS, lexicon_of, read_truth
 from benchmarks.table import time_text
-from eom.checker.judge.contexts import contexts
+from eom.checker.judge.judge import contexts
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import Claim

@@ -49,8 +49,9 @@ from eom.checker.read.syntax import (
     Product,
     Scripts,
     Symbol,
+    transform,
+    walk,
 )
-from eom.checker.read.trees import transform, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.explaining import corrected
 from eom.errors import InputError

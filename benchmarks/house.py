@@ -23,10 +23,10 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 552,
-    "lines of code": 79_000,
-    "modules in the fullest folder": 26,
-    "folders of more than 25 modules": 1,
+    "modules": 513,
+    "lines of code": 78_300,
+    "modules in the fullest folder": 25,
+    "folders of more than 25 modules": 0,
     "circles of files": 1,
     "circles of folders": 0,
     "lines of functions, ninth decile": 19,

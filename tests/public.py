@@ -20,50 +20,47 @@ from dataclasses import dataclass, is_dataclass
 
 PACKAGES = ("eom", "eom.exercises", "eom.multibody", "codegen")
 MODULES = {
-    "eom.scenes.conventions": (
-        "Convention Stated attitude_of_angles attitude_of_matrix attitude_of_quaternion book changed "
-        "of_scene state"
-    ),
     "eom.derivations.lectures": "equation_map",
-    "eom.kinematics.frames": "vector",
+    "eom.derivations.verification": "DerivationError",
     "eom.kinematics.coordinates": "attitude elementary",
+    "eom.kinematics.frames": "vector",
+    "eom.kinematics.rotations": "matrix_of_quaternion",
+    "eom.mass.principal": "definiteness principal_axes",
     "eom.mass.properties": "MassProperties",
+    "eom.mass.regions": "Region properties simplex",
+    "eom.mass.solids": "inertia mass_properties",
+    "eom.mechanics.recognition": "recognise",
+    "eom.mechanics.torques": "applied gravity_gradient weight",
     "eom.multibody.sympy.from_sympy": "tree_from_sympy",
     "eom.multibody.sympy.to_sympy": "lagranges_method to_sympy",
-    "eom.mass.principal": "definiteness principal_axes",
+    "eom.scenes.conventions": (
+        "Convention Stated attitude_of_angles attitude_of_matrix attitude_of_quaternion book "
+        "changed of_scene state"
+    ),
     "eom.typeset.printing": "show",
-    "eom.mechanics.recognition": "recognise",
-    "eom.mass.regions": "Region properties simplex",
-    "eom.kinematics.rotations": "matrix_of_quaternion",
-    "eom.mass.solids": "inertia mass_properties",
-    "eom.mechanics.torques": "applied gravity_gradient weight",
-    "eom.derivations.verification": "DerivationError",
-    "eom.views.animation.animation": "animation_of",
+    "eom.views.animation.animation": "animation_of animation_of_motion",
     "eom.views.animation.animation_page": "page",
     "eom.views.body.body_sketch": "body_sketch",
     "eom.views.body.cones": "cones free_cones",
     "eom.views.body.frame_sketches": "frame_sketch",
     "eom.views.body.free": "FreeBody free_body",
-    "eom.views.gallery": "PICTURES Ask available picture pictures",
-    "eom.views.time.histories": "histories histories_of quantities",
-    "eom.views.tree.joint_trees": "joint_tree",
-    "eom.views.live.page": "page",
     "eom.views.body.momentum_path": "momentum_path",
-    "eom.views.animation.motions": "animation_of_motion",
-    "eom.views.draw.picture": (
-        "COLOURS Arrow Axis Curve Marks Panel Picture Surface Words check points"
-    ),
     "eom.views.body.poinsot": "herpolhode",
     "eom.views.body.polhodes": "ellipsoids polhodes",
-    "eom.views.draw.printed": "figure",
-    "eom.views.body.rotating": "Turning turning",
-    "eom.views.draw.saving": "save",
-    "eom.views.body.sphere": "sphere",
-    "eom.views.tree.tree_frames": "tree_frames",
-    "eom.views.tree.tree_sketch": "tree_sketch",
-    "eom.views.draw.turned_page": "figure",
+    "eom.views.body.rotating": "Turning sphere turning",
     "eom.views.body.wheel": "wheel wheel_of",
+    "eom.views.draw.picture": (
+        "Arrow Axis COLOURS Curve Marks Panel Picture Surface Words check points"
+    ),
+    "eom.views.draw.printed": "figure",
+    "eom.views.draw.saving": "save",
+    "eom.views.draw.turned": "figure",
+    "eom.views.gallery": "Ask PICTURES available picture pictures",
+    "eom.views.live.page": "page",
+    "eom.views.time.histories": "histories histories_of quantities",
     "eom.views.time.work_precision": "work_precision",
+    "eom.views.tree.joint_trees": "joint_tree",
+    "eom.views.tree.tree_sketch": "tree_frames tree_sketch",
 }
 """Names of modules that documents tell users to import, beside those of the packages."""
 DUNDERS = ("__call__", "__getitem__")

@@ -13,8 +13,7 @@ from typing import Any
 from codegen.closed.held import DIGITS, Held, fraction, states_of
 from codegen.closed.polhode import context, number
 from codegen.frontend.attitude import FRAME, INERTIA, OMEGA, QUATERNION, Stated
-from codegen.ir.columns import symmetric
-from codegen.ir.passes import needed
+from codegen.ir.passes import needed, symmetric
 from codegen.ir.program import Program
 from codegen.ir.residues import PRIME, RandomPoint, inverse
 

@@ -23,7 +23,7 @@ from codegen.ir.tracing import traced
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.targets import lanes
-from codegen.targets.c_lines import guarded
+from codegen.targets.c import guarded
 from eom.errors import InputError
 from eom.quantities import TIME, Quantity
 

@@ -48,7 +48,8 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.loops import javascript, written
 from codegen.loops.written import Choice
-from codegen.native import fastcall, native
+from codegen.native import native
+from codegen.native.native import bind
 from codegen.passes.pipeline import fitted, formed, optimise
 from codegen.passes.stages import by_parameters
 from codegen.targets import c, checks, lanes, load_module, packaging, python_
@@ -309,7 +310,7 @@ def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
             layout.sizes[group],
         )
         addresses = _address(library, f"{name}_{group}"), prepare
-        functions[group] = fastcall.bind(addresses, lengths, constants, checked)
+        functions[group] = bind(addresses, lengths, constants, checked)
     return "c", functions, ""
 
 

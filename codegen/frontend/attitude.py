@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from codegen.frontend.lower import lowering_of
-from codegen.ir.columns import PAIRS
 from codegen.ir.fold import ALGEBRAIC
-from codegen.ir.passes import Slot, dependence, needed, prune, substitute
+from codegen.ir.passes import PAIRS, Slot, dependence, needed, prune, substitute
 from codegen.ir.program import Builder, Program, bindings
 from eom.system import BodyAttitude, System
 

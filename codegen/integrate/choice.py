@@ -43,8 +43,7 @@ from codegen.closed import closed_forms
 from codegen.compiling import events
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
-from codegen.derivatives.taylor import prepare
-from codegen.derivatives.taylor_cost import operations
+from codegen.derivatives.taylor import operations, prepare
 from codegen.integrate import closed
 from codegen.integrate.scales import PART
 from codegen.ir.groups import RATES

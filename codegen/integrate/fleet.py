@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
-from codegen.derivatives.taylor import Prepared, prepare
-from codegen.derivatives.taylor_cost import operations
+from codegen.derivatives.taylor import Prepared, operations, prepare
 from codegen.frontend.layout import Layout
 from codegen.integrate import scipy_
 from codegen.ir.groups import RATES, SINGULARITIES

@@ -19,8 +19,7 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.program import Program
 from codegen.loops import projection, runge_kutta
 from codegen.loops.runge_kutta import NativeMethod
-from codegen.native.stepwise import Stepwise
-from codegen.native.trajectory import Array, Problem, Trajectory
+from codegen.native.trajectory import Array, Problem, Stepwise, Trajectory
 from codegen.targets import c
 from eom.errors import InputError
 

@@ -23,19 +23,19 @@ from codegen.frontend.attitude import (
     Body,
     body_rates,
 )
-from codegen.ir.columns import (
+from codegen.ir.groups import RATES
+from codegen.ir.passes import (
     Numbers,
     copied,
     cross,
     inverse_times,
+    prune,
     rotation,
     symmetric,
     times,
     total,
     transposed_times,
 )
-from codegen.ir.groups import RATES
-from codegen.ir.passes import prune
 from codegen.ir.program import Builder, Program
 from codegen.passes.pipeline import optimise
 

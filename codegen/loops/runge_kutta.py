@@ -20,8 +20,7 @@ from codegen.ir.program import Program
 from codegen.loops import crossings, jumps, lookout, projection
 from codegen.loops.tableaux import Row, Tableau
 from codegen.native import native
-from codegen.native.stepwise import Stepwise
-from codegen.native.trajectory import Array, Problem, Stop, Trajectory
+from codegen.native.trajectory import Array, Problem, Stepwise, Stop, Trajectory
 from codegen.passes.stages import by_parameters
 from codegen.targets import c
 

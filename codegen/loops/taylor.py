@@ -20,8 +20,7 @@ from codegen.ir.program import Program
 from codegen.loops import crossings, projection, reaches, runge_kutta, switches
 from codegen.loops.jets import limited, series
 from codegen.loops.runge_kutta import NativeMethod
-from codegen.native.stepwise import Stepwise
-from codegen.native.trajectory import Array
+from codegen.native.trajectory import Array, Stepwise
 from codegen.passes.stages import by_parameters
 from codegen.targets import c
 

@@ -10,8 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from codegen.derivatives.taylor import JET, SWITCHES, Prepared
-from codegen.derivatives.unrolled import unrolled
+from codegen.derivatives.taylor import JET, SWITCHES, Prepared, unrolled
 from codegen.frontend.layout import Layout
 from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import comment, identifier

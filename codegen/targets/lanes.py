@@ -30,7 +30,7 @@ from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers
-from codegen.targets.c_lines import assigned, guarded, part_lines, variables
+from codegen.targets.c import assigned, guarded, part_lines, variables
 from codegen.targets.render import (
     ATOM,
     EVERY_NUMBER,

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.passes.stages import CONSTANT, by_parameters
-from codegen.targets.c_lines import assigned
+from codegen.targets.c import assigned
 from codegen.targets.lanes import EARLY, LATE, LOCAL, STORED, kernel, preamble, rendered, static
 from codegen.targets.render import Body, table_names, with_slots_of
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
-from codegen.targets.c_lines import string
+from codegen.targets.c import string
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-pedantic")
 TEST_SUFFIX = "_test.c"

@@ -22,7 +22,7 @@ from the coefficients of the argument; an explicit Runge-Kutta method of order q
 order q and the movement \|du/dt\| h, with an interval for du/dt where u is a function of time alone.
 
 Sums, products and negation are polynomials of degree one or two in their arguments. `PIECES` have no
-series: steps end where they change (`codegen.ir.branches`). Linear systems are rational functions, whose
+series: steps end where they change (`codegen.ir.program`). Linear systems are rational functions, whose
 coefficients show the nearest pole; no bound of a determinant is made. Estimates by Cauchy: Ahlfors,
 Complex Analysis, 3rd ed. (1979), sect. 4.2.3; functions: DLMF, chapters 4, 7, 10.
 """

@@ -78,7 +78,7 @@ def _first_sentence(text: str) -> str:
 
 
 def _tree_outputs() -> Rows:
-    from eom.multibody.files.outputs import GROUPS
+    from eom.multibody.files.scene import GROUPS
 
     told = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
     return [

@@ -99,8 +99,7 @@ def _film(
                     "this option is for slides", where=name, hint=f"--out FILE{FILMS[0]}"
                 )
         return None
-    from eom.views.animation.filming import Film
-    from eom.views.animation.slides import checked
+    from eom.views.animation.filming import Film, checked
 
     wide, high = _size(size) if size else (Film.width, Film.height)
     rate = Film.fps if fps is None else fps
@@ -119,7 +118,7 @@ def _animation(
     scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
 ) -> Animation:
     from eom.views.animation.animation import animation_of
-    from eom.views.animation.robot_shapes import shapes_of_file
+    from eom.views.animation.equivalents import shapes_of_file
 
     with progress_of("integrating") as progress:
 
@@ -140,8 +139,7 @@ def _page(animation: Animation) -> bytes:
 def _filmed(
     animation: Animation, file: Path, film: tuple[int, float | None, tuple[int, int], bool]
 ) -> bytes:
-    from eom.views.animation.filming import Film
-    from eom.views.animation.slides import film_bytes
+    from eom.views.animation.filming import Film, film_bytes
 
     fps, length, (wide, high), dark = film
     with progress_of("drawing") as progress:

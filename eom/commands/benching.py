@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from codegen.measure.workprecision.measuring import Diagram, Plan
     from codegen.measure.workprecision.programs import Program
     from eom.problems import Problem
+from codegen.measure.workprecision.measuring import comparison_lines, data, notes, table
 
 FIRST_SECONDS = 600.0
 """For a first result, in a process of its own."""
@@ -117,7 +118,6 @@ def _bench(
     as_json: bool,
 ) -> Any:
     """Measure a problem, print or write what was found, and return it as data."""
-    from codegen.measure.workprecision import showing
     from codegen.measure.workprecision.case import Case
     from codegen.measure.workprecision.measuring import measure
 
@@ -130,7 +130,7 @@ def _bench(
     about = {**about, "source": problem.source, "closed": problem.closed, "first_result": first}
     if folder is not None:
         report_files(_write(diagram, lines, about, folder), err=as_json)
-    return json.loads(showing.data(diagram, about))
+    return json.loads(data(diagram, about))
 
 
 def _first_results(
@@ -160,12 +160,10 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
     """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
-    from codegen.measure.workprecision import showing
-
     file = io.StringIO() if quiet else None
     console = Console(record=True, width=max(WIDTH, Console().width), file=file)
-    console.print(showing.table(diagram))
-    for line in (*showing.comparison_lines(diagram), *showing.notes(diagram)):
+    console.print(table(diagram))
+    for line in (*comparison_lines(diagram), *notes(diagram)):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for kind, laps in first.items():
         stages = ", ".join(f"{name} {1e3 * seconds:.3g} ms" for name, seconds in laps.items())
@@ -176,12 +174,11 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
 
 def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> list[Path]:
     from codegen.compiling.compiled import write_files
-    from codegen.measure.workprecision import showing
     from eom.views.draw.saving import can_write, save
     from eom.views.time.work_precision import work_precision
 
     name = diagram.case.name
-    files = {f"{name}.json": showing.data(diagram, about), f"{name}.txt": text}
+    files = {f"{name}.json": data(diagram, about), f"{name}.txt": text}
     written = write_files(files, folder)
     picture = folder / f"{name}.png"
     if can_write(picture):

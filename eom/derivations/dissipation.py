@@ -7,8 +7,7 @@ from typing import Any
 import sympy as sp
 
 from eom.derivations.derivation import Derivation, Maker
-from eom.kinematics.frames import vector
-from eom.kinematics.transport import first_derivative, time_derivative
+from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics import dissipation as model
 from eom.mechanics import steady
 from eom.mechanics.freebody import MOMENTS, H, T

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from eom.derivations.derivation import Derivation, Maker
-from eom.kinematics.frames import vector
-from eom.kinematics.transport import first_derivative, time_derivative
+from eom.kinematics.frames import first_derivative, time_derivative, vector
 from eom.mechanics.gyrostat import gyrostat
 from eom.mechanics.rigidbody import OMEGA
 from eom.system import System

@@ -18,8 +18,7 @@ from eom.errors import InputError
 from eom.exact.algebra import gather
 from eom.exact.numbers import number, sign
 from eom.kinematics.coordinates import Attitude
-from eom.kinematics.frames import Vector, vector
-from eom.kinematics.transport import first_derivative, time_derivative
+from eom.kinematics.frames import Vector, first_derivative, time_derivative, vector
 from eom.mass.inertia import check_principal_moments, physical
 from eom.mechanics.freebody import AXIAL, TRANSVERSE, H, T
 from eom.mechanics.rigidbody import (

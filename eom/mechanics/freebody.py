@@ -25,8 +25,7 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.exact.numbers import number, sign, tolerance
-from eom.kinematics.frames import Vector, unit_vector, vector
-from eom.kinematics.transport import first_derivative
+from eom.kinematics.frames import Vector, first_derivative, unit_vector, vector
 from eom.mass.inertia import check_principal_moments
 from eom.mechanics.rigidbody import OMEGA, angular_momentum, euler_equations, principal_inertia
 from eom.system import as_expression

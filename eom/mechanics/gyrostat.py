@@ -18,8 +18,7 @@ from eom.errors import InputError, unknown_name
 from eom.exact.algebra import explicit_rates, gather
 from eom.exact.identity import vanishes
 from eom.kinematics.coordinates import Attitude
-from eom.kinematics.frames import Vector, unit_vector, vector
-from eom.kinematics.transport import FirstDerivative, first_derivative
+from eom.kinematics.frames import FirstDerivative, Vector, first_derivative, unit_vector, vector
 from eom.mass.inertia import physical
 from eom.mechanics.freebody import TRANSVERSE
 from eom.mechanics.rigidbody import (

@@ -16,8 +16,7 @@ from eom.errors import InputError, shown, typed
 from eom.exact.algebra import explicit_rates, gather
 from eom.kinematics.coordinates import Attitude, constraint_value
 from eom.kinematics.coordinates import attitude as attitude_of_name
-from eom.kinematics.frames import Vector, vector
-from eom.kinematics.transport import FirstDerivative, first_derivative
+from eom.kinematics.frames import FirstDerivative, Vector, first_derivative, vector
 from eom.mass.inertia import physical
 from eom.mechanics import torques
 from eom.mechanics.invariants import is_invariant

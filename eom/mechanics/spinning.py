@@ -17,8 +17,14 @@ import sympy as sp
 from eom.errors import typed_fields
 from eom.exact.algebra import gather
 from eom.kinematics.coordinates import elementary
-from eom.kinematics.frames import Rotation, Vector, unit_vector
-from eom.kinematics.transport import FirstDerivative, first_derivative, time_derivative
+from eom.kinematics.frames import (
+    FirstDerivative,
+    Rotation,
+    Vector,
+    first_derivative,
+    time_derivative,
+    unit_vector,
+)
 from eom.mechanics.rigidbody import angular_momentum, momentum_outputs, scalar, with_outputs
 from eom.quantities import Assumption, Quantity, Singularity
 from eom.system import BodyAttitude, System, as_expression

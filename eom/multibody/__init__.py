@@ -26,7 +26,7 @@ from eom.multibody.model.constraints import (
     SpeedEquation,
 )
 from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
-from eom.multibody.recursion.points import Point
+from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import derive
 from eom.multibody.system.reactions import Reaction, reaction
 

@@ -66,8 +66,7 @@ def _cones(ask: Ask) -> Picture:
 
 
 def _sphere(ask: Ask) -> Picture:
-    from eom.views.body.rotating import turning
-    from eom.views.body.sphere import sphere
+    from eom.views.body.rotating import sphere, turning
 
     return sphere(turning(ask.scene, ask.seconds, ask.points))
 
@@ -108,7 +107,7 @@ def _sketch(ask: Ask) -> Picture:
 
 def _frames(ask: Ask) -> Picture:
     from eom.views.body.frame_sketches import frame_sketch, sequence_of
-    from eom.views.tree.tree_frames import tree_frames
+    from eom.views.tree.tree_sketch import tree_frames
 
     return (
         tree_frames(ask.scene)

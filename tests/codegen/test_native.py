@@ -366,7 +366,7 @@ def test_processes_that_compile_the_same_at_once_share_one_library(cache):
 
 @needs_compiler
 def test_with_and_without_the_quick_way_results_are_the_same(monkeypatch):
-    from codegen.native import fastcall
+    from codegen.native import native as fastcall
 
     quick = compile_system(eom.free_rigid_body("3-1-2"), "c")
     monkeypatch.setattr(fastcall, "_extension", lambda: None)

@@ -11,8 +11,7 @@ from typing import Any
 import mpmath
 import pytest
 
-from codegen.derivatives.taylor import JET, prepare
-from codegen.derivatives.unrolled import unrolled
+from codegen.derivatives.taylor import JET, prepare, unrolled
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import OPS
 from codegen.ir.program import Builder, Program

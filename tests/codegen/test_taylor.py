@@ -14,7 +14,7 @@ import eom
 from codegen import compile as compile_system
 from codegen import simulate
 from codegen.derivatives import taylor
-from codegen.derivatives.unrolled import unrolled
+from codegen.derivatives.taylor import unrolled
 from codegen.frontend.lower import lower_system
 from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret_exactly

@@ -12,7 +12,8 @@ import sympy as sp
 import codegen
 from codegen.integrate.methods import METHODS
 from codegen.measure.workprecision import case as cases
-from codegen.measure.workprecision import measuring, programs, showing
+from codegen.measure.workprecision import measuring, programs
+from codegen.measure.workprecision import measuring as showing
 from codegen.measure.workprecision.case import Case, Reference
 from codegen.measure.workprecision.measuring import Plan, Point
 from codegen.native import native

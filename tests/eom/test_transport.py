@@ -8,12 +8,12 @@ from sympy.physics.vector import ReferenceFrame, dynamicsymbols
 
 from eom.exact.identity import equal
 from eom.kinematics.coordinates import rotation_sequence
-from eom.kinematics.frames import vector
-from eom.kinematics.transport import (
+from eom.kinematics.frames import (
     first_derivative,
     local_derivative,
     second_derivative,
     time_derivative,
+    vector,
 )
 
 T = sp.Symbol("t", real=True)

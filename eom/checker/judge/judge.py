@@ -6,6 +6,8 @@ find others (a hitting-set tree: R. Reiter, "A theory of diagnosis from first pr
 What holds in `WORLDS` worlds modulo a 61-bit prime is false by chance about once in 2**50.
 
 Equations of magnitudes: both sides squared where each is seen to be nothing below zero.
+
+Contexts: what a world must hold so that the quantities of a claim have values.
 """
 
 from __future__ import annotations
@@ -16,7 +18,6 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 from eom.checker.judge import systems
-from eom.checker.judge.contexts import contexts, labels_in
 from eom.checker.judge.inequalities import (
     ALWAYS,
     BARELY,
@@ -39,11 +40,13 @@ from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import sympy as sp
 
 from eom.terms.terms import SCALAR, expr
+from eom.worlds.worlds import sequence_of
 
 WORLDS = 3
 TRIALS = 12
@@ -422,3 +425,31 @@ def _square(expression: Any) -> Any:
         else:
             return None
     return result
+
+
+CONTEXTS: tuple[tuple[str, ...], ...] = (
+    (),
+    ("rigid",),
+    ("one_particle",),
+    ("spin_312",),
+    ("rotors",),
+    ("viscous_slug",),
+)
+"""Worlds in which more and more quantities exist; the first where all of a claim do is taken."""
+
+
+def labels_in(terms: Iterable[Term]) -> frozenset[str]:
+    """Return every label of terms."""
+    return frozenset(str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str))
+
+
+def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
+    """Yield the contexts in which terms may have values, the simplest first.
+
+    Angles exist by the assumption of their sequence, a single particle by that of one.
+    """
+    found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
+    sequences = tuple(dict.fromkeys(map(sequence_of, found)))
+    single = [("one_particle",)] if "P" in labels_in(terms) else []
+    for general in [*single, *CONTEXTS]:
+        yield (*sequences, *general)

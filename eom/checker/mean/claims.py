@@ -30,8 +30,7 @@ from eom.checker.mean.values import ROW, UNDECIDED, Finding, Refusal, Value, sam
 from eom.checker.read.looks import Look, labels, seen
 from eom.checker.read.places import NOWHERE, Span
 from eom.checker.read.statements import Statement
-from eom.checker.read.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words
-from eom.checker.read.trees import walk
+from eom.checker.read.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words, walk
 from eom.terms.terms import COLUMN, Term, expr
 from eom.terms.vocabulary import position
 

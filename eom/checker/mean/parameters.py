@@ -24,8 +24,7 @@ from eom.checker.mean.lexicon import Entry, Lexicon
 from eom.checker.mean.meanings import Meaning
 from eom.checker.read.looks import Look, seen
 from eom.checker.read.statements import Statement
-from eom.checker.read.syntax import Group, Integral, Node, Scripts, Symbol, Words
-from eom.checker.read.trees import children, walk
+from eom.checker.read.syntax import Group, Integral, Node, Scripts, Symbol, Words, children, walk
 from eom.terms.terms import Term, nodes
 
 Expr = Any

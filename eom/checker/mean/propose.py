@@ -39,8 +39,8 @@ from eom.checker.read.syntax import (
     Number,
     Sequence,
     Symbol,
+    children,
 )
-from eom.checker.read.trees import children
 from eom.checker.read.writing import latex
 from eom.terms.terms import INDICES
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from eom.checker.read import brackets, derivatives, latex, prefixes
-from eom.checker.read.forms import braced, stacked, styled, with_left
-from eom.checker.read.scripts import argument, script_argument
+from eom.checker.read.scripts import argument, braced, script_argument, stacked, styled, with_left
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
     Accent,

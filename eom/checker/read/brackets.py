@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from eom.checker.read import latex
-from eom.checker.read.forms import is_tight, styled, word_of
 from eom.checker.read.places import Span
-from eom.checker.read.scripts import evaluated
+from eom.checker.read.scripts import evaluated, is_tight, styled, word_of
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import Cases, Fraction, Group, Matrix, Missing, Node, Rows
 from eom.checker.read.tokens import Token

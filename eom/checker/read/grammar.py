@@ -21,8 +21,8 @@ from dataclasses import dataclass, field, replace
 
 from eom.checker.read import atoms, latex, prefixes, scripts, signs
 from eom.checker.read.derivatives import applied, differential_ahead, slash_derivative
-from eom.checker.read.forms import juxtaposed, spliced
 from eom.checker.read.places import Source, Span, reading_error
+from eom.checker.read.scripts import juxtaposed, spliced
 from eom.checker.read.signs import factor_ahead, operator_ahead, skip_empty
 from eom.checker.read.stream import Note, Stream
 from eom.checker.read.syntax import (
@@ -40,9 +40,9 @@ from eom.checker.read.syntax import (
     Sequence,
     Sign,
     Words,
+    depth,
 )
 from eom.checker.read.tokens import Macro, Token, tokenize
-from eom.checker.read.trees import depth
 
 MAX_TREE_DEPTH = 120
 """Deepest tree: all who walk over it may use recursion."""

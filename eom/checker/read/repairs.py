@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
-from eom.checker.read.forms import juxtaposed, spliced
 from eom.checker.read.grammar import Reading, read_tokens
 from eom.checker.read.places import ReadingError, Source, Span
+from eom.checker.read.scripts import juxtaposed, spliced
 from eom.checker.read.syntax import (
     Accent,
     Call,
@@ -30,9 +30,9 @@ from eom.checker.read.syntax import (
     Scripts,
     Section,
     Symbol,
+    transform,
 )
 from eom.checker.read.tokens import Token
-from eom.checker.read.trees import transform
 
 FRAME_STYLES = frozenset({"calligraphic"})
 

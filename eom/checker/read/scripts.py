@@ -1,14 +1,41 @@
-"""Arguments and scripts: what stands in braces behind a command, below and above an atom."""
+"""Arguments and scripts: what stands in braces behind a command, below and above an atom.
+
+Nodes made from their parts: what braces, scripts on the left and fonts do to what they hold.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from eom.checker.read import latex
-from eom.checker.read.forms import is_frame, with_scripts
 from eom.checker.read.places import Span
 from eom.checker.read.stream import Stream
-from eom.checker.read.syntax import Accent, Derivative, Evaluated, Marks, Missing, Node, Number
+from eom.checker.read.syntax import (
+    Accent,
+    Addition,
+    BigOperator,
+    Derivative,
+    Evaluated,
+    Group,
+    Implication,
+    Integral,
+    Marks,
+    Missing,
+    Node,
+    Number,
+    Operation,
+    Over,
+    Product,
+    Quotient,
+    Relation,
+    Rows,
+    Scripts,
+    Section,
+    Sequence,
+    Symbol,
+    Words,
+    transform,
+)
 
 
 def argument(p: Stream) -> Node:
@@ -140,3 +167,115 @@ def evaluated(p: Stream, base: Node, start: Span) -> Node:
     if isinstance(base, Derivative) and base.frame is None and sup is None and is_frame(sub):
         return replace(base, frame=sub, span=p.since(start))
     return Evaluated(base, sub, sup, span=p.since(start))
+
+
+_LOOSE = (
+    *(Addition, Relation, Sequence, Product, Quotient, Section, BigOperator, Integral),
+    *(Implication, Rows, Words, Operation, Missing),
+)
+
+
+def is_tight(node: Node) -> bool:
+    """Whether a node stands as a factor without brackets, or shows its own."""
+    return not isinstance(node, _LOOSE)
+
+
+def is_frame(script: Node | None) -> bool:
+    """Whether a script names a frame: a letter or a word, no number, no condition."""
+    return isinstance(script, Symbol | Words | Scripts | Accent) or (
+        isinstance(script, Product) and all(isinstance(f, Symbol) for f in script.factors)
+    )
+
+
+def with_scripts(base: Node, sub: Node | None, sup: Node | None, span: Span) -> Node:
+    """Attach scripts; below brackets around a derivative stands its frame."""
+    frame = sub if sup is None else None
+    if isinstance(base, Group) and base.open == "(" and is_frame(frame):
+        body = base.body
+        if isinstance(body, Derivative) and body.frame is None:
+            return replace(body, frame=frame, span=span)
+    if isinstance(base, Scripts) and base.sub is base.sup is None:
+        return replace(base, sub=sub, sup=sup, span=span)
+    return Scripts(base, sub, sup, span=span)
+
+
+def with_left(
+    base: Node, sub: Node | None, sup: Node | None, span: Span, *, outside: bool = True
+) -> Node:
+    """Attach scripts on the left; above a derivative stands its frame."""
+    if sub is None and sup is None:
+        return base
+    if isinstance(base, Derivative) and base.frame is None and sup is not None and sub is None:
+        return replace(base, frame=sup, outside=outside, span=span)
+    if isinstance(base, Scripts) and base.presub is base.presup is None:
+        return replace(base, presub=sub, presup=sup, span=span)
+    return Scripts(base, presub=sub, presup=sup, span=span)
+
+
+def styled(node: Node, style: str) -> Node:
+    """Give a font to all symbols that have none; bold goes over upright, digits become symbols."""
+
+    def rule(n: Node) -> Node:
+        if isinstance(n, Symbol) and (n.style == "" or (style == "bold" and n.style == "roman")):
+            return replace(n, style=style)
+        if isinstance(n, Number) and style not in {"", "roman"}:
+            return Symbol(n.text, style, span=n.span)
+        return n
+
+    return transform(node, rule) if style else node
+
+
+def braced(node: Node) -> Node:
+    """Return an argument as a factor: sums and chains that only braces hold together are a group."""
+    return node if is_tight(node) else Group(node, "", "", span=node.span)
+
+
+def word_of(body: Node, style: str) -> Node | None:
+    r"""Return the letters behind ``\rm`` as one name."""
+    parts = getattr(body, "factors", ())
+    if style == "roman" and parts and all(isinstance(f, Symbol) and f.style == "" for f in parts):
+        return Symbol("".join(f.name for f in parts), style, span=body.span)
+    return None
+
+
+def stacked(above: Node, base: Node, span: Span) -> Node:
+    r"""Return a base under a sign: a bullet or circle over a letter is an accent."""
+    if isinstance(above, Marks) and not isinstance(base, Operation):
+        names = {("bullet",): "bullet", ("circ",): "circle", ("prime",): "prime_over"}
+        if above.names in names:
+            return Accent(names[above.names], base, span=span)
+    return Over(base, above, span=span)
+
+
+def made(
+    operand: Node | None, variables: list[Node], order: Node | None, sign: str, span: Span
+) -> Derivative:
+    """Return a derivative; the power below that repeats the order is left out."""
+    if isinstance(operand, Group) and not operand.open and isinstance(operand.body, Product):
+        operand = operand.body
+    if len(variables) == 1 and order is not None:
+        below = variables[0]
+        if isinstance(below, Scripts) and below.sup == order and below.sub is None:
+            variables = [below.base]
+    return Derivative(operand, tuple(variables), order, None, sign, span=span)
+
+
+def lone_d(node: Node) -> bool:
+    """Whether a factor is the d of an operator ``d/dt``."""
+    base = node.base if isinstance(node, Scripts) and node.sub is None else node
+    return isinstance(base, Symbol) and base.name == "d" and base.style in {"", "roman"}
+
+
+def spliced(node: Node) -> list[Node]:
+    """Return the factors of a product, also of one in braces of LaTeX, which show nothing."""
+    body = node.body if isinstance(node, Group) and node.open == "" else node
+    if isinstance(body, Product) and body.operator == "":
+        return list(body.factors)
+    return [node]
+
+
+def juxtaposed(factors: list[Node], span: Span) -> Node:
+    """Return factors side by side as one product; a single one stands alone."""
+    first = spliced(factors[0])
+    flat = [*first, *factors[1:]]
+    return flat[0] if len(flat) == 1 else Product(tuple(flat), span=span)

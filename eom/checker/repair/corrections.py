@@ -11,12 +11,10 @@ from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.read.paths import at
-from eom.checker.read.syntax import Matrix, Node
-from eom.checker.read.trees import walk
+from eom.checker.read.syntax import Matrix, Node, walk
 from eom.checker.repair.candidates import Candidate, Workshop, repaired
 from eom.checker.repair.cells import Suspects, by_components, suspects
-from eom.checker.repair.levels import penalty, places
-from eom.checker.repair.lines import Addend, Line, Place, valued, worth
+from eom.checker.repair.lines import Addend, Line, Place, penalty, places, valued, worth
 from eom.checker.repair.lost import Pools
 from eom.checker.repair.options import options
 from eom.checker.repair.palette import palette

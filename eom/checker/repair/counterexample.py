@@ -17,8 +17,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from eom.checker.judge.contexts import contexts, labels_in
-from eom.checker.judge.judge import MENTIONS, needed_names
+from eom.checker.judge.judge import MENTIONS, contexts, labels_in, needed_names
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.values import Value
 from eom.checker.read.paths import at
@@ -31,8 +30,8 @@ from eom.checker.read.syntax import (
     Number,
     Scripts,
     Symbol,
+    walk,
 )
-from eom.checker.read.trees import walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Candidate, Workshop
 from eom.checker.repair.lines import Member, Place, valued

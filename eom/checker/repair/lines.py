@@ -2,6 +2,11 @@
 
 The terms of both sides add up to the residual; a term with a slip in it changes the residual by itself,
 whatever the others do. So slips in several terms are found by adding numbers.
+
+Worlds in which repairs are looked for: from what derivations usually assume to special motions.
+
+A repair that holds under some assumptions holds under more; so it is looked for where much is assumed,
+and judged afterwards.
 """
 
 from __future__ import annotations
@@ -11,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from eom.checker.judge.inequalities import ORDERS
+from eom.checker.judge.judge import contexts
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.claims import (
     CONSTANT,
@@ -35,6 +41,7 @@ from eom.exact.series import PRIME, Series, Singular
 from eom.terms.terms import Term, zero
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import world
+from eom.worlds.worlds import SEQUENCES, closure
 
 Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
@@ -292,3 +299,87 @@ def place(
         if all(found.number(t) is not None for t in terms):
             return found
     return None
+
+
+LEVELS: tuple[tuple[str, ...], ...] = (
+    ("body_frame", "newton_2", "third_law_strong", "about_centre"),
+    ("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body", "O_fixed_in_space"),
+    ("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes", "C_at_rest"),
+    (
+        *("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes"),
+        *("A_fixed_in_body", "OA_at_centre", "no_torque_2"),
+    ),
+    (
+        *("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes"),
+        *("symmetric", "no_torque_2", "no_torque_3"),
+    ),
+    (
+        *("body_frame", "newton_2", "third_law_strong", "about_centre", "torque_free"),
+        *("principal_axes", "A_fixed_in_body"),
+    ),
+)
+"""Sets of assumptions, the usual ones first; what cannot stand with the rest is left out."""
+
+PENALTIES: dict[str, float] = {
+    "constant_mass": 0.1,
+    "newton_2": 0.1,
+    "third_law_weak": 0.1,
+    "third_law_strong": 0.1,
+    "rigid": 0.15,
+    "body_frame": 0.15,
+    "one_particle": 0.3,
+    "about_centre": 0.35,
+    "O_fixed_in_body": 0.4,
+    "O_fixed_in_space": 0.5,
+    "C_at_rest": 0.5,
+    "spin_312": 0.1,
+    **dict.fromkeys(SEQUENCES, 0.1),
+    "rotors": 0.1,
+    "viscous_slug": 0.1,
+    "principal_axes": 0.4,
+    "A_fixed_in_body": 0.6,
+    "OA_at_centre": 0.6,
+    "no_torque_2": 0.6,
+    "no_torque_3": 0.6,
+}
+UNUSUAL = 1.5
+"""What an assumption weighs that is not in the table."""
+
+
+def penalty(names: Iterable[str], stated: frozenset[str]) -> float:
+    """Return what assumptions weigh that the note has not stated."""
+    return sum(PENALTIES.get(n, UNUSUAL) for n in names if n not in stated)
+
+
+def places(
+    given: Iterable[str], scalars: dict[object, Term], terms: list[Term]
+) -> Iterator[tuple[Place, Place]]:
+    """Yield worlds where the terms have values: without more than is given, and one of each level."""
+    given = tuple(given)
+    for context in contexts([*terms, *scalars.values()]):
+        try:
+            base = closure([*given, *context])
+        except InputError:
+            continue
+        free = place(base, scalars, terms)
+        if free is None:
+            continue
+        done: set[frozenset[str]] = set()
+        for level in LEVELS:
+            names = filled(base, level)
+            if names not in done:
+                done.add(names)
+                there = place(names, scalars, terms)
+                if there is not None:
+                    yield free, there
+        return
+
+
+def filled(base: frozenset[str], level: Iterable[str]) -> frozenset[str]:
+    """Return a set with every name of a level that can stand with it."""
+    for name in level:
+        try:
+            base = closure([*sorted(base), name])
+        except InputError:
+            continue
+    return base

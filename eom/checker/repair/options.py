@@ -9,7 +9,7 @@ from eom.checker.read.paths import NOTHING, Path
 from eom.checker.read.syntax import Node
 from eom.checker.repair.cells import Suspects
 from eom.checker.repair.lines import Addend, Line, Signature, signature, worth
-from eom.checker.repair.offers import Palette
+from eom.checker.repair.palette import Palette
 from eom.checker.repair.slips import DROPPED, TERM, Edit, Slip, edits
 from eom.terms.terms import Term
 

@@ -23,15 +23,13 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.looks import seen
 from eom.checker.read.paths import Path, at, find, put
 from eom.checker.read.places import Span
-from eom.checker.read.syntax import Addition, Group, Integral, Node, Number, Relation
-from eom.checker.read.trees import walk
+from eom.checker.read.syntax import Addition, Group, Integral, Node, Number, Relation, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Workshop
 from eom.checker.repair.counterexample import base_of, failing
 from eom.checker.repair.lines import Addend, Line, _statement, line, worth
 from eom.checker.repair.lost import Pools
-from eom.checker.repair.offers import Palette
-from eom.checker.repair.palette import around, palette, symbols
+from eom.checker.repair.palette import Palette, around, palette, symbols
 from eom.checker.repair.slips import Edit, edits
 from eom.checker.report.findings import Correction, Counterexample, Explanation
 from eom.errors import InputError

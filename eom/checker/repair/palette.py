@@ -1,8 +1,12 @@
-"""What a note writes with: symbols, labels and marks that may have been meant at a place of it."""
+"""What a note writes with: symbols, labels and marks that may have been meant at a place of it.
+
+What rules of slips take and give: what a note writes with, and what may have been meant.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.lexicon import AXES, Lexicon
@@ -23,10 +27,10 @@ from eom.checker.read.syntax import (
     Quotient,
     Scripts,
     Symbol,
+    children,
+    walk,
 )
-from eom.checker.read.trees import children, walk
 from eom.checker.repair.lines import Line, valued
-from eom.checker.repair.offers import Palette
 from eom.errors import InputError
 from eom.terms.terms import COLUMN, INDICES, VECTOR
 
@@ -175,3 +179,28 @@ def _named(frames: Mapping[Labels, str], written: Iterable[Node]) -> dict[str, N
         if name not in found and len(given) == 1 and given[0].isalpha():
             found[name] = Symbol(given[0])
     return found
+
+
+Offer = tuple[Node, float]
+"""What may have been meant, and what is added to the weight of the slip."""
+
+
+@dataclass(frozen=True)
+class Palette:
+    """What a note writes with: symbols and labels that may have been meant, the closest first.
+
+    ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
+    labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
+    ``factors``: of the line itself; ``near``: others that stand around it; ``vectors``: of the line and
+    around it; ``omegas``: angular velocities.
+    """
+
+    symbols: tuple[Node, ...] = ()
+    factors: tuple[Node, ...] = ()
+    near: tuple[Node, ...] = ()
+    vectors: tuple[Node, ...] = ()
+    omegas: tuple[Node, ...] = ()
+    labels: tuple[tuple[Node, ...], ...] = ()
+    frames: tuple[Node, ...] = ()
+    marks: tuple[str, ...] = ()
+    skew: tuple[str, ...] = ()

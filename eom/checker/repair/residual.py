@@ -23,8 +23,8 @@ from eom.checker.read.syntax import (
     Number,
     Product,
     Scripts,
+    children,
 )
-from eom.checker.read.trees import children
 from eom.checker.repair.lines import Line, Place, Signature, agrees, signature, valued, worth
 from eom.checker.repair.slips import dotted
 from eom.exact.series import PRIME

@@ -38,7 +38,7 @@ from eom.checker.read.syntax import (
     Section,
     Symbol,
 )
-from eom.checker.repair.offers import Offer, Palette
+from eom.checker.repair.palette import Offer, Palette
 
 # -- labels and letters ----------------------------------------------------------------------------
 

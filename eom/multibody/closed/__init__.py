@@ -4,8 +4,15 @@ Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.multibody.algebra`, 
 `eom.quantities`, `eom.system`, `eom.typeset`.
 """
 
-from eom.multibody.closed.angles import absolute_angles
-from eom.multibody.closed.forms import METHODS, ClosedForm, Comparison, Term, closed_form, compare
+from eom.multibody.closed.forms import (
+    METHODS,
+    ClosedForm,
+    Comparison,
+    Term,
+    absolute_angles,
+    closed_form,
+    compare,
+)
 from eom.multibody.closed.pages import show, tree_page
 
 __all__ = [

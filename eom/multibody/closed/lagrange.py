@@ -29,9 +29,9 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
-from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.mechanism import Link, Mechanism
 from eom.multibody.closed.polynomials import Scalar
+from eom.multibody.closed.terms import Contribution
 
 HALF = Fraction(1, 2)
 

@@ -5,6 +5,8 @@ Coriolis (u_i u_j); see Craig, Introduction to Robotics (2005), sec. 6.8. Gyrosc
 are linear in the free speeds and stem from prescribed ones, the skew-symmetric part of their matrix,
 which does no work; so Jeans, Astronomy and Cosmogony (1928), eq. (177.2). What else prescribed motion
 brings is of a kind of its own. Then gravity, springs and dampers; applied forces on the right.
+
+What a method finds: parts of the equations, each with where it comes from.
 """
 
 from __future__ import annotations
@@ -17,7 +19,6 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from eom.multibody.algebra.scalars import is_zero
-from eom.multibody.closed.contributions import Contribution
 from eom.multibody.closed.mechanism import Mechanism
 from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar
 
@@ -181,3 +182,17 @@ def _by(x: Scalar, wanted: set[int]) -> dict[Monomial, Scalar]:
     if not isinstance(x, Polynomial):
         return {} if is_zero(x) else {(): x}
     return x.by(lambda g: g in wanted)
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """A part of one equation.
+
+    ``row``: number of the equation. ``source``: motion (mass times acceleration), gravity, spring,
+    damper, which stand on the left, or applied, on the right. ``label``: the step that it comes from.
+    """
+
+    row: int
+    source: str
+    label: str
+    value: Scalar

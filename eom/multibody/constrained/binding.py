@@ -1,8 +1,14 @@
-"""How a tree is bound: what is kept of its constraints, which speeds follow, what a system tells."""
+"""How a tree is bound: what is kept of its constraints, which speeds follow, what a system tells.
+
+Forces of constraints as loads on the parts of a tree, for reactions in its joints.
+
+A constraint's row of coefficients, taken for the six unit motions of each single part instead of the
+speeds of the joints, is the wrench of a unit multiplier on that part: by the principle of virtual power.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +17,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.multibody.algebra.light import Naming, plain, used
 from eom.multibody.algebra.scalars import Scalar, add, mul, total
+from eom.multibody.algebra.spatial import IDENTITY, ZERO, Pair, Vector, cross, minus, times
 from eom.multibody.algebra.values import is_number, same, value
 from eom.multibody.constrained.dependence import dependents, examine
 from eom.multibody.constrained.equations import Component, components, sine_square
@@ -29,9 +36,9 @@ from eom.multibody.constrained.multipliers import (
     followed,
 )
 from eom.multibody.constrained.spots import Arithmetic, Scene, scene
-from eom.multibody.model.constraints import Coupling, Rolling, Skate, SpeedEquation
+from eom.multibody.model.constraints import Coupling, Distance, Loop, Rolling, Skate, SpeedEquation
 from eom.multibody.model.model import GROUND, Tree, moves_nothing
-from eom.multibody.recursion.skeleton import Skeleton
+from eom.multibody.recursion.skeleton import Seat, Skeleton
 from eom.quantities import TIME, Assumption, Definition, Quantity, Singularity
 
 OF_SPEEDS = (Coupling, Rolling, Skate, SpeedEquation)
@@ -260,3 +267,41 @@ def inner(tree: Tree) -> bool:
     """Tell whether the constraints hold bodies to each other alone, not to the ground."""
     return all(c.bodies and GROUND not in c.bodies and not isinstance(c, OF_SPEEDS)
                for c in tree.constraints)  # fmt: skip
+
+
+BETWEEN_POINTS = (Loop, Distance, Rolling, Skate)
+"""Constraints that act on bodies; the others act within joints, along their speeds."""
+
+
+@dataclass(frozen=True)
+class _Loose(Scene):
+    """A tree whose parts all move by themselves: six unit motions each, in the ground's axes."""
+
+    def _columns(self, seat: Seat, position: Vector) -> dict[int, Pair]:
+        k = seat.part
+        arm = minus(position, self.poses[k][1])
+        turns = [Pair(e, cross(e, arm)) for e in IDENTITY]
+        return dict(enumerate([*turns, *(Pair(ZERO, e) for e in IDENTITY)], 6 * k))
+
+
+def constraint_loads(binding: Binding) -> Callable[[Skeleton], list[Pair]]:
+    """Return what gives the loads on the parts of a skeleton: moments about origins, and forces."""
+    values = binding.multipliers()
+
+    def loads(bones: Skeleton) -> list[Pair]:
+        still = scene(bones, binding.q, None, binding.arithmetic)
+        loose = _Loose(bones, still.arithmetic, still.q, None, still.placed, still.poses, ())
+        kinds = {c.name: type(c) for c in binding.tree.constraints}
+        six: list[Scalar] = [0] * (6 * len(bones.parts))
+        found = components(binding.tree, loose)
+        for number, multiplier in zip(binding.plan.kept, values, strict=True):
+            if kinds[found[number].constraint] in BETWEEN_POINTS:
+                for place, x in found[number].relation.row().items():
+                    six[place] = add(six[place], mul(multiplier, x))
+        return [_turned(R, six[6 * k : 6 * k + 6]) for k, (R, _) in enumerate(loose.poses)]
+
+    return loads
+
+
+def _turned(R: Sequence[Sequence[Scalar]], six: Sequence[Scalar]) -> Pair:
+    return Pair(times(R, six[:3]), times(R, six[3:]))

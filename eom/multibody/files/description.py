@@ -113,7 +113,7 @@ class SpringPart(Part):
 
 
 class PointPart(Part):
-    """A point of a ``body``, or of the ground: see `eom.multibody.recursion.points.Point`."""
+    """A point of a ``body``, or of the ground: see `eom.multibody.recursion.quantities.Point`."""
 
     body: str
     position: Formulas = (0, 0, 0)
@@ -201,7 +201,7 @@ class TreeDescription(Request):
     zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
     the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
     that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
-    (`eom.multibody.files.outputs.Choice`); all states and points where none are named.
+    (`eom.multibody.files.scene.Choice`); all states and points where none are named.
     """
 
     model: Literal["tree"] = "tree"

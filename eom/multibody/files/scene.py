@@ -6,13 +6,18 @@ Parts of a scene that come n times: ``[repeat] i = 5`` makes ``link1`` to ``link
 
 A key with ``{i}`` becomes one key for each number; in what belongs to it ``{i}``, ``{i-1}`` and ``{i+1}``
 are numbers. A key that is written out stands in place of the one that would be made.
+
+Where a tree starts: coordinates and speeds at t = 0.
+
+What can be asked of a tree by name, and the smallest system that gives it.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -20,17 +25,25 @@ from typing import Any, Self
 import pydantic
 
 from eom.errors import InputError, unknown_name
+from eom.kinematics.coordinates import quaternion_of_sequence
+from eom.multibody.algebra.light import used
+from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
-from eom.multibody.files.outputs import POINTS, Choice, Saved, smallest
+from eom.multibody.files.formulas import numbered
 from eom.multibody.files.sections import Reading, check_used, points_of, tree_of
-from eom.multibody.files.starting import quaternions, start_values
-from eom.multibody.model.model import Tree
-from eom.multibody.recursion.tally import savings
+from eom.multibody.model.joints import QUATERNION
+from eom.multibody.model.model import Joint, Tree
+from eom.multibody.recursion.quantities import Point
+from eom.multibody.recursion.tally import Savings, savings
 from eom.multibody.system.derive import derive
+from eom.multibody.system.reactions import Reaction, drives_of, of_all
+from eom.multibody.system.told import OUTPUTS
+from eom.quantities import Definition
 from eom.scenes import catalogue
-from eom.scenes.description import check_end
+from eom.scenes.description import InitialAttitude, check_end, check_initial_attitude
 from eom.scenes.scene_files import data_of, in_file, limited, readable
 from eom.scenes.start import pick
+from eom.structure import kept as kept_attitudes
 from eom.system import System
 
 
@@ -292,3 +305,271 @@ def _put(value: Any, number: Number, place: str) -> Any:
         return str(number[1] + step)
 
     return _INDEX.sub(told, value)
+
+
+NORM = 1e-9
+"""How far from 1 the norm of a given quaternion may be; what is left is divided out."""
+
+
+def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
+    """Return the value of every state at t = 0: zero, and no turn, unless the scene says otherwise.
+
+    Quaternions have norm 1 to rounding. Raises `InputError` for names of no state, joints without an
+    attitude, and quaternions that are none.
+    """
+    free = [j for j in tree.ordered if j.motion is None]
+    found = {q.name: 0.0 for j in free for q in (*j.coordinates, *j.speeds)}
+    found |= {q.name: 0.0 for rotor in tree.rotors for q in rotor.states}
+    for names in quaternions(tree):
+        found[names[0]] = 1.0
+    parameters = {n: v.value for n, v in reading.scene.parameters.items()}
+    for name, given in reading.scene.initial.items():
+        if name not in found:
+            raise unknown_name("state", name, found, "[initial]")
+        found[name] = numbered(reading.constants.value(given, f"[initial] {name}"), parameters)
+    for name, value in _attitudes(reading, free):
+        if name in reading.scene.initial:
+            where = "[initial] and [initial_attitude]"
+            raise InputError(f"{name} is given twice", where=where, got=name)
+        found[name] = value
+    for names in quaternions(tree):
+        found |= _normalised({n: found[n] for n in names})
+    return _assembled(tree, reading, found, parameters) if tree.constraints else found
+
+
+def _assembled(
+    tree: Tree, reading: Reading, found: dict[str, float], parameters: dict[str, float]
+) -> dict[str, float]:
+    """Return the nearest values that meet the constraints; rotors are as they are."""
+    free = {q.name: found[q.name] for rotor in tree.rotors for q in rotor.states}
+    bound = {name: x for name, x in found.items() if name not in free}
+    inputs = {q.name: reading.scene.inputs[q.name].value for q in reading.inputs}
+    given = {**parameters, **inputs, **bound}
+    values = assemble(tree, given, keep=reading.scene.keep).values
+    return {name: values[name] for name in bound} | free
+
+
+def quaternions(tree: Tree) -> list[tuple[str, ...]]:
+    """Return the names of the parts of each quaternion among the states."""
+    turning = (j for j in tree.ordered if j.row.attitude and j.attitude == QUATERNION)
+    return [tuple(c.name for c in j.coordinates[-4:]) for j in turning if j.motion is None]
+
+
+def _attitudes(reading: Reading, free: list[Joint]) -> Iterator[tuple[str, float]]:
+    """Yield the attitude coordinates of joints that are given by angles or a quaternion."""
+    joints = {j.name: j for j in free if j.row.attitude}
+    for name, given in reading.scene.initial_attitude.items():
+        where = f"[initial_attitude.{name}]"
+        if name not in joints:
+            raise unknown_name("joint with an attitude", name, joints, where)
+        check_initial_attitude(given, where)
+        joint = joints[name]
+        values = _coordinates(given, joint.attitude, where)
+        names = [c.name for c in joint.coordinates[-len(values) :]]
+        yield from zip(names, values, strict=True)
+
+
+def _coordinates(given: InitialAttitude, attitude: str, where: str) -> tuple[float, ...]:
+    """Return an attitude in the coordinates of a joint."""
+    angles = given.radians or tuple(math.radians(a) for a in given.degrees or ())
+    if attitude == QUATERNION:
+        return given.quaternion or quaternion_of_sequence(given.sequence, angles)
+    if not angles or given.sequence != attitude:
+        got = f"sequence {given.sequence}" if angles else "quaternion"
+        raise InputError(
+            "attitude at the start in other coordinates than the joint's",
+            where=where, got=got, expected=f"angles of the sequence {attitude}",
+        )  # fmt: skip
+    return angles
+
+
+def _normalised(parts: dict[str, float]) -> dict[str, float]:
+    norm = math.hypot(*parts.values())
+    if not abs(norm - 1) <= NORM:
+        raise InputError(
+            "quaternion at the start does not have unit norm",
+            where=f"[initial] {', '.join(parts)}",
+            got=f"norm {norm!r}",
+            expected=f"1 to within {NORM:g}",
+            hint="[initial_attitude] takes angles and makes them exact",
+        )
+    return {n: v / norm for n, v in parts.items()}
+
+
+GROUPS: dict[str, tuple[str, ...]] = {
+    "energies": ("kinetic_energy", "potential_energy"),
+    "momentum": tuple(f"{letter}_{k}" for letter in "pL" for k in (1, 2, 3)),
+    "centre_of_mass": tuple(f"centre_{k}" for k in (1, 2, 3)),
+}
+"""Names of the outputs that a row of `eom.multibody.system.told.OUTPUTS` gives."""
+
+
+FORCES, LAMBDA = "constraint_forces", "lambda_"
+"""The row whose outputs depend on the constraints, and how their names begin."""
+REACTIONS, DRIVES, POINTS = "reactions", "drives", "points"
+"""Words for outputs whose names depend on the tree: of joints, of prescribed motions, of points."""
+Source = str | Reaction | Point
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What can be asked of a tree and of points of its bodies, by name."""
+
+    tree: Tree
+    points: tuple[Point, ...] = ()
+
+    @cached_property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """The names that each word stands for; those of `FORCES` are the derived system's."""
+        return {
+            **GROUPS,
+            FORCES: (),
+            REACTIONS: tuple(n for r in of_all(self.tree) for n in r.names),
+            DRIVES: tuple(d.name for j in self.tree.ordered for d in drives_of(j)),
+            POINTS: tuple(n for p in self.points for n in p.names),
+        }
+
+    @cached_property
+    def sources(self) -> dict[str, Source]:
+        """What gives each output: a row of `OUTPUTS`, a reaction, a point."""
+        found: dict[str, Source] = {}
+        for row in OUTPUTS:
+            found |= dict.fromkeys(self.groups[row], row)
+        for reaction in of_all(self.tree):
+            found |= dict.fromkeys(reaction.names, reaction)
+        for point in self.points:
+            found |= dict.fromkeys(point.names, point)
+        return found
+
+    @property
+    def everything(self) -> tuple[Source, ...]:
+        """All that can be asked for."""
+        return (*OUTPUTS, *self.points)
+
+    def needed(self, wanted: Sequence[str]) -> tuple[Source, ...]:
+        """Return what gives the names and words that are asked for."""
+        names = [n for w in wanted for n in self.groups.get(w, (w,))]
+        forces = (FORCES,) if any(map(self._of_forces, wanted)) else ()
+        given = (self.sources[n] for n in names if n in self.sources)
+        return tuple(dict.fromkeys((*forces, *given)))
+
+    def names(self, wanted: Sequence[str], system: System) -> tuple[str, ...]:
+        """Return what is asked for with words written out."""
+        forces = tuple(n for n in system.output_names if n.startswith(LAMBDA))
+        known = {**self.groups, FORCES: forces}
+        return tuple(dict.fromkeys(n for w in wanted for n in known.get(w, (w,))))
+
+    def is_known(self, name: str) -> bool:
+        """Tell whether a name beside those of states can be asked for."""
+        return name in self.groups or name in self.sources or self._of_forces(name)
+
+    def known(self) -> tuple[str, ...]:
+        """Return all names beside those of states."""
+        return (*self.groups, *self.sources)
+
+    def _of_forces(self, name: str) -> bool:
+        """Tell whether a name begins as the multipliers of a constraint do; or all are meant."""
+        begins = tuple(f"{LAMBDA}{c.name}" for c in self.tree.constraints)
+        return name == FORCES or name.startswith(begins)
+
+
+@dataclass(frozen=True)
+class Saved:
+    """What was left out of a tree's equations: operations by structure, states that nothing needs.
+
+    ``savings``: the operations. ``states``: names of those left out. ``notes``: what a file said that is
+    not used.
+    """
+
+    savings: Savings
+    states: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        lines = [f"- {reason}" for reason in self.savings.reasons]
+        if self.states:
+            lines.append(f"- {', '.join(self.states)}: no output needs them")
+        lines += [f"- {note}" for note in self.notes]
+        total = (
+            f"{self.savings.without} operations an evaluation without, {self.savings.done} of these"
+        )
+        return "\n".join([*lines, total])
+
+
+def smallest(system: System, requested: Sequence[str]) -> System:
+    """Leave out the states, outputs and definitions that ``requested`` names do not depend on.
+
+    Law: what is kept has the same values along every motion. Dependence is that of names: nothing
+    is expanded, so that a long chain of definitions costs no more than reading it.
+    """
+    depends = _dependence(system)
+    outputs = tuple(d for d in system.outputs if d.name in requested)
+    wanted = {q.symbol for q in system.states if q.name in requested}
+    wanted |= {s for d in outputs for s in _reached(d.expression, depends)}
+    kept = _closure(system, wanted, depends)
+    if not kept:
+        kept = _closure(system, {system.states[0].symbol}, depends)
+    if len(kept) == len(system.states) and len(outputs) == len(system.outputs):
+        return system
+    return _restricted(system, kept, outputs, depends)
+
+
+def _restricted(
+    system: System,
+    kept: Sequence[int],
+    outputs: tuple[Definition, ...],
+    depends: dict[Any, set[Any]],
+) -> System:
+    states = {system.states[k].symbol for k in kept}
+    lost = {q.symbol for q in system.states} - states
+    rates = tuple(system.rates[k] for k in kept)
+    invariants = tuple(d for d in system.invariants if not _reached(d.expression, depends) & lost)
+    singular = tuple(s for s in system.singularities if not _reached(s.expression, depends) & lost)
+    results = [*rates, *(d.expression for d in (*outputs, *invariants))]
+    definitions = used(system.definitions, results)
+    everything = [*results, *(d.expression for d in definitions)]
+    free = set().union(
+        *(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular)
+    )
+    known = {*free, *states, *(d.symbol for d in definitions)}
+    return replace(
+        system,
+        states=tuple(system.states[k] for k in kept),
+        rates=rates,
+        parameters=tuple(q for q in system.parameters if q.symbol in free),
+        inputs=tuple(q for q in system.inputs if q.symbol in free),
+        definitions=definitions,
+        outputs=outputs,
+        invariants=invariants,
+        singularities=singular,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
+        attitudes=kept_attitudes(system.attitudes, states, known),
+    )
+
+
+def _dependence(system: System) -> dict[Any, set[Any]]:
+    """Return the variables that each definition depends on."""
+    found: dict[Any, set[Any]] = {}
+    for d in system.definitions:
+        found[d.symbol] = _reached(d.expression, found)
+    return found
+
+
+def _reached(expression: Any, depends: dict[Any, set[Any]]) -> set[Any]:
+    reached: set[Any] = set()
+    for s in expression.free_symbols:
+        reached |= depends.get(s, {s})
+    return reached
+
+
+def _closure(system: System, wanted: set[Any], depends: dict[Any, set[Any]]) -> list[int]:
+    """Return the places of the states that ``wanted`` symbols depend on through the rates."""
+    index = {q.symbol: k for k, q in enumerate(system.states)}
+    stack = [index[s] for s in wanted if s in index]
+    found: set[int] = set()
+    while stack:
+        k = stack.pop()
+        if k not in found:
+            found.add(k)
+            stack += [index[s] for s in _reached(system.rates[k], depends) if s in index]
+    return sorted(found)

@@ -47,7 +47,7 @@ from eom.multibody.model.constraints import (
 )
 from eom.multibody.model.joints import KINDS
 from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
-from eom.multibody.recursion.points import Point
+from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
 from eom.scenes.naming import check_names, spelling
 

@@ -27,7 +27,7 @@ from eom.multibody.model.names import (
 from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.links import applied
 from eom.multibody.recursion.motion import coordinate_rates, motion, places
-from eom.multibody.recursion.points import Point
+from eom.multibody.recursion.quantities import Point
 from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.multibody.system.reactions import Reaction, of_all
 from eom.multibody.system.told import Told, Variables, check, invariants_of, told_of

@@ -12,22 +12,23 @@ import sympy as sp
 from eom.errors import unknown_name
 from eom.multibody.algebra.light import Naming, plain
 from eom.multibody.algebra.scalars import add, is_zero, mul, reciprocal, sub
-from eom.multibody.constrained.binding import Binding, inner, lossless
-from eom.multibody.constrained.bound_loads import constraint_loads
+from eom.multibody.constrained.binding import Binding, constraint_loads, inner, lossless
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Tree
 from eom.multibody.model.names import symbols_in, values_of
 from eom.multibody.recursion.links import end, twice_potential
-from eom.multibody.recursion.points import QUANTITIES, Point, point
 from eom.multibody.recursion.quantities import (
     HALF,
+    QUANTITIES,
     Flow,
+    Point,
     first_moments,
     flow,
     gravity_potential,
     kinetic_energy,
     mass,
     momentum,
+    point,
 )
 from eom.multibody.recursion.skeleton import Skeleton
 from eom.multibody.system import reactions

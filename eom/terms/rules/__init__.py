@@ -7,7 +7,25 @@ enters through `use` and `put`, which replace one side of an established stateme
 Imports: `eom.kinematics`, `eom.terms`.
 """
 
-from eom.terms.rules.basic import Rule, apply, at, everywhere, inside, until_stable
+from eom.terms.rules.basic import (
+    Rule,
+    apply,
+    at,
+    by_way_of,
+    components,
+    compute,
+    entrywise,
+    everywhere,
+    fold_into,
+    inside,
+    match,
+    put,
+    scalars_in,
+    unfold,
+    until_stable,
+    use,
+    vanish,
+)
 from eom.terms.rules.calculus import (
     combine,
     differentiate,
@@ -19,8 +37,6 @@ from eom.terms.rules.calculus import (
     symmetrise,
     take_out,
 )
-from eom.terms.rules.columns import by_way_of, components, compute, entrywise, scalars_in
-from eom.terms.rules.known import fold_into, match, put, unfold, use, vanish
 from eom.terms.rules.vectors import (
     associate,
     bac_cab,

@@ -13,7 +13,7 @@ from eom.views.draw.picture import Picture
 @shown.register
 def _in_a_notebook(picture: Picture, style: str) -> object:
     """Return what IPython displays; renderers are imported where they draw."""
-    from eom.views.draw.notebook import bundle
+    from eom.views.draw.printed import bundle
 
     del style
     return bundle(picture)

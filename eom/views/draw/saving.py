@@ -8,7 +8,8 @@ from pathlib import Path
 
 from codegen.runs.export import whole
 from eom.errors import InputError
-from eom.views.draw import printed, turned_page
+from eom.views.draw import printed
+from eom.views.draw import turned as turned_page
 from eom.views.draw.picture import Picture, check
 from eom.views.draw.printed import installed, require
 

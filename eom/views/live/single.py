@@ -27,8 +27,17 @@ from eom.scenes.conventions import attitude_at_start
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
 from eom.system import System
-from eom.views.live.knobs import knob, of_states
-from eom.views.live.subject import MOST_SWITCHES, VIEW, Data, Knob, Subject, Switch, Variant
+from eom.views.live.subject import (
+    MOST_SWITCHES,
+    VIEW,
+    Data,
+    Knob,
+    Subject,
+    Switch,
+    Variant,
+    knob,
+    of_states,
+)
 
 Expr = Any
 

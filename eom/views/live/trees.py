@@ -18,14 +18,13 @@ from eom.errors import InputError
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.model.model import Tree
-from eom.multibody.recursion.points import Point
+from eom.multibody.recursion.quantities import Point
 from eom.multibody.recursion.tally import savings
 from eom.multibody.system.derive import derive
 from eom.quantities import Definition, Quantity
 from eom.scenes.reduce import cost
 from eom.system import System, as_expression
-from eom.views.live.knobs import knob, of_states
-from eom.views.live.subject import VIEW, Knob, Subject, Switch, Variant
+from eom.views.live.subject import VIEW, Knob, Subject, Switch, Variant, knob, of_states
 
 Expr = Any
 

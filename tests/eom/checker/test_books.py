@@ -5,8 +5,8 @@ import pytest
 from eom.checker.read.grammar import read_formula, read_tokens
 from eom.checker.read.places import Source
 from eom.checker.read.statements import split
+from eom.checker.read.syntax import walk
 from eom.checker.read.tokens import spelling, tokenize
-from eom.checker.read.trees import walk
 from eom.checker.read.writing import latex
 from eom.errors import InputError
 from tests.eom.checker.formulas import BOOKS, SCANS

@@ -6,7 +6,7 @@ import pytest
 
 from eom import check
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.trees import walk
+from eom.checker.read.syntax import walk
 
 FRONT = r"""+++
 [check]

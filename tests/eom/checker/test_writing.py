@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from eom.checker.read import syntax as s
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.trees import depth, transform, walk
+from eom.checker.read.syntax import depth, transform, walk
 from eom.checker.read.writing import latex
 from tests.eom.checker.shape import shape
 

@@ -14,8 +14,7 @@ from codegen.ir.interpret import Point, interpret
 from eom.errors import InputError
 from eom.kinematics.coordinates import rotation_sequence
 from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive
-from eom.multibody.files.outputs import Choice
-from eom.multibody.files.scene import MOST, TreeScene, written_out
+from eom.multibody.files.scene import MOST, Choice, TreeScene, written_out
 from eom.multibody.system.told import OUTPUTS
 from eom.scenes import catalogue
 

@@ -23,18 +23,18 @@ from eom.multibody.files.scene import TreeScene
 from eom.opening import load_scene
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
-from eom.views.animation.animation import animation_of, at, sampled
-from eom.views.animation.animation_page import data, page
-from eom.views.animation.equivalents import equivalent
-from eom.views.animation.figures import figures_of
-from eom.views.animation.filming import Film, Filming
-from eom.views.animation.motions import (
+from eom.views.animation.animation import (
+    animation_of,
     animation_of_motion,
+    at,
     quaternions_of_modified_rodrigues,
     quaternions_of_rodrigues,
+    sampled,
 )
-from eom.views.animation.robot_shapes import shapes_of_file
-from eom.views.animation.slides import film_bytes
+from eom.views.animation.animation_page import data, page
+from eom.views.animation.equivalents import equivalent, shapes_of_file
+from eom.views.animation.figures import figures_of
+from eom.views.animation.filming import Film, Filming, film_bytes
 from eom.views.animation.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
 from eom.views.draw.solid_meshes import of_solid
 

@@ -8,8 +8,7 @@ import pytest
 from codegen.measure.workprecision import measuring, programs
 from eom import InputError, load_scene
 from eom.views import gallery
-from eom.views.draw import printed
-from eom.views.draw import turned_page as turned
+from eom.views.draw import printed, turned
 from eom.views.draw.picture import check
 from eom.views.gallery import PICTURES, Ask
 

@@ -18,8 +18,8 @@ from eom.errors import InputError
 from eom.kinematics import rotations
 from eom.scenes.description import principal_values
 from eom.scenes.scene import Scene
-from eom.views.live import knobs
 from eom.views.live import page as code
+from eom.views.live import subject as knobs
 from eom.views.live.page import page, speed_of, subject_of, written
 from eom.views.live.single import switches_of
 from tests import node

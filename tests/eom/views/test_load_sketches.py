@@ -12,12 +12,10 @@ from eom.multibody.model.constraints import Loop
 from eom.opening import load_scene
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
-from eom.views.body.body_sketch import body_sketch
-from eom.views.body.load_arrows import FORCE, REACTION, TORQUE, number
-from eom.views.draw.labels import names, paper
+from eom.views.body.body_sketch import FORCE, REACTION, TORQUE, body_sketch, number
 from eom.views.draw.picture import Arrow, Curve, Marks, Surface, Words
-from eom.views.tree.tree_frames import tree_frames
-from eom.views.tree.tree_sketch import Posture, tree_sketch
+from eom.views.draw.viewpoint import names, paper
+from eom.views.tree.tree_sketch import Posture, tree_frames, tree_sketch
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 

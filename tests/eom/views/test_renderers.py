@@ -17,9 +17,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import InputError
-from eom.views.draw import formulas, printed, saving, turned_page
+from eom.views.draw import formulas, printed, saving, turned
 from eom.views.draw import printed as extras
-from eom.views.draw import turned_page as turned
+from eom.views.draw import turned as turned_page
 from eom.views.draw.depth import cut, in_space, runs
 from eom.views.draw.meshes import ellipsoid, tip
 from eom.views.draw.picture import Arrow, Axis, Curve, Marks, Panel, Picture, Surface, Words, points

@@ -17,8 +17,7 @@ from eom.views.body.cones import cones, free_cones
 from eom.views.body.free import FreeBody, free_body
 from eom.views.body.matrices import quaternion_matrices, sequence_matrices
 from eom.views.body.poinsot import herpolhode, traced
-from eom.views.body.rotating import symmetry_of, turning
-from eom.views.body.sphere import sphere
+from eom.views.body.rotating import sphere, symmetry_of, turning
 from eom.views.draw.picture import Arrow, Curve, Surface, check
 
 GENERAL = FreeBody((1.0, 2.0, 2.6), (0.5, 0.3, 1.0), (0.6, 0.0, 0.8, 0.0), "General")

@@ -4,7 +4,7 @@ It holds plotly.js itself (some 4.8 MB); the data of the picture are small besid
 allowed by their hashes alone; the library writes its own styles and images. The page follows the
 reader's choice of a light or dark theme.
 
-A picture to turn by hand, by Plotly: for notebooks, and the data of `eom.views.draw.turned_page`.
+A picture to turn by hand, by Plotly: for notebooks, and the data of `eom.views.draw.turned`.
 """
 
 from __future__ import annotations
