@@ -33,7 +33,7 @@ from eom.checker.repairs import apply
 from eom.checker.values import mixed
 from eom.checker.verdicts import GRAVE, verdict
 from eom.errors import InputError
-from eom.series import PRIME
+from eom.fields import PRIME
 from eom.worlds import closure
 
 SHOWN = 3

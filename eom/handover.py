@@ -28,10 +28,10 @@ from eom.kinematics import (
     RotationSequence,
     elementary,
     quaternion,
-    quaternion_product,
     rotation_sequence,
 )
 from eom.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
+from eom.rotations import quaternion_product
 from eom.scene import Scene
 from eom.spinning import OMEGA as SPIN_RATE
 from eom.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom import series
-from eom.series import LENGTH, Field, Matrix, Series, Vector
+from eom.fields import Field
+from eom.series import LENGTH, Matrix, Series, Vector
 
 Point = tuple[Any, Any, Any]
 Weighted = tuple[Any, Point]

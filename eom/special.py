@@ -14,7 +14,8 @@ from functools import cache
 from typing import Any
 
 from eom import series
-from eom.series import LENGTH, RATIONALS, Matrix, Series, Vector
+from eom.fields import RATIONALS
+from eom.series import LENGTH, Matrix, Series, Vector
 from eom.turning import Turned
 from eom.worlds import World
 

@@ -10,10 +10,10 @@ import sympy as sp
 from eom import rules
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import Singular
 from eom.generators import worlds
 from eom.identity import vanishes
 from eom.integrals import antiderivative
-from eom.series import Singular
 from eom.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.vocabulary import definition
 

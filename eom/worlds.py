@@ -20,7 +20,8 @@ from typing import Any
 
 from eom import attitudes, gravitation, series
 from eom.errors import InputError, unknown_name
-from eom.series import LENGTH, Field, Matrix, Series, Vector
+from eom.fields import Field
+from eom.series import LENGTH, Matrix, Series, Vector
 from eom.turning import Angle, Turned, composed, reversed_
 
 SEQUENCES: dict[str, str] = {

@@ -17,7 +17,7 @@ from eom.checker.paths import Path, at, put, set_down
 from eom.checker.slips import ALL_OVER, LOST
 from eom.checker.syntax import Addition, Node
 from eom.checker.values import GEOMETRIC, Value, components
-from eom.series import PRIME
+from eom.fields import PRIME
 from eom.terms import COLUMN, MATRIX
 
 LETTERS = frozenset({"symbol", "index"})

@@ -20,7 +20,7 @@ from eom.checker.laws import STILL, own, refuted, settled
 from eom.checker.values import Value
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
-from eom.series import Singular
+from eom.fields import Singular
 from eom.terms import Term, expr, nodes
 from eom.worlds import ASSUMPTIONS, closure
 

@@ -19,7 +19,7 @@ from eom.checker.model import Model
 from eom.checker.systems import HOLDS, decide_within, equations, on_solutions
 from eom.checker.verdicts import Judged, Verdict
 from eom.errors import InputError
-from eom.series import Singular
+from eom.fields import Singular
 from eom.solutions import rate
 from eom.system import Expr, System
 

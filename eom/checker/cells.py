@@ -14,7 +14,7 @@ from eom.checker.lines import Addend, Line, Member, Place, signature, valued
 from eom.checker.paths import Path, at
 from eom.checker.syntax import Boxed, Braced, Group, Integral, Matrix, Node, Product, Scripts
 from eom.checker.values import Value
-from eom.series import PRIME
+from eom.fields import PRIME
 from eom.terms import MATRIX, SCALAR
 
 Cell = tuple[int, int]

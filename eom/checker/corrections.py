@@ -21,7 +21,7 @@ from eom.checker.solution_places import moves, remains, solutions
 from eom.checker.syntax import Matrix, Node
 from eom.checker.systems import on_solutions
 from eom.checker.trees import walk
-from eom.series import PRIME
+from eom.fields import PRIME, RESIDUES
 from eom.terms import Term
 
 SHOWN = 3
@@ -171,8 +171,7 @@ def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...
     first = next((n for n in numbers if n), 0)
     if not first:
         return None
-    scale = pow(first, -1, PRIME)
-    return tuple(n * scale % PRIME for n in numbers)
+    return tuple(RESIDUES.scaled(numbers, RESIDUES.inverse(first)))
 
 
 def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:

@@ -41,8 +41,9 @@ from eom.checker.values import Value
 from eom.checker.writing import latex
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import PRIME, Field, Singular
 from eom.generators import built
-from eom.series import PRIME, Field, Series, Singular
+from eom.series import Series
 from eom.shapes import Draw
 from eom.special import telling
 from eom.terms import Term, add, mul, number, zero

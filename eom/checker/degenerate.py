@@ -22,8 +22,9 @@ from eom.checker.lexicon import Lexicon
 from eom.checker.systems import on_solutions
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import Singular
 from eom.generators import worlds
-from eom.series import Series, Singular
+from eom.series import Series
 from eom.terms import Equation, Term, add, expr, mul, zero
 from eom.worlds import closure
 

@@ -21,8 +21,9 @@ from eom.checker.claims import Claim
 from eom.checker.symbols import ALIKE
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import Field, Singular
 from eom.generators import worlds
-from eom.series import LENGTH, Field, Series, Singular, Vector
+from eom.series import LENGTH, Series, Vector
 from eom.terms import SCALAR, VECTOR, Term, add, nodes, number, replace, zero
 from eom.verification import not_negative
 from eom.vocabulary import definition, quantity, unit
@@ -360,7 +361,7 @@ class _Symbols(Field):
         """Return the value itself."""
         return value
 
-    def of(self, numerator: int, denominator: int = 1) -> Any:
+    def of(self, numerator: Any, denominator: int = 1) -> Any:
         return sp.Rational(numerator, denominator)
 
     def inverse(self, value: Any) -> Any:

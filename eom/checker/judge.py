@@ -29,9 +29,9 @@ from eom.checker.inequalities import (
 from eom.checker.roots import squared
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import Singular
 from eom.generators import worlds
 from eom.limits import Overdue
-from eom.series import Singular
 from eom.terms import Equation, Term, nodes, zero
 from eom.worlds import ASSUMPTIONS, SEQUENCES, closure
 

@@ -32,8 +32,9 @@ from eom.checker.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Sy
 from eom.checker.values import Refusal, Value, mixed
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import PRIME, Singular
 from eom.generators import world
-from eom.series import PRIME, Series, Singular
+from eom.series import Series
 from eom.terms import Term, zero
 
 Signature = tuple[str, int, Dimension | None]

@@ -24,7 +24,7 @@ from eom.checker.slips import LOST
 from eom.checker.syntax import Addition, Matrix, Node, Number
 from eom.checker.values import Value
 from eom.checker.writing import latex
-from eom.series import PRIME
+from eom.fields import PRIME
 
 
 @dataclass

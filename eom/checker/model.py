@@ -19,12 +19,12 @@ from eom import catalogue
 from eom.checker.solid_models import SPELLINGS, solid_system
 from eom.dissipation import viscous_slug
 from eom.errors import InputError, typed, unknown_name
+from eom.fields import Singular
 from eom.gyrostat import gyrostat
 from eom.kinematics import attitude as attitude_of
 from eom.markup import symbol_latex
 from eom.rigidbody import free_rigid_body, gravity_gradient_satellite, heavy_top
 from eom.scene import Scene
-from eom.series import Singular
 from eom.solids import CENTRE, SOLIDS, mass_properties
 from eom.solutions import Inconsistent, Motion, Restriction
 from eom.spinning import lecture_torque

@@ -23,7 +23,7 @@ from eom.checker.values import Value
 from eom.checker.writing import latex
 from eom.errors import InputError
 from eom.evaluate import Evaluator
-from eom.series import Singular
+from eom.fields import Singular
 from eom.special import telling
 
 TRIED = 60

@@ -15,7 +15,8 @@ from typing import Any
 from eom import limits
 from eom.errors import InputError
 from eom.evaluate import Evaluator
-from eom.series import Series, Singular
+from eom.fields import Singular
+from eom.series import Series
 from eom.terms import Term
 from eom.worlds import World
 

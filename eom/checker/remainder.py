@@ -12,7 +12,7 @@ from eom.checker.lost import Pools, entry_residual
 from eom.checker.residual import fits, total
 from eom.checker.solution_places import remains
 from eom.checker.writing import latex
-from eom.series import PRIME
+from eom.fields import PRIME
 
 
 def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] | None:

@@ -20,7 +20,7 @@ from eom.checker.report import Remark
 from eom.checker.roles import ASSUMPTION
 from eom.checker.verdicts import LAWS, Judged, Verdict
 from eom.errors import InputError
-from eom.series import Singular
+from eom.fields import Singular
 from eom.worlds import ASSUMPTIONS, closure
 
 KINDS: dict[str, str] = {

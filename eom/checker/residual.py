@@ -27,7 +27,7 @@ from eom.checker.syntax import (
 from eom.checker.trees import children
 from eom.checker.turns import abbreviated
 from eom.checker.values import ROW, Value
-from eom.series import PRIME
+from eom.fields import PRIME, RESIDUES
 from eom.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
 
 COEFFICIENTS: tuple[Ratio, ...] = tuple(
@@ -276,7 +276,7 @@ def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piec
 
 
 def _modulo(ratio: Ratio) -> int:
-    return ratio.numerator * pow(ratio.denominator, -1, PRIME)
+    return int(RESIDUES.of(ratio))
 
 
 def scaled(piece: Piece) -> tuple[str, Node]:

@@ -30,7 +30,7 @@ from eom.checker.systems import (
 )
 from eom.checker.writing import latex
 from eom.errors import InputError
-from eom.series import Singular
+from eom.fields import Singular
 from eom.solutions import Inconsistent, Motion, Restriction, order
 from eom.system import Expr
 from eom.terms import Term

@@ -21,8 +21,9 @@ from eom.checker.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Cla
 from eom.checker.leftover import MAX_SPREAD, Leftover, leftover
 from eom.checker.solid_models import COORDINATES, integrated
 from eom.errors import InputError
+from eom.fields import Singular
 from eom.numerals import differs, inexact
-from eom.series import Series, Singular
+from eom.series import Series
 from eom.solutions import Inconsistent, Motion, Restriction, order, rate, spread
 from eom.system import Expr
 from eom.terms import Term, nodes

@@ -19,8 +19,8 @@ import numpy as np
 from codegen.closed.exact import free_motion, kind_of
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
-from eom.views.matrices import sequence_matrices
 from eom.views.picture import Floats
+from eom.views.tracks import sequence_matrices
 
 if TYPE_CHECKING:
     from codegen.closed.exact import FreeMotion

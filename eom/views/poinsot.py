@@ -16,7 +16,6 @@ from eom.errors import InputError
 from eom.herpolhode import herpolhode as exact_herpolhode
 from eom.views.formulas import plain
 from eom.views.free import FreeBody, moving, polhode_of, polhode_points
-from eom.views.matrices import quaternion_matrices
 from eom.views.meshes import ellipsoid, grid_faces
 from eom.views.picture import (
     Arrow,
@@ -31,6 +30,7 @@ from eom.views.picture import (
     points,
 )
 from eom.views.polhodes import OWN, energy_axes
+from eom.views.tracks import matrices
 
 PERIODS = 3.0
 """Periods of the angular velocity that are drawn where no time is asked for."""
@@ -73,7 +73,7 @@ def traced(
     count = points or int(np.clip(PER_TURN * fastest, FEWEST, MOST))
     t = np.linspace(start, end, count)
     omega, q = body.motion(np.append(t, 0.0))
-    C = quaternion_matrices(q)
+    C = matrices(q.T)
     in_space = np.einsum("nki,kn->ni", C, omega)
     momentum = C[-1].T @ np.multiply(body.moments, body.omega)
     frame = _frame(momentum, in_space[-1], C[-1])

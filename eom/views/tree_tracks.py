@@ -16,6 +16,7 @@ from eom.multibody.scalars import Numbers
 from eom.multibody.scene import TreeScene
 from eom.multibody.skeleton import Skeleton, skeleton
 from eom.multibody.values import is_number
+from eom.rotations import quaternion_product
 from eom.system import TIME
 from eom.views.tracks import Track, Tracks, continuous, of_matrices, turned
 
@@ -172,9 +173,7 @@ def _lists(rows: Any) -> list[list[Any]]:
 
 def multiplied(p: Floats, q: Floats) -> Floats:
     """Return the quaternion products p q, shape (N, 4)."""
-    a, v, b, w = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]
-    scalar = a * b - np.einsum("ni,ni->n", v, w)[:, None]
-    return np.concatenate([scalar, a * w + b * v + np.cross(v, w)], axis=1)
+    return np.stack(quaternion_product(p.T, q.T), axis=-1)
 
 
 def from_third(axis: Floats) -> Floats:

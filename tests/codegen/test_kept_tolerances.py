@@ -12,8 +12,8 @@ from codegen import simulate
 from codegen.integrate import sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
 from codegen.native import native
-from eom.kinematics import quaternion_product
 from eom.rigidbody import free_rigid_body, heavy_top
+from eom.rotations import quaternion_product
 from eom.system import TIME, BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")

@@ -17,7 +17,7 @@ from codegen.runs import handover
 from codegen.runs.charts import compile_charts
 from eom.errors import InputError
 from eom.handover import charts
-from eom.kinematics import quaternion_product
+from eom.rotations import quaternion_product
 from eom.system import TIME, BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

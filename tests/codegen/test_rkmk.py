@@ -15,8 +15,8 @@ from codegen.integrate import rkmk
 from codegen.loops import runge_kutta
 from codegen.native import native
 from eom.errors import InputError
-from eom.kinematics import quaternion_product
 from eom.rigidbody import heavy_top
+from eom.rotations import quaternion_product
 from eom.system import TIME, BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

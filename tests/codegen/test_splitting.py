@@ -22,8 +22,9 @@ from codegen.native.trajectory import Problem
 from codegen.targets import c
 from eom import torques
 from eom.errors import InputError
-from eom.kinematics import attitude, quaternion_product
+from eom.kinematics import attitude
 from eom.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
+from eom.rotations import quaternion_product
 from eom.system import TIME, BodyAttitude, Singularity, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom import series
+from eom.fields import Field, Singular
 from eom.generators import world
 from eom.motions import Body, free_attitude
-from eom.series import Field, Series, Singular
+from eom.series import Series
 from eom.shapes import Draw, along, mirrored, shape
 from eom.turning import elementary
 from eom.worlds import LENGTH, closure

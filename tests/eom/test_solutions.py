@@ -4,12 +4,11 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
+from eom.fields import PRIME, RESIDUES, Singular
 from eom.numerals import differs, inexact, real_point, without_rates
 from eom.rigidbody import free_rigid_body, heavy_top
-from eom.series import PRIME, Singular
 from eom.solutions import (
     ENDLESS,
-    FIELD,
     Inconsistent,
     Motion,
     Restriction,
@@ -32,7 +31,7 @@ def test_coefficients_are_those_of_the_closed_form():
     factorials = [1, 1, 2, 6, 24, 120]
     found = motion.series(x).coefficients
     assert found == tuple(
-        e * FIELD.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
+        e * RESIDUES.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
     )
 
 

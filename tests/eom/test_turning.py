@@ -7,9 +7,10 @@ import random
 import pytest
 
 from eom import series
+from eom.fields import Field
 from eom.generators import worlds
 from eom.motions import any_turn, fixed_turn
-from eom.series import Field, Series
+from eom.series import Series
 from eom.shapes import Draw
 from eom.turning import about_axis, angle, composed, reversed_, sequence
 from eom.worlds import SEQUENCES, closure

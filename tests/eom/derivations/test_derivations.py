@@ -10,9 +10,9 @@ from eom.derivation import Maker
 from eom.derivations import derive, names, titles
 from eom.errors import InputError
 from eom.evaluate import Evaluator
+from eom.fields import Singular
 from eom.generators import world
 from eom.rules import transport
-from eom.series import Singular
 from eom.solids import SOLIDS
 from eom.system import System
 from eom.terms import der

@@ -15,11 +15,11 @@ from eom.herpolhode import herpolhode as exact_herpolhode
 from eom.kinematics import attitude
 from eom.views.cones import cones, free_cones
 from eom.views.free import FreeBody, free_body
-from eom.views.matrices import quaternion_matrices, sequence_matrices
 from eom.views.picture import Arrow, Curve, Surface, check
 from eom.views.poinsot import herpolhode, traced
 from eom.views.rotating import symmetry_of, turning
 from eom.views.sphere import sphere
+from eom.views.tracks import matrices, sequence_matrices
 
 GENERAL = FreeBody((1.0, 2.0, 2.6), (0.5, 0.3, 1.0), (0.6, 0.0, 0.8, 0.0), "General")
 SEPARATRIX = FreeBody((4.0, 5.0, 9.0), (3.0, 2.0, 1.0))
@@ -72,7 +72,7 @@ def test_the_frame_is_right_handed_with_the_momentum_upright(body):
     path = traced(body)
     assert path.frame @ path.frame.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(path.frame) == pytest.approx(1.0)
-    C = quaternion_matrices(np.array(body.attitude)[:, None])[0]
+    C = matrices(body.attitude)
     momentum = C.T @ np.multiply(body.moments, body.omega)
     assert path.frame @ momentum == pytest.approx([0, 0, body.momentum], abs=1e-11)
     assert path.first == pytest.approx(C @ path.frame.T, abs=1e-13)
@@ -157,7 +157,7 @@ def test_matrices_of_quaternions_are_those_of_the_derivations():
     written = attitude("quaternion")
     numbers = dict(zip([c.symbol for c in written.coordinates], q, strict=True))
     expected = np.array(written.matrix.xreplace(numbers).evalf(), float)
-    assert quaternion_matrices(q[:, None])[0] == pytest.approx(expected, abs=1e-14)
+    assert matrices(q) == pytest.approx(expected, abs=1e-14)
 
 
 def integrated(motion, torque, moments):
