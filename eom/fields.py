@@ -43,8 +43,10 @@ class Field:
 
     def of(self, numerator: Fraction | int, denominator: int = 1) -> Any:
         """Return the element that a fraction is; raises `Singular` where the prime divides below."""
-        below = self.inverse(numerator.denominator * denominator)
-        return self.reduce(numerator.numerator * below)
+        below = numerator.denominator * denominator
+        if below == 1 and self.prime:
+            return numerator.numerator % self.prime
+        return self.reduce(numerator.numerator * self.inverse(below))
 
     def inverse(self, value: Any) -> Any:
         """Return the reciprocal; raises `Singular` for zero."""

@@ -62,19 +62,24 @@ class Evaluation:
     def value(self, expression: Expr) -> Element:
         """Return the value of an expression."""
         memo, kind = self.memo, type(self)
-        stack = [expression]
+        known = memo.get(expression)
+        stack = [expression] if known is None else []
         while stack:
             node = stack[-1]
-            if node not in memo:
-                row = _row(kind, type(node))  # type: ignore[arg-type] # classes are hashable
-                operands = row.operands(self, node)
-                missing = [a for a in operands if a not in memo]
-                if missing:
-                    stack += missing[::-1]
-                    continue
-                memo[node] = row.value(self, node, [memo[a] for a in operands])
+            operands, value = _row(kind, type(node))  # type: ignore[arg-type] # are hashable
+            values: list[Element] = []
+            missing: list[Expr] = []
+            for a in operands(self, node):
+                found = memo.get(a)
+                (missing if found is None else values).append(a if found is None else found)
+            if missing:
+                stack += missing[::-1]
+                continue
             stack.pop()
-        return memo[expression]
+            known = memo.get(node)
+            if known is None:
+                known = memo[node] = value(self, node, values)
+        return known
 
     def meaning(self, symbol: Expr) -> Expr | None:  # noqa: ARG002
         """Return the expression that a symbol stands for, None for one with a value of its own."""
