@@ -33,7 +33,7 @@ from eom.checker.read.repairs import apply
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.lines import place
 from eom.errors import InputError
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 from eom.worlds.worlds import closure
 
 SHOWN = 3

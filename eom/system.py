@@ -17,10 +17,10 @@ import sympy as sp
 
 from eom.errors import InputError, entries, is_text, shown, typed, typed_fields
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
-from eom.structure import LARGE_PRIME, BodyAttitude, form_of
+from eom.structure import BodyAttitude, form_of
 
 __all__ = (
-    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
+    "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
     "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from codegen.closed.exact import free_motion
 from codegen.integrate import methods
 from codegen.measure.stress import checks, extremes, memory, record, scenes, single
-from codegen.measure.stress.angles import SEQUENCES, cosines, passage
+from codegen.measure.stress.angles import SEQUENCES, passage
 from codegen.measure.stress.growth import fitted, turn_between
 from codegen.measure.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
 from codegen.measure.stress.workers import Worker
@@ -21,6 +21,7 @@ from codegen.native import native
 from eom import problems
 from eom.__main__ import main
 from eom.commands import random_scenes
+from eom.kinematics.rotations import cosines
 from eom.mechanics.rigidbody import free_rigid_body
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
@@ -246,9 +247,9 @@ def test_passages_come_as_near_as_they_say(name, distance):
     sequence = SEQUENCES[name]
     way = passage(sequence, distance)
     q = sequence.quaternion(way.start[3:])
-    assert np.allclose(sequence.angles(cosines(q)), way.start[3:], atol=1e-15)
+    assert np.allclose(sequence.angles(np.array(cosines(q))), way.start[3:], atol=1e-15)
     close = free_motion((1, 2, 3), way.start[:3], q)(np.linspace(0.9, 1.1, 2001))[1]
-    second = np.array([sequence.angles(cosines(c))[1] for c in close.T])
+    second = np.array([sequence.angles(np.array(cosines(c)))[1] for c in close.T])
     near = np.abs(second - sequence.singular).min()
     assert near == pytest.approx(distance, rel=1e-2, abs=1e-14)
     assert float(turn_between(-close, close).max()) < 1e-14

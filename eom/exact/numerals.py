@@ -12,6 +12,7 @@ from collections.abc import Iterable
 import sympy as sp
 
 from eom.exact.solutions import INVERSES, Restriction, order, rate
+from eom.kinematics.rotations import unit_quaternion
 from eom.system import Expr, System
 
 DIGITS = 40
@@ -90,9 +91,3 @@ def real_point(system: System, seed: int) -> dict[Expr, Expr]:
         if used and len(ordered) == len(used) == 4:
             point |= zip(ordered, unit_quaternion([drawn(5) for _ in range(3)]), strict=True)
     return point
-
-
-def unit_quaternion(gibbs: list[Expr]) -> tuple[Expr, ...]:
-    """Return a rational unit quaternion."""
-    square = sum(g**2 for g in gibbs)
-    return ((1 - square) / (1 + square), *(2 * g / (1 + square) for g in gibbs))

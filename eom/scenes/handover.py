@@ -25,10 +25,10 @@ from eom.kinematics.coordinates import (
     RotationSequence,
     elementary,
     quaternion,
-    quaternion_product,
     rotation_sequence,
 )
 from eom.kinematics.frames import unit_vector
+from eom.kinematics.rotations import quaternion_product
 from eom.mechanics import torques
 from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
 from eom.mechanics.spinning import OMEGA as SPIN_RATE

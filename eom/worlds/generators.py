@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from eom.exact import series
-from eom.exact.series import LENGTH, PRIME, Field, Series, Singular, Vector
+from eom.exact.series import LENGTH, Series, Vector
+from eom.fields import PRIME, Field, Singular
 from eom.worlds.motions import (
     Angles,
     Body,
@@ -149,9 +150,9 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
     rotors = []
     for _ in range(draw.generator.randint(1, 3)):
         base, centre = draw.fixed_rotation(), draw.fixed(draw.point())
-        angle, tau = draw.series(), draw.number()
-        scale = draw.field.inverse(1 + tau * tau)
-        turn = elementary(2, *series.sine_cosine(angle, 2 * tau * scale, (1 - tau * tau) * scale))
+        angle = draw.series()
+        cosine, sine = draw.field.circle(draw.number())
+        turn = elementary(2, *series.sine_cosine(angle, sine, cosine))
         to_B = series.transpose(series.product(turn, base))
         ring = _ring(draw)
         members = tuple(range(len(weighted), len(weighted) + len(ring)))

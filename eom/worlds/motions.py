@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom.exact import series
-from eom.exact.series import LENGTH, Field, Matrix, Series, Vector
+from eom.exact.series import LENGTH, Matrix, Series, Vector
+from eom.fields import Field, solve
 from eom.worlds.shapes import Draw, Point, Weighted, along
 from eom.worlds.turning import Angle, Build, Turned, about_axis, angle, composed, turned
 
@@ -80,7 +81,7 @@ def _next_coefficients(
     base = at([0] * n)
     columns = [at([int(k == j) for k in range(n)]) for j in range(n)]
     matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
-    return trial(series.solve(matrix, [field.reduce(-b) for b in base], field))
+    return trial(solve(matrix, [field.reduce(-b) for b in base], field))
 
 
 def _with(s: Series, place: int, value: Any) -> Series:

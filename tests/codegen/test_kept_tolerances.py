@@ -12,7 +12,7 @@ from codegen import simulate
 from codegen.integrate import sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
 from codegen.native import native
-from eom.kinematics.coordinates import quaternion_product
+from eom.kinematics.rotations import quaternion_product
 from eom.mechanics.rigidbody import free_rigid_body, heavy_top
 from eom.system import TIME, BodyAttitude, System
 

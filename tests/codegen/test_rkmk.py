@@ -15,7 +15,7 @@ from codegen.integrate import rkmk
 from codegen.loops import runge_kutta
 from codegen.native import native
 from eom.errors import InputError
-from eom.kinematics.coordinates import quaternion_product
+from eom.kinematics.rotations import quaternion_product
 from eom.mechanics.rigidbody import heavy_top
 from eom.system import TIME, BodyAttitude, System
 

@@ -5,17 +5,8 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.exact.numerals import differs, inexact, real_point, without_rates
-from eom.exact.series import PRIME, Singular
-from eom.exact.solutions import (
-    ENDLESS,
-    FIELD,
-    Inconsistent,
-    Motion,
-    Restriction,
-    order,
-    rate,
-    spread,
-)
+from eom.exact.solutions import ENDLESS, Inconsistent, Motion, Restriction, order, rate, spread
+from eom.fields import PRIME, RESIDUES, Singular
 from eom.mechanics.rigidbody import free_rigid_body, heavy_top
 from eom.mechanics.spinning import lecture_torque
 from eom.system import Quantity, System
@@ -32,7 +23,7 @@ def test_coefficients_are_those_of_the_closed_form():
     factorials = [1, 1, 2, 6, 24, 120]
     found = motion.series(x).coefficients
     assert found == tuple(
-        e * FIELD.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
+        e * RESIDUES.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
     )
 
 

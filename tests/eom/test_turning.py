@@ -7,7 +7,8 @@ import random
 import pytest
 
 from eom.exact import series
-from eom.exact.series import Field, Series
+from eom.exact.series import Series
+from eom.fields import Field
 from eom.worlds.generators import worlds
 from eom.worlds.motions import any_turn, fixed_turn
 from eom.worlds.shapes import Draw

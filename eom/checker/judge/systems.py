@@ -22,8 +22,9 @@ from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT
 from eom.checker.mean.solid_models import COORDINATES, integrated
 from eom.errors import InputError
 from eom.exact.numerals import differs, inexact
-from eom.exact.series import Series, Singular
+from eom.exact.series import Series
 from eom.exact.solutions import Inconsistent, Motion, Restriction, order, rate, spread
+from eom.fields import Singular
 from eom.system import Expr
 from eom.terms.terms import Term, nodes
 

@@ -20,7 +20,7 @@ from eom.checker.judge.verdicts import Judged, Verdict
 from eom.checker.mean.claims import STATEMENT, Claim
 from eom.checker.mean.values import Value
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.terms.terms import Term, expr, nodes
 from eom.worlds.worlds import ASSUMPTIONS, closure
 

@@ -19,8 +19,8 @@ from eom.checker.judge.verdicts import Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.model import Model
 from eom.errors import InputError
-from eom.exact.series import Singular
 from eom.exact.solutions import rate
+from eom.fields import Singular
 from eom.system import Expr, System
 
 MAX_EARLIER = 4

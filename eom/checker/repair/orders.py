@@ -22,7 +22,7 @@ from eom.checker.repair.lost import Pools
 from eom.checker.repair.palette import palette
 from eom.checker.repair.slips import edits
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.special import telling
 

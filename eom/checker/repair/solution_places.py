@@ -30,8 +30,8 @@ from eom.checker.read.syntax import Node
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import Line, Place, valued
 from eom.errors import InputError
-from eom.exact.series import Singular
 from eom.exact.solutions import Inconsistent, Motion, Restriction, order
+from eom.fields import Singular
 from eom.system import Expr
 from eom.terms.terms import Term
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eom.kinematics.rotations import quaternion_product
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
@@ -179,9 +180,7 @@ def _lists(rows: Any) -> list[list[Any]]:
 
 def multiplied(p: Floats, q: Floats) -> Floats:
     """Return the quaternion products p q, shape (N, 4)."""
-    a, v, b, w = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]
-    scalar = a * b - np.einsum("ni,ni->n", v, w)[:, None]
-    return np.concatenate([scalar, a * w + b * v + np.cross(v, w)], axis=1)
+    return np.stack(quaternion_product(p.T, q.T), axis=-1)
 
 
 def from_third(axis: Floats) -> Floats:

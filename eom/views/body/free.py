@@ -19,7 +19,7 @@ import numpy as np
 from codegen.closed.exact import free_motion, kind_of
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
-from eom.views.body.matrices import sequence_matrices
+from eom.views.animation.tracks import sequence_matrices
 from eom.views.draw.picture import Floats
 
 if TYPE_CHECKING:
