@@ -33,7 +33,7 @@ from eom.checker.repair.explaining import explain
 from eom.checker.repair.lines import place
 from eom.checker.report.findings import Explanation
 from eom.errors import InputError
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 from eom.worlds.worlds import closure
 
 SHOWN = 3

@@ -18,18 +18,18 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches
 from eom.exact.identity import RandomPoint
-from eom.exact.series import Field, Singular, solve
+from eom.fields import LARGE_PRIME, LARGE_RESIDUES, Singular, solve
 from eom.kinematics.coordinates import SEQUENCES
 from eom.kinematics.coordinates import attitude as coordinates_of
 from eom.kinematics.frames import vector
-from eom.structure import COUNTS, LARGE_PRIME, QUATERNION, BodyAttitude
+from eom.rotations import quaternion_product
+from eom.structure import COUNTS, QUATERNION, BodyAttitude
 
 Expr = Any
 Equation = tuple[str, Expr, int | None]
 """What is stated in words, an expression, and the state whose rate it is; None for one that is zero."""
 
 POINTS, TRIES = 2, 20
-_FIELD = Field(LARGE_PRIME)
 KINDS = (*COUNTS, *SEQUENCES)
 
 
@@ -146,7 +146,7 @@ def _value(point: RandomPoint, rates: _Rates, expression: Expr) -> int:
     """Return the value of an expression over symbols and `_Rate` of states."""
     for symbol in expression.atoms(_Rate):
         point.memo[symbol] = rates.of(int(symbol.args[0]))
-    return point.value(expression)
+    return int(point.value(expression))
 
 
 class _Rate(sp.Function):  # type: ignore[misc]
@@ -155,12 +155,11 @@ class _Rate(sp.Function):  # type: ignore[misc]
 
 def _point(system: Motion, stated: BodyAttitude, generator: random.Random) -> RandomPoint:
     """Return a random point of the system, with the stated quaternion of unit length."""
-    point = RandomPoint(generator, system.known, _FIELD)
+    point = RandomPoint(generator, system.known, LARGE_RESIDUES)
     if stated.kind == QUATERNION:
-        a, b, c, d = (generator.randrange(1, LARGE_PRIME) for _ in range(4))
-        size = _FIELD.inverse(a * a + b * b + c * c + d * d)
-        square = (a * a - b * b - c * c - d * d, 2 * a * b, 2 * a * c, 2 * a * d)
-        for symbol, v in zip(stated.coordinates, square, strict=True):
+        q = [generator.randrange(1, LARGE_PRIME) for _ in range(4)]
+        size = LARGE_RESIDUES.inverse(sum(x * x for x in q))
+        for symbol, v in zip(stated.coordinates, quaternion_product(q, q), strict=True):
             point.memo[symbol] = v * size % LARGE_PRIME
     return point
 
@@ -179,7 +178,7 @@ class _Rates:
             mass = self.system.mass_matrix
             if mass is not None:
                 rows = [[self.point.value(mass[i, j]) for j in block] for i in block]
-                right = solve(rows, right, _FIELD)
+                right = solve(rows, right, LARGE_RESIDUES)
             self.known |= dict(zip(block, right, strict=True))
         return self.known[k]
 

@@ -22,11 +22,6 @@ Triple = tuple[Expr, Expr, Expr]
 NONE, QUATERNION, DCM = "none", "quaternion", "dcm"
 COUNTS = {NONE: 0, QUATERNION: 4, DCM: 9}
 """Number of coordinates by kind; a sequence of angles has three."""
-LARGE_PRIME = int(
-    "31415926535897932384626433832795028841971693993751058209749445923078164062862089"
-    "98628034825342117067982148086513282306647093844609550582231725359408128481118759"
-)
-"""The first prime after digits of pi: no number that people write is zero modulo it by its form."""
 STILL: Triple = (sp.Integer(0),) * 3
 
 

@@ -27,10 +27,10 @@ from eom.quantities import (
     as_expressions,
     as_symbol,
 )
-from eom.structure import LARGE_PRIME, BodyAttitude, form_of
+from eom.structure import BodyAttitude, form_of
 
 __all__ = (
-    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
+    "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
     "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 

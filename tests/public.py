@@ -24,7 +24,7 @@ MODULES = {
     "eom.derivations.verification": "DerivationError",
     "eom.kinematics.coordinates": "attitude elementary",
     "eom.kinematics.frames": "vector",
-    "eom.kinematics.rotations": "matrix_of_quaternion",
+    "eom.rotations": "matrix_of_quaternion",
     "eom.mass.principal": "definiteness principal_axes",
     "eom.mass.properties": "MassProperties",
     "eom.mass.regions": "Region properties simplex",

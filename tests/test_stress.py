@@ -15,7 +15,7 @@ from codegen.integrate import methods
 from codegen.measure.stress import checks, extremes, record, scenes
 from codegen.measure.stress import extremes as single
 from codegen.measure.stress import sweeps as memory
-from codegen.measure.stress.angles import SEQUENCES, cosines, passage
+from codegen.measure.stress.angles import SEQUENCES, passage
 from codegen.measure.stress.growth import fitted, turn_between
 from codegen.measure.stress.record import ABSENT, FAIL, PASS, Figure, Findings, Plan, Size
 from codegen.measure.stress.workers import Worker
@@ -24,6 +24,7 @@ from eom import problems
 from eom.__main__ import main
 from eom.commands import stressing as random_scenes
 from eom.mechanics.rigidbody import free_rigid_body
+from eom.rotations import cosines
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
 SHORT = Size("quick", 100, 4, (1e-4, 1e-8, 2.0**-52), 0.05, 0.5, 4, 2, 10_000, 10)
@@ -248,9 +249,9 @@ def test_passages_come_as_near_as_they_say(name, distance):
     sequence = SEQUENCES[name]
     way = passage(sequence, distance)
     q = sequence.quaternion(way.start[3:])
-    assert np.allclose(sequence.angles(cosines(q)), way.start[3:], atol=1e-15)
+    assert np.allclose(sequence.angles(np.array(cosines(q))), way.start[3:], atol=1e-15)
     close = free_motion((1, 2, 3), way.start[:3], q)(np.linspace(0.9, 1.1, 2001))[1]
-    second = np.array([sequence.angles(cosines(c))[1] for c in close.T])
+    second = np.array([sequence.angles(np.array(cosines(c)))[1] for c in close.T])
     near = np.abs(second - sequence.singular).min()
     assert near == pytest.approx(distance, rel=1e-2, abs=1e-14)
     assert float(turn_between(-close, close).max()) < 1e-14

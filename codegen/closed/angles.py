@@ -24,6 +24,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from eom.rotations import quaternion_product as product
+
 Array = NDArray[np.float64]
 Quaternion = Sequence[Any]
 TURN = 2 * math.pi
@@ -81,17 +83,6 @@ class Sequence3:
 def _cyclic(steps: int) -> tuple[float, float, float, float]:
     """Return the turn that takes axis k to axis k + steps."""
     return ((1.0, 0.0, 0.0, 0.0), (0.5, 0.5, 0.5, 0.5), (0.5, -0.5, -0.5, -0.5))[steps]
-
-
-def product(p: Quaternion, q: Quaternion) -> tuple[Any, Any, Any, Any]:
-    """Return the product p q of quaternions, scalar first."""
-    (a, b, c, d), (w, x, y, z) = p, q
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y + c * w + d * x - b * z,
-        a * z + d * w + b * y - c * x,
-    )
 
 
 def upright(axis: Sequence[float]) -> tuple[float, float, float, float]:
@@ -157,7 +148,10 @@ def angles(
 
     ``start``: angles at first; ``first``: the motion's quaternion at first.
     """
-    left, right = product(sequence.before, turns[0]), product(turns[1], sequence.after)
+    left, right = (
+        product(sequence.before, turns[0]),
+        product(turns[1], sequence.after),
+    )
     lifts = [_lift(terms, winding) for terms in _terms(left, right)]
     one, two = lifts
     if one is None or two is None:

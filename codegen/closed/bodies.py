@@ -15,7 +15,9 @@ from codegen.closed.polhode import context, number
 from codegen.frontend.attitude import FRAME, INERTIA, OMEGA, QUATERNION, Stated
 from codegen.ir.passes import needed, symmetric
 from codegen.ir.program import Program
-from codegen.ir.residues import PRIME, RandomPoint, inverse
+from codegen.ir.residues import FIELD, PRIME, RandomPoint
+from eom.fields import RATIONALS
+from eom.rotations import quaternion_product
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 Vector = Sequence[int]
@@ -112,8 +114,8 @@ def states_at(held: Held, body: Spinning, point: RandomPoint) -> list[int]:
     x = states_of(point, held.count)
     if body.quaternion:
         p = [x[k] for k in body.quaternion]
-        below = inverse(sum(v * v for v in p))
-        for k, v in zip(body.quaternion, product(p, p), strict=True):
+        below = FIELD.inverse(sum(v * v for v in p))
+        for k, v in zip(body.quaternion, quaternion_product(p, p), strict=True):
             x[k] = v * below % PRIME
     return x
 
@@ -130,7 +132,7 @@ def _kinematics(
     body: Spinning, point: RandomPoint, x: Sequence[int], rates: Sequence[int], w: Sequence[int]
 ) -> list[int]:
     if body.quaternion:
-        turned = product([x[k] for k in body.quaternion], [0, *w])
+        turned = quaternion_product([x[k] for k in body.quaternion], [0, *w])
         return [2 * rates[k] - v for k, v in zip(body.quaternion, turned, strict=True)]
     if body.angles:
         waves = [point.circle(x[k])[::-1] for k in body.angles]
@@ -167,16 +169,6 @@ def matrix_of_turns(axes: Sequence[int], waves: Sequence[tuple[Any, Any]]) -> li
     return C
 
 
-def matrix_of_quaternion(q: Sequence[Any]) -> list[list[Any]]:
-    """Return the rows of C of a quaternion, times its squared length."""
-    a, b, c, d = q
-    return [
-        [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
-        [2 * (b * c - a * d), a * a - b * b + c * c - d * d, 2 * (c * d + a * b)],
-        [2 * (b * d + a * c), 2 * (c * d - a * b), a * a - b * b - c * c + d * d],
-    ]
-
-
 def attitude_at(body: Spinning, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
     """Return the quaternion at states: its own states, or of angles, then a unit to the last digit."""
     if not body.angles:
@@ -186,22 +178,10 @@ def attitude_at(body: Spinning, x: Sequence[Fraction]) -> tuple[Fraction, ...]:
         own = context()
         own.dps = DIGITS
         quarter = fraction(own.tan(number(own, x[k]) / 4)) if x[k] else ZERO
-        below = 1 + quarter**2
-        turn = [(1 - quarter**2) / below, ZERO, ZERO, ZERO]
-        turn[1 + axis] = 2 * quarter / below
-        q = product(q, turn)
+        turn = [ZERO] * 4
+        turn[0], turn[1 + axis] = RATIONALS.circle(quarter)
+        q = quaternion_product(q, turn)
     return tuple(q)
-
-
-def product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-    """Return the product p q of quaternions, scalar first."""
-    (a, b, c, d), (w, x, y, z) = p, q
-    return [
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y + c * w + d * x - b * z,
-        a * z + d * w + b * y - c * x,
-    ]
 
 
 def cross(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.closed import spinner, tops
-from codegen.closed.angles import Angles, Sequence3, angles, product
+from codegen.closed.angles import Angles, Sequence3, angles
 from codegen.closed.bilinear import triad
 from codegen.closed.bodies import (
     Matrix,
@@ -41,6 +41,7 @@ from codegen.frontend.layout import names_of
 from codegen.ir.residues import PRIME, RandomPoint
 from codegen.native.trajectory import Problem
 from eom.errors import InputError
+from eom.rotations import quaternion_product
 
 Array = NDArray[np.float64]
 WHERE = "closed form"
@@ -221,10 +222,10 @@ class Turned:
         turn = [q[0], *self.axes.to_body(self.frame.listed(q[1:]))]
         vectors: list[Sequence[Any]] = [self.axes.to_body(self.frame.listed(w))]
         if self.start:
-            q = product(product(self.start, self.back), turn)
+            q = quaternion_product(quaternion_product(self.start, self.back), turn)
             vectors.append(q if self.angles is None else self.angles(t, q))
         if self.fixed:
-            since = product(self.back, turn)
+            since = quaternion_product(self.back, turn)
             vectors += [_seen(v, since) for v in self.fixed]
         return [vectors[v][k] for v, k in self.places]
 
@@ -275,10 +276,10 @@ def _angles(
     found = winding(form)
     if found is None:
         return None
-    a, b, c, d = turn = product(turn, own_axes(form))
+    a, b, c, d = turn = quaternion_product(turn, own_axes(form))
     i, j, k = body.stated.sequence
     psi, theta, phi = (float(x[n]) for n in body.angles)
-    left = product(product(*first), turn)
+    left = quaternion_product(quaternion_product(*first), turn)
     turns = left, (a, -b, -c, -d)
     return angles(Sequence3((i, j, k)), found, turns, (psi, theta, phi), first[0])
 

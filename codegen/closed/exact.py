@@ -32,6 +32,7 @@ from codegen.closed.elliptic import Modulus, Series, carlson, first_kind, series
 from codegen.closed.phases import Pair, pair, parity, reduced, scaled
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError, typed
+from eom.rotations import quaternion_product
 
 Array = NDArray[np.float64]
 Number = Any  # a mpmath real
@@ -260,7 +261,7 @@ class FreeMotion:
             w, q = self.form(flat[part])
             omega[:, part] = self.body.frame.to_body(w)
             q[1:] = self.body.frame.to_body(q[1:])
-            quaternion[:, part] = _product(self.first, q)
+            quaternion[:, part] = quaternion_product(self.first, q)
         return omega.reshape(3, *times.shape), quaternion.reshape(4, *times.shape)
 
 
@@ -282,7 +283,7 @@ def free_motion(
     kind, form = kind_of(body), form_of(body)
     _, q = form(np.zeros(1))
     q[1:] = -body.frame.to_body(q[1:])
-    w, x, y, z = (float(v) for v in _product(start, q)[:, 0])
+    w, x, y, z = (float(v[0]) for v in quaternion_product(start, q))
     return FreeMotion(kind.name, kind.meaning, form.period, body, form, (w, x, y, z))
 
 
@@ -313,18 +314,6 @@ def free_body(
     [0.070737, 0.0, 0.0, 0.997495]
     """
     return free_motion(moments, omega0, attitude0)(t)
-
-
-def _product(p: tuple[float, float, float, float], q: Array) -> Array:
-    """Return the product p q of quaternions, scalar first."""
-    a, b, c, d = p
-    w, x, y, z = q
-    return np.stack([
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y + c * w + d * x - b * z,
-        a * z + d * w + b * y - c * x,
-    ])  # fmt: skip
 
 
 def _array(what: str, values: ArrayLike) -> Array:

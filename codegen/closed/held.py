@@ -23,8 +23,9 @@ from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
-from codegen.ir.residues import LARGEST, POINTS, PRIME, TRIES, RandomPoint, Unlucky, degree, residue
+from codegen.ir.residues import FIELD, LARGEST, POINTS, PRIME, TRIES, RandomPoint, degree
 from codegen.native.trajectory import Problem
+from eom.fields import Singular
 
 T = TypeVar("T")
 DIGITS = 80
@@ -65,7 +66,7 @@ class Held:
     def _given(self) -> dict[tuple[str, int], int]:
         numbers = {"parameter": self.parameters, "input": self.inputs}
         return {
-            (kind, k): residue(Fraction(v))
+            (kind, k): FIELD.of(Fraction(v))
             for kind, values in numbers.items()
             for k, v in enumerate(values)
         }
@@ -112,14 +113,14 @@ class Held:
     ) -> list[int]:
         """Return the residues of a group of results, at the point's own time or another.
 
-        Raises `Unlucky` where one is 0/0.
+        Raises `Singular` where one is 0/0.
         """
         given = self._given | {("state", k): v for k, v in enumerate(x)}
         given |= {} if time is None else {("time", 0): time}
         values = point.values(program, given)
         found = [values[k] for k in program.results[group]]
         if any(v is None for v in found):
-            raise Unlucky
+            raise Singular
         return [v or 0 for v in found]
 
     def proved(self, residuals: Callable[[RandomPoint], Iterable[int]]) -> bool:
@@ -135,7 +136,7 @@ class Held:
             try:
                 if any(residuals(RandomPoint(seed))):
                     return False
-            except Unlucky:
+            except Singular:
                 continue
             found += 1
             if found == POINTS:

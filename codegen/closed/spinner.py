@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.closed.angles import Angles, Sequence3, angles, product, upright
+from codegen.closed.angles import Angles, Sequence3, angles, upright
 from codegen.closed.bodies import moving, sine_and_cosine
 from codegen.closed.exact import Steady
 from codegen.closed.held import Held, states_of
@@ -31,7 +31,8 @@ from codegen.closed.phases import Pair, grown, pair, scaled
 from codegen.closed.polhode import context, number
 from codegen.closed.windings import Spinning
 from codegen.frontend.attitude import INERTIA, OMEGA, Stated
-from codegen.ir.residues import PRIME, RandomPoint, inverse
+from codegen.ir.residues import FIELD, PRIME, RandomPoint
+from eom.rotations import quaternion_product
 
 AXES = (2, 0, 1)
 AXLE = 3
@@ -75,7 +76,7 @@ class Spinner:
     def __call__(self, t: Any) -> Sequence[Any]:
         """Return one row a state; see `codegen.closed.closed_forms.Motion`."""
         _, turned = self.form(t)
-        q = product(product(self.left, list(turned)), self.right)
+        q = quaternion_product(quaternion_product(self.left, list(turned)), self.right)
         psi, theta, sphere = self.angles(t, q)
         c, s, cosine = self._in_sphere(q)
         x, z = self.transverse
@@ -95,7 +96,7 @@ class Spinner:
         Of alpha conj(beta), not of the angle itself, whose rounding grows with time.
         """
         sequence = self.angles.sequence
-        q0, q1, q2, q3 = product(product(sequence.before, q), sequence.after)
+        q0, q1, q2, q3 = quaternion_product(quaternion_product(sequence.before, q), sequence.after)
         x, y = q0 * q1 + q3 * q2, q3 * q1 - q0 * q2
         sign = math.copysign(1.0, math.cos(self.angles.start[1]))
         size = -sign * np.hypot(x, y)
@@ -137,12 +138,12 @@ def _residuals(held: Held, found: Reading, point: RandomPoint) -> list[int]:
     J = held.values(point, found.stated.values, INERTIA, x)
     spin = held.values(point, found.stated.values, OMEGA, x)[1]
     cosine, sine = point.circle(x[found.theta])
-    k = J[AXLE] * inverse(J[0]) * spin
+    k = J[AXLE] * FIELD.inverse(J[0]) * spin
     turn, tilt = x[found.psi_dot], x[found.theta_dot]
     expected = [
         (found.theta, tilt),
         (found.theta_dot, turn * cosine * (k - turn * sine)),
-        (found.psi_dot, tilt * (2 * turn * sine - k) * inverse(cosine)),
+        (found.psi_dot, tilt * (2 * turn * sine - k) * FIELD.inverse(cosine)),
         (found.psi, turn),
         (found.phi, spin - turn * sine),
         (found.state, 0),
@@ -162,13 +163,13 @@ def prepared(found: Reading, x: Sequence[Fraction]) -> Spinner | None:
     size = own.sqrt(number(own, h[0] ** 2 + h[1] ** 2 + h[2] ** 2))
     axis = [number(own, v) / size for v in h] if size else [own.zero, own.zero, own.one]
     psi, theta = float(x[found.psi]) if found.psi is not None else 0.0, float(x[found.theta])
-    start = product(
+    start = quaternion_product(
         (math.cos(psi / 2), 0.0, 0.0, math.sin(psi / 2)),
         (math.cos(theta / 2), math.sin(theta / 2), 0.0, 0.0),
     )
     turn = upright([float(v) for v in axis])
     form = Steady((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), float(size), scaled(size / 2), pair(2 * own.pi))
-    left, right = product(start, turn), (turn[0], *(-v for v in turn[1:]))
+    left, right = quaternion_product(start, turn), (turn[0], *(-v for v in turn[1:]))
     shown = angles(THREE_ONE_TWO, Spinning(form), (left, right), (psi, theta, 0.0), start)
     if shown is None:
         return None

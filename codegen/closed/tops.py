@@ -21,7 +21,6 @@ from codegen.closed.bodies import (
     attitude_at,
     bodies,
     cross,
-    matrix_of_quaternion,
     matrix_of_turns,
     residuals,
     sine_and_cosine,
@@ -30,7 +29,8 @@ from codegen.closed.heavy_top import Top
 from codegen.closed.held import Held, fraction
 from codegen.closed.polhode import context, number
 from codegen.frontend.attitude import INERTIA
-from codegen.ir.residues import PRIME, RandomPoint, inverse, residue
+from codegen.ir.residues import FIELD, PRIME, RandomPoint
+from eom.rotations import cosines
 
 ZERO = Fraction(0)
 Vector = tuple[Fraction, Fraction, Fraction]
@@ -96,14 +96,14 @@ def _modulo(
     """Return the coefficients modulo the prime."""
 
     def rates(x: Sequence[float], states: Sequence[int]) -> list[int]:
-        return held.residues(point, [residue(Fraction(v)) for v in x], states)
+        return held.residues(point, [FIELD.of(Fraction(v)) for v in x], states)
 
     def waves(angle: Fraction) -> tuple[int, int]:
-        c, s = point.circle(residue(angle))
+        c, s = point.circle(FIELD.of(angle))
         return s, c
 
     def over(value: int, by: Any) -> int:
-        return value * inverse(residue(by) if isinstance(by, Fraction) else by)
+        return value * int(FIELD.inverse(FIELD.of(by) if isinstance(by, Fraction) else by))
 
     spun, weights = _coefficients(held, body, axes, Numbers(rates, waves, over))
     return spun % PRIME, [w % PRIME for w in weights]
@@ -206,7 +206,7 @@ def _columns(
 ) -> list[list[Any]]:
     """Return fixed directions in the body: the axes of the attitude's frame, or states."""
     if body.quaternion:
-        rows = matrix_of_quaternion([x[k] for k in body.quaternion])
+        rows = cosines([x[k] for k in body.quaternion])
     elif body.angles:
         rows = matrix_of_turns(body.stated.sequence, [waves(x[k]) for k in body.angles])
     else:
@@ -219,7 +219,7 @@ def top(found: Reading, x: Sequence[Fraction]) -> Top | None:
     body, axes = found.body, found.axes
     q = attitude_at(body, x)
     if q:
-        rows = matrix_of_quaternion(q)
+        rows = cosines(q)
         columns = [[row[n] for row in rows] for n in range(3)]
     else:
         columns = _columns(body, x, sine_and_cosine)

@@ -21,9 +21,10 @@ from fractions import Fraction
 from codegen.ir.ops import OPS, Instruction
 from codegen.ir.passes import Slot
 from codegen.ir.program import Program
-from eom.system import LARGE_PRIME
+from eom.fields import LARGE_RESIDUES, Singular, sum_of_angles
 
-PRIME = LARGE_PRIME
+FIELD = LARGE_RESIDUES
+PRIME = FIELD.prime
 NOT_A_NUMBER = None
 Residue = int | None
 """None for 0/0, which stands for NaN in programs."""
@@ -31,10 +32,6 @@ DOUBLINGS = 3
 """An argument is this many halves above that of which the point of the circle is drawn."""
 LARGEST = 2**200
 """Of degrees that are told apart."""
-
-
-class Unlucky(Exception):
-    """A divisor happened to vanish at a random point."""
 
 
 class RandomPoint:
@@ -64,8 +61,7 @@ class RandomPoint:
         else:
             lower = angle * HALF**DOUBLINGS % PRIME
             u = self.draw()
-            below = inverse(1 + u * u)
-            self._circle[lower] = (1 - u * u) * below % PRIME, 2 * u * below % PRIME
+            self._circle[lower] = FIELD.circle(u)
         while lower != angle:
             c, s = self._circle[lower]
             lower = 2 * lower % PRIME
@@ -79,7 +75,7 @@ class RandomPoint:
     def values(self, program: Program, given: Mapping[Slot, int]) -> list[Residue]:
         """Return the residue of each instruction; ``given`` overrides leaves that are read by slot.
 
-        Raises `Unlucky` where a divisor vanishes.
+        Raises `Singular` where a divisor vanishes.
         """
         values: list[Residue] = []
         turns: dict[int, tuple[int, int]] = {}
@@ -101,7 +97,7 @@ class RandomPoint:
     def _leaf(self, instruction: Instruction, given: Mapping[Slot, int]) -> int:
         if instruction.op == "const":
             assert isinstance(instruction.value, Fraction)
-            return residue(instruction.value)
+            return int(FIELD.of(instruction.value))
         known = given.get((instruction.op, instruction.slot))
         return self.leaf(instruction.op, instruction.slot) if known is None else known
 
@@ -130,7 +126,8 @@ class RandomPoint:
                 continue
             stack.pop()
             if summands:
-                known[k] = _added([known[a] for a in summands], _SENSES[op])
+                signed = zip((known[a] for a in summands), _SENSES[op], strict=True)
+                known[k] = sum_of_angles(((*turn, sense) for turn, sense in signed), FIELD.reduce)
             elif k not in known:
                 known[k] = self.circle(values[k] or 0)
         return known[angle]
@@ -161,17 +158,6 @@ _FIELD: Mapping[str, Callable[..., int]] = {
 _SENSES: Mapping[str, tuple[int, ...]] = {"add": (1, 1), "sub": (1, -1), "neg": (-1,)}
 
 
-def _added(turns: Sequence[tuple[int, int]], senses: Sequence[int]) -> tuple[int, int]:
-    """Return (cosine, sine) of a sum of angles with signs."""
-    cosine, sine = 1, 0
-    for (c, s), sense in zip(turns, senses, strict=True):
-        cosine, sine = (
-            (cosine * c - sense * sine * s) % PRIME,
-            (sine * c + sense * cosine * s) % PRIME,
-        )
-    return cosine, sine
-
-
 def vanishing(program: Program, group: str, other: str = "") -> list[bool]:
     """Tell of each result of a group whether it is zero, or the result of the ``other`` group, everywhere.
 
@@ -198,7 +184,7 @@ def _somewhere(program: Program, seed: int) -> list[Residue]:
     for k in range(TRIES):
         try:
             return RandomPoint(seed * TRIES + k).values(program, {})
-        except Unlucky:
+        except Singular:
             continue
     return [NOT_A_NUMBER] * len(program.instructions)
 
@@ -206,32 +192,15 @@ def _somewhere(program: Program, seed: int) -> list[Residue]:
 def _quotient(a: int, b: int) -> Residue:
     if b == 0 and a == 0:
         return NOT_A_NUMBER
-    return a * inverse(b) % PRIME
-
-
-def inverse(value: int) -> int:
-    """Return the inverse. Raises `Unlucky` for zero."""
-    if value % PRIME == 0:
-        raise Unlucky
-    return pow(value, -1, PRIME)
-
-
-def residue(number: Fraction | int) -> int:
-    """Return the residue of a rational number.
-
-    >>> residue(Fraction(1, 3)) * 3 % PRIME
-    1
-    """
-    exact = Fraction(number)
-    return exact.numerator * inverse(exact.denominator) % PRIME
+    return a * int(FIELD.inverse(b)) % PRIME
 
 
 _CIRCLE: Mapping[str, Callable[[int, int], int]] = {
     "cos": lambda c, s: c,
     "sin": lambda c, s: s,
-    "tan": lambda c, s: s * inverse(c),
+    "tan": lambda c, s: s * FIELD.inverse(c),
 }
-HALF = inverse(2)
+HALF = FIELD.inverse(2)
 
 
 def degree(program: Program) -> int:

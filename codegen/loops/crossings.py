@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cache, lru_cache
 from importlib import resources
@@ -32,6 +32,7 @@ from codegen.ir.program import Program
 from codegen.loops import lookout
 from codegen.native.trajectory import Array, Found, Problem
 from codegen.watch.narrow import VERDICT, Steady, steady
+from eom.fields import RATIONALS, solved
 
 GROUP = "events"
 """Group of results of a program: the expressions of the events, then the sizes of their terms."""
@@ -264,22 +265,9 @@ def interpolation(degree: int) -> tuple[tuple[float, ...], tuple[tuple[float, ..
     exact = [Fraction(x) for x in nodes]
     rows = [[math.comb(degree, j) * x**j * (1 - x) ** (degree - j) for j in range(degree + 1)]
             for x in exact]  # fmt: skip
-    inverse = _inverse(rows)
+    one = [[int(i == j) for j in range(degree + 1)] for i in range(degree + 1)]
+    inverse = solved(rows, one, RATIONALS)
     return tuple(nodes), tuple(tuple(map(float, row)) for row in inverse)
-
-
-def _inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
-    """Return the exact inverse of a regular matrix, by Gauss and Jordan."""
-    n = len(matrix)
-    rows = [[*row, *(Fraction(int(i == j)) for j in range(n))] for i, row in enumerate(matrix)]
-    for k in range(n):
-        pivot = next(i for i in range(k, n) if rows[i][k])
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        rows[k] = [a / rows[k][k] for a in rows[k]]
-        for i in range(n):
-            if i != k and rows[i][k]:
-                rows[i] = [a - rows[i][k] * b for a, b in zip(rows[i], rows[k], strict=True)]
-    return [row[n:] for row in rows]
 
 
 # --- calls from Python -----------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.exact.integrals import antiderivative
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.terms import rules
 from eom.terms.terms import MATRIX, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import definition

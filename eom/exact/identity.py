@@ -11,16 +11,18 @@ No ``simplify`` is involved and the time is linear in the size of the expression
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import sympy as sp
 
-from eom.exact.series import PRIME, Field, Singular
+from eom.exact.rings import ARITHMETIC, FLOATS, TRIGONOMETRY, Evaluation, summands
 from eom.expressions import as_expression
+from eom.fields import RESIDUES, Field, Singular
 
 Expr = Any
-FIELD = Field(PRIME)
+MAX_COUNT = 64
+"""Of an angle in a sum of angles."""
 
 
 def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
@@ -67,134 +69,43 @@ def equal(left: Expr, right: Expr, *, seed: int = 0) -> bool:
     return vanishes(left - right, seed=seed)
 
 
-class RandomPoint:
+class RandomPoint(Evaluation):
     """Values modulo the prime, drawn on first use, of symbols, angles and unknown functions.
 
     ``definitions``: symbols that stand for expressions, and have their values. ``field``: with the prime.
+    A power that is no whole one is an unknown too, so that only identities in it as such are seen.
     """
+
+    rows = ARITHMETIC | FLOATS | TRIGONOMETRY
 
     def __init__(
         self,
         generator: random.Random,
         definitions: Mapping[Expr, Expr] | None = None,
-        field: Field = FIELD,
+        field: Field = RESIDUES,
     ) -> None:
-        self.generator, self.field, self.prime = generator, field, field.prime
+        self.generator, self.ring, self.field = generator, field, field
         self.definitions = definitions or {}
-        self.memo: dict[Expr, int] = {}
-        self.half_tangent: dict[Expr, int] = {}
+        self.memo = {}
+        self.circle: dict[Expr, tuple[int, int]] = {}
 
-    def value(self, expression: Expr) -> int:
-        """Evaluate with an explicit stack, each distinct node once."""
-        stack = [expression]
-        while stack:
-            node = stack[-1]
-            if node in self.memo:
-                stack.pop()
-                continue
-            missing = [a for a in self._operands(node) if a not in self.memo]
-            if missing:
-                stack.extend(missing)
-                continue
-            self.memo[node] = self._apply(node) % self.prime
-            stack.pop()
-        return self.memo[expression]
+    def meaning(self, symbol: Expr) -> Expr | None:
+        """Return the expression that a symbol stands for."""
+        return self.definitions.get(symbol)
 
-    def _operands(self, node: Expr) -> tuple[Expr, ...]:
-        """Children that must be known first; arguments of functions stay symbolic."""
-        if node in self.definitions:
-            return (self.definitions[node],)
-        if isinstance(node, sp.Pow):
-            return (node.as_base_exp()[0],)
-        return tuple(node.args) if isinstance(node, sp.Add | sp.Mul) else ()
+    def other(self, node: Expr) -> int:  # noqa: ARG002
+        """Draw the value of a symbol, a root or a function."""
+        return int(self.field.draw(self.generator))
 
-    def _apply(self, node: Expr) -> int:
-        if node in self.definitions:
-            return self.memo[self.definitions[node]]
-        for kind, rule in _RULES:
-            if isinstance(node, kind):
-                return rule(self, node)
-        return self._draw()
+    def turns(self, angle: Expr) -> Iterator[tuple[int, int, int]]:
+        """Yield points of the circle, and how often each is added; above `MAX_COUNT` it is a new one."""
+        for base, count in summands(angle):
+            if count.is_Integer and abs(int(count)) <= MAX_COUNT:
+                yield *self._point(base), int(count)
+            else:
+                yield *self._point(count * base), 1
 
-    def _draw(self) -> int:
-        return self.generator.randrange(1, self.prime)
-
-    def inverse(self, value: int) -> int:
-        """Return the reciprocal. Raises `Singular` for zero."""
-        return int(self.field.inverse(value))
-
-    def rotation(self, angle: Expr) -> tuple[int, int]:
-        """Return (cosine, sine) of an integer combination of angles, by addition theorems."""
-        cosine, sine, p = 1, 0, self.prime
-        for base, count in _angle_terms(angle):
-            if base not in self.half_tangent:
-                self.half_tangent[base] = self._draw()
-            tau = self.half_tangent[base]
-            scale = self.inverse(1 + tau * tau)
-            c, s = (1 - tau * tau) * scale % p, 2 * tau * scale % p
-            s = s if count > 0 else -s
-            for _ in range(abs(count)):
-                cosine, sine = (cosine * c - sine * s) % p, (sine * c + cosine * s) % p
-        return cosine, sine
-
-    def power(self, node: Expr) -> int:
-        """Integer powers exactly; a fractional one as powers of an unknown root.
-
-        The root is drawn at random, so that only identities in it as an unknown are seen.
-        """
-        base, exponent = node.as_base_exp()
-        if exponent.is_Integer:
-            value = self.memo[base]
-            n = int(exponent)
-            return pow(value if n >= 0 else self.inverse(value), abs(n), self.prime)
-        return self._draw()
-
-
-def _angle_terms(angle: Expr) -> list[tuple[Expr, int]]:
-    terms = []
-    for term in sp.Add.make_args(angle):
-        coefficient, base = term.as_coeff_Mul()
-        if coefficient.is_Integer and abs(int(coefficient)) <= 64:
-            terms.append((base, int(coefficient)))
-        else:
-            terms.append((term, 1))
-    return terms
-
-
-_TRIGONOMETRIC: dict[Any, Callable[[RandomPoint, int, int], int]] = {
-    sp.sin: lambda p, c, s: s,
-    sp.cos: lambda p, c, s: c,
-    sp.tan: lambda p, c, s: s * p.inverse(c),
-    sp.cot: lambda p, c, s: c * p.inverse(s),
-    sp.sec: lambda p, c, s: p.inverse(c),
-    sp.csc: lambda p, c, s: p.inverse(s),
-}
-
-
-def _rational(point: RandomPoint, node: Expr) -> int:
-    return int(node.p) * point.inverse(int(node.q))
-
-
-def _float(point: RandomPoint, node: Expr) -> int:
-    return _rational(point, sp.Rational(node))
-
-
-def _trigonometric(point: RandomPoint, node: Expr) -> int:
-    return _TRIGONOMETRIC[type(node)](point, *point.rotation(node.args[0]))
-
-
-_RULES: tuple[tuple[Any, Callable[[RandomPoint, Any], int]], ...] = (
-    (sp.Rational, _rational),
-    (sp.Float, _float),
-    (sp.Add, lambda p, n: sum(p.memo[a] for a in n.args)),
-    (sp.Mul, lambda p, n: _product(p.prime, (p.memo[a] for a in n.args))),
-    (sp.Pow, lambda p, n: p.power(n)),
-    (tuple(_TRIGONOMETRIC), _trigonometric),
-)
-
-
-def _product(prime: int, values: Any) -> int:
-    result = 1
-    for value in values:
-        result = result * value % prime
-    return result
+    def _point(self, base: Expr) -> tuple[int, int]:
+        if base not in self.circle:
+            self.circle[base] = self.field.circle(self.field.draw(self.generator))
+        return self.circle[base]

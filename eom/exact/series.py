@@ -1,72 +1,26 @@
 """Truncated power series in time over an exact field, and vectors and matrices of them.
 
 A series is the tuple of its coefficients c0 + c1 t + c2 t^2 ...; an operation keeps as many as are
-known for certain, so a derivative is one shorter. The field is the integers modulo a prime, or the
-rationals where ``prime`` is zero.
+known for certain, so a derivative is one shorter.
 """
 
 from __future__ import annotations
 
-import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import lcm
 from operator import add as plus
-from operator import mul as times
+from operator import mul
 from operator import sub as minus
 from typing import Any
 
 from eom.errors import InputError
+from eom.fields import RATIONALS, Field
 
-PRIME = 2**61 - 1
 LENGTH = 5
 """Coefficients of a motion: up to four derivatives."""
-
-
-class Singular(ArithmeticError):
-    """A divisor happens to be zero; another world is drawn."""
-
-
-@dataclass(frozen=True)
-class Field:
-    """The integers modulo ``prime``, or the rationals where it is zero."""
-
-    prime: int = PRIME
-
-    @property
-    def is_rational(self) -> bool:
-        """Whether elements are fractions."""
-        return not self.prime
-
-    def reduce(self, value: Any) -> Any:
-        """Return the representative of ``value``."""
-        return value % self.prime if self.prime else value
-
-    def series(self, values: Sequence[Any]) -> Series:
-        """Return the series whose coefficients these values represent."""
-        prime = self.prime
-        return Series(self, tuple([v % prime for v in values] if prime else values))
-
-    def of(self, numerator: int, denominator: int = 1) -> Any:
-        """Return a fraction."""
-        return self.reduce(numerator * self.inverse(denominator))
-
-    def inverse(self, value: Any) -> Any:
-        """Return the reciprocal; raises `Singular` for zero."""
-        if self.reduce(value) == 0:
-            raise Singular
-        return pow(value, -1, self.prime) if self.prime else 1 / Fraction(value)
-
-    def draw(self, generator: random.Random) -> Any:
-        """Return a random element that is not zero: any, or a small fraction."""
-        if self.prime:
-            return generator.randrange(1, self.prime)
-        sign = generator.choice((-1, 1))
-        return sign * Fraction(generator.randint(1, 30), generator.randint(1, 7))
-
-
-RATIONALS = Field(0)
 
 
 @dataclass(frozen=True)
@@ -77,22 +31,22 @@ class Series:
     coefficients: tuple[Any, ...]
 
     def __add__(self, other: Series) -> Series:
-        return self.field.series(list(map(plus, self.coefficients, other.coefficients)))
+        return _series(self.field, list(map(plus, self.coefficients, other.coefficients)))
 
     def __neg__(self) -> Series:
-        return self.field.series([-a for a in self.coefficients])
+        return _series(self.field, [-a for a in self.coefficients])
 
     def __sub__(self, other: Series) -> Series:
-        return self.field.series(list(map(minus, self.coefficients, other.coefficients)))
+        return _series(self.field, list(map(minus, self.coefficients, other.coefficients)))
 
     def __mul__(self, other: Series) -> Series:
         if self.field.is_rational:
             return _rational_dot(((self, other),))
-        return self.field.series(_convolved(self.coefficients, other.coefficients))
+        return _series(self.field, _convolved(self.coefficients, other.coefficients))
 
     def scaled(self, factor: Any) -> Series:
         """Return ``factor``, an element of the field, times this series."""
-        return self.field.series([factor * a for a in self.coefficients])
+        return _series(self.field, [factor * a for a in self.coefficients])
 
     def reciprocal(self) -> Series:
         """Return 1 / series; raises `Singular` where its first coefficient is zero."""
@@ -106,7 +60,7 @@ class Series:
 
     def derivative(self) -> Series:
         """Return d/dt; one coefficient is lost."""
-        return self.field.series([k * a for k, a in enumerate(self.coefficients) if k])
+        return _series(self.field, [k * a for k, a in enumerate(self.coefficients) if k])
 
     @property
     def is_zero(self) -> bool:
@@ -118,13 +72,19 @@ class Series:
         return not any(self.coefficients)
 
 
+def _series(field: Field, values: Sequence[Any]) -> Series:
+    """Return the series whose coefficients these values represent."""
+    prime = field.prime
+    return Series(field, tuple([v % prime for v in values] if prime else values))
+
+
 def _convolved(a: Sequence[Any], b: Sequence[Any]) -> Sequence[Any]:
     """Return the coefficients of the product of two series, not reduced; the longer one is cut."""
     n = min(len(a), len(b))
     if n in _CONVOLUTIONS:
         return _CONVOLUTIONS[n](*a[:n], *b[:n])
     backwards = b[:n][::-1]
-    return [sum(map(times, a, backwards[n - 1 - k :])) for k in range(n)]
+    return [sum(map(mul, a, backwards[n - 1 - k :])) for k in range(n)]
 
 
 def _rational_dot(pairs: Iterable[tuple[Series, Series]]) -> Series:
@@ -173,6 +133,38 @@ def constant(field: Field, value: Any, length: int) -> Series:
     return Series(field, (value,) + (0,) * (length - 1))
 
 
+@dataclass(frozen=True)
+class Ring:
+    """The series over a field, constants with ``length`` coefficients: see `eom.exact.rings`."""
+
+    field: Field
+    length: int
+
+    def of(self, numerator: int, denominator: int = 1) -> Series:
+        """Return a fraction as a series that does not change."""
+        return constant(self.field, self.field.of(numerator, denominator), self.length)
+
+    def reduce(self, value: Series) -> Series:
+        """Return the series itself."""
+        return value
+
+    def total(self, values: Sequence[Series]) -> Series:
+        """Return the sum of series."""
+        return total(values)
+
+    def product(self, values: Sequence[Series]) -> Series:
+        """Return the product of series."""
+        return reduce(mul, values)
+
+    def power(self, value: Series, exponent: int) -> Series:
+        """Return a whole power, not the power 0."""
+        return reduce(mul, [value if exponent > 0 else value.reciprocal()] * abs(exponent))
+
+    def inverse(self, value: Series) -> Series:
+        """Return the reciprocal; raises `Singular`."""
+        return value.reciprocal()
+
+
 def sine_cosine(angle: Series, sine: Any, cosine: Any) -> tuple[Series, Series]:
     """Return sin and cos of ``angle`` from their values at t = 0: s' = c angle', c' = -s angle'."""
     s, c = [sine], [cosine]
@@ -190,7 +182,7 @@ def sine_cosine(angle: Series, sine: Any, cosine: Any) -> tuple[Series, Series]:
 def total(terms: Sequence[Series]) -> Series:
     """Return the sum of one series or more."""
     columns = zip(*(t.coefficients for t in terms), strict=False)
-    return terms[0].field.series([sum(c) for c in columns])
+    return _series(terms[0].field, [sum(c) for c in columns])
 
 
 def add(a: Vector, b: Vector) -> Vector:
@@ -223,7 +215,7 @@ def dot(a: Sequence[Series], b: Sequence[Series]) -> Series:
     if a[0].field.is_rational:
         return _rational_dot(pairs)
     products = [_convolved(x.coefficients, y.coefficients) for x, y in pairs]
-    return a[0].field.series([sum(c) for c in zip(*products, strict=False)])
+    return _series(a[0].field, [sum(c) for c in zip(*products, strict=False)])
 
 
 def centre(masses: Sequence[Series], places: Sequence[Vector]) -> Vector:
@@ -311,23 +303,3 @@ def angular_velocity(C: Matrix) -> Vector:
     """Read omega off a rotation: skew(omega) = -dC/dt C^T, components in the turning frame."""
     w = product(each(Series.derivative, C), transpose(C))
     return (w[1][2], w[2][0], w[0][1])
-
-
-def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any], field: Field) -> list[Any]:
-    """Solve a small linear system in the field; raises `Singular`."""
-    rows = [[*row, b] for row, b in zip(matrix, right, strict=True)]
-    n = len(rows)
-    for k in range(n):
-        pivot = next((i for i in range(k, n) if field.reduce(rows[i][k]) != 0), None)
-        if pivot is None:
-            raise Singular
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        factor = field.inverse(rows[k][k])
-        rows[k] = [field.reduce(e * factor) for e in rows[k]]
-        for i in range(n):
-            if i != k and rows[i][k] != 0:
-                lead = rows[i][k]
-                rows[i] = [
-                    field.reduce(a - lead * b) for a, b in zip(rows[i], rows[k], strict=True)
-                ]
-    return [row[n] for row in rows]

@@ -17,6 +17,7 @@ import sympy as sp
 from eom.errors import InputError, near_matches, typed
 from eom.kinematics.frames import Vector, tilde, unit_vector, vector
 from eom.quantities import Quantity, Singularity
+from eom.rotations import cosines, quaternion_product
 
 Expr = Any
 
@@ -178,11 +179,7 @@ class UnitQuaternion:
     @property
     def matrix(self) -> Expr:
         """``C_BA = (q0^2 - q.q) 1 + 2 q q^T - 2 q0 tilde(q)`` (Hughes, eq. 2.2-27)."""
-        q0, *q = self.symbols
-        column = sp.Matrix(q)
-        return sp.ImmutableMatrix(
-            (q0**2 - column.dot(column)) * sp.eye(3) + 2 * column * column.T - 2 * q0 * tilde(q)
-        )
+        return sp.ImmutableMatrix(cosines(self.symbols))
 
     def rates(self, omega: Vector) -> tuple[Expr, ...]:
         """Return half the quaternion product of q with (0, omega): an infinitesimal further turn."""
@@ -316,18 +313,6 @@ def attitude(name: str) -> Attitude:
             hint=near_matches(name, known),
         )
     return by_name[name]() if name in by_name else rotation_sequence(name)
-
-
-def quaternion_product(p: Sequence[Any], q: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
-    """Return the product p q (Hamilton's), scalar first; the turn p is followed by the turn q."""
-    a0, a1, a2, a3 = p
-    b0, b1, b2, b3 = q
-    return (
-        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
-        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-        a0 * b2 + a2 * b0 + a3 * b1 - a1 * b3,
-        a0 * b3 + a3 * b0 + a1 * b2 - a2 * b1,
-    )
 
 
 def quaternion_of_sequence(name: str, angles: Sequence[float]) -> tuple[float, ...]:

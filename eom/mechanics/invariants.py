@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from eom.exact.identity import FIELD, RandomPoint, zero_at_random_points
-from eom.exact.series import PRIME, solve
+from eom.exact.identity import RandomPoint, zero_at_random_points
+from eom.fields import PRIME, RESIDUES, solve
 from eom.system import System
 
 Expr = Any
@@ -33,8 +33,8 @@ def is_invariant(system: System, expression: Expr, *, points: int = 3, seed: int
     def residual(point: RandomPoint) -> int:
         velocity = [point.value(r) for r in rates]
         if mass is not None:
-            velocity = solve([[point.value(e) for e in row] for row in mass], velocity, FIELD)
+            velocity = solve([[point.value(e) for e in row] for row in mass], velocity, RESIDUES)
         work = sum(point.value(g) * v for g, v in zip(gradient, velocity, strict=True))
-        return (work + point.value(explicit)) % PRIME
+        return int(work + point.value(explicit)) % PRIME
 
     return zero_at_random_points(residual, points, seed)

@@ -19,7 +19,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.kinematics.coordinates import SEQUENCES, UnitQuaternion, rotation_sequence
-from eom.kinematics.rotations import (
+from eom.rotations import (
     ALMOST,
     Matrix,
     angles_of_matrix,
@@ -27,8 +27,9 @@ from eom.kinematics.rotations import (
     matrix_of,
     quaternion_of_matrix,
     transpose,
+    unit_quaternion,
 )
-from eom.kinematics.rotations import product as matrix_product
+from eom.rotations import product as matrix_product
 from eom.system import as_expression
 
 MOST_SYMBOLS = 4
@@ -254,9 +255,7 @@ def _draw() -> random.Random:
 
 def _unit_point(draw: random.Random) -> tuple[Fraction, ...]:
     """Return a rational point of the unit sphere in four dimensions, by stereographic projection."""
-    x, y, z = (Fraction(draw.randint(1, 97), draw.randint(1, 97)) for _ in range(3))
-    square = x * x + y * y + z * z
-    return tuple(v / (1 + square) for v in (1 - square, 2 * x, 2 * y, 2 * z))
+    return unit_quaternion([Fraction(draw.randint(1, 97), draw.randint(1, 97)) for _ in range(3)])
 
 
 # -- refusals

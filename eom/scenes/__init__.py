@@ -2,5 +2,5 @@
 
 In: TOML or Python. Out: `Scene`s: systems without what is left out, parameters, initial states.
 Imports: `eom.errors`, `eom.exact`, `eom.kinematics`, `eom.mass`, `eom.mechanics`, `eom.proof`,
-`eom.quantities`, `eom.structure`, `eom.system`.
+`eom.quantities`, `eom.rotations`, `eom.structure`, `eom.system`.
 """

@@ -25,7 +25,6 @@ from eom.kinematics.coordinates import (
     RotationSequence,
     elementary,
     quaternion,
-    quaternion_product,
     rotation_sequence,
 )
 from eom.kinematics.frames import unit_vector
@@ -34,6 +33,7 @@ from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigi
 from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT
 from eom.quantities import Definition, Quantity, Singularity
+from eom.rotations import quaternion_product
 from eom.scenes import assembly, reduce, start
 from eom.scenes.description import Description, inertia_values
 from eom.scenes.scene import Scene

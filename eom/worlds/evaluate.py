@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -16,7 +17,8 @@ import sympy as sp
 from eom import limits
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.series import Series
+from eom.exact.rings import ARITHMETIC, TRIGONOMETRY, Evaluation, Row, none, summands
+from eom.exact.series import LENGTH, Series
 from eom.terms.terms import INDICES, Equation, Term, nodes
 from eom.terms.vocabulary import definition
 from eom.worlds.worlds import ANGLES, World
@@ -80,13 +82,9 @@ class Evaluator:
 
     def scalar(self, expression: Any, env: Env) -> Series:
         """Return the value of a SymPy expression over known symbols."""
-        key = (expression, tuple(sorted(env.items())))
-        if key not in self.memo:
-            rule = next((r for kind, r in _EXPRESSIONS if isinstance(expression, kind)), None)
-            if rule is None:
-                raise InputError("this expression has no value in a world", got=expression)
-            self.memo[key] = rule(self, expression, env)
-        result: Series = self.memo[key]
+        memo = self.memo.setdefault(("scalars", *sorted(env.items())), {})
+        known = memo.get(expression)
+        result: Series = _Scalars(self, env, memo).value(expression) if known is None else known
         return result
 
     def meaning(self, symbol: Any) -> Term:
@@ -95,64 +93,59 @@ class Evaluator:
             raise InputError("symbol without a meaning in this statement", got=symbol)
         return self.scalars[symbol]
 
-    def rotation(self, angle: Any) -> tuple[Series, Series]:
-        """Return sine and cosine of a sum of angles, each an integer or half as often."""
-        sine, cosine = self.world.constant(0), self.world.constant(1)
-        for part in sp.Add.make_args(sp.expand(angle)):
-            count, symbol = part.as_coeff_Mul()
-            meaning = self.scalars.get(symbol)
+
+@dataclass(frozen=True)
+class _Scalars(Evaluation):
+    """Values of SymPy expressions over known symbols."""
+
+    evaluator: Evaluator
+    env: Env
+    memo: dict[Any, Series]
+
+    @cached_property
+    def ring(self) -> series.Ring:  # type: ignore[override]
+        """The series of the world."""
+        return series.Ring(self.evaluator.world.field, LENGTH)
+
+    def symbol(self, symbol: Any) -> Series:
+        """Return the value of what a symbol stands for."""
+        found: Series = self.evaluator.value(self.evaluator.meaning(symbol), self.env)
+        return found
+
+    def root(self, node: Any) -> Series:
+        """Refuse a root."""
+        raise InputError("roots have no exact value in a world", got=node)
+
+    def other(self, node: Any) -> Series:
+        """Refuse what has no value."""
+        raise InputError("this expression has no value in a world", got=node)
+
+    def turns(self, angle: Any) -> Iterator[tuple[Series, Series, int]]:
+        """Yield cosine and sine of angles, each an integer or half as often in a sum."""
+        for symbol, count in summands(sp.expand(angle)):
+            meaning = self.evaluator.scalars.get(symbol)
             known = meaning is not None and meaning.head == "atom" and meaning.data[0] in ANGLES
             if meaning is None or not known or count.q not in {1, 2}:
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
-            found = self.world.angle(*meaning.data)
-            s, c = found[1:3] if count.q == 1 else found[3:]
-            s = s if count > 0 else -s
-            for _ in range(abs(int(count.p))):
-                sine, cosine = sine * c + cosine * s, cosine * c - sine * s
-        return sine, cosine
+            found = self.evaluator.world.angle(*meaning.data)
+            sine, cosine = found[1:3] if count.q == 1 else found[3:]
+            yield cosine, sine, int(count.p)
+
+    def tangent(self, angle: Any) -> Series:
+        """Return sin 2a / (1 + cos 2a), which needs no sine of a itself."""
+        cosine, sine = self.rotation(2 * angle)
+        found: Series = sine * (self.ring.of(1) + cosine).reciprocal()
+        return found
 
 
-def _power(e: Evaluator, node: Any, env: Env) -> Series:
-    if not node.exp.is_Integer:
-        raise InputError("roots have no exact value in a world", got=node)
-    base = e.scalar(node.base, env)
-    base = base if node.exp > 0 else base.reciprocal()
-    result = base
-    for _ in range(abs(int(node.exp)) - 1):
-        result = result * base
-    return result
-
-
-def _product(e: Evaluator, node: Any, env: Env) -> Series:
-    result = e.scalar(node.args[0], env)
-    for a in node.args[1:]:
-        result = result * e.scalar(a, env)
-    return result
-
-
-def _tangent(e: Evaluator, node: Any, _: Env) -> Series:
-    """Return sin 2a / (1 + cos 2a), which needs no sine of a itself."""
-    sine, cosine = e.rotation(2 * node.args[0])
-    return sine * (e.world.constant(1) + cosine).reciprocal()
-
-
-_EXPRESSIONS: tuple[tuple[Any, Callable[[Evaluator, Any, Env], Series]], ...] = (
-    (
-        sp.Rational,
-        lambda e, n, _: e.world.constant(e.world.field.of(int(n.p), int(n.q))),
-    ),
-    (sp.Symbol, lambda e, n, env: e.value(e.meaning(n), env)),
-    (sp.Add, lambda e, n, env: series.total([e.scalar(a, env) for a in n.args])),
-    (sp.Mul, _product),
-    (sp.Pow, _power),
-    (sp.sin, lambda e, n, _: e.rotation(n.args[0])[0]),
-    (sp.cos, lambda e, n, _: e.rotation(n.args[0])[1]),
-    (sp.tan, _tangent),
-    (sp.cot, lambda e, n, env: _tangent(e, n, env).reciprocal()),
-    (sp.sec, lambda e, n, _: e.rotation(n.args[0])[1].reciprocal()),
-    (sp.csc, lambda e, n, _: e.rotation(n.args[0])[0].reciprocal()),
+_Scalars.rows = (
+    ARITHMETIC
+    | TRIGONOMETRY
+    | {
+        sp.tan: Row(none, lambda e, n, _: e.tangent(n.args[0])),
+        sp.cot: Row(none, lambda e, n, _: e.tangent(n.args[0]).reciprocal()),
+    }
 )
-"""One rule a kind of SymPy expression."""
 
 
 def _flat(value: Value) -> list[Series]:

@@ -14,7 +14,8 @@ from functools import lru_cache
 from typing import Any
 
 from eom.exact import series
-from eom.exact.series import LENGTH, PRIME, Field, Matrix, Series, Singular, Vector
+from eom.exact.series import LENGTH, Matrix, Series, Vector
+from eom.fields import PRIME, Field, Singular, solve
 from eom.worlds.shapes import Draw, Point, Weighted, along, any_body, central, mirrored, shape
 from eom.worlds.turning import (
     Angle,
@@ -156,9 +157,9 @@ def _with_rotors(draw: Draw, assumed: frozenset[str]) -> Stage:
     rotors = []
     for _ in range(draw.generator.randint(1, 3)):
         base, centre = draw.fixed_rotation(), draw.fixed(draw.point())
-        angle, tau = draw.series(), draw.number()
-        scale = draw.field.inverse(1 + tau * tau)
-        turn = elementary(2, *series.sine_cosine(angle, 2 * tau * scale, (1 - tau * tau) * scale))
+        angle = draw.series()
+        cosine, sine = draw.field.circle(draw.number())
+        turn = elementary(2, *series.sine_cosine(angle, sine, cosine))
         to_B = series.transpose(series.product(turn, base))
         ring = _ring(draw)
         members = tuple(range(len(weighted), len(weighted) + len(ring)))
@@ -359,7 +360,7 @@ def _next_coefficients(
     base = at([0] * n)
     columns = [at([int(k == j) for k in range(n)]) for j in range(n)]
     matrix = [[field.reduce(columns[j][i] - base[i]) for j in range(n)] for i in range(n)]
-    return trial(series.solve(matrix, [field.reduce(-b) for b in base], field))
+    return trial(solve(matrix, [field.reduce(-b) for b in base], field))
 
 
 def _with(s: Series, place: int, value: Any) -> Series:

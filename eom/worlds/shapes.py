@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom.exact import series
-from eom.exact.series import LENGTH, Field, Matrix, Series, Vector
+from eom.exact.series import LENGTH, Matrix, Series, Vector
+from eom.fields import Field
 
 Point = tuple[Any, Any, Any]
 Weighted = tuple[Any, Point]

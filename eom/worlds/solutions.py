@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,10 +19,21 @@ import sympy as sp
 
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.series import PRIME, Field, Series, Singular
+from eom.exact.rings import (
+    ARITHMETIC,
+    FLOATS,
+    TRIGONOMETRY,
+    Evaluation,
+    Row,
+    arguments,
+    none,
+    summands,
+)
+from eom.exact.series import Series
+from eom.fields import PRIME, RESIDUES, Singular, solve
+from eom.rotations import cosines, quaternion_product
 from eom.system import Expr, System
 
-FIELD = Field(PRIME)
 ROOT = (PRIME + 1) // 4
 """x**ROOT is the root of a square x that is itself a square: the prime is 3 modulo 4."""
 MAX_POWER = 64
@@ -78,7 +89,7 @@ class Restriction:
 
 
 @dataclass
-class Motion:
+class Motion(Evaluation):
     """One solution: series of every quantity, ``length`` coefficients each."""
 
     system: System
@@ -93,6 +104,7 @@ class Motion:
     def __post_init__(self) -> None:
         self.generator = random.Random(self.seed)  # noqa: S311 - reproducible points, no secrets
         self.named = _named(self.system)
+        self.ring = series.Ring(RESIDUES, self.length)
         _draw(self)
         _solve(self)
 
@@ -101,24 +113,24 @@ class Motion:
 
         Raises `Singular` where it is undefined at this point, `InputError` where it has no value.
         """
-        known = self.memo.get(expression)
-        if known is None:
-            known = self.memo[expression] = self._evaluated(expression)
-        return known
+        found: Series = self.value(expression)
+        return found
 
-    def _evaluated(self, expression: Expr) -> Series:
-        if expression in self.given:
-            return self.given[expression]
-        if expression in self.named:
-            return self.series(self.named[expression])
-        for kind, rule in _RULES:
-            if isinstance(expression, kind):
-                return rule(self, expression)
-        raise InputError("this has no value on solutions of the system", got=expression)
+    def meaning(self, symbol: Expr) -> Expr | None:
+        """Return what definitions, outputs and constants stand for."""
+        return None if symbol in self.given else self.named.get(symbol)
+
+    def symbol(self, symbol: Expr) -> Series:
+        """Return the series of a state, a parameter, an input or time."""
+        return self.given[symbol] if symbol in self.given else self.other(symbol)
+
+    def other(self, node: Expr) -> Series:
+        """Refuse what has no series."""
+        raise InputError("this has no value on solutions of the system", got=node)
 
     def constant(self, value: int) -> Series:
         """Return a series that does not change."""
-        return series.constant(FIELD, value % PRIME, self.length)
+        return series.constant(RESIDUES, value % PRIME, self.length)
 
     def drawn(self, square: bool = False) -> int:
         """Return a random number that is not zero; the square of one if asked for."""
@@ -131,29 +143,36 @@ class Motion:
             self.values[key] = self.drawn()
         return self.values[key]
 
-    def rotation(self, angle: Expr) -> tuple[Series, Series]:
-        """Return sine and cosine of a sum of angles with integer or half-integer factors."""
-        sine, cosine = self.constant(0), self.constant(1)
-        for part in sp.Add.make_args(angle):
-            count, base = part.as_coeff_Mul()
+    def turns(self, angle: Expr) -> Iterator[tuple[Series, Series, int]]:
+        """Yield cosines and sines of half of each angle of a sum, and how often they are there."""
+        for base, count in summands(angle):
             twice = 2 * count
             if not twice.is_Integer or abs(twice) > MAX_POWER or base.is_number or _inverse(base):
                 raise InputError("sine or cosine of what is no sum of angles", got=angle)
-            s, c = self._half(base)
-            s = s if twice > 0 else -s
-            for _ in range(abs(int(twice))):
-                sine, cosine = sine * c + cosine * s, cosine * c - sine * s
-        return sine, cosine
+            yield *self._half(base), int(twice)
 
     def _half(self, base: Expr) -> tuple[Series, Series]:
-        """Return sine and cosine of half an angle."""
+        """Return cosine and sine of half an angle."""
         if base not in self.tangents:
             self.tangents[base] = 0 if self.series(base).is_zero else self.drawn()
-        tau = self.tangents[base]
-        scale = FIELD.inverse(1 + tau * tau)
-        half = self.series(base).scaled(FIELD.inverse(2))
-        sine, cosine = 2 * tau * scale % PRIME, (1 - tau * tau) * scale % PRIME
-        return series.sine_cosine(half, sine, cosine)
+        cosine, sine = RESIDUES.circle(self.tangents[base])
+        half = self.series(base).scaled(RESIDUES.inverse(2))
+        return series.sine_cosine(half, sine, cosine)[::-1]
+
+    def power(self, node: Expr, base: Series) -> Series:
+        """Return a whole power, up to `MAX_POWER`."""
+        if abs(node.exp) > MAX_POWER:
+            raise InputError("this power has no exact value", got=node)
+        found: Series = self.ring.power(base, int(node.exp))
+        return found
+
+    def root(self, node: Expr) -> Series:
+        """Return a power of the root that is a square itself."""
+        base, exponent = node.as_base_exp()
+        if not exponent.is_Rational or exponent.q != 2 or abs(exponent.p) > MAX_POWER:
+            raise InputError("this power has no exact value", got=node)
+        found: Series = self.ring.power(_root(self.series(base)), int(exponent.p))
+        return found
 
 
 def _named(system: System) -> dict[Expr, Expr]:
@@ -176,8 +195,8 @@ def _draw(m: Motion) -> None:
     for q in s.parameters:
         m.given[q.symbol] = m.constant(m.drawn(square=True))
     for q in s.inputs:
-        m.given[q.symbol] = Series(FIELD, tuple(m.drawn() for _ in range(m.length)))
-    m.given[s.time] = Series(FIELD, (m.drawn(), 1, *[0] * m.length)[: m.length])
+        m.given[q.symbol] = Series(RESIDUES, tuple(m.drawn() for _ in range(m.length)))
+    m.given[s.time] = Series(RESIDUES, (m.drawn(), 1, *[0] * m.length)[: m.length])
     start = {q.symbol: m.drawn() for q in s.states}
     for assumption in s.assumptions:
         start |= _on_constraint(m, assumption.vanish, set(start))
@@ -189,7 +208,7 @@ def _draw(m: Motion) -> None:
                 start[symbol] = 0
             else:
                 m.given[symbol] = m.constant(0)
-    m.given |= {symbol: Series(FIELD, (value,)) for symbol, value in start.items()}
+    m.given |= {symbol: Series(RESIDUES, (value,)) for symbol, value in start.items()}
     if any(r.balanced for r in m.restrictions):
         _balance(m)
 
@@ -200,17 +219,14 @@ def _on_constraint(m: Motion, vanish: Iterable[Expr], states: set[Expr]) -> dict
     if not used or not used <= states:
         return {}
     ordered = [q.symbol for q in m.system.states if q.symbol in used]
-    gibbs = [m.drawn() for _ in range(3)]
-    square = sum(g * g for g in gibbs)
-    scale = FIELD.inverse(1 + square)
-    if len(ordered) == 4:
-        values = [(1 - square) * scale, *(2 * g * scale for g in gibbs)]
-    elif len(ordered) == 9:
-        x, y, z = (Series(FIELD, (g,)) for g in gibbs)
-        values = [e.coefficients[0] for row in series.cayley((x, y, z)) for e in row]
-    else:
+    q = (1, *(m.drawn() for _ in range(3)))
+    values = {4: quaternion_product(q, q), 9: [x for row in cosines(q) for x in row]}.get(
+        len(ordered)
+    )
+    if values is None:
         raise InputError("states on an unknown constraint", got=", ".join(map(str, ordered)))
-    return {s: v % PRIME for s, v in zip(ordered, values, strict=True)}
+    scale = RESIDUES.inverse(sum(x * x for x in q))
+    return dict(zip(ordered, RESIDUES.scaled(values, scale), strict=True))
 
 
 def _balance(m: Motion) -> None:
@@ -236,7 +252,7 @@ def _balanced(m: Motion, expression: Expr, parameter: Expr) -> bool:
     nought, one, two = at(0), at(1), at(2)
     slope = (one - nought) % PRIME
     if slope and (two - one - slope) % PRIME == 0:
-        return at(-nought * FIELD.inverse(slope) % PRIME) == 0
+        return at(-nought * RESIDUES.inverse(slope) % PRIME) == 0
     m.memo.clear()
     m.given[parameter] = old
     return False
@@ -251,10 +267,10 @@ def _solve(m: Motion) -> None:
         right = [m.series(r).coefficients[n] for r in s.rates]
         if s.mass_matrix is not None:
             right = _divided(m, s.mass_matrix, right, symbols, n)
-        step = FIELD.inverse(n + 1)
+        step = RESIDUES.inverse(n + 1)
         for symbol, value in zip(symbols, right, strict=True):
             known = m.given[symbol].coefficients
-            m.given[symbol] = Series(FIELD, (*known, value * step % PRIME))
+            m.given[symbol] = Series(RESIDUES, (*known, value * step % PRIME))
     m.memo.clear()
     zero = {symbol for r in m.restrictions for symbol in r.zero}
     if any(s in zero and not m.given[s].is_zero for s in symbols):
@@ -270,75 +286,44 @@ def _divided(m: Motion, matrix: Expr, right: list[int], symbols: list[Expr], n: 
         for row in rows
     ]
     rest = [(f - k) % PRIME for f, k in zip(right, known, strict=True)]
-    return [int(v) for v in series.solve([[e[0] for e in row] for row in rows], rest, FIELD)]
+    return [int(v) for v in solve([[e[0] for e in row] for row in rows], rest, RESIDUES)]
 
 
 # -- rules -----------------------------------------------------------------------------------------
 
 
-def _power(m: Motion, node: Expr) -> Series:
-    base, exponent = node.as_base_exp()
-    if exponent.is_Rational and exponent.q == 2 and abs(exponent.p) <= MAX_POWER:
-        return _integer_power(m, _root(m, base), int(exponent.p))
-    if not exponent.is_Integer or abs(exponent) > MAX_POWER:
-        raise InputError("this power has no exact value", got=node)
-    return _integer_power(m, m.series(base), int(exponent))
-
-
-def _integer_power(m: Motion, base: Series, exponent: int) -> Series:
-    base = base if exponent > 0 else base.reciprocal()
-    result = m.constant(1)
-    for _ in range(abs(exponent)):
-        result = result * base
-    return result
-
-
-def _root(m: Motion, base: Expr) -> Series:
+def _root(square: Series) -> Series:
     """Return the root that is a square itself; raises `Singular` where there is none."""
-    a = m.series(base).coefficients
+    a = square.coefficients
     first = pow(a[0], ROOT, PRIME)
     if first * first % PRIME != a[0] or first == 0:
         raise Singular
     found = [first]
-    half = FIELD.inverse(2 * first)
+    half = RESIDUES.inverse(2 * first)
     for n in range(1, len(a)):
         known = sum(found[k] * found[n - k] for k in range(1, n))
         found.append((a[n] - known) * half % PRIME)
-    return Series(FIELD, tuple(found))
+    return Series(RESIDUES, tuple(found))
 
 
-def _product(m: Motion, node: Expr) -> Series:
-    result = m.series(node.args[0])
-    for a in node.args[1:]:
-        result = result * m.series(a)
-    return result
-
-
-def _tangent(m: Motion, node: Expr, turned: bool = False) -> Series:
-    sine, cosine = m.rotation(node.args[0])
-    return cosine * sine.reciprocal() if turned else sine * cosine.reciprocal()
-
-
-def _rate(m: Motion, node: Expr) -> Series:
-    found = m.series(node.args[0]).derivative()
+def _rate(_: Motion, node: Expr, values: list[Series]) -> Series:
+    found = values[0].derivative()
     if not found.coefficients:
         raise InputError("more derivatives than were asked for", got=node)
     return found
 
 
-def _transcendental(m: Motion, node: Expr) -> Series:
+def _transcendental(m: Motion, node: Expr, values: list[Series]) -> Series:
     """Integrate the derivative of a function; its value at t = 0 is random."""
     arguments = [sp.Dummy(real=True) for _ in node.args]
     bare = node.func(*arguments)
     total = m.constant(0)
-    for dummy, argument in zip(arguments, node.args, strict=True):
-        m.given[dummy] = m.series(argument)
-    for dummy, argument in zip(arguments, node.args, strict=True):
-        slope = m.series(bare.diff(dummy))
-        total = total + slope * m.series(argument).derivative()
+    m.given |= dict(zip(arguments, values, strict=True))
+    for dummy, value in zip(arguments, values, strict=True):
+        total = total + m.series(bare.diff(dummy)) * value.derivative()
     coefficients = total.coefficients
-    integrated = (c * FIELD.inverse(k + 1) % PRIME for k, c in enumerate(coefficients))
-    return Series(FIELD, (m.value_of(node), *integrated))
+    integrated = (c * RESIDUES.inverse(k + 1) % PRIME for k, c in enumerate(coefficients))
+    return Series(RESIDUES, (m.value_of(node), *integrated))
 
 
 INVERSES = (sp.atan, sp.asin, sp.acos, sp.atan2, sp.log)
@@ -348,20 +333,11 @@ def _inverse(expression: Expr) -> bool:
     return bool(expression.atoms(*INVERSES))
 
 
-_RULES: tuple[tuple[Any, Callable[[Motion, Any], Series]], ...] = (
-    (sp.Rational, lambda m, n: m.constant(FIELD.of(int(n.p), int(n.q)))),
-    (sp.Float, lambda m, n: m.series(sp.Rational(n))),
-    (sp.NumberSymbol, lambda m, n: m.constant(m.value_of(n))),
-    (sp.Add, lambda m, n: series.total([m.series(a) for a in n.args])),
-    (sp.Mul, _product),
-    (sp.Pow, _power),
-    (sp.sin, lambda m, n: m.rotation(n.args[0])[0]),
-    (sp.cos, lambda m, n: m.rotation(n.args[0])[1]),
-    (sp.tan, _tangent),
-    (sp.cot, lambda m, n: _tangent(m, n, turned=True)),
-    (sp.sec, lambda m, n: m.rotation(n.args[0])[1].reciprocal()),
-    (sp.csc, lambda m, n: m.rotation(n.args[0])[0].reciprocal()),
-    (rate, _rate),
-    (INVERSES, _transcendental),
+Motion.rows = (
+    ARITHMETIC
+    | FLOATS
+    | TRIGONOMETRY
+    | {sp.NumberSymbol: Row(none, lambda m, n, _: m.constant(m.value_of(n)))}
+    | {rate: Row(arguments, _rate)}
+    | dict.fromkeys(INVERSES, Row(arguments, _transcendental))
 )
-"""One rule a kind of SymPy expression."""

@@ -14,7 +14,8 @@ from functools import cache
 from typing import Any
 
 from eom.exact import series
-from eom.exact.series import LENGTH, RATIONALS, Matrix, Series, Vector
+from eom.exact.series import LENGTH, Matrix, Series, Vector
+from eom.fields import RATIONALS
 from eom.worlds.turning import Turned
 from eom.worlds.worlds import World
 

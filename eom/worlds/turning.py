@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from eom.exact import series
 from eom.exact.series import Matrix, Series, Vector
+from eom.rotations import quaternion_product
 
 Quaternion = tuple[Series, Series, Series, Series]
 """Euler parameters: cosine of half the angle, then the axis times its sine."""
@@ -54,8 +55,7 @@ Build = Callable[[Sequence[Angle]], Turned]
 def angle(value: Series, quarter: Any) -> Angle:
     """Return an angle from its series and the tangent of a quarter of it at t = 0."""
     field = value.field
-    scale = field.inverse(1 + quarter * quarter)
-    s, c = (field.reduce(scale * n) for n in (2 * quarter, 1 - quarter * quarter))
+    c, s = field.circle(quarter)
     sine, cosine = series.sine_cosine(value.scaled(field.of(1, 2)), s, c)
     return Angle(value, (sine * cosine).scaled(2), cosine * cosine - sine * sine, sine, cosine)
 
@@ -96,11 +96,8 @@ def composed(first: Turned, second: Turned) -> Turned:
     The product of their Euler parameters is Hamilton's, the first one left: q = q1 q2 (Shuster,
     J. Astronaut. Sci. 41 (1993) 439, whose own product has the factors in the other order).
     """
-    (a, *u), (b, *v) = first.quaternion, second.quaternion
-    p, q = (u[0], u[1], u[2]), (v[0], v[1], v[2])
-    x, y, z = series.add(series.add(series.scale(a, q), series.scale(b, p)), series.cross(p, q))
     matrix = series.product(second.matrix, first.matrix)
-    return Turned(matrix, (a * b - series.dot(p, q), x, y, z))
+    return Turned(matrix, quaternion_product(first.quaternion, second.quaternion))
 
 
 def reversed_(turn: Turned) -> Turned:

@@ -29,7 +29,8 @@ from typing import Any
 
 from eom.errors import InputError, unknown_name
 from eom.exact import series
-from eom.exact.series import LENGTH, Field, Matrix, Series, Vector
+from eom.exact.series import LENGTH, Matrix, Series, Vector
+from eom.fields import Field
 from eom.worlds.turning import (
     Angle,
     Quaternion,

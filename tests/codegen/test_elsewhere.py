@@ -16,7 +16,7 @@ import codegen
 import eom
 from codegen.frontend.elsewhere import as_system
 from eom.errors import InputError
-from eom.kinematics.coordinates import quaternion_product
+from eom.rotations import quaternion_product
 
 q, u = dynamicsymbols("q u")
 m, g, l = sp.symbols("m g l", positive=True)

@@ -12,9 +12,9 @@ from codegen import simulate
 from codegen.integrate import sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
 from codegen.native import native
-from eom.kinematics.coordinates import quaternion_product
 from eom.mechanics.rigidbody import free_rigid_body, heavy_top
 from eom.quantities import TIME
+from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")

@@ -16,8 +16,8 @@ from codegen.native import native
 from codegen.runs import handover
 from codegen.runs.charts import compile_charts
 from eom.errors import InputError
-from eom.kinematics.coordinates import quaternion_product
 from eom.quantities import TIME
+from eom.rotations import quaternion_product
 from eom.scenes.handover import charts
 from eom.system import BodyAttitude, System
 

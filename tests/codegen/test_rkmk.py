@@ -15,9 +15,9 @@ from codegen.integrate import rkmk
 from codegen.loops import runge_kutta
 from codegen.native import native
 from eom.errors import InputError
-from eom.kinematics.coordinates import quaternion_product
 from eom.mechanics.rigidbody import heavy_top
 from eom.quantities import TIME
+from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

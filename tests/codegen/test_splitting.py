@@ -21,10 +21,11 @@ from codegen.native import native
 from codegen.native.trajectory import Problem
 from codegen.targets import c
 from eom.errors import InputError
-from eom.kinematics.coordinates import attitude, quaternion_product
+from eom.kinematics.coordinates import attitude
 from eom.mechanics import torques
 from eom.mechanics.rigidbody import full_inertia, gravity_gradient_satellite, heavy_top, rigid_body
 from eom.quantities import TIME, Singularity
+from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")

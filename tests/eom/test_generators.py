@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eom.exact import series
-from eom.exact.series import Field, Series, Singular
+from eom.exact.series import Series
+from eom.fields import Field, Singular
 from eom.worlds.generators import Body, free_attitude, world
 from eom.worlds.shapes import Draw, along, mirrored, shape
 from eom.worlds.turning import elementary

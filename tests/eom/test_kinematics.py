@@ -248,28 +248,6 @@ def test_quaternion_of_a_sequence_is_scipy_s(name, angles):
     assert np.allclose(found, sign * expected, rtol=0, atol=1e-14)
 
 
-quaternions = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: math.hypot(*q) > 1e-3)
-
-
-@settings(deadline=None, max_examples=50)
-@given(p=quaternions, q=quaternions)
-def test_quaternion_product_is_sympy_s_and_keeps_the_norm(p, q):
-    found = kinematics.quaternion_product(p, q)
-    product = sp.Quaternion(*p) * sp.Quaternion(*q)
-    assert np.allclose([float(x) for x in product.args[:4]], found, rtol=0, atol=1e-14)
-    assert math.isclose(math.hypot(*found), math.hypot(*p) * math.hypot(*q), rel_tol=1e-13)
-
-
-def test_quaternion_product_turns_by_the_first_then_the_second():
-    p, q = sp.symbols("p0:4"), sp.symbols("q0:4")
-
-    def C(components):
-        chosen = kinematics.UnitQuaternion(tuple(components))
-        return sp.Matrix(chosen.matrix)
-
-    assert equal(C(kinematics.quaternion_product(p, q)), C(q) * C(p))
-
-
 def test_coordinates_have_names_units_and_places():
     chosen = attitude("3-1-2")
     assert [q.name for q in chosen.coordinates] == ["psi", "theta", "phi"]

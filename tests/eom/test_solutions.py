@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from eom.errors import InputError
-from eom.exact.series import PRIME, Singular
+from eom.fields import PRIME, RESIDUES, Singular
 from eom.mechanics.rigidbody import free_rigid_body, heavy_top
 from eom.mechanics.spinning import lecture_torque
 from eom.quantities import Quantity
@@ -12,7 +12,6 @@ from eom.system import System
 from eom.worlds.numerals import differs, inexact, real_point, without_rates
 from eom.worlds.solutions import (
     ENDLESS,
-    FIELD,
     Inconsistent,
     Motion,
     Restriction,
@@ -33,7 +32,7 @@ def test_coefficients_are_those_of_the_closed_form():
     factorials = [1, 1, 2, 6, 24, 120]
     found = motion.series(x).coefficients
     assert found == tuple(
-        e * FIELD.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
+        e * RESIDUES.inverse(f) % PRIME for e, f in zip(expected, factorials, strict=True)
     )
 
 

@@ -7,7 +7,8 @@ import random
 import pytest
 
 from eom.exact import series
-from eom.exact.series import Field, Series
+from eom.exact.series import Series
+from eom.fields import Field
 from eom.worlds.generators import any_turn, fixed_turn, worlds
 from eom.worlds.shapes import Draw
 from eom.worlds.turning import about_axis, angle, composed, reversed_, sequence

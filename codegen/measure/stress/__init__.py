@@ -3,6 +3,6 @@
 In: systems and runs. Out: rows of measured and allowed.
 Imports: `codegen.closed`, `codegen.compiling`, `codegen.frontend`, `codegen.integrate`, `codegen.ir`,
 `codegen.measure.workprecision`, `codegen.native`, `codegen.passes`, `codegen.precision`,
-`codegen.runs`, `codegen.targets`, `eom.errors`, `eom.interrupts`, `eom.quantities`, `eom.system`,
-`eom.tables`.
+`codegen.runs`, `codegen.targets`, `eom.errors`, `eom.interrupts`, `eom.quantities`, `eom.rotations`,
+`eom.system`, `eom.tables`.
 """

@@ -24,6 +24,7 @@ from codegen.measure.stress.running import Collector, Run, tolerance_of
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import DEFAULT_MARGIN, Result
 from eom.errors import InputError
+from eom.rotations import cosines, quaternion_product
 
 MOMENTS = (1.0, 2.0, 3.0)
 BEFORE = 1.0
@@ -52,7 +53,7 @@ class Sequence:
         """Return quaternions (4, ...) of angles (3, ...)."""
         q = _turn(self.axes[0], angles[0])
         for axis, angle in zip(self.axes[1:], angles[1:], strict=True):
-            q = product(q, _turn(axis, angle))
+            q = np.stack(quaternion_product(q, _turn(axis, angle)))
         return q
 
 
@@ -61,21 +62,6 @@ def _turn(axis: int, angle: Array) -> Array:
     q = np.zeros((4, *half.shape))
     q[0], q[axis] = np.cos(half), np.sin(half)
     return q
-
-
-def product(p: Array, q: Array) -> Array:
-    """Return the product of quaternions, scalar first: the turn q in the axes that p has turned."""
-    scalar = p[0] * q[0] - (p[1:] * q[1:]).sum(axis=0)
-    vector = p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:], axis=0)
-    return np.concatenate([scalar[None], vector])
-
-
-def cosines(q: Array) -> Array:
-    """Return C_BA of a quaternion (4,)."""
-    q0, v = q[0], q[1:]
-    tilde = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    matrix: Array = (q0**2 - v @ v) * np.eye(3) + 2 * np.outer(v, v) - 2 * q0 * tilde
-    return matrix
 
 
 def _321(C: Array) -> tuple[float, float, float]:
@@ -111,7 +97,7 @@ def passage(sequence: Sequence, distance: float) -> Passage:
     sign = -1.0 if sequence.singular else 1.0
     closest = np.array([0.0, sequence.singular + sign * distance, 0.0])
     w, q = free_motion(MOMENTS, sequence.omega, sequence.quaternion(closest))(-BEFORE)
-    angles = np.array(sequence.angles(cosines(q)))
+    angles: Array = np.array(sequence.angles(np.array(cosines(q))))
     end = free_motion(MOMENTS, w, sequence.quaternion(angles))(2 * BEFORE)
     return Passage(sequence, distance, np.concatenate([w, angles]), *end)
 

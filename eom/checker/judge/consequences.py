@@ -22,7 +22,8 @@ from eom.checker.mean.claims import Claim
 from eom.checker.mean.dimensions import NONE, RATE, Dimension, of_quantity
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.series import PRIME, Series, Singular
+from eom.exact.series import Series
+from eom.fields import RESIDUES, Echelon, Singular
 from eom.terms.terms import INDICES, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import omega, position, quantity
 from eom.worlds.evaluate import Env, Evaluator
@@ -37,7 +38,7 @@ _ORDERS = 2
 """Derivatives of a premise that are tried."""
 
 _BY_HAND = tuple(
-    frozenset(sign * pow(d, -1, PRIME) % PRIME for sign in (1, -1) for d in (1, *more)) | {0}
+    frozenset(RESIDUES.of(sign, d) for sign in (1, -1) for d in (1, *more)) | {0}
     for more in ((), (2,))
 )
 """Constants of steps by hand: with no factor, and for vectors, the sign alone, since a line with the
@@ -170,20 +171,31 @@ def _measure(claim: Claim) -> Dimension | None:
 
 def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bool) -> bool:
     """Tell whether the equations of enough worlds have a solution."""
-    rows = _Rows()
+    form, count = None, 0
     for seed in range(MAX_WORLDS):
         try:
             differences, multiples = _sample(said, assumed, seed, unknowns, 1 if simple else 2)
         except Singular:
             continue
-        for row in _equations(differences, [s for _, s in multiples]):
-            if not rows.add(*row):
+        form = form or Echelon(RESIDUES, len(multiples))
+        if form.width != len(multiples):
+            return False
+        for row in _equations((*(s for _, s in multiples), *differences)):
+            count += 1
+            if not form.add(row):
                 return False
-            if rows.count >= rows.width + SPARE:
-                scalar = all(q.left.kind == SCALAR for q in said.right)
-                by_hand = (c in _BY_HAND[scalar and multiples[n][0]] for n, c in rows.solution())
-                return not simple or all(by_hand)
+            if count >= form.width + SPARE:
+                return not simple or _by_hand(said, form, multiples, len(row))
     return False
+
+
+def _by_hand(
+    said: _Said, form: Echelon, multiples: Sequence[tuple[int, Series]], columns: int
+) -> bool:
+    """Tell whether the constants of a solution are those of steps by hand."""
+    scalar = all(q.left.kind == SCALAR for q in said.right)
+    solutions = (form.column(side) for side in range(form.width, columns))
+    return all(c in _BY_HAND[scalar and multiples[n][0]] for s in solutions for n, c in s.items())
 
 
 def _sample(
@@ -308,51 +320,6 @@ def _product(factors: Sequence[Series], start: Series) -> Series:
     return start
 
 
-def _equations(
-    differences: Sequence[Series], multiples: Sequence[Series]
-) -> Iterator[tuple[list[Any], list[Any]]]:
-    """Yield coefficients of all multiples, and those of the differences, order by order."""
-    known = min(len(s.coefficients) for s in (*differences, *multiples))
-    for n in range(known):
-        yield (
-            [s.coefficients[n] for s in multiples],
-            [s.coefficients[n] for s in differences],
-        )
-
-
-@dataclass
-class _Rows:
-    """Linear equations modulo the prime in row echelon form, several right sides at once."""
-
-    rows: dict[int, list[Any]] = field(default_factory=dict)
-    width: int = -1
-    count: int = 0
-
-    def solution(self) -> Iterator[tuple[int, int]]:
-        """Yield places and constants for all right sides; those that are free are zero."""
-        sides = len(next(iter(self.rows.values()), [0] * self.width)) - self.width
-        for side in range(self.width, self.width + sides):
-            known: dict[int, int] = {}
-            for place in sorted(self.rows, reverse=True):
-                row = self.rows[place]
-                known[place] = (row[side] - sum(row[k] * c for k, c in known.items())) % PRIME
-            yield from known.items()
-
-    def add(self, left: list[Any], right: list[Any]) -> bool:
-        """Take in an equation; return False where it contradicts the others."""
-        if self.width < 0:
-            self.width = len(left)
-        if len(left) != self.width:
-            return False
-        self.count += 1
-        row = [x % PRIME for x in (*left, *right)]
-        for place in range(self.width):
-            if not row[place]:
-                continue
-            if place not in self.rows:
-                scale = pow(row[place], -1, PRIME)
-                self.rows[place] = [x * scale % PRIME for x in row]
-                return True
-            factor, other = row[place], self.rows[place]
-            row = [(x - factor * y) % PRIME for x, y in zip(row, other, strict=True)]
-        return not any(row)
+def _equations(values: Sequence[Series]) -> Iterator[tuple[Any, ...]]:
+    """Yield the coefficients of all multiples and differences, order by order."""
+    return zip(*(s.coefficients for s in values), strict=False)

@@ -21,7 +21,8 @@ from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.errors import InputError
-from eom.exact.series import Series, Singular
+from eom.exact.series import Series
+from eom.fields import Singular
 from eom.terms.terms import Equation, Term, add, expr, mul, zero
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds

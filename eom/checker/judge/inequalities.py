@@ -20,7 +20,8 @@ from eom.checker.mean.symbols import ALIKE
 from eom.derivations.verification import not_negative
 from eom.errors import InputError
 from eom.exact import series
-from eom.exact.series import LENGTH, Field, Series, Singular, Vector
+from eom.exact.series import LENGTH, Series, Vector
+from eom.fields import Field, Singular
 from eom.terms import rules
 from eom.terms.terms import SCALAR, VECTOR, Term, add, nodes, number, replace, zero
 from eom.terms.vocabulary import definition, quantity, unit
@@ -360,7 +361,7 @@ class _Symbols(Field):
         """Return the value itself."""
         return value
 
-    def of(self, numerator: int, denominator: int = 1) -> Any:
+    def of(self, numerator: Any, denominator: int = 1) -> Any:
         return sp.Rational(numerator, denominator)
 
     def inverse(self, value: Any) -> Any:

@@ -31,7 +31,7 @@ from eom.checker.judge.inequalities import (
 from eom.checker.mean import parameters
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.limits import Overdue
 from eom.terms.terms import Equation, Term, nodes, zero
 from eom.worlds.evaluate import Evaluator

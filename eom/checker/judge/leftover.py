@@ -16,10 +16,10 @@ from functools import lru_cache
 import sympy as sp
 
 from eom.errors import InputError
-from eom.exact.series import PRIME
+from eom.fields import RESIDUES
 from eom.system import Expr, System
 from eom.worlds.numerals import without_rates
-from eom.worlds.solutions import FIELD, Motion, Restriction, order, rate, spread
+from eom.worlds.solutions import Motion, Restriction, order, rate, spread
 
 MAX_OPERATIONS = 1500
 MAX_TERMS = 6
@@ -173,15 +173,11 @@ def _ratio(motions: Sequence[Motion], residual: Expr, term: Expr) -> Fraction | 
         above, below = (motion.series(e).coefficients[0] for e in (residual, term))
         if not below:
             return None
-        found.add(_small(above * FIELD.inverse(below) % PRIME))
+        found.add(_small(above * RESIDUES.inverse(below)))
     return found.pop() if len(found) == 1 else None
 
 
 def _small(value: int) -> Fraction | None:
-    """Return the fraction with small numbers that an element of the field is."""
-    for below in range(1, MAX_NUMBER + 1):
-        above = value * below % PRIME
-        above = above - PRIME if above > PRIME // 2 else above
-        if abs(above) <= MAX_NUMBER * below:
-            return Fraction(above, below)
-    return None
+    """Return the fraction that an element of the field is; it and its denominator at most `MAX_NUMBER`."""
+    found = RESIDUES.fraction(value, MAX_NUMBER)
+    return None if found is None or abs(found) > MAX_NUMBER else found

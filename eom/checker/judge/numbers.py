@@ -10,6 +10,7 @@ import sympy as sp
 from mpmath import MPContext
 
 from eom.errors import InputError
+from eom.exact.rings import ARITHMETIC, Evaluation, Row, arguments, none
 from eom.system import Expr
 
 DIGITS = 30
@@ -41,40 +42,59 @@ FUNCTIONS: dict[Any, Callable[..., Number]] = {
 """Functions that have values."""
 
 
+class _Digits:
+    """Numbers of mpmath as a ring."""
+
+    total, product, power = staticmethod(MP.fsum), staticmethod(MP.fprod), staticmethod(MP.power)
+
+    def of(self, numerator: int, denominator: int = 1) -> Number:
+        """Return a fraction."""
+        return MP.mpf(numerator) / denominator
+
+    def reduce(self, value: Number) -> Number:
+        """Return the number itself."""
+        return value
+
+    def inverse(self, value: Number) -> Number:
+        """Return the reciprocal."""
+        return 1 / value
+
+
+def _power(_: Numbers, node: Expr, values: list[Number]) -> Number:
+    return MP.power(values[0], int(node.exp) if node.exp.is_Integer else values[1])
+
+
+_CONSTANT = Row(none, lambda _, n, __: MP.mpf(str(n.evalf(DIGITS))))
+_FUNCTION = Row(arguments, lambda _, n, v: FUNCTIONS[type(n)](*v))
+
+
 @dataclass
-class Numbers:
+class Numbers(Evaluation):
     """Values at a point, ``given`` by symbol; every subexpression is computed once."""
 
     given: Mapping[Expr, Number]
     memo: dict[Expr, Number] = field(default_factory=dict)
 
-    def value(self, expression: Expr) -> Number:
-        """Return the value of an expression. Raises `InputError` for functions without one."""
-        known = self.memo.get(expression)
-        if known is None:
-            known = self.memo[expression] = self._evaluated(expression)
-        return known
+    ring = _Digits()
 
-    def _evaluated(self, e: Expr) -> Number:
-        if e.is_Symbol:
-            if e not in self.given:
-                raise InputError("a symbol without a value", got=e)
-            return self.given[e]
-        if e.is_number and e.is_Atom:
-            return MP.mpf(int(e.p)) / int(e.q) if e.is_Rational else MP.mpf(str(e.evalf(DIGITS)))
-        values = [self.value(a) for a in e.args]
-        if e.is_Add:
-            return MP.fsum(values)
-        if e.is_Mul:
-            return MP.fprod(values)
-        if e.is_Pow:
-            exponent = int(e.exp) if e.exp.is_Integer else values[1]
-            return MP.power(values[0], exponent)
-        if type(e) not in FUNCTIONS:
-            raise InputError("a function without a value", got=type(e).__name__)
-        return FUNCTIONS[type(e)](*values)
+    def symbol(self, symbol: Expr) -> Number:
+        """Return the given value of a symbol."""
+        if symbol not in self.given:
+            raise InputError("a symbol without a value", got=symbol)
+        return self.given[symbol]
+
+    def other(self, node: Expr) -> Number:
+        """Refuse what has no value."""
+        raise InputError("a function without a value", got=type(node).__name__)
 
     def size(self, expression: Expr) -> Number:
         """Return the sum of the magnitudes of terms: what rounding errors are measured by."""
         terms = sp.Add.make_args(sp.expand_mul(expression))
         return MP.fsum(abs(self.value(t)) for t in terms)
+
+
+Numbers.rows = (
+    ARITHMETIC
+    | {sp.Pow: Row(arguments, _power), sp.Float: _CONSTANT, sp.NumberSymbol: _CONSTANT}
+    | dict.fromkeys(FUNCTIONS, _FUNCTION)
+)

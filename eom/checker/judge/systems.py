@@ -21,7 +21,8 @@ from eom.checker.judge.leftover import MAX_SPREAD, Leftover, leftover
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
 from eom.checker.mean.solid_models import COORDINATES, integrated
 from eom.errors import InputError
-from eom.exact.series import Series, Singular
+from eom.exact.series import Series
+from eom.fields import Singular
 from eom.system import Expr
 from eom.terms.terms import Term, nodes
 from eom.worlds.numerals import differs, inexact

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from eom.checker.mean.solid_models import SPELLINGS, solid_system
 from eom.errors import InputError, typed, unknown_name
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.kinematics.coordinates import attitude as attitude_of
 from eom.mass.solids import CENTRE, SOLIDS, mass_properties
 from eom.mechanics.dissipation import viscous_slug

@@ -29,7 +29,7 @@ from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.system import Expr, System
 from eom.terms.terms import Term, expr, nodes
 from eom.worlds.solutions import rate

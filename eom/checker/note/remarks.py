@@ -20,7 +20,7 @@ from eom.checker.mean.roles import ASSUMPTION
 from eom.checker.note.carrying import SPECIAL_MOTION, vanishing
 from eom.checker.report.findings import Remark
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.worlds.worlds import ASSUMPTIONS, closure
 
 KINDS: dict[str, str] = {

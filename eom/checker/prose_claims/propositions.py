@@ -14,7 +14,8 @@ from typing import Any
 
 from eom import limits
 from eom.errors import InputError
-from eom.exact.series import Series, Singular
+from eom.exact.series import Series
+from eom.fields import Singular
 from eom.terms.terms import Term
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.worlds import World

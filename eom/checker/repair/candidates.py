@@ -17,7 +17,7 @@ from eom.checker.repair.lines import Addend, Line, Member, Place, Signature, agr
 from eom.checker.repair.lost import Pools, entry_terms, lost_terms
 from eom.checker.repair.options import Option
 from eom.checker.repair.slips import ALL_OVER, LOST
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 from eom.terms.terms import COLUMN, MATRIX
 
 LETTERS = frozenset({"symbol", "index"})

@@ -14,7 +14,7 @@ from eom.checker.mean.values import Value
 from eom.checker.read.paths import Path, at
 from eom.checker.read.syntax import Boxed, Braced, Group, Integral, Matrix, Node, Product, Scripts
 from eom.checker.repair.lines import Addend, Line, Member, Place, signature, valued
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 from eom.terms.terms import MATRIX, SCALAR
 
 Cell = tuple[int, int]

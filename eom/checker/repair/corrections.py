@@ -19,7 +19,7 @@ from eom.checker.repair.lost import Pools
 from eom.checker.repair.options import options
 from eom.checker.repair.palette import palette
 from eom.checker.repair.solution_places import moves, remains, solutions
-from eom.exact.series import PRIME
+from eom.fields import PRIME, RESIDUES
 from eom.terms.terms import Term
 
 SHOWN = 3
@@ -169,8 +169,7 @@ def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...
     first = next((n for n in numbers if n), 0)
     if not first:
         return None
-    scale = pow(first, -1, PRIME)
-    return tuple(n * scale % PRIME for n in numbers)
+    return tuple(RESIDUES.scaled(numbers, RESIDUES.inverse(first)))
 
 
 def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:

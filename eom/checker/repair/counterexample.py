@@ -39,7 +39,8 @@ from eom.checker.repair.palette import symbols
 from eom.checker.repair.remainder import pair
 from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
-from eom.exact.series import PRIME, Field, Series, Singular
+from eom.exact.series import Series
+from eom.fields import PRIME, Field, Singular
 from eom.terms.terms import Term, add, mul, number, zero
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import built

@@ -37,7 +37,8 @@ from eom.checker.read.paths import Path, find
 from eom.checker.read.statements import Statement
 from eom.checker.read.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol
 from eom.errors import InputError
-from eom.exact.series import PRIME, Series, Singular
+from eom.exact.series import Series
+from eom.fields import PRIME, Singular
 from eom.terms.terms import Term, zero
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import world

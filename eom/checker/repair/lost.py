@@ -24,7 +24,7 @@ from eom.checker.repair.lines import (
 from eom.checker.repair.options import Option
 from eom.checker.repair.residual import Item, Piece, fits, items, scaled, total
 from eom.checker.repair.slips import LOST
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 
 
 @dataclass

@@ -33,7 +33,7 @@ from eom.checker.repair.palette import Palette, around, palette, symbols
 from eom.checker.repair.slips import Edit, edits
 from eom.checker.report.findings import Correction, Counterexample, Explanation
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.special import telling
 

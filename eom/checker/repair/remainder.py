@@ -12,7 +12,7 @@ from eom.checker.repair.lines import Member, Place
 from eom.checker.repair.lost import Pools, entry_residual
 from eom.checker.repair.residual import fits, total
 from eom.checker.repair.solution_places import remains
-from eom.exact.series import PRIME
+from eom.fields import PRIME
 
 
 def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] | None:

@@ -27,7 +27,7 @@ from eom.checker.read.syntax import (
 )
 from eom.checker.repair.lines import Line, Place, Signature, agrees, signature, valued, worth
 from eom.checker.repair.slips import dotted
-from eom.exact.series import PRIME
+from eom.fields import PRIME, RESIDUES
 from eom.terms.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
 
 COEFFICIENTS: tuple[Ratio, ...] = tuple(
@@ -276,7 +276,7 @@ def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piec
 
 
 def _modulo(ratio: Ratio) -> int:
-    return ratio.numerator * pow(ratio.denominator, -1, PRIME)
+    return int(RESIDUES.of(ratio))
 
 
 def scaled(piece: Piece) -> tuple[str, Node]:

@@ -30,7 +30,7 @@ from eom.checker.read.syntax import Node
 from eom.checker.read.writing import latex
 from eom.checker.repair.lines import Line, Place, valued
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.system import Expr
 from eom.terms.terms import Term
 from eom.worlds.solutions import Inconsistent, Motion, Restriction, order

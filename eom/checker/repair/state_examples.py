@@ -19,6 +19,8 @@ import sympy as sp
 from eom.checker.judge.systems import given_in, written
 from eom.checker.mean.model import Model
 from eom.errors import InputError
+from eom.exact.rings import summands
+from eom.fields import sum_of_angles
 from eom.system import Expr, System
 from eom.terms.terms import Term
 from eom.worlds.numerals import without_rates
@@ -89,16 +91,13 @@ class StatePoint:
 
     def _wave(self, function: Expr) -> Expr:
         """Return sine, cosine or tangent of a sum of angles."""
-        sine, cosine = sp.Integer(0), sp.Integer(1)
-        for part in sp.Add.make_args(function.args[0]):
-            count, base = part.as_coeff_Mul()
+        turns = []
+        for base, count in summands(function.args[0]):
             twice = 2 * count
             if base not in self.halves or not twice.is_Integer or abs(twice) > 12:
                 raise InputError("a function of what is no sum of angles", got=function)
-            s, c = self.halves[base]
-            for _ in range(abs(int(twice))):
-                s_ = s if twice > 0 else -s
-                sine, cosine = sine * c + cosine * s_, cosine * c - sine * s_
+            turns.append((*self.halves[base][::-1], int(twice)))
+        cosine, sine = sum_of_angles(turns)
         return _FUNCTIONS[type(function)](sine, cosine)
 
 

@@ -1,7 +1,7 @@
 """Closed forms of small trees by Lagrange, Kane and Newton-Euler, term by term.
 
-Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.multibody.algebra`, `eom.multibody.model`,
-`eom.quantities`, `eom.system`, `eom.typeset`.
+Imports: `eom.derivations`, `eom.errors`, `eom.exact`, `eom.fields`, `eom.multibody.algebra`,
+`eom.multibody.model`, `eom.quantities`, `eom.system`, `eom.typeset`.
 """
 
 from eom.multibody.closed.forms import (

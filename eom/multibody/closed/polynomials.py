@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
+from eom.fields import sum_of_angles
 from eom.multibody.algebra.values import value
 
 Expr = Any
@@ -117,13 +118,9 @@ class Algebra:
 
     def turned(self, angle: Scalar) -> tuple[Scalar, Scalar]:
         """Return sine and cosine of an angle, by addition theorems where it is a sum."""
-        s, c = 0, 1
-        for base, count in self._angles(angle):
-            sine, cosine = self.angle(base)
-            sine = sine if count > 0 else -sine
-            for _ in range(abs(count)):
-                s, c = s * cosine + c * sine, c * cosine - s * sine
-        return s, c
+        turns = ((*self.angle(base)[::-1], count) for base, count in self._angles(angle))
+        cosine, sine = sum_of_angles(turns)
+        return sine, cosine
 
     def _angles(self, angle: Scalar) -> list[tuple[Expr, int]]:
         """Return an angle as whole multiples of expressions."""

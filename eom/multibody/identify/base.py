@@ -18,16 +18,21 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, typed
-from eom.multibody.algebra.prime import PRIME, Angles, Residue, fraction, reduced, residue
+from eom.exact.rings import ARITHMETIC, Evaluation
+from eom.fields import Field, reduced
 from eom.multibody.algebra.values import is_number
 from eom.multibody.identify.regressor import Parameter, bones_of, entries, parameters_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Body, Tree
 from eom.multibody.recursion.geometry import orthonormal, symbols_of
+from eom.rotations import quaternion_product
 from eom.system import as_expression
 
 Expr = Any
 
+PRIME = 2**1279 - 1
+"""Large enough for products of many doubles as fractions."""
+FIELD = Field(PRIME)
 DEGREES = 3
 """Highest degree of coefficients, as polynomials in symbols of the geometry, that is tried."""
 LARGEST_DENOMINATOR = 10**9
@@ -145,7 +150,7 @@ def _sample(
         state = _state(tree, draw)
         Y = entries(tree, bones, state, columns, work)
         rows += [[residue(column[r]) for column in Y] for r in range(bones.speeds)]
-    reduced_rows, pivots = reduced(rows)
+    reduced_rows, pivots = reduced(rows, FIELD)
     return _Sample(values, reduced_rows, pivots)
 
 
@@ -153,28 +158,23 @@ def _lifted(x: Any, values: Mapping[Expr, int], name: str) -> Any:
     """Return 0, 1, -1 as they are, other numbers and expressions as residues."""
     if is_number(x):
         return x if x in (0, 1, -1) else Residue(residue(x))
-    return Residue(_value(x, values, name))
+    return Residue(_Geometry(values, name).value(x))
 
 
-def _value(x: Expr, values: Mapping[Expr, int], name: str) -> int:
-    if x in values:
-        return values[x]
-    if x.is_Rational:
-        return residue(Fraction(int(x.p), int(x.q)))
-    parts = [_value(a, values, name) for a in x.args] if x.is_Add or x.is_Mul or x.is_Pow else []
-    if x.is_Add:
-        return sum(parts) % PRIME
-    if x.is_Mul:
-        product = 1
-        for part in parts:
-            product = product * part % PRIME
-        return product
-    if x.is_Pow and x.exp.is_Integer:
-        return pow(parts[0], int(x.exp), PRIME)
-    raise InputError(
-        "base parameters need geometry that is rational in its symbols", where=f"tree {name!r}",
-        got=x, hint="give angles and roots as numbers",
-    )  # fmt: skip
+class _Geometry(Evaluation):
+    """Residues of expressions that are rational in symbols of the geometry of a tree."""
+
+    rows, ring = ARITHMETIC, FIELD
+
+    def __init__(self, values: Mapping[Expr, int], name: str) -> None:
+        self.memo, self.name = dict(values), name
+
+    def other(self, node: Expr) -> int:
+        """Refuse what is not rational."""
+        raise InputError(
+            "base parameters need geometry that is rational in its symbols",
+            where=f"tree {self.name!r}", got=node, hint="give angles and roots as numbers",
+        )  # fmt: skip
 
 
 def _state(tree: Tree, draw: random.Random) -> tuple[list[Any], list[Any], list[Any]]:
@@ -183,10 +183,9 @@ def _state(tree: Tree, draw: random.Random) -> tuple[list[Any], list[Any], list[
     for joint in tree.ordered:
         own: list[Any] = [Residue(draw.randrange(PRIME)) for _ in joint.coordinates]
         if joint.row.attitude and joint.attitude == QUATERNION:
-            a, b, c, d = own[-4:]
-            norm = a * a + b * b + c * c + d * d
-            square = (a * a - b * b - c * c - d * d, 2 * a * b, 2 * a * c, 2 * a * d)
-            own[-4:] = [x / norm for x in square]
+            turn = own[-4:]
+            norm = sum(x * x for x in turn)
+            own[-4:] = [x / norm for x in quaternion_product(turn, turn)]
         q += own
     speeds = [s for j in tree.ordered for s in j.speeds]
     u, udot = ([Residue(draw.randrange(PRIME)) for _ in speeds] for _ in range(2))
@@ -228,16 +227,16 @@ def _fitted(
 ) -> dict[tuple[int, int], Expr] | None:
     """Return polynomials through all samples; None where one of them has none with small fractions."""
     rows = [
-        [*(_value(m, s.values, "") for m in monomials), *(s.entry(p, c) for p, c in support)]
+        [*map(_Geometry(s.values, "").value, monomials), *(s.entry(p, c) for p, c in support)]
         for s in samples
     ]
-    solved, pivots = reduced(rows)
+    solved, pivots = reduced(rows, FIELD)
     n = len(monomials)
     if pivots != list(range(n)):
         return None
     found = {}
     for k, place in enumerate(support):
-        numbers = [fraction(solved[i][n + k]) for i in range(n)]
+        numbers = [FIELD.fraction(solved[i][n + k]) for i in range(n)]
         if any(x is None for x in numbers):
             return None
         terms = [_number(x) * m for x, m in zip(numbers, monomials, strict=True) if x]
@@ -250,3 +249,77 @@ def _number(x: Fraction) -> Expr:
     if x.denominator > LARGEST_DENOMINATOR:
         return sp.Float(float(x))
     return sp.Rational(x.numerator, x.denominator)
+
+
+# -- residues as scalars of the recursions -------------------------------------------------------------
+
+
+class Residue:
+    """A number modulo `PRIME`, with the operators of a field; plain numbers may stand beside it."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: int) -> None:
+        self.value = value % PRIME
+
+    def __add__(self, other: Any) -> Residue:
+        return Residue(self.value + residue(other))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Residue:
+        return Residue(-self.value)
+
+    def __sub__(self, other: Any) -> Residue:
+        return Residue(self.value - residue(other))
+
+    def __rsub__(self, other: Any) -> Residue:
+        return Residue(residue(other) - self.value)
+
+    def __mul__(self, other: Any) -> Residue:
+        return Residue(self.value * residue(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Residue:
+        return Residue(self.value * FIELD.inverse(residue(other)))
+
+    def __rtruediv__(self, other: Any) -> Residue:
+        return Residue(residue(other) * FIELD.inverse(self.value))
+
+
+def residue(x: Any) -> int:
+    """Return a scalar or an exact number as a residue."""
+    if type(x) is Residue:
+        return x.value
+    return x if type(x) is int else int(FIELD.of(x))
+
+
+class Angles:
+    """Sines and cosines of residues: those of a random point of the circle, the same for the same angle."""
+
+    def __init__(self, draw: random.Random) -> None:
+        self._draw = draw
+        self._known: dict[int, tuple[int, int]] = {}
+
+    def _point(self, x: Any) -> tuple[int, int]:
+        key = residue(x)
+        if key not in self._known:
+            self._known[key] = FIELD.circle(self._draw.randrange(2, PRIME))
+        return self._known[key]
+
+    def sin(self, x: Any) -> Residue:
+        """Return the sine of an angle."""
+        return Residue(self._point(x)[1])
+
+    def cos(self, x: Any) -> Residue:
+        """Return the cosine of an angle."""
+        return Residue(self._point(x)[0])
+
+    def sqrt(self, x: Any) -> Residue:
+        """Refuse: residues have no roots of their own."""
+        raise InputError("lengths of springs have no exact values", got=repr(x))
+
+    def keep(self, letter: str, part: str, suffix: str, value: Any) -> Any:  # noqa: ARG002
+        """Return the value."""
+        return value

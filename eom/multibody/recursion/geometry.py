@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from eom.multibody.algebra.spatial import IDENTITY, Matrix, Vector, cross, dot, product, transposed
+from eom.multibody.algebra.spatial import IDENTITY, Matrix, Vector, dot, product, transposed
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model.model import Joint, Placement, Tree
+from eom.rotations import cosines, parameters
 
 LARGEST = 10**6
 """Largest denominator of the half-angle tangents of a rotation that takes the place of a rounded one."""
@@ -74,33 +74,8 @@ def rotation(C: Matrix) -> Matrix:
     if all(x == e for a, b in zip(product(C, transposed(C)), IDENTITY, strict=True)
            for x, e in zip(a, b, strict=True)):  # fmt: skip
         return C
-    return _of_quaternion(_quaternion(C))
-
-
-def _quaternion(C: Matrix) -> Sequence[Fraction]:
-    """Return a quaternion of a rotation, its largest part 1, the others rounded (Shepperd, 1978)."""
-    trace = C[0][0] + C[1][1] + C[2][2]
-    squares = [trace, C[0][0], C[1][1], C[2][2]]
-    largest = max(range(4), key=lambda n: squares[n])
-    if largest == 0:
-        parts: list[Any] = [1 + trace, C[1][2] - C[2][1], C[2][0] - C[0][2], C[0][1] - C[1][0]]
-    else:
-        i = largest - 1
-        j, k = (i + 1) % 3, (i + 2) % 3
-        parts = [C[j][k] - C[k][j], 0, 0, 0]
-        parts[1 + i] = 1 + 2 * C[i][i] - trace
-        parts[1 + j], parts[1 + k] = C[i][j] + C[j][i], C[i][k] + C[k][i]
-    return [Fraction(p / Fraction(parts[largest])).limit_denominator(LARGEST) for p in parts]
-
-
-def _of_quaternion(q: Sequence[Fraction]) -> Matrix:
-    """Return the rotation of a quaternion of any length, scalar first."""
-    a, v = q[0], q[1:]
-    n = a * a + dot(v, v)
-
-    def column(e: Vector) -> Vector:
-        along, across = dot(v, e), cross(e, v)
-        return [((a * a - dot(v, v)) * x + 2 * along * y + 2 * a * z) / n
-                for x, y, z in zip(e, v, across, strict=True)]  # fmt: skip
-
-    return transposed([column(e) for e in IDENTITY])
+    found = parameters(C)
+    largest = Fraction(max(found, key=abs))
+    q = [Fraction(p / largest).limit_denominator(LARGEST) for p in found]
+    square = dot(q, q)
+    return [[x / square for x in row] for row in cosines(q)]

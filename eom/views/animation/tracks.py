@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.opening import AnyScene
+from eom.rotations import cosines, quaternion_of_matrix, quaternion_product
 from eom.scenes.description import principal_values
 from eom.scenes.scene import Scene
 from eom.structure import DCM, QUATERNION, BodyAttitude
@@ -177,38 +178,33 @@ def continuous(quaternions: ArrayLike) -> Floats:
 
 
 def of_matrices(C: ArrayLike) -> Floats:
-    """Return the quaternions of rotations C_BA, shape (N, 3, 3), continuous.
-
-    The largest of the four products that are linear in C is divided by: Shepperd, J. Guid. Control 1
-    (1978) 223.
-    """
-    C = np.asarray(C, dtype=np.float64)
-    trace = np.trace(C, axis1=1, axis2=2)
-    products = np.empty((len(C), 4, 4))
-    products[:, 0, 0] = 1 + trace
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        products[:, i + 1, i + 1] = 1 + 2 * C[:, i, i] - trace
-        products[:, 0, k + 1] = products[:, k + 1, 0] = C[:, i, j] - C[:, j, i]
-        products[:, i + 1, j + 1] = products[:, j + 1, i + 1] = C[:, i, j] + C[:, j, i]
-    largest = np.argmax(np.diagonal(products, axis1=1, axis2=2), axis=1)
-    return continuous(products[np.arange(len(C)), largest])
+    """Return the quaternions of rotations C_BA, shape (N, 3, 3), continuous."""
+    return continuous([quaternion_of_matrix(matrix) for matrix in np.asarray(C).tolist()])
 
 
 def matrices(quaternions: ArrayLike) -> Floats:
-    """Return C_BA of unit quaternions, shape (..., 4), as shape (..., 3, 3) (Hughes, eq. 2.2-27)."""
-    q = np.asarray(quaternions, dtype=np.float64)
-    s, v = q[..., 0, None, None], q[..., 1:]
-    x, y, z = (v[..., k] for k in range(3))
-    o = np.zeros_like(x)
-    tilde = np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(*x.shape, 3, 3)
-    square = np.einsum("...i,...i->...", v, v)[..., None, None]
-    outer = v[..., :, None] * v[..., None, :]
-    return np.asarray((s * s - square) * np.eye(3) + 2 * outer - 2 * s * tilde)
+    """Return C_BA of unit quaternions, shape (..., 4), as shape (..., 3, 3)."""
+    rows = cosines(np.moveaxis(np.asarray(quaternions, dtype=np.float64), -1, 0))
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def turned(quaternions: ArrayLike, components: ArrayLike) -> Floats:
     """Return components in A of vectors with components in B: C_AB times them, shapes (N, 4), (N, 3)."""
     return np.asarray(np.einsum("nij,ni->nj", matrices(quaternions), np.asarray(components)))
+
+
+def sequence_matrices(sequence: str, angles: Floats) -> Floats:
+    """Return C_BI, (N, 3, 3), of angles (3, N) in radians about body axes, the first angle first."""
+    made = np.broadcast_to(np.eye(3), (angles.shape[1], 3, 3))
+    for axis, angle in zip(sequence.split("-"), angles, strict=True):
+        k = int(axis) - 1
+        i, j = (k + 1) % 3, (k + 2) % 3
+        turn = np.zeros((len(angle), 3, 3))
+        turn[:, k, k] = 1.0
+        turn[:, i, i] = turn[:, j, j] = np.cos(angle)
+        turn[:, i, j], turn[:, j, i] = np.sin(angle), -np.sin(angle)
+        made = turn @ made
+    return np.asarray(made)
 
 
 ARRAYS = Numbers(np.sin, np.cos, np.sqrt)
@@ -359,9 +355,7 @@ def _lists(rows: Any) -> list[list[Any]]:
 
 def multiplied(p: Floats, q: Floats) -> Floats:
     """Return the quaternion products p q, shape (N, 4)."""
-    a, v, b, w = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]
-    scalar = a * b - np.einsum("ni,ni->n", v, w)[:, None]
-    return np.concatenate([scalar, a * w + b * v + np.cross(v, w)], axis=1)
+    return np.stack(quaternion_product(p.T, q.T), axis=-1)
 
 
 def from_third(axis: Floats) -> Floats:

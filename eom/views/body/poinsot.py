@@ -14,8 +14,8 @@ import numpy as np
 from codegen.closed.polhode import context, number
 from eom.errors import InputError
 from eom.mechanics.freebody import herpolhode as exact_herpolhode
+from eom.views.animation.tracks import matrices
 from eom.views.body.free import FreeBody, moving, polhode_of, polhode_points
-from eom.views.body.matrices import quaternion_matrices
 from eom.views.body.polhodes import OWN, energy_axes
 from eom.views.draw.formulas import plain
 from eom.views.draw.meshes import ellipsoid, grid_faces
@@ -73,7 +73,7 @@ def traced(
     count = points or int(np.clip(PER_TURN * fastest, FEWEST, MOST))
     t = np.linspace(start, end, count)
     omega, q = body.motion(np.append(t, 0.0))
-    C = quaternion_matrices(q)
+    C = matrices(q.T)
     in_space = np.einsum("nki,kn->ni", C, omega)
     momentum = C[-1].T @ np.multiply(body.moments, body.omega)
     frame = _frame(momentum, in_space[-1], C[-1])

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eom.errors import InputError
+from eom.views.animation.tracks import matrices, sequence_matrices
 from eom.views.body.free import FreeBody, free_body, not_free
-from eom.views.body.matrices import quaternion_matrices, sequence_matrices
 from eom.views.draw.picture import Floats
 from eom.views.time.histories import integrated
 
@@ -90,7 +90,7 @@ def of_free(body: FreeBody, seconds: float, points: int) -> Turning:
     """Return the turning of a free body at ``points`` times up to ``seconds``, in closed form."""
     t = np.linspace(0.0, seconds, points)
     omega, q = body.motion(t)
-    C = quaternion_matrices(q)
+    C = matrices(q.T)
     return Turning(t, omega.T, C, body.title, body, symmetry=symmetry_of(body.moments))
 
 
@@ -118,7 +118,7 @@ def _integrated(scene: Scene, t: Floats) -> Turning:
     result, values = _values(_asked(told, (*RATES, *names)), (*RATES, *names), t)
     q = values[3:]
     if told.attitude == "quaternion":
-        C = quaternion_matrices(q / np.linalg.norm(q, axis=0))
+        C = matrices((q / np.linalg.norm(q, axis=0)).T)
     elif told.attitude == "dcm":
         C = np.moveaxis(q.reshape(3, 3, -1), 2, 0)
     else:
@@ -153,7 +153,7 @@ def _coordinates(scene: Scene) -> tuple[str, ...]:
 
 def _in_quaternion(scene: Scene) -> Scene:
     """Return a scene with its attitude as a quaternion, which no attitude is singular in."""
-    from eom.kinematics.rotations import quaternion_of_matrix
+    from eom.rotations import quaternion_of_matrix
     from eom.scenes.conventions import attitude_at_start
 
     data = scene.model_dump(exclude_unset=True)

@@ -10,7 +10,7 @@ from eom.derivations import derive, names, titles
 from eom.derivations.derivation import Maker
 from eom.derivations.verification import DerivationError, verify
 from eom.errors import InputError
-from eom.exact.series import Singular
+from eom.fields import Singular
 from eom.mass.solids import SOLIDS
 from eom.system import System
 from eom.terms.rules import transport

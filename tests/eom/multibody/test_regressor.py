@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import codegen
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Placement, Tree, base_parameters, regressor
-from eom.multibody.algebra.prime import PRIME, Residue, fraction, reduced, residue
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import IDENTITY, product, transposed
+from eom.multibody.identify.base import PRIME, Residue, residue
 from eom.multibody.identify.regressor import bones_of, entries, parameters_of, values_of
 from eom.multibody.model.joints import KINDS
 from eom.multibody.recursion.geometry import orthonormal, rotation, unit
@@ -280,22 +280,6 @@ def test_what_cannot_be_done_is_told():
     root = serial([IDENTITY, QUARTER], [(0, 0, 0), (1 / l**5, 0, 0)])
     with pytest.raises(InputError, match="polynomials"):
         base_parameters(root)
-
-
-@given(st.fractions(max_denominator=10**60).filter(bool))
-def test_fractions_come_back_from_residues(x):
-    assert fraction(residue(x)) == x
-    assert fraction(residue(-x)) == -x
-
-
-@given(st.lists(st.lists(st.integers(-3, 3), min_size=5, max_size=5), min_size=1, max_size=6))
-def test_elimination_is_that_of_sympy(rows):
-    form, pivots = reduced(rows)
-    expected, columns = sp.Matrix(rows).rref()
-    assert tuple(pivots) == columns
-    assert [[fraction(x) for x in row] for row in form] == [
-        [Fraction(int(x.p), int(x.q)) for x in expected.row(k)] for k in range(len(pivots))
-    ]
 
 
 @given(st.fractions(), st.fractions().filter(bool))

@@ -226,9 +226,9 @@ def test_an_inertia_matrix_is_brought_to_principal_axes(tmp_path):
     assert body.momentum == pytest.approx(np.linalg.norm(J @ w), rel=1e-14)
     assert body.axis(1) == r"$\mathbf{p}_1$"
     omega, q = free_motion(body.moments, body.omega, body.attitude)(0.0)
-    from eom.views.body.matrices import quaternion_matrices
+    from eom.views.animation.tracks import matrices
 
-    space = quaternion_matrices(q[:, None])[0].T @ omega
+    space = matrices(q).T @ omega
     s, x, y, z = 0.6, 0.0, 0.8, 0.0
-    given_C = quaternion_matrices(np.array([[s], [x], [y], [z]]))[0]
+    given_C = matrices([s, x, y, z])
     assert space == pytest.approx(given_C.T @ w, abs=1e-13)

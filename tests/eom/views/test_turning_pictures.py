@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 from eom import InputError, Scene, load_scene
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.freebody import herpolhode as exact_herpolhode
+from eom.views.animation.tracks import matrices, sequence_matrices
 from eom.views.body.cones import cones, free_cones
 from eom.views.body.free import FreeBody, free_body
-from eom.views.body.matrices import quaternion_matrices, sequence_matrices
 from eom.views.body.poinsot import herpolhode, traced
 from eom.views.body.rotating import sphere, symmetry_of, turning
 from eom.views.draw.picture import Arrow, Curve, Surface, check
@@ -71,7 +71,7 @@ def test_the_frame_is_right_handed_with_the_momentum_upright(body):
     path = traced(body)
     assert path.frame @ path.frame.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(path.frame) == pytest.approx(1.0)
-    C = quaternion_matrices(np.array(body.attitude)[:, None])[0]
+    C = matrices(body.attitude)
     momentum = C.T @ np.multiply(body.moments, body.omega)
     assert path.frame @ momentum == pytest.approx([0, 0, body.momentum], abs=1e-11)
     assert path.first == pytest.approx(C @ path.frame.T, abs=1e-13)
@@ -156,7 +156,7 @@ def test_matrices_of_quaternions_are_those_of_the_derivations():
     written = attitude("quaternion")
     numbers = dict(zip([c.symbol for c in written.coordinates], q, strict=True))
     expected = np.array(written.matrix.xreplace(numbers).evalf(), float)
-    assert quaternion_matrices(q[:, None])[0] == pytest.approx(expected, abs=1e-14)
+    assert matrices(q) == pytest.approx(expected, abs=1e-14)
 
 
 def integrated(motion, torque, moments):

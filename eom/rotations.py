@@ -1,13 +1,16 @@
-"""Attitudes in floats: rotation matrices, unit quaternions, and the angles of the 12 sequences.
+"""Rotation matrices, quaternions, and the angles of the 12 sequences.
 
 C takes components in the reference axes to components in the body's. Quaternions have the scalar
-first, angles are in radians. Small matrices are rows of tuples.
+first, angles are in radians. Small matrices are rows of tuples. Products of quaternions, and the way
+between them and matrices, are over any scalars: numbers, symbols, series, arrays; both packages take them
+from here, so that nothing else is imported. Angles are floats.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 Row = tuple[float, float, float]
 Matrix = tuple[Row, Row, Row]
@@ -53,6 +56,52 @@ def _unit(axis: int) -> Row:
     return x, y, z
 
 
+def quaternion_product(p: Iterable[Any], q: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
+    """Return the product p q (Hamilton's), scalar first; the turn p is followed by the turn q."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y + c * w + d * x - b * z,
+        a * z + d * w + b * y - c * x,
+    )
+
+
+def unit_quaternion(gibbs: Iterable[Any]) -> tuple[Any, Any, Any, Any]:
+    """Return a quaternion of norm 1 from any three numbers, by stereographic projection."""
+    x, y, z = gibbs
+    square = x * x + y * y + z * z
+    below = 1 + square
+    return (1 - square) / below, 2 * x / below, 2 * y / below, 2 * z / below
+
+
+def cosines(q: Iterable[Any]) -> list[list[Any]]:
+    """Return C of a quaternion, times its squared norm (Hughes, 1986, eq. 2.2-27)."""
+    a, b, c, d = q
+    return [
+        [a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c)],
+        [2 * (b * c - a * d), a * a - b * b + c * c - d * d, 2 * (c * d + a * b)],
+        [2 * (b * d + a * c), 2 * (c * d - a * b), a * a - b * b - c * c + d * d],
+    ]
+
+
+def parameters(C: Sequence[Sequence[Any]]) -> list[Any]:
+    """Return a quaternion of C, of any norm, whose largest component is positive.
+
+    The products of its components are linear in C; those with the largest are taken (Shepperd, J. Guid.
+    Control 1 (1978) 223).
+    """
+    trace = C[0][0] + C[1][1] + C[2][2]
+    products: list[list[Any]] = [[0] * 4 for _ in range(4)]
+    products[0][0] = 1 + trace
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        products[i + 1][i + 1] = 1 + 2 * C[i][i] - trace
+        products[0][k + 1] = products[k + 1][0] = C[i][j] - C[j][i]
+        products[i + 1][j + 1] = products[j + 1][i + 1] = C[i][j] + C[j][i]
+    return products[max(range(4), key=lambda n: products[n][n])]
+
+
 def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
     """Return C of a unit quaternion ``q``, scalar first.
 
@@ -62,36 +111,14 @@ def matrix_of_quaternion(q: Sequence[float]) -> Matrix:
     >>> matrix_of_quaternion((0, 0, 0, 1))  # half a turn about axis 3
     ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
     """
-    s, *v = q
-    across = ((0, -v[2], v[1]), (v[2], 0, -v[0]), (-v[1], v[0], 0))
-    return matrix_of(
-        [
-            [
-                (s * s - dot(v, v)) * (i == k) + 2 * v[i] * v[k] - 2 * s * across[i][k]
-                for k in range(3)
-            ]
-            for i in range(3)
-        ]
-    )
+    return matrix_of(cosines(q))
 
 
 def quaternion_of_matrix(C: Matrix) -> Quaternion:
-    """Return the unit quaternion of C, scalar first and not negative.
-
-    The products of its components are linear in C; the largest is divided by (Shepperd, J. Guid.
-    Control 1 (1978) 223).
-    """
-    trace = C[0][0] + C[1][1] + C[2][2]
-    products = [[0.0] * 4 for _ in range(4)]
-    products[0][0] = 1 + trace
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        products[i + 1][i + 1] = 1 + 2 * C[i][i] - trace
-        products[0][k + 1] = products[k + 1][0] = C[i][j] - C[j][i]
-        products[i + 1][j + 1] = products[j + 1][i + 1] = C[i][j] + C[j][i]
-    largest = max(range(4), key=lambda n: products[n][n])
-    size = math.sqrt(dot(products[largest], products[largest]))
-    sign = -1 if products[largest][0] < 0 else 1
-    a, b, c, d = (sign * x / size for x in products[largest])
+    """Return the unit quaternion of C, scalar first and not negative."""
+    found = parameters(C)
+    size = math.sqrt(dot(found, found))
+    a, b, c, d = (x / (-size if found[0] < 0 else size) for x in found)
     return a, b, c, d
 
 
