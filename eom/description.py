@@ -121,8 +121,7 @@ class Integration(Part):
     steps meet atol + rtol |x| (``atol``: rtol / 1000 of the scale of each state unless given, see
     `codegen.integrate.scales`). ``points``: output times at equal distances, ends included. ``max_step``:
     no step is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a
-    run is given up. ``handover``: near the singularity of Euler angles go on in quaternions
-    (`eom.handover`).
+    run is given up.
     """
 
     t_end: Number = 10.0
@@ -132,7 +131,6 @@ class Integration(Part):
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
     max_step: Annotated[float, Field(gt=0)] | None = None
     max_steps: Annotated[int, Field(ge=1)] = 10_000_000
-    handover: bool = False
 
 
 def _as_value(value: Any) -> Any:

@@ -20,7 +20,7 @@ from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, node
 from eom.structure import LARGE_PRIME, BodyAttitude, form_of
 
 __all__ = (
-    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
+    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
     "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
@@ -311,29 +311,6 @@ class System:
             for q, r in zip(self.states, self.rates, strict=True)
         ]
         return sp.Add(*terms, full.diff(self.time))
-
-
-@dataclass(frozen=True)
-class Charts:
-    """One motion in two sets of coordinates, and what takes each to the other.
-
-    ``first``: in angles, ``second``: without their singularity; its first singularity expression is
-    zero where it hands back. ``forth``: states of ``first``, outputs the states of ``second`` in
-    order; ``back`` the other way, with the parameters ``branch`` (sign of the singular function) and
-    ``first_angle``, and as last outputs the third angle that fits that, and |singular function|.
-    The first three states of ``second`` are the angular velocity. ``angles``: places of the three
-    angles among the states of ``first``; ``symmetric``: whether the first and last axis are the
-    same, and the singular function is the sine of the second angle, not the cosine. ``enter``:
-    |singular function| at which angles are left.
-    """
-
-    first: System
-    second: System
-    forth: System
-    back: System
-    angles: tuple[int, int, int]
-    symmetric: bool
-    enter: float
 
 
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:

@@ -100,8 +100,6 @@ class Result:
     names: tuple[str, ...] = field(default=())
     left_out: tuple[str, ...] = ()
     """States and constants of the motion that the requested outputs do not need."""
-    changes: tuple[float, ...] = field(default=(), repr=False)
-    """Times at which angles were handed over and taken back (`codegen.runs.handover`)."""
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
     origin: object = field(default=None, repr=False, compare=False)
     """What it came from, for `accuracy`; it stays behind when a result is pickled."""

@@ -9,7 +9,6 @@ import click
 
 from eom.commands.jobs import job_of
 from eom.commands.shared import (
-    handover_option,
     progress_of,
     report_files,
     scene_argument,
@@ -51,7 +50,6 @@ FILMS = (".gif", ".png", ".apng", ".webp")
 )
 @click.option("--size", default=None, metavar="WxH", help="Pixels, for slides.  [default: 640x480]")
 @click.option("--dark", is_flag=True, help="A dark background, for slides.")
-@handover_option
 @target_option
 def animate(
     scene: str,
@@ -62,7 +60,6 @@ def animate(
     length: float | None,
     size: str | None,
     dark: bool,
-    handover: bool | None,
     target: str,
 ) -> None:
     """Simulate SCENE and write its motion in space as one HTML page, or as an animated picture.
@@ -74,7 +71,7 @@ def animate(
     from codegen.runs.export import whole
 
     film = _film(file, fps, length, size, dark)
-    chosen = scene_of(scene, handover=handover)
+    chosen = scene_of(scene)
     found = _animation(chosen, scene, seconds, speed, target)
     data = _page(found) if film is None else _filmed(found, file, film)
     whole(file, lambda part: part.write_bytes(data))

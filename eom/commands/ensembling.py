@@ -116,10 +116,6 @@ def ensemble(
     plan = _plan(
         options.pop("samples"), options.pop("vary"), options.pop("count"), options.pop("seed")
     )
-    if chosen.integration.handover:
-        click.echo(
-            "note: angles are not handed over here: singular angles end a trajectory", err=True
-        )
     found = _run(chosen, plan, quantiles=bool(shares), **options)
     if as_json:
         click.echo(json.dumps(_data(found, plan, shares), indent=1))

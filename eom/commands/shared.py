@@ -38,11 +38,6 @@ project_option = click.option(
     metavar="all|NAME",
     help="Keep these constants of the motion after each step, as T, H or q_norm.",
 )
-handover_option = click.option(
-    "--handover/--no-handover",
-    default=None,
-    help="Near the singularity of Euler angles go on in a quaternion.  [default: the scene's]",
-)
 
 
 class WithTable(click.Command):

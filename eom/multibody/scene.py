@@ -59,12 +59,6 @@ class TreeScene(TreeDescription):
     def _check(self) -> Self:
         """Check everything that one field alone cannot tell."""
         check_end(self)
-        if self.integration.handover:
-            raise InputError(
-                "angles of a tree are not handed over",
-                where="[integration] handover",
-                hint='attitude = "quaternion" has no singularity',
-            )
         states, choice = self._start, self._choice
         check_used(self._reading)
         if self.keep and not self.tree.constraints:

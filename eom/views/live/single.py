@@ -68,7 +68,7 @@ def _attitude(scene: Scene) -> str:
     """Return the coordinates of attitude that the page integrates: angles where the scene has them."""
     if scene.model == "spinner":
         return "none"
-    angles = scene.attitude in SEQUENCES and not scene.integration.handover
+    angles = scene.attitude in SEQUENCES
     return scene.attitude if angles else "quaternion"
 
 
