@@ -153,8 +153,21 @@ def header(program: Program, layout: Layout) -> str:
     return guarded(guard, about, [*lines, *_prototypes(name, layout)])
 
 
+NEAREST = """\
+/* The angle that differs from {angles}
+ * by whole turns and is nearest to the previous one: call it from sample to sample, first with
+ * previous = 0, where the angle moves by less than pi in between. Nothing else tells whole turns. */
+double {name}_nearest_angle(double angle, double previous)"""
+"""What undoes the jumps of outputs that are angles of a quaternion."""
+
+
+def _nearest(name: str, layout: Layout) -> str:
+    listed = " or ".join(f"the output {comment(n)}" for n in layout.winds)
+    return NEAREST.format(angles=listed, name=name) if listed else ""
+
+
 def _prototypes(name: str, layout: Layout) -> list[str]:
-    lines = []
+    lines = [f"{text};", ""] if (text := _nearest(name, layout)) else []
     for group in layout.sizes:
         if group in layout.patterns:
             lines.append("/* The rates, then the entries of their Jacobian that are not zero. */")
@@ -190,6 +203,14 @@ def source(program: Program, layout: Layout) -> str:
     for kind, listed in _named(layout).items():
         lines += [name_function(name, kind, listed), ""]
     lines += [*_prepare(name, early), ""]
+    if text := _nearest(name, layout):
+        turns = "floor((previous - angle) / 6.283185307179586 + 0.5)"
+        lines += [
+            text.partition("*/\n")[2] + " {",
+            f"    return angle + 6.283185307179586 * {turns};",
+            "}",
+            "",
+        ]
     for group, (timed, late) in groups.items():
         head, size = f"{name}_{group}", len(timed.results)
         if size:

@@ -40,6 +40,14 @@ project_option = click.option(
 )
 
 
+integrate_option = click.option(
+    "--integrate",
+    default=None,
+    metavar="quaternion",
+    help="Integrate a scene in angles in a quaternion, and show its angles.  [default: the scene's]",
+)
+
+
 class WithTable(click.Command):
     """A command whose help ends with a table of names and meanings, made for the help alone."""
 
@@ -63,8 +71,13 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     if not changed:
         return scene
     data = scene.model_dump(exclude_unset=True)
+    whole = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
     data["integration"] = {**data.get("integration", {}), **changed}
-    return type(scene)(**data)
+    return type(scene)(**{**data, **whole})
+
+
+_OF_THE_SCENE = ("integrate",)
+"""Options that are keys of the scene itself, and not of its integration."""
 
 
 def methods() -> Rows:

@@ -15,6 +15,7 @@ from eom.commands.occurring import event_option, rows
 from eom.commands.shared import (
     WithTable,
     finite,
+    integrate_option,
     methods,
     news,
     print_equations,
@@ -78,6 +79,7 @@ accuracy_option = click.option(
 @click.option(
     "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
 )
+@integrate_option
 @project_option
 @event_option
 @target_option
@@ -138,6 +140,7 @@ def simulate(
 @click.option(
     "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
 )
+@integrate_option
 @project_option
 @accuracy_option
 @target_option
@@ -145,6 +148,7 @@ def run(
     scene: str,
     folder: Path,
     target: str,
+    integrate: str | None,
     project: tuple[str, ...],
     estimated: bool,
 ) -> None:
@@ -152,7 +156,7 @@ def run(
     from codegen.compiling.compiled import write_files
     from eom.views.saving import can_write
 
-    chosen = scene_of(scene)
+    chosen = scene_of(scene, integrate=integrate)
     job = job_of(chosen, target, project)
     print_equations(chosen, "text", explain=True)
     click.echo()

@@ -6,7 +6,7 @@ It answers what `eom.scene.Scene` answers, so that commands need not know which 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any, Self
 
@@ -17,6 +17,7 @@ from eom.description import check_end
 from eom.errors import InputError, unknown_name
 from eom.multibody.derive import derive
 from eom.multibody.description import TreeDescription
+from eom.multibody.joint_angles import JointAngles, angles_of
 from eom.multibody.model import Tree
 from eom.multibody.outputs import POINTS, Choice, Saved, smallest
 from eom.multibody.repeats import written_out
@@ -59,13 +60,14 @@ class TreeScene(TreeDescription):
     def _check(self) -> Self:
         """Check everything that one field alone cannot tell."""
         check_end(self)
-        states, choice = self._start, self._choice
+        states, choice, angles = self._start, self._choice, self._angles
         check_used(self._reading)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
-            if name not in states and not choice.is_known(name):
-                raise unknown_name("output", name, [*states, *choice.known()], "outputs")
+            if not (name in states or name in angles or choice.is_known(name)):
+                known = [*states, *angles, *choice.known()]
+                raise unknown_name("output", name, known, "outputs")
         return self
 
     @classmethod
@@ -111,7 +113,16 @@ class TreeScene(TreeDescription):
 
     @property
     def _asked(self) -> tuple[str, ...]:
-        return self.outputs or (*self._start, POINTS)
+        return self.outputs or (*self._start, *self._angles, POINTS)
+
+    @cached_property
+    def _joint_angles(self) -> tuple[JointAngles, ...]:
+        return angles_of(self.joints, self.tree)
+
+    @property
+    def _angles(self) -> tuple[str, ...]:
+        """Names of the angles that joints with a quaternion are shown in."""
+        return tuple(q.name for a in self._joint_angles for q in a.quantities)
 
     @cached_property
     def _start(self) -> dict[str, float]:
@@ -141,7 +152,8 @@ class TreeScene(TreeDescription):
         return smallest(self._whole, self.requested) if self.outputs else self._whole
 
     def _named(self, system: System) -> System:
-        return replace(system, name=self.name, title=self.title)
+        named = replace(system, name=self.name, title=self.title)
+        return reduce(lambda whole, angles: angles.of(whole), self._joint_angles, named)
 
     @property
     def requested(self) -> tuple[str, ...]:
