@@ -49,7 +49,7 @@ def _spinner(scene: Description, general_torque: bool) -> System:
     states = {s.name: s for s in _SPINNER_STATES}
     torque, parameters, inputs = components(scene, states, ("M1", "M2", "M3"), general_torque)
     body = SpinningSymmetricBody(torque, parameters, inputs)
-    return body.system(scene.name, scene.title)
+    return _through_singular(body.system(scene.name, scene.title), UNSPUN)
 
 
 def _rigid_body(scene: Description, general_torque: bool) -> System:
@@ -69,18 +69,22 @@ def _rigid_body(scene: Description, general_torque: bool) -> System:
 
     inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
     system = rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
-    return _through_singular(system) if angles is None else _with_angles(system, angles, given[0])
+    if angles is None:
+        return _through_singular(system, WAY_OUT)
+    return _with_angles(system, angles, given[0])
 
 
 WAY_OUT = 'integrate = "quaternion" in the scene goes through it, and shows the same angles'
+UNSPUN = (
+    'model = "rigid body" with attitude = "3-1-2" and integrate = "quaternion" goes through it, '
+    "its torque along axes that turn with the body"
+)
 """What the message of a run that stops at a singular configuration advises."""
 
 
-def _through_singular(system: System) -> System:
+def _through_singular(system: System, hint: str) -> System:
     """Return a system whose singular configurations name the way through them."""
-    return replace(
-        system, singularities=tuple(replace(s, hint=WAY_OUT) for s in system.singularities)
-    )
+    return replace(system, singularities=tuple(replace(s, hint=hint) for s in system.singularities))
 
 
 def _with_angles(system: System, angles: RotationSequence, parts: Triple) -> System:

@@ -120,8 +120,11 @@ class Scene(Description):
 
         Raises `InputError` for missing ones, and for an attitude that is no rotation.
         """
-        values = start.states(self, self.full_system)
-        return start.pick(values, self.derive().state_names, "initial value", "[initial]")
+        values, names = start.states(self, self.full_system), self.derive().state_names
+        for angles in self.full_system.angles if self.integrate else ():
+            if set(angles.quaternion) & {*names} - {*values}:
+                names = angles.names  # what the scene would give
+        return start.pick(values, names, "initial value", "[initial]")
 
     def parameter_values(self) -> dict[str, float]:
         """Return the value of each parameter of `derive`, by name, constants of the motion included.

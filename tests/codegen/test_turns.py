@@ -283,6 +283,15 @@ def test_a_run_that_stops_at_a_singular_angle_says_what_happened_and_the_way_out
     assert 'integrate = "quaternion"' in run.message
 
 
+def test_a_spinner_that_stops_names_its_way_out():
+    start = {"theta": 1.0, "psi": 0.0, "theta_dot": 1.0, "psi_dot": 0.0, "C": 0.0}
+    body = {"moments": (1.0, 1.5)}
+    scene = Scene(model="spinner", body=body, outputs=("theta", "psi"), initial=start)
+    run = run_of(scene, np.linspace(0, 1, 5), "DOP853")
+    assert run.status == 1
+    assert 'model = "rigid body" with attitude = "3-1-2"' in run.message
+
+
 def test_the_rule_of_the_sum_is_the_rate_of_the_angles():
     """d(psi + c phi)/dt = omega.(a + c b)/(1 + |a.b|), on random attitudes of all sequences."""
     generator, w = np.random.default_rng(3), (0.3, -0.7, 0.5)

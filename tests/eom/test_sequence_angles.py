@@ -99,6 +99,8 @@ BAD = {
                      "torque": {"components": ("-psi", 0, 0)}}, "whole turns of psi"),
     "half turns": ({"attitude": "3-2-1", "integrate": "quaternion",
                     "torque": {"components": ("sin(phi/2)", 0, 0)}}, "whole turns of phi"),
+    "no start": ({"attitude": "3-2-1", "integrate": "quaternion", "initial": START},
+                 "missing initial value: psi, theta, phi"),
     "the old key": ({"attitude": "3-2-1", "integration": {"handover": True}}, 'integrate = "quaternion"'),
     "the old key, off": ({"attitude": "3-2-1", "integration": {"handover": False}}, "handed over"),
 }  # fmt: skip

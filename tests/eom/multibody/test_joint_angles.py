@@ -47,6 +47,15 @@ def test_angles_can_be_asked_for_alone():
     assert scene.derive().output_names == ("q_ball_2",)
 
 
+def test_a_joint_in_angles_that_stops_names_the_way_out():
+    still = {"w_ball_2": 9.0}
+    level = {"ball": {"sequence": "3-2-1", "degrees": (0, 0, 0)}}
+    run = run_of(tree(attitude="3-2-1", initial=still, initial_attitude=level))
+    assert run.status == 1
+    assert 'attitude = "quaternion" and angles = "3-2-1" of joint ball' in run.message
+    assert run_of(tree(angles="3-2-1", initial=still, initial_attitude=level)).status == 0
+
+
 BAD = {
     "a sequence": ({"angles": "3-3-1"}, "unknown rotation sequence"),
     "angles of angles": ({"angles": "3-2-1", "attitude": "3-1-3"}, "moves in a quaternion"),
