@@ -23,7 +23,7 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 598,
+    "modules": 596,
     "lines of code": 80_000,
     "modules in the fullest folder": 128,
     "folders of more than 25 modules": 4,

@@ -17,11 +17,11 @@ import sympy as sp
 
 from eom.errors import InputError, entries, is_text, shown, typed, typed_fields
 from eom.expressions import UNUSABLE, as_expression, free_symbols, is_over, nodes, replaced
-from eom.structure import LARGE_PRIME, BodyAttitude, form_of
+from eom.structure import LARGE_PRIME, BodyAttitude, SequenceAngles, form_of
 
 __all__ = (
-    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
-    "Singularity", "System", "as_expression", "nodes",
+    "LARGE_PRIME", "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
+    "SequenceAngles", "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
 Expr = Any  # a SymPy expression; SymPy ships no types
@@ -101,12 +101,14 @@ class Singularity:
 
     ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
     configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
-    rotation sequence). ``meaning``: what happens there. Raises `InputError` for what is no expression.
+    rotation sequence). ``meaning``: what happens there; ``hint``: what to do about it. Raises `InputError`
+    for what is no expression.
     """
 
     expression: Expr
     coordinate: Expr
     meaning: str = ""
+    hint: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "expression", as_expression(self.expression))
@@ -151,7 +153,8 @@ class System:
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless told otherwise. ``attitudes``: bodies among the states, see
-    `BodyAttitude`; each is proved. ``time``: the symbol of time. Units are SI; angles are in radians.
+    `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
+    ``time``: the symbol of time. Units are SI; angles are in radians.
 
     Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
     by the meanings of the quantities. Two systems are equal if all but their titles are.
@@ -174,6 +177,7 @@ class System:
     assumptions: tuple[Assumption, ...] = ()
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
+    angles: tuple[SequenceAngles, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -313,29 +317,6 @@ class System:
         return sp.Add(*terms, full.diff(self.time))
 
 
-@dataclass(frozen=True)
-class Charts:
-    """One motion in two sets of coordinates, and what takes each to the other.
-
-    ``first``: in angles, ``second``: without their singularity; its first singularity expression is
-    zero where it hands back. ``forth``: states of ``first``, outputs the states of ``second`` in
-    order; ``back`` the other way, with the parameters ``branch`` (sign of the singular function) and
-    ``first_angle``, and as last outputs the third angle that fits that, and |singular function|.
-    The first three states of ``second`` are the angular velocity. ``angles``: places of the three
-    angles among the states of ``first``; ``symmetric``: whether the first and last axis are the
-    same, and the singular function is the sine of the second angle, not the cosine. ``enter``:
-    |singular function| at which angles are left.
-    """
-
-    first: System
-    second: System
-    forth: System
-    back: System
-    angles: tuple[int, int, int]
-    symmetric: bool
-    enter: float
-
-
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
     return _definitions(group, "outputs or invariants")
 
@@ -435,6 +416,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "assumptions": _all_of(Assumption),
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
+    "angles": _all_of(SequenceAngles),
     "title": _text,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""

@@ -88,8 +88,7 @@ CANDIDATES = (
 class Origin:
     """What a result came from: enough to run it again, in another way.
 
-    ``methods``: those that integrated, by their names or ``closed form``. ``regular``: whether the rates of
-    ``compiled`` are those of the whole run, and not of one of two charts.
+    ``methods``: those that integrated, by their names or ``closed form``.
     """
 
     compiled: Compiled
@@ -97,7 +96,6 @@ class Origin:
     signals: Inputs | None
     method: str
     methods: tuple[str, ...]
-    regular: bool = True
 
     def again(self, problem: Problem, method: str) -> Trajectory:
         """Integrate a changed problem by a method."""
@@ -240,7 +238,7 @@ def _at_once(origin: Origin, problem: Problem, candidate: Candidate, times: Arra
     states = np.asarray(made.solution(times[:reached])) if made.solution else made.y[:, :0]
     if reached and times[reached - 1] == made.stop.t:
         states[:, -1] = made.state_at_stop
-    nodes = _between(made) if origin.regular else none
+    nodes = _between(made)
     return _second(candidate, problem, (which, times), made, states, nodes)
 
 

@@ -18,9 +18,9 @@ import sympy as sp
 from eom.errors import InputError
 from eom.kinematics.coordinates import SEQUENCES, attitude, elementary
 from eom.kinematics.frames import vector
-from eom.kinematics.rotations import angles_of_matrix, matrix_of
 from eom.mechanics.rigidbody import OMEGA, full_inertia
 from eom.mechanics.spinning import I1, I2, PHI, PSI, THETA
+from eom.rotations import angles_of_matrix, matrix_of
 from eom.scenes import assembly, parse, start
 from eom.scenes.conventions import attitude_at_start
 from eom.scenes.description import inertia_values, principal_values
@@ -68,8 +68,7 @@ def _attitude(scene: Scene) -> str:
     """Return the coordinates of attitude that the page integrates: angles where the scene has them."""
     if scene.model == "spinner":
         return "none"
-    angles = scene.attitude in SEQUENCES and not scene.integration.handover
-    return scene.attitude if angles else "quaternion"
+    return scene.coordinates if scene.coordinates in SEQUENCES else "quaternion"
 
 
 def _notes(scene: Scene, used: str) -> Iterator[str]:
@@ -197,9 +196,10 @@ def _variant(
     needs = (
         used if scene.attitude == "none" and data.get("torque", {}).keys() - {"components"} else ""
     )
-    own = Scene(**data, attitude=needs or scene.attitude)
+    shown = {"angles": scene.angles, "integrate": scene.integrate}
+    own = Scene(**data, **shown, attitude=needs or scene.attitude)
     drawn = (
-        own if own.attitude == used or scene.model == "spinner" else Scene(**data, attitude=used)
+        own if own.coordinates == used or scene.model == "spinner" else Scene(**data, attitude=used)
     )
     known = {*own.full_system.state_names, *own.full_system.output_names}
     asked = [n for n in scene.requested if n in known] or list(own.full_system.state_names)
