@@ -88,12 +88,14 @@ class Singularity:
 
     ``expression``: over states, parameters, inputs and time; its absolute value is the distance from the
     configuration, in its own unit. ``coordinate`` is the state to name in a report (the middle angle of a
-    rotation sequence). ``meaning``: what happens there. Raises `InputError` for what is no expression.
+    rotation sequence). ``meaning``: what happens there; ``hint``: what to do about it. Raises `InputError`
+    for what is no expression.
     """
 
     expression: Expr
     coordinate: Expr
     meaning: str = ""
+    hint: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "expression", as_expression(self.expression))

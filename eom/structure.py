@@ -145,6 +145,30 @@ class BodyAttitude:
         return there[1] and (self.unspun or there[2])
 
 
+@dataclass(frozen=True)
+class SequenceAngles:
+    """Outputs that are the angles of a rotation sequence over a unit quaternion among the states.
+
+    ``names``: of the three outputs, in the order of the turns; the first and the third are between -pi
+    and pi, and jump by whole turns, which who has their values at many times can undo. ``sequence``:
+    as ``3-2-1``. ``quaternion``: names of the four states, scalar first.
+    """
+
+    names: tuple[str, str, str]
+    sequence: str
+    quaternion: tuple[str, str, str, str]
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """The axes of the turns, 1 to 3."""
+        return tuple(map(int, self.sequence.split("-")))
+
+    @property
+    def winding(self) -> tuple[str, str]:
+        """Names of the two outputs that jump by whole turns."""
+        return self.names[0], self.names[2]
+
+
 def _matrix(given: Any) -> Expr:
     rows = given.tolist() if isinstance(given, sp.MatrixBase) else entries(given, "inertia")
     if not all(isinstance(row, Iterable) for row in rows):

@@ -27,11 +27,11 @@ from eom.quantities import (
     as_expressions,
     as_symbol,
 )
-from eom.structure import BodyAttitude, form_of
+from eom.structure import BodyAttitude, SequenceAngles, form_of
 
 __all__ = (
-    "TIME", "Assumption", "BodyAttitude", "Charts", "Definition", "Expr", "Quantity",
-    "Singularity", "System", "as_expression", "nodes",
+    "TIME", "Assumption", "BodyAttitude", "Definition", "Expr", "Quantity",
+    "SequenceAngles", "Singularity", "System", "as_expression", "nodes",
 )  # fmt: skip
 
 Expr = Any  # a SymPy expression; SymPy ships no types
@@ -48,7 +48,8 @@ class System:
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
     integration brings the state back unless told otherwise. ``attitudes``: bodies among the states, see
-    `BodyAttitude`; each is proved. ``time``: the symbol of time. Units are SI; angles are in radians.
+    `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
+    ``time``: the symbol of time. Units are SI; angles are in radians.
 
     Shapes, for n states: ``states`` and ``rates`` (n,), ``mass_matrix`` (n, n). Frames and signs are said
     by the meanings of the quantities. Two systems are equal if all but their titles are.
@@ -71,6 +72,7 @@ class System:
     assumptions: tuple[Assumption, ...] = ()
     maintained: tuple[str, ...] = ()
     attitudes: tuple[BodyAttitude, ...] = ()
+    angles: tuple[SequenceAngles, ...] = ()
     title: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -210,29 +212,6 @@ class System:
         return sp.Add(*terms, full.diff(self.time))
 
 
-@dataclass(frozen=True)
-class Charts:
-    """One motion in two sets of coordinates, and what takes each to the other.
-
-    ``first``: in angles, ``second``: without their singularity; its first singularity expression is
-    zero where it hands back. ``forth``: states of ``first``, outputs the states of ``second`` in
-    order; ``back`` the other way, with the parameters ``branch`` (sign of the singular function) and
-    ``first_angle``, and as last outputs the third angle that fits that, and |singular function|.
-    The first three states of ``second`` are the angular velocity. ``angles``: places of the three
-    angles among the states of ``first``; ``symmetric``: whether the first and last axis are the
-    same, and the singular function is the sine of the second angle, not the cosine. ``enter``:
-    |singular function| at which angles are left.
-    """
-
-    first: System
-    second: System
-    forth: System
-    back: System
-    angles: tuple[int, int, int]
-    symmetric: bool
-    enter: float
-
-
 def _named(group: Mapping[str, Expr]) -> tuple[Definition, ...]:
     return _definitions(group, "outputs or invariants")
 
@@ -320,6 +299,7 @@ _FIELDS: Mapping[str, Callable[[Any, str], Any]] = {
     "assumptions": _all_of(Assumption),
     "maintained": _all_of(str),
     "attitudes": _all_of(BodyAttitude),
+    "angles": _all_of(SequenceAngles),
     "title": _text,
 }
 """What makes each field of a `System` of what a user gives: (value, where it is)."""

@@ -215,10 +215,10 @@ def _eom(folder):
         }),
         "Definition": (eom.Definition, {"quantity": eom.Quantity(y), "expression": y}),
         "Quantity": (eom.Quantity, {"symbol": y, "unit": "", "meaning": "", "latex": ""}),
-        "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": ""}),
+        "Singularity": (eom.Singularity, {"expression": y, "coordinate": y, "meaning": "", "hint": ""}),
         "System": (eom.System, {
             "name": "s", "states": (eom.Quantity(y),), **fields, "assumptions": (), "maintained": (),
-            "attitudes": (), "title": "",
+            "attitudes": (), "angles": (), "title": "",
         }),
         "Table": (eom.Table, {
             "name": "a", "breakpoints": (0.0, 1.0), "values": (0.0, 1.0), "kind": "linear",

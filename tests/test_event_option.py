@@ -78,13 +78,10 @@ def test_bad_events_give_one_clear_error(what, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_methods_and_charts_that_find_no_events_say_so():
+def test_methods_that_find_no_events_say_so():
     done = run("t-handle", "--event", "omega_1", "--method", "scipy:RK45")
     assert done.exit_code == 2
     assert "finds no events" in done.output
-    done = run("bicycle-wheel", "--event", "theta - 1", "--handover")
-    assert done.exit_code == 2
-    assert "handed over" in done.output
 
 
 def test_help_says_how_events_are_spelt():

@@ -118,7 +118,6 @@ def test_an_ensemble_varies_starts_and_parameters(run, spring):
 
 
 MISTAKES = {
-    "hand-over": (["simulate", "double-pendulum", "--handover"], "not handed over"),
     "closed form": (["generate", "double-pendulum", "--closed-form", "--out", "x"], "closed form"),
     "near name": (["derive", "doubl-pendulum"], "double-pendulum"),
     "near name to run": (["simulate", "doubl-pendulum"], "double-pendulum"),

@@ -133,9 +133,19 @@ def states_of(compiled: Compiled, events: Sequence[Event]) -> list[str]:
 
 
 def _expanded(system: System, event: Event) -> Expr:
-    """Return the expression without outputs and definitions."""
+    """Return the expression without outputs and definitions; in sines angles go on without jumps.
+
+    Law: sin(n Mod(x, 2 pi) + y) = sin(n x + y) for whole n, and so for cos.
+    """
     outputs = {d.symbol: d.expression for d in system.outputs}
-    return system.expand(as_expression(event.expression).xreplace(outputs))
+    whole = system.expand(as_expression(event.expression).xreplace(outputs))
+    jumps = [m for m in whole.atoms(sp.Mod) if m.args[1] == 2 * sp.pi]
+    smooth = {
+        f: f.xreplace({m: m.args[0] for m in jumps if f.args[0].coeff(m).is_Integer})
+        for f in whole.atoms(sp.sin, sp.cos)
+        if jumps
+    }
+    return whole.xreplace(smooth)
 
 
 def extended(
@@ -209,7 +219,8 @@ def _check_values(program: Program, event: Event, layout: Layout) -> None:
                 where=where,
                 got=op,
                 expected="a smooth expression",
-                hint="give one event a branch: x - 1 and x + 1 for abs(x) - 1",
+                hint="give one event a branch: x - 1 and x + 1 for abs(x) - 1; "
+                "of an angle the sine: sin(psi - 1)",
             )
 
 

@@ -172,7 +172,7 @@ class Inputs:
     def along(self, times: Array) -> Array:
         """Return the values (m, len(times)); these calls are not the method's own."""
         calls, self._calls = self._calls, []
-        values = np.array([self(t) for t in times.tolist()]).T
+        values = np.array([self(t) for t in times.tolist()]).reshape(len(times), len(self.held)).T
         self._calls = calls
         return values
 

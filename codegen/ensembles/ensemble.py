@@ -387,13 +387,18 @@ def _contents(
     )
 
 
+def _wound(names: Sequence[str]) -> str:
+    """Say of which outputs whole turns are not counted: the stored times are too few for that."""
+    return f"{', '.join(names)}: from -pi to pi, without whole turns" if names else ""
+
+
 def _result(
     gathered: Gathered, seconds: float, store: str | Path | None, notes: Sequence[str]
 ) -> Ensemble:
     plan, layout = gathered.plan, gathered.plan.compiled.layout
     used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
-    went_on = onward.told(gathered.continued)
+    went_on, wound = onward.told(gathered.continued), _wound(layout.winds)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,
@@ -406,7 +411,7 @@ def _result(
         names=names_of(layout.states),
         outputs=layout.results[OUTPUTS],
         method=used.method,
-        notice="; ".join(filter(None, (plan.compiled.notice, used.notice, went_on, *notes))),
+        notice="; ".join(filter(None, (plan.compiled.notice, used.notice, went_on, wound, *notes))),
         steps=gathered.steps,
         computed=gathered.computed,
         seconds=seconds,

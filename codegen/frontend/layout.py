@@ -40,6 +40,9 @@ class Layout:
     attitudes: tuple[Stated, ...] = ()
     """What the system states of its bodies."""
 
+    winding: tuple[str, ...] = ()
+    """Names of the outputs that jump by whole turns (`eom.system.SequenceAngles`)."""
+
     @classmethod
     def of(cls, system: System) -> Layout:
         """Return the layout of a system."""
@@ -66,6 +69,7 @@ class Layout:
                 INVARIANTS: tuple(d.quantity for d in system.invariants),
             },
             attitudes=stated_of(system),
+            winding=tuple(n for a in system.angles for n in a.winding),
         )
 
     def without(self, fixed: Collection[str]) -> Layout:
@@ -80,6 +84,11 @@ class Layout:
         }
         given = {"state": self.states, "parameter": self.parameters, "input": self.inputs}
         return {**given, **results}
+
+    @property
+    def winds(self) -> tuple[str, ...]:
+        """Names of the outputs that jump by whole turns, of those that are there."""
+        return tuple(n for n in self.results.get(OUTPUTS, ()) if n in self.winding)
 
     @property
     def sizes(self) -> dict[str, int]:

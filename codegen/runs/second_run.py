@@ -89,8 +89,7 @@ CANDIDATES = (
 class Origin:
     """What a result came from: enough to run it again, in another way.
 
-    ``methods``: those that integrated, by their names or ``closed form``. ``regular``: whether the rates of
-    ``compiled`` are those of the whole run, and not of one of two charts.
+    ``methods``: those that integrated, by their names or ``closed form``.
     """
 
     compiled: Compiled
@@ -98,7 +97,6 @@ class Origin:
     signals: Inputs | None
     method: str
     methods: tuple[str, ...]
-    regular: bool = True
 
     def again(self, problem: Problem, method: str) -> Trajectory:
         """Integrate a changed problem by a method."""
@@ -241,7 +239,7 @@ def _at_once(origin: Origin, problem: Problem, candidate: Candidate, times: Arra
     states = np.asarray(made.solution(times[:reached])) if made.solution else made.y[:, :0]
     if reached and times[reached - 1] == made.stop.t:
         states[:, -1] = made.state_at_stop
-    nodes = _between(made) if origin.regular else none
+    nodes = _between(made)
     return _second(candidate, problem, (which, times), made, states, nodes)
 
 

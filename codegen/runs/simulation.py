@@ -32,8 +32,9 @@ from codegen.runs import arguments, requested
 from codegen.runs.clock import Clock, clock_of, told
 from codegen.runs.drift import Drift, Terms, drift_of
 from codegen.runs.second_run import Origin
+from codegen.runs.turns import Sampled, counted
 from eom.errors import InputError, typed, unknown_name
-from eom.system import System
+from eom.system import Singularity, System
 
 if TYPE_CHECKING:
     from codegen.runs.run_accuracy import Accuracy
@@ -74,7 +75,8 @@ class Result:
     failed), ``message``, ``success`` (status >= 0). ``events``: what was found, by name;
     ``t_events`` and ``y_events``: the same in order, as SciPy has them. ``names``: of the states, in the
     order of ``y``; ``result[name]`` gives one of them, or an output.
-    ``outputs``: arrays (N,) by name. ``drift``: by name of the invariant.
+    ``outputs``: arrays (N,) by name, angles of a quaternion with their whole turns (`codegen.runs.turns`).
+    ``drift``: by name of the invariant.
     ``margin``: least distance from each singularity, by its expression. ``t_stop`` and ``y_stop`` (n,):
     where the run stopped. ``method``: what integrated, in ``seconds``; ``why``: the reason, where
     the method was chosen and not given. ``steps`` were made, ``rejected`` tried in vain. ``notice``: what
@@ -101,8 +103,6 @@ class Result:
     names: tuple[str, ...] = field(default=())
     left_out: tuple[str, ...] = ()
     """States and constants of the motion that the requested outputs do not need."""
-    changes: tuple[float, ...] = field(default=(), repr=False)
-    """Times at which angles were handed over and taken back (`codegen.runs.handover`)."""
     events: Mapping[str, Occurrences] = field(default_factory=dict, repr=False)
     origin: object = field(default=None, repr=False, compare=False)
     """What it came from, for `accuracy`; it stays behind when a result is pickled."""
@@ -406,7 +406,8 @@ def _result(task: Task, trajectory: Trajectory) -> Result:
     values = {
         g: _evaluate(compiled, problem, trajectory, g, task.signals) for g in (OUTPUTS, INVARIANTS)
     }
-    outputs = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
+    named = dict(zip(layout.results[OUTPUTS], values[OUTPUTS], strict=True))
+    outputs, winding = counted(Sampled(compiled, problem, trajectory, task.signals), named)
     terms = Terms(compiled, problem, trajectory, values[INVARIANTS], task.signals)
     rows = enumerate(zip(layout.results[INVARIANTS], values[INVARIANTS], strict=True))
     drift = {n: drift_of(v, partial(terms.scale, k)) for k, (n, v) in rows}
@@ -426,7 +427,7 @@ def _result(task: Task, trajectory: Trajectory) -> Result:
         method="",
         steps=trajectory.steps,
         rejected=trajectory.rejected,
-        notice=_joined(compiled.notice, trajectory.notice, blind),
+        notice=_joined(compiled.notice, trajectory.notice, blind, winding),
         names=names_of(layout.states),
     )
 
@@ -443,9 +444,7 @@ def _evaluate(
     count = len(trajectory.t)
     if function is None:
         return np.empty((0, count))
-    u = problem.inputs
-    if signals is not None:
-        u = np.array([signals(t) for t in trajectory.t]).reshape(count, len(problem.inputs)).T
+    u = problem.inputs if signals is None else signals.along(trajectory.t)
     return function(trajectory.t, trajectory.y, problem.parameters, u)
 
 
@@ -460,14 +459,7 @@ def message(
     if stop.kind == "event":
         return f"{at}: event {events[stop.which]}"
     if stop.kind == "singular":
-        singularity = compiled.system.singularities[stop.which]
-        if singularity.coordinate.name not in names:
-            return f"{at}: {singularity.expression} = 0 is singular: {singularity.meaning}"
-        angle = trajectory.state_at_stop[names.index(singularity.coordinate.name)]
-        return (
-            f"{at}: {singularity.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
-            f"is singular, {singularity.expression} = 0: {singularity.meaning}"
-        )
+        return f"{at}: {_singular(compiled.system.singularities[stop.which], names, trajectory)}"
     if stop.kind == "not finite":
         told = f"{at}: {names[stop.which]} or its rate is not finite (NaN or infinity) beyond it"
         if stop.t != problem.t_span[0]:
@@ -478,6 +470,18 @@ def message(
     return (
         f"{at}: all of max_steps = {problem.max_steps:,} were tried; look for a jump in the rates "
         "(friction, sign) or stiffness, or raise max_steps"
+    )
+
+
+def _singular(found: Singularity, names: Sequence[str], trajectory: Trajectory) -> str:
+    """Return at which coordinate a run stopped, what is zero there, and the way out if one is known."""
+    told = "; ".join(w for w in (found.meaning, found.hint) if w)
+    if found.coordinate.name not in names:
+        return f"{found.expression} = 0 is singular: {told}"
+    angle = trajectory.state_at_stop[names.index(found.coordinate.name)]
+    return (
+        f"{found.coordinate} = {angle:.9g} rad ({math.degrees(angle):.6f} deg) "
+        f"is singular, {found.expression} = 0: {told}"
     )
 
 

@@ -157,8 +157,26 @@ def header(program: Program, layout: Layout) -> str:
     return guarded(guard, about, [*lines, *_prototypes(name, layout)])
 
 
+NEAREST = """\
+/* The angle that differs from {angles}
+ * by whole turns and is nearest to the previous one: call it from sample to sample, first with
+ * previous = 0, where the angle moves by less than pi in between. Nothing else tells whole turns. */
+"""
+"""What is said of the function that undoes the jumps of outputs that are angles of a quaternion."""
+_TURNED_BACK = "angle + 6.283185307179586 * floor((previous - angle) / 6.283185307179586 + 0.5)"
+
+
+def _nearest(name: str, layout: Layout) -> tuple[list[str], list[str]]:
+    """Return the lines of that function for the header, and for the source; none without such outputs."""
+    if not layout.winds:
+        return [], []
+    about = NEAREST.format(angles=" or ".join(f"the output {comment(n)}" for n in layout.winds))
+    head = f"double {name}_nearest_angle(double angle, double previous)"
+    return [f"{about}{head};", ""], [f"{head} {{", f"    return {_TURNED_BACK};", "}", ""]
+
+
 def _prototypes(name: str, layout: Layout) -> list[str]:
-    lines = []
+    lines, _ = _nearest(name, layout)
     for group in layout.sizes:
         if group in layout.patterns:
             lines.append("/* The rates, then the entries of their Jacobian that are not zero. */")
@@ -193,7 +211,7 @@ def source(program: Program, layout: Layout) -> str:
     ]
     for kind, listed in _named(layout).items():
         lines += [name_function(name, kind, listed), ""]
-    lines += [*_prepare(name, early), ""]
+    lines += [*_prepare(name, early), "", *_nearest(name, layout)[1]]
     for group, (timed, late) in groups.items():
         head, size = f"{name}_{group}", len(timed.results)
         if size:

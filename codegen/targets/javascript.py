@@ -253,6 +253,18 @@ _ABOUT = {
 }
 
 
+NEAREST = "nearestAngle"
+"""Name of the function that undoes the jumps of outputs that are angles of a quaternion."""
+_NEAREST = """\
+// The angle that differs from {angles}
+// by whole turns and is nearest to the previous one: call it from sample to sample, first with
+// previous = 0, where the angle moves by less than pi in between. Nothing else tells whole turns.
+{export}function {name}(angle, previous) {{
+  return angle + 6.283185307179586 * Math.floor((previous - angle) / 6.283185307179586 + 0.5);
+}}
+"""
+
+
 def files(program: Program, layout: Layout) -> Mapping[str, str]:
     """Return the generated module by file name; the same input gives the same bytes."""
     return {f"{identifier(layout.name)}.{JAVASCRIPT.extension}": module(program, layout)}
@@ -269,7 +281,7 @@ def function(program: Program, layout: Layout) -> str:
     For scripts of pages, which hold several systems and load no modules.
     """
     parts = _parts(program, layout)
-    names = ", ".join([*parts.constants, *parts.bodies])
+    names = ", ".join([*parts.constants, *parts.bodies, *([NEAREST] if layout.winds else [])])
     return f"function () {{\n{_text(parts, layout, '')}\nreturn {{ {names} }};\n}}"
 
 
@@ -329,6 +341,9 @@ def _text(parts: _Parts, layout: Layout, export: str) -> str:
     functions = [
         _ABOUT.get(name, "") + export + _function(name, body) for name, body in parts.bodies.items()
     ]
+    if layout.winds:
+        listed = " or ".join(f"the output {comment(n)}" for n in layout.winds)
+        functions.append(_NEAREST.format(angles=listed, export=export, name=NEAREST))
     return "\n".join([head, *parts.helpers, *functions])
 
 

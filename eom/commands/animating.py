@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from eom.commands.jobs import job_of
-from eom.commands.shared import (
-    handover_option,
-    progress_of,
-    report_files,
-    scene_argument,
-    scene_of,
-    target_option,
-)
+from eom.commands.shared import progress_of, report_files, scene_argument, scene_of, target_option
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -51,7 +44,6 @@ FILMS = (".gif", ".png", ".apng", ".webp")
 )
 @click.option("--size", default=None, metavar="WxH", help="Pixels, for slides.  [default: 640x480]")
 @click.option("--dark", is_flag=True, help="A dark background, for slides.")
-@handover_option
 @target_option
 def animate(
     scene: str,
@@ -62,7 +54,6 @@ def animate(
     length: float | None,
     size: str | None,
     dark: bool,
-    handover: bool | None,
     target: str,
 ) -> None:
     """Simulate SCENE and write its motion in space as one HTML page, or as an animated picture.
@@ -74,7 +65,7 @@ def animate(
     from codegen.runs.export import whole
 
     film = _film(file, fps, length, size, dark)
-    chosen = scene_of(scene, handover=handover)
+    chosen = scene_of(scene)
     found = _animation(chosen, scene, seconds, speed, target)
     data = _page(found) if film is None else _filmed(found, file, film)
     whole(file, lambda part: part.write_bytes(data))

@@ -28,7 +28,9 @@ from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Compiled, Ensemble, Sampler, Summary
+    from codegen.ensembles.samples import Samples
     from eom.opening import AnyScene
+    from eom.system import SequenceAngles
 
 MOST_POINTS = 1_000_000
 """Of times at which is counted."""
@@ -116,10 +118,6 @@ def ensemble(
     plan = _plan(
         options.pop("samples"), options.pop("vary"), options.pop("count"), options.pop("seed")
     )
-    if chosen.integration.handover:
-        click.echo(
-            "note: angles are not handed over here: singular angles end a trajectory", err=True
-        )
     found = _run(chosen, plan, quantiles=bool(shares), **options)
     if as_json:
         click.echo(json.dumps(_data(found, plan, shares), indent=1))
@@ -255,7 +253,54 @@ def _counted(scene: AnyScene) -> tuple[str, ...]:
     return tuple(n for n in scene.requested if n in known)
 
 
-def _samples(scene: AnyScene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
+@dataclass(frozen=True)
+class FromAngles:
+    """Samples of a quaternion by those of the angles that a scene is shown in, as `codegen.Sampler`."""
+
+    sampler: Sampler
+    angles: SequenceAngles
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is sampled, with the quaternion in the place of the angles."""
+        kept = (n for n in self.sampler.names if n not in self.angles.names)
+        return (*kept, *self.angles.quaternion)
+
+    def __len__(self) -> int:
+        return len(self.sampler)
+
+    def sample(self, first: int, last: int) -> Mapping[str, Any]:
+        """Return arrays (last - first,) by name."""
+        import numpy as np
+
+        from eom.kinematics.coordinates import quaternion_of_sequence
+
+        drawn = dict(self.sampler.sample(first, last))
+        rows = zip(*(np.asarray(drawn.pop(n)).tolist() for n in self.angles.names), strict=True)
+        q = np.array([quaternion_of_sequence(self.angles.sequence, row) for row in rows])
+        return {**drawn, **dict(zip(self.angles.quaternion, q.T.copy(), strict=True))}
+
+
+def _start_of(
+    scene: AnyScene, varied: Sequence[str]
+) -> tuple[dict[str, float], SequenceAngles | None]:
+    """Return the values at the start, with angles in the place of a quaternion where one of them varies."""
+    from eom.scenes.scene import Scene
+
+    values = scene.initial_values()
+    shown = [a for a in scene.full_system.angles if set(a.names) & set(varied)]
+    if not isinstance(scene, Scene) or not shown:
+        return values, None
+    from eom.rotations import angles_of_matrix
+    from eom.scenes.conventions import attitude_at_start
+
+    (found,) = shown
+    start = angles_of_matrix(attitude_at_start(scene), found.sequence)
+    kept = {n: v for n, v in values.items() if n not in found.quaternion}
+    return {**kept, **dict(zip(found.names, start, strict=True))}, found
+
+
+def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
     from codegen import Sampler
     from codegen.ensembles import distributions
@@ -265,10 +310,12 @@ def _samples(scene: AnyScene, plan: _Plan) -> tuple[Sampler, dict[str, float]]:
         raise InputError("how many trajectories?", expected="--count N", hint="or a grid")
     _check_attitude(scene, varied)
     values = dict(varied.values)
-    values |= {n: v for n, v in scene.initial_values().items() if n not in varied.names}
+    start, angles = _start_of(scene, varied.names)
+    values |= {n: v for n, v in start.items() if n not in varied.names}
     known = scene.parameter_values().items()
     parameters = {n: v for n, v in known if n not in varied.names}
-    return Sampler(values, varied.count, varied.seed), parameters
+    sampler = Sampler(values, varied.count, varied.seed)
+    return FromAngles(sampler, angles) if angles else sampler, parameters
 
 
 def _check_attitude(scene: AnyScene, sampler: Sampler) -> None:

@@ -14,7 +14,6 @@ from eom.commands.shared import (
     WithTable,
     compiled_of,
     compiling,
-    handover_option,
     progress_of,
     report_files,
     scene_argument,
@@ -27,7 +26,6 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from codegen.loops.written import Choice
     from eom.opening import AnyScene
-    from eom.scenes.scene import Scene
 
 
 def _integrators() -> Rows:
@@ -68,26 +66,19 @@ def _integrators() -> Rows:
     is_flag=True,
     help="Instead: the motion of the scene's values in closed form, in C, where one is known.",
 )
-@handover_option
-def generate(scene: str, folder: Path | None, handover: bool | None, **options: Any) -> None:
+def generate(scene: str, folder: Path | None, **options: Any) -> None:
     """Write the equations of SCENE as C (with an integrator), or as a module.
 
     Targets: c; c_f32 (single precision, without the integrator); c_lanes (many points at once, in
     vectors); numpy; python (plain floats, no NumPy); javascript (for browsers and Node.js).
-    --out may be left out with --report. With hand-over of angles: both charts, the transfers, and
-    the loop that runs them, in C.
+    --out may be left out with --report.
     """
     if folder is None and not options["report"]:
         raise InputError("no folder to write to", expected="--out FOLDER", hint="or --report alone")
-    chosen = scene_of(scene, rtol=options["rtol"], handover=handover)
+    chosen = scene_of(scene, rtol=options["rtol"])
     if options.pop("closed_form"):
         files = partial(_closed_form_files, chosen)
         _write_alone(files, "--closed-form", folder, options)
-    elif chosen.model != "tree" and chosen.integration.handover:
-        integrator = _choice(options.pop("integrator"), chosen)
-        del options["rtol"]  # the scene has it
-        files = partial(_handover_files, chosen, integrator)
-        _write_alone(files, "hand-over", folder, options)
     else:
         _generate(chosen, folder, **options)
 
@@ -141,15 +132,6 @@ def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
         files = closed_c.files(closed, f"{scene.name}_closed")
     click.echo(f"{closed.name}: {closed.meaning}")
     return files
-
-
-def _handover_files(scene: Scene, integrator: Choice | None) -> Mapping[str, str]:
-    from codegen.runs import handover_c
-    from codegen.runs.charts import compile_charts
-    from eom.scenes.handover import charts
-
-    with waiting_for("writing code"):
-        return handover_c.files(compile_charts(charts(scene), "python"), integrator)
 
 
 def _choice(name: str | None, scene: AnyScene) -> Choice | None:

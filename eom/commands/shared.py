@@ -50,10 +50,13 @@ project_option = click.option(
     metavar="all|NAME",
     help="Keep these constants of the motion after each step, as T, H or q_norm.",
 )
-handover_option = click.option(
-    "--handover/--no-handover",
+
+
+integrate_option = click.option(
+    "--integrate",
     default=None,
-    help="Near the singularity of Euler angles go on in a quaternion.  [default: the scene's]",
+    metavar="quaternion",
+    help="Integrate a scene in angles in a quaternion, and show its angles.  [default: the scene's]",
 )
 
 
@@ -80,8 +83,13 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     if not changed:
         return scene
     data = scene.model_dump(exclude_unset=True)
+    whole = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
     data["integration"] = {**data.get("integration", {}), **changed}
-    return type(scene)(**data)
+    return type(scene)(**{**data, **whole})
+
+
+_OF_THE_SCENE = ("integrate",)
+"""Options that are keys of the scene itself, and not of its integration."""
 
 
 def methods() -> Rows:

@@ -15,7 +15,7 @@ from eom.commands.shared import (
     WithTable,
     event_option,
     finite,
-    handover_option,
+    integrate_option,
     methods,
     news,
     print_equations,
@@ -46,8 +46,6 @@ ALARM, NOTE = "bold red", "yellow"
 """Colours of what is printed where no digit is left, and of other notices."""
 LONGEST = 30.0
 """Seconds of a run from which on its error is not estimated: a second may take several times as long."""
-MOST_CHANGES = 6
-"""Times of changes of chart that are told."""
 
 
 accuracy_option = click.option(
@@ -82,8 +80,8 @@ accuracy_option = click.option(
 @click.option(
     "--max-steps", type=int, default=None, help="Steps to try at most.  [default: the scene's]"
 )
+@integrate_option
 @project_option
-@handover_option
 @event_option
 @target_option
 @click.option(
@@ -143,23 +141,23 @@ def simulate(
 @click.option(
     "--out", "folder", required=True, type=click.Path(path_type=Path), help="Folder to write to."
 )
+@integrate_option
 @project_option
-@handover_option
 @accuracy_option
 @target_option
 def run(
     scene: str,
     folder: Path,
     target: str,
+    integrate: str | None,
     project: tuple[str, ...],
-    handover: bool | None,
     estimated: bool,
 ) -> None:
     """Do the whole job for SCENE: equations, generated code, trajectory and plot."""
     from codegen.compiling.compiled import write_files
     from eom.views.draw.saving import can_write
 
-    chosen = scene_of(scene, handover=handover)
+    chosen = scene_of(scene, integrate=integrate)
     job = job_of(chosen, target, project)
     print_equations(chosen, "text", explain=True)
     click.echo()
@@ -229,13 +227,6 @@ def _check_picture(file: Path) -> None:
     kind_of(file)
 
 
-def _changes(result: Result) -> str:
-    """Say how often and when angles were handed over to the quaternion and taken back."""
-    times = ", ".join(f"{t:.6g}" for t in result.changes[:MOST_CHANGES])
-    more = ", ..." if len(result.changes) > MOST_CHANGES else ""
-    return f"{len(result.changes):,}, at t = {times}{more} s" if times else "none"
-
-
 def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
     """Print the closing table."""
     from rich.console import Console
@@ -249,8 +240,6 @@ def _closing(job: Job, result: Result, accuracy: Accuracy | str) -> None:
         table.add_row("chosen because", result.why)
     if left_out := [*job.not_needed(), *result.left_out]:
         table.add_row("left out", f"{', '.join(left_out)}: no output needs them")
-    if job.handed:
-        table.add_row("changes of chart", _changes(result))
     table.add_row(
         "steps", f"{result.steps:,} ({result.rejected:,} rejected), {result.nfev:,} evaluations"
     )
@@ -300,7 +289,6 @@ def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, A
         "evaluations": result.nfev,
         "seconds": result.seconds,
         "left_out": [*job.not_needed(), *result.left_out],
-        "changes_of_chart": finite(result.changes),
         "accuracy": _judged(accuracy),
         "drift": {n: _drift(d) for n, d in result.drift.items()},
         "margin": {n: finite(m) for n, m in result.margin.items()},

@@ -142,6 +142,36 @@ class RotationSequence:
         return a1, unit_vector("M", self.axes[1]), unit_vector("M", self.axes[2])
 
     @property
+    def sense(self) -> int:
+        """1 where the second axis follows the first in the order 1, 2, 3, 1; -1 where it precedes it."""
+        return 1 if (self.axes[1] - self.axes[0]) % 3 == 1 else -1
+
+    def of_quaternion(self, q: Sequence[Expr]) -> tuple[Expr, Expr, Expr]:
+        """Return the three angles (rad) over a quaternion ``q``, scalar first, of any norm but zero.
+
+        The first and the third are known up to whole turns. The second is between -pi/2 and pi/2, of a
+        sequence whose first and third axes are the same between 0 and pi. With e_i, e_j, e_k the axes and
+        e_m = e_i x e_j, the product of the three turns is, for k = i,
+
+            q_0 + i q_i = cos(theta/2) exp(i (psi + phi)/2),
+            q_j + i q_m = sin(theta/2) exp(i (psi - phi)/2);
+
+        else the third turn is one about e_i between quarter turns about e_j, so that q (1, e_j) takes the
+        place of q, and theta + pi/2 that of theta. Where either number is zero, the configuration is
+        singular: it gets the argument 0, and the angles are those of the attitude all the same.
+        Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.3, by `quaternion_product`.
+        """
+        i, j, k = self.axes
+        m = 6 - i - j
+        quarter = [sp.Integer(int(n in {0, j})) for n in range(4)]
+        p, sign = (tuple(q), 1) if k == i else (quaternion_product(q, quarter), -self.sense)
+        pairs = ((p[0], p[i]), (p[j], self.sense * p[m]))
+        one, other = (sp.atan2(y, x) for x, y in pairs)
+        large, small = (sp.sqrt(x**2 + y**2) for x, y in pairs)
+        theta = 2 * sp.atan2(small, large) - (0 if k == i else sp.pi / 2)
+        return one + other, theta, sign * (one - other)
+
+    @property
     def singularities(self) -> tuple[Singularity, ...]:
         """The second angle at which the first and the third axis are parallel."""
         a1, a2, a3 = self._turn_axes()

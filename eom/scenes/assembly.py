@@ -9,8 +9,8 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.kinematics.coordinates import attitude
-from eom.mechanics import torques
+from eom.kinematics.coordinates import RotationSequence, attitude, quaternion, rotation_sequence
+from eom.mechanics import sequence_angles, torques
 from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
 from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
@@ -21,6 +21,7 @@ from eom.scenes.reduce import Explanation, Reduction
 from eom.system import System
 
 Expr = Any
+Triple = tuple[Expr, Expr, Expr]
 
 MODEL_NAMES = frozenset(
     [
@@ -50,26 +51,59 @@ def _spinner(scene: Description, general_torque: bool) -> System:
     states = {s.name: s for s in _SPINNER_STATES}
     torque, parameters, inputs = components(scene, states, ("M1", "M2", "M3"), general_torque)
     body = SpinningSymmetricBody(torque, parameters, inputs)
-    return body.system(scene.name, scene.title)
+    return _through_singular(body.system(scene.name, scene.title), UNSPUN)
 
 
 def _rigid_body(scene: Description, general_torque: bool) -> System:
-    chosen = None if scene.attitude == "none" else attitude(scene.attitude)
-    coordinates = [q.symbol for q in chosen.coordinates] if chosen else []
-    states = {s.name: s for s in (*OMEGA.components, *coordinates)}
+    chosen = None if scene.coordinates == "none" else attitude(scene.coordinates)
+    angles = rotation_sequence(scene.sequence) if scene.sequence else None
+    named = (*(chosen.coordinates if chosen else ()), *(angles.coordinates if angles else ()))
+    states = {s.name: s for s in (*OMEGA.components, *(q.symbol for q in named))}
     weight = scene.torque.weight
+    given = components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
 
     def law(C: Expr, J: Expr) -> torques.Torque:
         if weight is not None:
             return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
         if scene.torque.gravity_gradient is not None:
             return torques.gravity_gradient(C, J)
-        return torques.applied(
-            *components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
-        )
+        return torques.applied(_over_states(given[0], angles), *given[1:])
 
     inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
-    return rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
+    system = rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
+    if angles is None:
+        return _through_singular(system, WAY_OUT)
+    return _with_angles(system, angles, given[0])
+
+
+WAY_OUT = 'integrate = "quaternion" in the scene goes through it, and shows the same angles'
+UNSPUN = (
+    'model = "rigid body" with attitude = "3-1-2" and integrate = "quaternion" goes through it, '
+    "its torque along axes that turn with the body"
+)
+"""What the message of a run that stops at a singular configuration advises."""
+
+
+def _through_singular(system: System, hint: str) -> System:
+    """Return a system whose singular configurations name the way through them."""
+    return replace(system, singularities=tuple(replace(s, hint=hint) for s in system.singularities))
+
+
+def _with_angles(system: System, angles: RotationSequence, parts: Triple) -> System:
+    """Return a system with angles as outputs, and singular where formulas need an undefined one."""
+    q = quaternion().symbols
+    read = {s for e in parts for s in e.free_symbols} & {angles.angles[0], angles.angles[2]}
+    undirected = (sequence_angles.undirected(angles, q),) if read else ()
+    return replace(sequence_angles.with_angles(system, angles, q), singularities=undirected)
+
+
+def _over_states(parts: Triple, angles: RotationSequence | None) -> Triple:
+    """Return the torque over the quaternion where its formulas may name angles that are outputs."""
+    if angles is None:
+        return parts
+    q, where = quaternion().symbols, "[torque] components"
+    a, b, c = (sequence_angles.over_quaternion(e, angles, q, where) for e in parts)
+    return a, b, c
 
 
 def components(
@@ -151,7 +185,12 @@ def derive(
             notes.append(Reduction(", ".join(what), why, saved))
         system = smaller
     general = _equal_moments(scene, full)[0]
-    candidates = [replace(d, expression=general.expand(d.expression)) for d in general.outputs]
+    turning = {n for a in general.angles for n in a.names}
+    candidates = [
+        replace(d, expression=general.expand(d.expression))
+        for d in general.outputs
+        if d.name not in turning
+    ]
     system = reduce.find_invariants(reduce.fold_definitions(system), candidates)
     return system, Explanation(tuple(notes), before, reduce.cost(system))
 

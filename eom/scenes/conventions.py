@@ -259,7 +259,7 @@ def attitude_at_start(scene: Scene) -> Matrix:
     The spin angle of a spinner, on which nothing depends, is taken as zero unless it is given. Raises
     `InputError` where the scene has no attitude.
     """
-    name = "3-1-2" if scene.model == "spinner" else scene.attitude
+    name = "3-1-2" if scene.model == "spinner" else scene.coordinates
     if name == "none":
         raise InputError(
             "the scene has no attitude",

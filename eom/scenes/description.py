@@ -121,8 +121,7 @@ class Integration(Part):
     steps meet atol + rtol |x| (``atol``: rtol / 1000 of the scale of each state unless given, see
     `codegen.integrate.scales`). ``points``: output times at equal distances, ends included. ``max_step``:
     no step is longer (s), lest one goes over a feature of the rates that is narrower. ``max_steps``: when a
-    run is given up. ``handover``: near the singularity of Euler angles go on in quaternions
-    (`eom.scenes.handover`).
+    run is given up.
     """
 
     t_end: Number = 10.0
@@ -132,7 +131,19 @@ class Integration(Part):
     points: Annotated[int, Field(ge=2, le=10_000_000)] = 1001
     max_step: Annotated[float, Field(gt=0)] | None = None
     max_steps: Annotated[int, Field(ge=1)] = 10_000_000
-    handover: bool = False
+
+    @pydantic.model_validator(mode="before")
+    @classmethod
+    def _check(cls, data: Any) -> Any:
+        """Refuse the key of older scene files, and name what took its place."""
+        if isinstance(data, dict) and "handover" in data:
+            raise InputError(
+                "angles are no longer handed over to a quaternion near their singularity",
+                where="[integration] handover",
+                got=data["handover"],
+                hint='leave it out, and say integrate = "quaternion" beside attitude',
+            )
+        return data
 
 
 def _as_value(value: Any) -> Any:
@@ -169,18 +180,33 @@ class Description(Request):
     """One body, its attitude coordinates and torque, numbers, and what is asked for.
 
     ``model``: ``rigid body``, or ``spinner`` (the 3-1-2 spinning symmetric body of lecture 001).
-    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences. ``initial``:
-    values of states at t = 0 (rad, rad/s), or of outputs that determine a missing state.
-    ``initial_attitude``: in place of the coordinates' values. ``body``, ``torque``: see their types. SI
+    ``attitude``: ``none``, ``quaternion``, ``dcm`` or one of the 12 rotation sequences. ``angles``: of a
+    scene in quaternions the sequence whose angles psi, theta, phi are outputs. ``integrate``: where it is
+    ``quaternion``, a scene in angles is integrated in one, which is nowhere singular, and shown in its
+    angles. Both count whole turns of angles (`codegen.runs.turns`). ``initial``: values of states at
+    t = 0 (rad, rad/s), or of outputs that determine a missing state. ``initial_attitude``: in place of the
+    coordinates' values. ``body``, ``torque``: see their types. SI
     units.
     """
 
     model: Literal["rigid body", "spinner"] = "rigid body"
     body: Body
     attitude: str = "none"
+    angles: str = ""
+    integrate: Literal["quaternion"] | None = None
     torque: Torque = Torque()
     initial: dict[str, Number] = Field(default_factory=dict)
     initial_attitude: InitialAttitude | None = None
+
+    @property
+    def coordinates(self) -> str:
+        """What is integrated: the attitude, or the quaternion in its place."""
+        return self.integrate or self.attitude
+
+    @property
+    def sequence(self) -> str:
+        """The sequence whose angles are outputs over the quaternion; nothing where there is none."""
+        return self.attitude if self.integrate else self.angles
 
 
 def check(scene: Description) -> None:
@@ -283,6 +309,29 @@ def _check_attitude(scene: Description) -> None:
             where="attitude",
             got=scene.attitude,
             hint="leave attitude out",
+        )
+    _check_angles(scene)
+
+
+def _check_angles(scene: Description) -> None:
+    if scene.integrate and (scene.attitude not in SEQUENCES or scene.model == "spinner"):
+        raise InputError(
+            "only the angles of a rigid body are integrated in a quaternion",
+            where="integrate",
+            got=f"model = {scene.model!r}, attitude = {scene.attitude!r}",
+            expected="attitude = one of the 12 rotation sequences",
+            hint="leave integrate out",
+        )
+    if not scene.angles:
+        return
+    if scene.angles not in SEQUENCES:
+        raise unknown_name("rotation sequence", scene.angles, SEQUENCES, "angles")
+    if scene.attitude != "quaternion":
+        raise InputError(
+            "angles are outputs where the attitude is a quaternion",
+            where="angles",
+            got=f"attitude = {scene.attitude!r}",
+            hint='attitude = "quaternion"',
         )
 
 

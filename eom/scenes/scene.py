@@ -93,8 +93,14 @@ class Scene(Description):
 
     @property
     def requested(self) -> tuple[str, ...]:
-        """What is asked for: the outputs, or all states where none are named."""
-        return self.outputs or self.full_system.state_names
+        """What is asked for: the outputs, or all states where none are named, and angles over them.
+
+        Where angles are integrated in a quaternion they stand in its place.
+        """
+        full = self.full_system
+        turned = {n for a in full.angles for n in a.quaternion if self.integrate}
+        states = (n for n in full.state_names if n not in turned)
+        return self.outputs or (*states, *(n for a in full.angles for n in a.names))
 
     def requested_names(self) -> tuple[str, ...]:
         """Return what is asked for that varies: frozen states are constants of the motion."""
@@ -114,8 +120,11 @@ class Scene(Description):
 
         Raises `InputError` for missing ones, and for an attitude that is no rotation.
         """
-        values = start.states(self, self.full_system)
-        return start.pick(values, self.derive().state_names, "initial value", "[initial]")
+        values, names = start.states(self, self.full_system), self.derive().state_names
+        for angles in self.full_system.angles if self.integrate else ():
+            if set(angles.quaternion) & {*names} - {*values}:
+                names = angles.names  # what the scene would give
+        return start.pick(values, names, "initial value", "[initial]")
 
     def parameter_values(self) -> dict[str, float]:
         """Return the value of each parameter of `derive`, by name, constants of the motion included.
@@ -136,7 +145,7 @@ class Scene(Description):
         """Names of the states that are one attitude together, and cannot vary alone."""
         if self.model == "spinner" or self.attitude == "none":
             return ()
-        chosen = attitude(self.attitude)
+        chosen = attitude(self.coordinates)
         return (tuple(q.name for q in chosen.coordinates),) if chosen.constraints else ()
 
 

@@ -39,14 +39,15 @@ def states(scene: Description, full: System) -> dict[str, float]:
     """
     states = full.state_names
     values = {n: v for n, v in scene.initial.items() if n in states}
-    for name, value in _initial_attitude(scene).items():
+    for name, value in {**_turned(scene), **_initial_attitude(scene)}.items():
         if name in values:
             raise InputError(
                 f"{name} is given twice", where="[initial] and [initial_attitude]", got=name
             )
         values[name] = value
+    angles = {n for a in full.angles for n in a.names}
     for output in full.outputs:
-        if output.name in scene.initial:
+        if output.name in scene.initial and output.name not in angles:
             name, value = _state_of_output(scene, full, output, values)
             values[name] = value
     _check_constraints(scene, values)
@@ -79,11 +80,30 @@ def _state_of_output(
     return missing[0].name, float((scene.initial[output.name] - offset) / slope)
 
 
+def _turned(scene: Description) -> dict[str, float]:
+    """Return the quaternion of a scene whose initial values are angles that are outputs."""
+    if not scene.sequence:
+        return {}
+    names = [q.name for q in attitude(scene.sequence).coordinates]
+    given = [n for n in names if n in scene.initial]
+    if not given:
+        return {}
+    if len(given) < len(names) or scene.initial_attitude is not None:
+        raise InputError(
+            "an attitude is three angles, given once",
+            where="[initial]",
+            got=", ".join(given) + (" and [initial_attitude]" if scene.initial_attitude else ""),
+            expected=", ".join(names),
+        )
+    q = quaternion_of_sequence(scene.sequence, [scene.initial[n] for n in names])
+    return {f"q{k}": v for k, v in enumerate(q)}
+
+
 def _initial_attitude(scene: Description) -> dict[str, float]:
     given = scene.initial_attitude
     if given is None:
         return {}
-    wanted = "3-1-2" if scene.model == "spinner" else scene.attitude
+    wanted = "3-1-2" if scene.model == "spinner" else scene.coordinates
     angles = given.radians or [math.radians(a) for a in given.degrees or ()]
     if angles and wanted == given.sequence:
         return {q.name: a for q, a in zip(attitude(wanted).coordinates, angles, strict=True)}
@@ -106,9 +126,9 @@ def _initial_attitude(scene: Description) -> dict[str, float]:
 
 def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
     """Refuse a quaternion without unit norm and direction cosines that are not orthonormal."""
-    if scene.attitude == "none" or scene.model == "spinner":
+    if scene.coordinates == "none" or scene.model == "spinner":
         return
-    for name, meaning, expression in attitude(scene.attitude).constraints:
+    for name, meaning, expression in attitude(scene.coordinates).constraints:
         free = {s.name for s in expression.free_symbols}
         if free <= set(values):
             found = float(
@@ -117,7 +137,7 @@ def _check_constraints(scene: Description, values: Mapping[str, float]) -> None:
             expected = constraint_value(name)
             if abs(found - expected) > 1e-9:
                 raise InputError(
-                    f"{scene.attitude} at the start is no rotation",
+                    f"{scene.coordinates} at the start is no rotation",
                     where="[initial]",
                     got=f"{meaning} = {found!r}",
                     expected=f"{expected} to within 1e-9",

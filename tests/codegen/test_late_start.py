@@ -6,19 +6,15 @@ import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
-import eom
 from codegen import compile as compile_system
 from codegen import ensemble, simulate
 from codegen.compiling.events import Event
 from codegen.integrate import fleet, sundials
 from codegen.integrate.methods import METHODS, OF_ATTITUDE
 from codegen.native import native
-from codegen.runs import handover
-from codegen.runs.charts import compile_charts
 from eom.errors import InputError
 from eom.quantities import TIME
 from eom.rotations import quaternion_product
-from eom.scenes.handover import charts
 from eom.system import BodyAttitude, System
 
 pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
@@ -235,34 +231,3 @@ def test_written_loops_go_to_the_end_that_doubles_say():
             shared, np.array([[1.0], [0.0]]), np.array([1.0])
         )
         assert runs.y_stop[0, 0] == pytest.approx(np.cos(16), abs=1e-7), method
-
-
-def test_angles_that_are_handed_over():
-    t0, start = 1.7e9, [1.0, -1.3, 0.8, 0.4, 0.03, -0.3]
-    with mpmath.workdps(40):
-        phase = float(mpmath.mpf(t0) % (2 * mpmath.pi))
-
-    def run(word, begin, **values):
-        scene = eom.Scene(
-            body={"moments": [1.0, 2.0, 2.5]},
-            attitude="3-1-3",
-            initial={"omega_1": start[0], "omega_2": start[1], "omega_3": start[2]},
-            initial_attitude={"sequence": "3-1-3", "radians": start[3:]},
-            torque={"components": [word, 0, "-k*omega_1"]},
-            parameters={"k": 0.7, **values},
-            outputs=["T"],
-        )
-        made = compile_charts(charts(scene), "python")
-        x0 = dict(zip(("omega_1", "omega_2", "omega_3", "psi", "theta", "phi"), start, strict=True))
-        known = {"I1": 1.0, "I2": 2.0, "I3": 2.5, "k": 0.7, **values}
-        options = {"method": "DOP853", "rtol": 1e-8, "dense_output": True}
-        return handover.simulate(made, x0, (begin, begin + 6), known, **options)
-
-    early, late = run("k*sin(t + p)", 0.0, p=phase), run("k*sin(t)", t0)
-    assert late.status == early.status == 0
-    assert late.changes
-    assert late.changes == pytest.approx(t0 + np.array(early.changes), abs=1e-6)
-    assert late.t[[0, -1]].tolist() == [t0, t0 + 6]
-    assert np.abs(late.y_stop - early.y_stop).max() < 1e-6
-    assert np.abs(late.sol(t0 + 2.5) - early.sol(2.5)).max() < 1e-6
-    assert late.outputs["T"][-1] == pytest.approx(early.outputs["T"][-1], abs=1e-6)

@@ -865,4 +865,11 @@ def test_no_parameter_can_take_a_name_of_the_model(name):
 
     system = SCENES[name].full_system
     named = {*system.output_names, *(d.name for d in system.definitions)}
-    assert {n for n in named if not n.startswith("C_column")} <= MODEL_NAMES
+    shown = {n for a in system.angles for n in a.names}
+    assert {n for n in named if not n.startswith("C_column")} <= MODEL_NAMES | shown
+
+
+def test_no_parameter_can_take_the_name_of_an_angle_that_is_shown():
+    scene = {"body": {"moments": (1, 2, 2.5)}, "torque": {"components": (n := "psi", 0, 0)}}
+    with pytest.raises(InputError, match="used twice"):
+        Scene(**scene, attitude="3-2-1", integrate="quaternion", parameters={n: 1.0})

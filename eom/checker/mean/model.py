@@ -273,7 +273,7 @@ def _turned(scene: AnyScene, attitude: str) -> AnyScene:
         raise InputError("attitudes of a tree belong to its joints", got=attitude)
     if attitude == scene.attitude:
         return scene
-    left_out = {"outputs", "initial_attitude", "attitude"}
+    left_out = {"outputs", "initial_attitude", "attitude", "angles", "integrate"}
     data = {k: v for k, v in scene.model_dump(exclude_unset=True).items() if k not in left_out}
     rates = {k: v for k, v in data.get("initial", {}).items() if k.startswith("omega_")}
     return Scene(**{**data, "initial": rates, "attitude": attitude})

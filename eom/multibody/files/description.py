@@ -49,7 +49,8 @@ class MotionPart(Part):
 class JointPart(Part):
     """A joint: see `eom.multibody.model.model.Joint`.
 
-    ``force`` is over parameters, inputs, states and t.
+    ``force`` is over parameters, inputs, states and t. ``angles``: of a joint with a quaternion the
+    sequence whose angles, q_JOINT_1 to 3, are outputs and count whole turns (`codegen.runs.turns`).
     """
 
     kind: str
@@ -59,6 +60,7 @@ class JointPart(Part):
     second_axis: Axis = "x"
     pitch: Formula = 0
     attitude: str = "quaternion"
+    angles: str = ""
     on_parent: Place = Place()
     on_child: Place = Place()
     stiffness: Each = 0

@@ -18,7 +18,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Any, Self
 
@@ -30,6 +30,7 @@ from eom.multibody.algebra.light import used
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
 from eom.multibody.files.formulas import numbered
+from eom.multibody.files.joint_angles import JointAngles, angles_of
 from eom.multibody.files.sections import Reading, check_used, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
@@ -78,19 +79,14 @@ class TreeScene(TreeDescription):
     def _check(self) -> Self:
         """Check everything that one field alone cannot tell."""
         check_end(self)
-        if self.integration.handover:
-            raise InputError(
-                "angles of a tree are not handed over",
-                where="[integration] handover",
-                hint='attitude = "quaternion" has no singularity',
-            )
-        states, choice = self._start, self._choice
+        states, choice, angles = self._start, self._choice, self._angles
         check_used(self._reading)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
-            if name not in states and not choice.is_known(name):
-                raise unknown_name("output", name, [*states, *choice.known()], "outputs")
+            if not (name in states or name in angles or choice.is_known(name)):
+                known = [*states, *angles, *choice.known()]
+                raise unknown_name("output", name, known, "outputs")
         return self
 
     @classmethod
@@ -136,7 +132,16 @@ class TreeScene(TreeDescription):
 
     @property
     def _asked(self) -> tuple[str, ...]:
-        return self.outputs or (*self._start, POINTS)
+        return self.outputs or (*self._start, *self._angles, POINTS)
+
+    @cached_property
+    def _joint_angles(self) -> tuple[JointAngles, ...]:
+        return angles_of(self.joints, self.tree)
+
+    @property
+    def _angles(self) -> tuple[str, ...]:
+        """Names of the angles that joints with a quaternion are shown in."""
+        return tuple(q.name for a in self._joint_angles for q in a.quantities)
 
     @cached_property
     def _start(self) -> dict[str, float]:
@@ -166,7 +171,8 @@ class TreeScene(TreeDescription):
         return smallest(self._whole, self.requested) if self.outputs else self._whole
 
     def _named(self, system: System) -> System:
-        return replace(system, name=self.name, title=self.title)
+        named = replace(system, name=self.name, title=self.title)
+        return reduce(lambda whole, angles: angles.of(whole), self._joint_angles, named)
 
     @property
     def requested(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from eom.kinematics.coordinates import rotation_sequence
@@ -104,5 +105,7 @@ def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
     for joint in tree.ordered:
         if joint.row.attitude and joint.attitude != QUATERNION and joint.motion is None:
             angles = [c.symbol for c in joint.coordinates[-3:]]
-            found += rotation_sequence(joint.attitude, angles).singularities
+            way = f'attitude = "quaternion" and angles = "{joint.attitude}" of joint {joint.name}'
+            singular = rotation_sequence(joint.attitude, angles).singularities
+            found += [replace(s, hint=f"{way} go through it") for s in singular]
     return tuple(found)

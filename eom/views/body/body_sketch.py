@@ -54,7 +54,7 @@ class _Sketch:
     @cached_property
     def C(self) -> Floats:
         """From the reference frame to the one that torque has its components in."""
-        known, attitude = self.known, self.scene.attitude
+        known, attitude = self.known, self.scene.coordinates
         if self.scene.model == "spinner":
             return after_turns(SPIN, (known.get("psi", 0.0), known.get("theta", 0.0), 0.0))[-1]
         if attitude == "none":

@@ -163,6 +163,7 @@ def _in_quaternion(scene: Scene) -> Scene:
         own = _coordinates(scene)
         data["initial"] = {n: v for n, v in data.get("initial", {}).items() if n not in own}
     data |= {"attitude": "quaternion", "outputs": (*RATES, *QUATERNION)}
+    data |= {"angles": scene.sequence, "integrate": None}
     data["initial_attitude"] = {"quaternion": start}
     return type(scene)(**data)
 

@@ -78,8 +78,7 @@ def _attitude(scene: Scene) -> str:
     """Return the coordinates of attitude that the page integrates: angles where the scene has them."""
     if scene.model == "spinner":
         return "none"
-    angles = scene.attitude in SEQUENCES and not scene.integration.handover
-    return scene.attitude if angles else "quaternion"
+    return scene.coordinates if scene.coordinates in SEQUENCES else "quaternion"
 
 
 def _notes(scene: Scene, used: str) -> Iterator[str]:
@@ -207,9 +206,10 @@ def _variant(
     needs = (
         used if scene.attitude == "none" and data.get("torque", {}).keys() - {"components"} else ""
     )
-    own = Scene(**data, attitude=needs or scene.attitude)
+    shown = {"angles": scene.angles, "integrate": scene.integrate}
+    own = Scene(**data, **shown, attitude=needs or scene.attitude)
     drawn = (
-        own if own.attitude == used or scene.model == "spinner" else Scene(**data, attitude=used)
+        own if own.coordinates == used or scene.model == "spinner" else Scene(**data, attitude=used)
     )
     known = {*own.full_system.state_names, *own.full_system.output_names}
     asked = [n for n in scene.requested if n in known] or list(own.full_system.state_names)

@@ -2,5 +2,5 @@
 
 In: results, measured points. Out: pictures.
 Imports: `codegen.measure.workprecision`, `codegen.runs`, `eom.errors`, `eom.opening`, `eom.quantities`,
-`eom.scenes`, `eom.system`, `eom.views.draw`.
+`eom.system`, `eom.views.draw`.
 """

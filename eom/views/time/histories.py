@@ -28,7 +28,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
-    from eom.scenes.scene import Scene
     from eom.system import System
     from eom.views.draw.picture import Floats
 
@@ -242,8 +241,6 @@ def run(
     """
     plan = scene.integration
     t = np.linspace(0.0, seconds or plan.t_end, points or plan.points)
-    if plan.handover and scene.model != "tree":
-        return _handed_over(scene, t)
     return integrated(scene, t), scene.derive()
 
 
@@ -265,29 +262,3 @@ def integrated(scene: AnyScene, t: Floats) -> Result:
         max_step=plan.max_step or math.inf,
         max_steps=plan.max_steps,
     )
-
-
-def _handed_over(scene: Scene, t: Floats) -> tuple[Result, System]:
-    """Return the run of a scene whose angles go on in a quaternion near their singularity."""
-    from codegen.runs import handover
-    from codegen.runs.charts import compile_charts
-    from eom.scenes.handover import charts, numbers
-
-    found = charts(scene)
-    initial, parameters = numbers(scene, found)
-    plan = scene.integration
-    held = {n: v.value for n, v in scene.inputs.items() if n in found.first.input_names}
-    result = handover.simulate(
-        compile_charts(found),
-        initial,
-        (float(t[0]), float(t[-1])),
-        parameters,
-        plan.method,
-        plan.rtol,
-        plan.atol,
-        t,
-        inputs=held,
-        max_step=plan.max_step or math.inf,
-        max_steps=plan.max_steps,
-    )
-    return result, found.first

@@ -463,7 +463,6 @@ MISTAKES = {
         "",
     ),
     "output": ({"outputs": ["energie"]}, "unknown output 'energie'", "outputs", "energies"),
-    "hand-over": ({"integration__handover": True}, "not handed over", "handover", "quaternion"),
     "no time": ({"integration__t_end": 0}, "end time is zero", "t_end", ""),
     "index": ({"bodies__rod{i}": {"mass": 1}}, "unknown index 'i'", "bodies", ""),
     "step of an index": (

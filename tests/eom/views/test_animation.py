@@ -14,7 +14,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import codegen
-from eom.commands.jobs import job_of
 from eom.errors import InputError
 from eom.kinematics.coordinates import attitude, elementary
 from eom.mass import regions, solids
@@ -44,8 +43,6 @@ HOSTILE = "</script><img src=x onerror=alert(1)>\u2028{{data}} $x$ & \"'"
 def integrate(scene):
     """As the commands do; one system is compiled once."""
     plan = scene.integration
-    if plan.handover:
-        return job_of(scene, "auto", ()).integrate(lambda _: None)
     times = [*(plan.t_end * k / (plan.points - 1) for k in range(plan.points - 1)), plan.t_end]
     return codegen.simulate(
         scene.derive(),
@@ -392,7 +389,7 @@ def test_what_cannot_be_shown_is_refused(settings, what):
 
 
 def test_a_run_that_stops_is_shown_up_to_there():
-    """Angles that become singular without hand-over."""
+    """Angles that become singular."""
     scene = tumbling("3-2-1", initial={"omega_1": 0.0, "omega_2": 1.0, "omega_3": 0.0},
                      initial_attitude={"sequence": "3-2-1", "radians": (0, 0, 0)},
                      integration={"t_end": 4.0})  # fmt: skip

@@ -176,7 +176,7 @@ def test_units_have_raised_digits():
 
 
 def test_the_histories_of_a_scene_are_those_of_its_run():
-    scene = Scene.ready("t-handle-in-angles")  # with hand-over
+    scene = Scene.ready("t-handle-in-angles")
     picture = histories_of(scene, seconds=1.0, points=21)
     angles, rates, below = panels(picture)
     assert list(curves(angles)) == [r"$\psi$", r"$\theta$", r"$\phi$"]
