@@ -35,8 +35,10 @@ from eom.exercises.moodle import typed_answer
 from eom.exercises.slips import SLIPS, around, names, planted
 from eom.notation import NOTATIONS
 from eom.terms import expr
+from tests.eom.rows import but, only
 
 FAULTS = {"wrong", "ill-formed", "ambiguous"}
+SHORT = ("point-mass", "tilde-identities", "inertia-of-rod")
 LONG = {"inertia-of-frustum"}
 """Topics whose lines are quotients of long polynomials, and take the checker seconds."""
 
@@ -46,7 +48,7 @@ def displays(report):
 
 
 @pytest.mark.parametrize(
-    "topic", [n for titles in topics().values() for n in titles if n not in LONG]
+    "topic", only((n for titles in topics().values() for n in titles if n not in LONG), *SHORT)
 )
 def test_the_checker_blames_the_planted_line_and_no_other(topic, monkeypatch):
     seen, check = [], making.checker.check
@@ -68,7 +70,8 @@ def test_the_checker_blames_the_planted_line_and_no_other(topic, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("topic", "seed"), [("point-mass", 0), ("inertia-of-rod", 1), ("inertia-of-rod", 2)]
+    ("topic", "seed"),
+    but([("point-mass", 0), ("inertia-of-rod", 1), ("inertia-of-rod", 2)], ("inertia-of-rod", 1)),
 )
 def test_what_the_key_says_makes_the_page_right(topic, seed):
     made = exercise(topic, seed, lines=2)
@@ -82,7 +85,7 @@ def test_what_the_key_says_makes_the_page_right(topic, seed):
         assert value in marker(made)
 
 
-@pytest.mark.parametrize("notation", [n for n in NOTATIONS if n != "arrow"])
+@pytest.mark.parametrize("notation", only((n for n in NOTATIONS if n != "arrow"), "kane"))
 def test_every_notation(notation):
     made = exercise("point-mass", 1, notation=notation, lines=2)
     found = [k for k, f in enumerate(displays(eom.check(student(made))), 1) if f.verdict in FAULTS]
@@ -124,16 +127,16 @@ def test_a_slip_changes_one_side_and_keeps_its_kind():
 
 SCRIPT = """
 from eom.exercises import *
-for topic in ("kinetic-energy", "inertia-of-rod"):
-    made = exercise(topic, 2, lines=2)
-    print(student(made), marker(made), moodle([made]))
+made = exercise("TOPIC", 2, lines=2)
+print(student(made), marker(made), moodle([made]))
 """
 
 
-def test_the_same_bytes_whatever_the_seed_of_hashes():
+@pytest.mark.parametrize("topic", only(["kinetic-energy", "inertia-of-rod"], "inertia-of-rod"))
+def test_the_same_bytes_whatever_the_seed_of_hashes(topic):
     runs = [
         subprocess.run(
-            [sys.executable, "-c", SCRIPT],
+            [sys.executable, "-c", SCRIPT.replace("TOPIC", topic)],
             env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             check=True,
@@ -142,7 +145,7 @@ def test_the_same_bytes_whatever_the_seed_of_hashes():
         for seed in ("1", "2")
     ]
     assert runs[0] == runs[1]
-    assert len(runs[0]) > 10_000
+    assert len(runs[0]) > 5_000
 
 
 def test_names_that_are_unknown_and_slips_that_cannot_be():

@@ -9,10 +9,15 @@ from eom import Scene, catalogue, load_scene
 from eom.errors import InputError
 from eom.printing import FORMATS, show
 from eom.system import Definition, Quantity, System
+from tests.eom.rows import only
+
+SHORT = (("heavy-top", "text"), ("double-pendulum", "latex"), ("bicycle-wheel", "markdown"))
+"""Each format once, and each kind of scene."""
 
 
-@pytest.mark.parametrize("name", catalogue.names())
-@pytest.mark.parametrize("style", FORMATS)
+@pytest.mark.parametrize(
+    ("name", "style"), only(((n, s) for n in catalogue.names() for s in FORMATS), *SHORT)
+)
 def test_meanings_and_units_are_printed(name, style):
     system = load_scene(name).derive()
     shown = show(system, style).replace("\\^{}", "^").replace("\\_", "_")

@@ -14,6 +14,7 @@ from eom.frames import vector
 from eom.identity import equal, is_invariant
 from eom.kinematics import attitude
 from eom.rigidbody import euler_equations, full_inertia, principal_inertia
+from tests.eom.rows import every
 
 w = sp.symbols("omega_1:4", real=True)
 wd = sp.symbols("wd_1:4", real=True)
@@ -164,7 +165,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", every(3, CASES))
 def test_declared_constants_are_constant_along_the_motion(name):
     build, options, values, start, t_end, expected = CASES[name]
     system = build(**options)

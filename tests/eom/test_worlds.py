@@ -12,6 +12,7 @@ from eom.terms import Equation, add, column, cross, der, dot, integral, mul, num
 from eom.verification import decide
 from eom.vocabulary import mass, omega, position, quantity, unit, velocity
 from eom.worlds import ASSUMPTIONS, closure
+from tests.eom.rows import only
 
 NOUGHT = zero("vector")
 B1, B2, B3 = (unit("B", k) for k in (1, 2, 3))
@@ -237,7 +238,7 @@ def allowed(size):
             continue
 
 
-@pytest.mark.parametrize("size", [0, 1, 2])
+@pytest.mark.parametrize("size", only([0, 1, 2], 0, 1))
 def test_every_allowed_set_has_worlds(size):
     for assumed in sorted(set(allowed(size)), key=sorted):
         if not {"thin_rod", "torque_free"} <= assumed:

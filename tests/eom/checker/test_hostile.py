@@ -9,6 +9,7 @@ from benchmarks import hostile
 from eom.checker.lexicon_files import preset
 
 
+@pytest.mark.slow
 def test_hostile_inputs_of_all_kinds():
     found = hostile.run(80, seed=3)
     assert found.failures == []

@@ -19,6 +19,7 @@ from eom.multibody.outputs import Choice
 from eom.multibody.repeats import MOST, written_out
 from eom.multibody.scene import TreeScene
 from eom.multibody.told import OUTPUTS
+from tests.eom.rows import only
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 
@@ -662,7 +663,7 @@ def test_momentum_stays_whatever_joints_do_inside():
     assert "p_1" not in TreeScene(**data).derive().invariant_names
 
 
-@pytest.mark.parametrize("name", TREES)
+@pytest.mark.parametrize("name", only(TREES, "double-pendulum", "floating-tree"))
 def test_the_centre_of_mass_moves_as_the_momentum_says(name):
     """Numbers alone, or parameters among them: momentum is mass times the rate of the centre."""
     ready = TreeScene.ready(name)

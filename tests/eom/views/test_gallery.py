@@ -10,6 +10,7 @@ from eom import InputError, load_scene
 from eom.views import gallery, printed, turned
 from eom.views.gallery import PICTURES, Ask
 from eom.views.picture import check
+from tests.eom.rows import every
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")
@@ -33,7 +34,7 @@ def few_measurements(monkeypatch):
 
 
 @pytest.mark.usefixtures("few_measurements")
-@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("name", every(3, PICTURES))
 def test_every_picture_is_drawn_by_both_renderers(name):
     scene = load_scene(SCENES[name])
     picture = gallery.picture(name, Ask(scene, 0.5, 60))
