@@ -42,7 +42,7 @@ SHORT = (
     ("point-mass", "arrow"),
     ("point-mass", "underline"),
     ("transport-theorem", "superscript"),
-    ("inertia-properties", "kane"),
+    ("transport-theorem", "kane"),
 )
 """Every notation once."""
 

@@ -26,7 +26,7 @@ def oracle(name):
     return importlib.import_module(f"tests.eom.checker.unseen.oracle_{name}").CASES
 
 
-@pytest.mark.parametrize("name", only(NOTES, "rodrigues", "solids"))
+@pytest.mark.parametrize("name", only(NOTES, "solids"))
 def test_the_truth_is_that_of_explicit_motions(name):
     rows = {k.split(":")[1]: row for k, row in TRUTH.items() if k.startswith(f"{name}:")}
     claims = {k for k, row in rows.items() if row["verdict"] != "not_an_equation"}

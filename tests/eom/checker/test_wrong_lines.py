@@ -25,7 +25,7 @@ from eom.special import telling
 from tests.eom.checker.test_parameters import PLATE
 from tests.eom.checker.test_systems import TOP, lexicon
 from tests.eom.checker.true_lines import ARROWS, SUPERSCRIPTS
-from tests.eom.rows import every, only
+from tests.eom.rows import only
 from tests.eom.test_solutions import cart
 
 
@@ -96,7 +96,7 @@ COMPARED = {
 }
 
 
-@pytest.mark.parametrize("text", every(2, COMPARED))
+@pytest.mark.parametrize("text", only(COMPARED, [*COMPARED][1]))
 def test_the_sign_of_order_is_turned(text):
     understood, _, found = why(text, ARROWS)
     first = found.corrections[0]

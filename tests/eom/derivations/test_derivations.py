@@ -100,7 +100,7 @@ NEEDED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "label", "assumption"), every(3, NEEDED))
+@pytest.mark.parametrize(("name", "label", "assumption"), every(6, NEEDED))
 def test_without_its_assumption_the_step_is_false(name, label, assumption):
     d = derive(name)
     step = d[label]
