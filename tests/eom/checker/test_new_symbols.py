@@ -46,6 +46,7 @@ def test_what_is_known_is_no_definition() -> None:
     assert verdicts(r"\vec a \equiv \vec b") == ["wrong"]
 
 
+@pytest.mark.slow
 def test_claims_of_one_line_hold_in_one_model() -> None:
     """Where one claim has a meaning in a model alone, one that fails in it is wrong."""
     rate = r"I_2 \frac{d}{dt}\left(\dot\phi + \dot\psi\sin\theta\right) = 0"
