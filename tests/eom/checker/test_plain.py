@@ -35,8 +35,6 @@ def test_every_kind_of_node_has_a_row():
     assert set(module._TABLE) == kinds - {"Node", "Sign"}
 
 
-@pytest.mark.parametrize("text", [t for rows in BOOKS.values() for t, _ in rows])
-def test_books_have_plain_text(text):
-    written = plain(read_formula(text).tree)
-    assert written.strip()
-    assert "\\" not in written
+def test_books_have_plain_text():
+    written = {t: plain(read_formula(t).tree) for rows in BOOKS.values() for t, _ in rows}
+    assert [t for t, w in written.items() if not w.strip() or "\\" in w] == []
