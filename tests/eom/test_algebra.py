@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.exact.algebra import explicit_rates, gather, operations
+from tests.draws import examples
 
 a, b, x, y = sp.symbols("a b x y")
 
@@ -28,7 +29,7 @@ terms = st.lists(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(parts=terms)
 def test_gather_changes_no_value(parts):
     expression = sp.Add(*(n * c * v for n, c, v in parts))

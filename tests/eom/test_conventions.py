@@ -25,6 +25,7 @@ from eom.scenes.conventions import (
     state,
 )
 from eom.scenes.scene import Scene
+from tests.eom.rows import every
 
 ANGLE = st.floats(-3.1, 3.1)
 ANGLES = st.tuples(ANGLE, ANGLE, ANGLE)
@@ -69,12 +70,12 @@ def test_there_and_back_whichever_way_it_is_written(angles, source, target):
         assert np.allclose(again, C, atol=1e-8)
 
 
-@pytest.mark.parametrize("sequence", SEQUENCES)
 @pytest.mark.parametrize("second", [0.0, math.pi / 2, -math.pi / 2, math.pi])
-def test_parallel_axes_still_give_the_matrix(sequence, second):
-    C = attitude_of_angles((0.3, second, -0.8), Convention(sequence=sequence))
-    again = attitude_of_angles(angles_of_matrix(C, sequence), Convention(sequence=sequence))
-    assert np.allclose(again, C, atol=1e-12)
+def test_parallel_axes_still_give_the_matrix(second):
+    for sequence in SEQUENCES:
+        C = attitude_of_angles((0.3, second, -0.8), Convention(sequence=sequence))
+        again = attitude_of_angles(angles_of_matrix(C, sequence), Convention(sequence=sequence))
+        assert np.allclose(again, C, atol=1e-12), sequence
 
 
 @given(ANGLES)
@@ -104,7 +105,7 @@ def test_inertia_and_angular_velocity_turn_with_the_axes_and_products_with_their
     assert plus.inertia == ((3.0, 0.1, 0.2), (0.1, 4.0, 0.3), (0.2, 0.3, 5.0))
 
 
-@pytest.mark.parametrize("name", BOOKS)
+@pytest.mark.parametrize("name", every(3, BOOKS))
 def test_every_book_states_every_scene_with_an_attitude(name):
     scene = Scene.ready("gravity-gradient-satellite")
     stated = of_scene(scene, book(name))

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from eom.derivations import derive, names, titles
+from eom.derivations import derive, titles
 from eom.derivations.derivation import Derivation, Maker, meaning_of
 from eom.derivations.verification import DerivationError, decide, is_plain, not_negative, verify
 from eom.errors import InputError
@@ -25,6 +25,7 @@ from eom.terms.terms import (
     zero,
 )
 from eom.terms.vocabulary import mass, position, quantity, unit, velocity
+from tests.eom.rows import derivations
 
 A, B = quantity("vector", "a"), quantity("vector", "b")
 SAME = Equation(cross(A, B), -cross(B, A))
@@ -246,7 +247,7 @@ def test_too_many_derivatives_are_refused_in_words():
         verify(Equation(der(A, times=5), zero("vector")), (), {})
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", derivations())
 def test_every_derivation_is_made_of_verified_steps(name):
     d = derive(name)
     assert isinstance(d, Derivation)

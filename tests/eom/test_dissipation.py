@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
@@ -19,6 +19,7 @@ from eom.mechanics import dissipation
 from eom.mechanics.dissipation import damped_spin, damped_stability, excess_energy, viscous_slug
 from eom.mechanics.invariants import is_invariant
 from eom.mechanics.steady import linearised, spin_stability
+from tests.draws import examples
 from tests.eom.motion import run
 
 I1, I2, I3, J_s, c = sp.symbols("I1 I2 I3 J_s c", positive=True)
@@ -146,7 +147,7 @@ def test_slug_motion_keeps_h_loses_t_and_ends_about_the_major_axis():
 positive = st.floats(0.05, 20)
 
 
-@settings(max_examples=80)
+@examples(80)
 @given(st.tuples(positive, positive, positive), positive, positive, st.sampled_from([1, 2, 3]))
 def test_slug_spin_is_stable_if_and_only_if_about_the_major_axis(
     second_moments, slug, damping, axis

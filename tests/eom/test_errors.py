@@ -5,10 +5,11 @@ from __future__ import annotations
 import pickle
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import AssumptionError, InputError, near_matches, unknown_name
+from tests.draws import examples
 
 
 def test_message_names_all_parts_in_order():
@@ -40,7 +41,7 @@ def test_zero_and_false_are_no_empty_parts():
 
 
 @pytest.mark.parametrize("kind", [InputError, AssumptionError])
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(parts=st.tuples(*[st.text(max_size=8)] * 5))
 def test_errors_cross_processes_whole(kind, parts):
     what, where, got, expected, hint = parts

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
 from eom.kinematics.coordinates import elementary
 from eom.kinematics.frames import Rotation, tilde, unit_vector, vector
+from tests.draws import examples
 
 numbers = st.integers(-99, 99)
 triples = st.tuples(numbers, numbers, numbers)
 
 
-@settings(deadline=None, max_examples=40)
+@examples(40)
 @given(a=triples, b=triples)
 def test_products_are_those_of_sympy_matrices(a, b):
     va, vb = vector("B", a), vector("B", b)

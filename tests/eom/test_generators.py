@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.exact import series
@@ -13,6 +13,7 @@ from eom.worlds.generators import Body, free_attitude, world
 from eom.worlds.shapes import Draw, along, mirrored, shape
 from eom.worlds.turning import elementary
 from eom.worlds.worlds import LENGTH, closure
+from tests.draws import examples
 
 SHAPES = ("rigid", "thin_rod", "principal_axes", "symmetric", "spin_312")
 seeds = st.integers(0, 10**6)
@@ -41,14 +42,14 @@ def second_moments(points, centre):
     ]
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(seeds, st.sampled_from(SHAPES))
 def test_the_centre_of_a_body_has_no_first_moment(seed, name):
     _, points, centre = body_of(name, seed)
     assert all(sum(m * (p[k] - centre[k]) for m, p in points) == 0 for k in range(3))
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(seeds, st.sampled_from(SHAPES[2:]))
 def test_products_of_inertia_vanish_about_principal_axes(seed, name):
     _, points, centre = body_of(name, seed)
@@ -56,7 +57,7 @@ def test_products_of_inertia_vanish_about_principal_axes(seed, name):
     assert S[0][1] == S[0][2] == S[1][2] == 0
 
 
-@settings(max_examples=15)
+@examples(15)
 @given(seeds)
 def test_equal_moments_where_they_are_asked_for(seed):
     for name, (i, j, k) in (("symmetric", (0, 1, 2)), ("spin_312", (0, 2, 1))):

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -26,6 +26,7 @@ from eom.mechanics.freebody import (
     herpolhode_rate,
     turning_point,
 )
+from tests.draws import examples
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
 w = sp.symbols("omega_1:4", real=True)
@@ -135,7 +136,7 @@ def test_herpolhode_of_the_symmetric_body_turns_at_the_precession_rate():
     assert vanishes(sp.cancel(symmetric * sp.sqrt(H2)) - H2 / I1)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(bodies(), st.tuples(rate, rate, rate))
 def test_herpolhode_radii_are_real_ordered_and_bracket_the_start(moments, omega):
     assume(any(omega))

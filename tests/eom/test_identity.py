@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.exact.identity import equal, vanishes
 from eom.mechanics.invariants import is_invariant
 from eom.quantities import Quantity
 from eom.system import System
+from tests.draws import examples
 
 x, y, z, k, m = sp.symbols("x y z k m", real=True)
 sin, cos, tan, exp, sqrt = sp.sin, sp.cos, sp.tan, sp.exp, sp.sqrt
@@ -70,7 +71,7 @@ polynomials = st.lists(st.tuples(coefficient, trig, trig), min_size=2, max_size=
 )
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(terms=polynomials, edit=st.sampled_from(["sign", "factor", "drop"]), data=st.data())
 def test_single_edits_of_random_expressions_are_found(terms, edit, data):
     """The oracle is the edited term itself: the difference is a multiple of it, and not zero."""

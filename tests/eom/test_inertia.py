@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
@@ -22,6 +22,7 @@ from eom.mass.inertia import (
     principal_conditions,
     second_moments_of_inertia,
 )
+from tests.draws import examples
 
 whole = st.integers(-9, 9)
 points = st.lists(st.tuples(whole, whole, whole, st.integers(1, 5)), min_size=1, max_size=6)
@@ -43,7 +44,7 @@ def cloud(masses):
     return S, J
 
 
-@settings(deadline=None, max_examples=40)
+@examples(40)
 @given(masses=points)
 def test_inertia_of_point_masses_is_the_printed_matrix(masses):
     S, J = cloud(masses)
@@ -59,7 +60,7 @@ def test_inverse_of_the_second_moments_in_symbols():
     assert (S - expected).expand() == sp.zeros(3)
 
 
-@settings(deadline=None, max_examples=40)
+@examples(40)
 @given(masses=points)
 def test_every_cloud_meets_the_conditions_of_a_body(masses):
     _, J = cloud(masses)
@@ -72,7 +73,7 @@ def test_every_cloud_meets_the_conditions_of_a_body(masses):
 entries = st.integers(-20, 20)
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(diagonal=st.tuples(*[st.integers(1, 20)] * 3), off=st.tuples(entries, entries, entries))
 def test_matrix_is_accepted_exactly_if_its_principal_moments_are_possible(diagonal, off):
     """The oracle is the eigenvalues by LAPACK; cases on the boundary are left out."""
@@ -91,7 +92,7 @@ def test_matrix_is_accepted_exactly_if_its_principal_moments_are_possible(diagon
             check_matrix(J, "here")
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(moments=st.tuples(*[st.floats(1e-3, 1e3)] * 3))
 def test_moments_are_accepted_exactly_if_no_one_exceeds_the_other_two(moments):
     largest = max(moments)

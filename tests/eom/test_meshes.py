@@ -8,12 +8,13 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
 from eom.mass.meshes import mesh_properties, read_mesh
 from eom.mass.solids import mass_properties
+from tests.draws import examples
 
 BOX_FACES = [
     *((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6)),
@@ -70,7 +71,7 @@ side = st.floats(0.1, 10)
 place = st.floats(-10, 10)
 
 
-@settings(deadline=None, max_examples=30)
+@examples(30)
 @given(sides=st.tuples(side, side, side), corner=st.tuples(place, place, place), rho=side)
 def test_box_is_exact(sides, corner, rho):
     a, b, c = sides
@@ -145,7 +146,7 @@ def test_cavity_is_a_mesh_the_other_way_round():
     close(body.inertia, expected.inertia, 1e-12)
 
 
-@settings(deadline=None, max_examples=20)
+@examples(20)
 @given(seed=st.integers(0, 2**20))
 def test_order_of_faces_and_corners_does_not_matter(seed):
     vertices, faces = icosphere(0)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -16,7 +16,7 @@ from eom.exact.identity import equal
 from eom.kinematics.coordinates import attitude
 from eom.mechanics import gyrostat
 from eom.mechanics.freebody import precession
-from tests.draws import nonzero
+from tests.draws import examples, nonzero
 
 I1, I2, I3, Js_1 = sp.symbols("I1:4 Js_1", positive=True)
 It, Ia = sp.symbols("It Ia", positive=True)
@@ -55,7 +55,7 @@ positive = st.floats(0.1, 5)
 ratios = st.floats(0.05, 0.999) | st.floats(1.001, 1.95)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(positive, ratios, st.tuples(*[nonzero(0.05, 3)] * 3))
 def test_cones_roll_on_each_other(transverse, ratio, omega):
     """The space cone's angle is the difference of the two others; inside for oblate bodies."""

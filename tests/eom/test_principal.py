@@ -8,13 +8,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom import InputError
 from eom.mass.inertia import check_matrix
 from eom.mass.principal import KINDS, TRIANGLE, definiteness, principal_axes
-from tests.draws import nonzero
+from tests.draws import examples, nonzero
 
 x = sp.Symbol("x", real=True)
 m, L = sp.symbols("m L", positive=True)
@@ -30,7 +30,7 @@ component = st.floats(-1, 1)
 directions = st.tuples(nonzero(0.1, 1), component, component).flatmap(st.permutations)
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(direction=directions, mass=st.floats(1e-3, 1e3))
 def test_thin_rods_in_any_direction(direction, mass):
     J = rod(direction, mass)
@@ -116,7 +116,7 @@ def test_impossible_matrices_are_refused_with_the_violated_condition(name):
 entries = st.integers(-20, 20)
 
 
-@settings(deadline=None, max_examples=100)
+@examples(100)
 @given(diagonal=st.tuples(*[st.integers(0, 20)] * 3), off=st.tuples(entries, entries, entries))
 def test_exactly_the_matrices_that_check_matrix_accepts_and_the_rods(diagonal, off):
     a, b, c = diagonal

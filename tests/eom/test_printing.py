@@ -11,10 +11,15 @@ from eom.quantities import Definition, Quantity
 from eom.scenes import catalogue
 from eom.system import System
 from eom.typeset.printing import FORMATS, show
+from tests.eom.rows import only
+
+SHORT = (("heavy-top", "text"), ("double-pendulum", "latex"), ("bicycle-wheel", "markdown"))
+"""Each format once, and each kind of scene."""
 
 
-@pytest.mark.parametrize("name", catalogue.names())
-@pytest.mark.parametrize("style", FORMATS)
+@pytest.mark.parametrize(
+    ("name", "style"), only(((n, s) for n in catalogue.names() for s in FORMATS), *SHORT)
+)
 def test_meanings_and_units_are_printed(name, style):
     system = load_scene(name).derive()
     shown = show(system, style).replace("\\^{}", "^").replace("\\_", "_")

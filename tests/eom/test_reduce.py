@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.quantities import Definition, Quantity, Singularity
 from eom.scenes import reduce
 from eom.scenes.reduce import Explanation, Reduction
 from eom.system import System
+from tests.draws import examples
 
 a, b, c, k, d, e, t = sp.symbols("a b c k d e t", real=True)
 SYMBOLS = sp.symbols("s0:6", real=True)
@@ -37,7 +38,7 @@ def test_prune_keeps_one_whole_part_if_no_state_is_asked_for():
     assert small.parameter_names == ("k",)
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(
     edges=st.sets(st.tuples(st.integers(0, 5), st.integers(0, 5)), max_size=12),
     wanted=st.sets(st.integers(0, 5), min_size=1, max_size=3),

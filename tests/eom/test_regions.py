@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
@@ -15,6 +15,7 @@ from eom.exact.identity import equal
 from eom.kinematics.frames import Rotation
 from eom.mass.properties import MassProperties
 from eom.mass.regions import Region, X, check, properties, reduce_circles, simplex
+from tests.draws import examples
 
 x, y, z = X
 u, v, w, t = (sp.Symbol(n, real=True) for n in "uvwt")
@@ -231,7 +232,7 @@ number = st.integers(-5, 5).map(lambda n: sp.Rational(n, 2))
 side = st.integers(1, 5).map(lambda n: sp.Rational(n, 3))
 triple = st.tuples(number, number, number)
 sides = st.tuples(side, side, side)
-law = settings(deadline=None, max_examples=25)
+law = examples(25)
 
 
 def brick(lengths, corner):

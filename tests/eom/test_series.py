@@ -5,13 +5,14 @@ from fractions import Fraction
 
 import mpmath as mp
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
 from eom.exact import series
 from eom.exact.series import Series
 from eom.fields import Field, Singular
+from tests.draws import examples
 
 LENGTH = 6
 FIELDS = (Field(0), Field(), Field(1009))
@@ -106,7 +107,7 @@ def test_random_elements_are_not_zero_and_repeat_with_the_seed(field):
     assert all(field.draw(generator) != 0 for _ in range(300))
 
 
-@settings(max_examples=25)
+@examples(25)
 @given(some(4), fractions)
 def test_sine_and_cosine_against_mpmath(angle, tau):
     """Starting from tan(half the angle) = tau; the series of sin and cos of start + angle(t)."""
@@ -138,7 +139,7 @@ def vectors(count):
     return several(3 * count).map(lambda s: [tuple(s[3 * k : 3 * k + 3]) for k in range(count)])
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(vectors(1))
 def test_cayley_gives_right_handed_orthonormal_rotations_about_the_vector(one):
     (s,) = one
@@ -160,7 +161,7 @@ def test_cayley_of_a_right_angle_turns_the_frame_not_the_vector():
     assert [c.coefficients[0] for c in turned] == [0, -1, 0]
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(vectors(3))
 def test_identities_of_vectors_and_matrices(abc):
     a, b, c = abc
@@ -176,7 +177,7 @@ def test_identities_of_vectors_and_matrices(abc):
     assert series.product(m, inverse) == series.product(inverse, m) == identity(field)
 
 
-@settings(max_examples=20)
+@examples(20)
 @given(vectors(1))
 def test_angular_velocity_obeys_poisson(one):
     (s,) = one

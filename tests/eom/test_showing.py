@@ -16,7 +16,11 @@ from eom.terms.rules import transport
 from eom.terms.terms import Equation, cross, der, dot, entries, mul, number
 from eom.terms.vocabulary import mass, omega, position, quantity
 from eom.typeset.notation import NOTATIONS
+from tests.eom.rows import DERIVED
 
+KINDS = [n for n in derivations.names() if not n.startswith("inertia-of-")]
+EVERY = pytest.param((*KINDS, "inertia-of-torus"), marks=pytest.mark.slow)
+"""Every kind of derivation; of the solids, one with long integrals."""
 V = quantity("vector", "v")
 M = sp.Symbol("mass_1", positive=True)
 
@@ -142,11 +146,9 @@ def test_unknown_choices_are_refused(small):
         show_derivation(small, "text", "cane")
 
 
-@pytest.fixture(scope="module")
-def some():
-    """Every kind of derivation; of the solids, one with long integrals."""
-    names = [n for n in derivations.names() if not n.startswith("inertia-of-")]
-    return [derivations.derive(n) for n in [*names, "inertia-of-torus"]]
+@pytest.fixture(scope="module", params=[DERIVED, EVERY], ids=["some", "every kind"])
+def some(request):
+    return [derivations.derive(n) for n in request.param]
 
 
 @pytest.mark.parametrize("notation", NOTATIONS)

@@ -20,6 +20,7 @@ from eom.mass.solids import CENTRE, SOLIDS, check_sizes, inertia, mass_propertie
 from eom.scenes.scene import Scene
 from eom.scenes.start import constants
 from tests.clock import calls
+from tests.eom.rows import every, only
 
 m, a, b, c, r, h, r1, r2, H, B, T, R, q = (
     sp.Symbol(n, positive=True)
@@ -129,10 +130,10 @@ def test_other_points_are_the_published_ones(name, point):
     assert J11 is None or equal(body.inertia[0, 0], J11)
 
 
-@pytest.mark.parametrize(("name", "point"), EVERY_POINT)
-def test_sizes_are_the_only_symbols(name, point):
-    symbols = mass_properties(name, point).inertia.free_symbols
-    assert {s.name for s in symbols} == {"mass", *SOLIDS[name].sizes}
+def test_sizes_are_the_only_symbols():
+    for name, point in EVERY_POINT:
+        symbols = mass_properties(name, point).inertia.free_symbols
+        assert {s.name for s in symbols} == {"mass", *SOLIDS[name].sizes}, (name, point)
 
 
 @pytest.mark.parametrize("name", SOLIDS)
@@ -209,7 +210,7 @@ def cubature_error(name, seed):
     return float(np.abs(found - second).max() / np.trace(second))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", only(range(3), 0))
 @pytest.mark.parametrize(("name", "point"), EVERY_POINT)
 def test_closed_forms_against_cubature(name, point, seed):
     sizes = random_sizes(name, seed)
@@ -240,16 +241,18 @@ def properties_of(name):
     return properties(SOLIDS[name].region)
 
 
-@pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.parametrize("name", every(3, SOLIDS))
 def test_every_region_passes_its_own_check(name):
     check(SOLIDS[name].region, random_sizes(name, 7))
 
 
-@pytest.mark.parametrize(("name", "point"), EVERY_POINT)
-def test_every_solid_is_a_possible_body(name, point):
-    values = {sp.Symbol(n, positive=True): v for n, v in random_sizes(name, 3).items()}
-    J = inertia(name, point).subs({**values, m: 2.0})
-    if (name, point) != ("rod", CENTRE) and (name, point) != ("rod", "end"):
+def test_every_solid_is_a_possible_body():
+    """But for a rod along itself; the error of another one would name it."""
+    for name, point in EVERY_POINT:
+        if (name, point) in {("rod", CENTRE), ("rod", "end")}:
+            continue
+        values = {sp.Symbol(n, positive=True): v for n, v in random_sizes(name, 3).items()}
+        J = inertia(name, point).subs({**values, m: 2.0})
         check_matrix([[float(e) for e in J.row(i)] for i in range(3)], name)
 
 
@@ -363,7 +366,7 @@ def test_volumes_areas_and_lengths(name):
 # time
 
 
-@pytest.mark.parametrize("name", SOLIDS)
+@pytest.mark.parametrize("name", every(4, SOLIDS))
 def test_inertia_from_cold_is_quick(name, monkeypatch):
     """About 0.2 s at most; SymPy's integrator is out of reach."""
     monkeypatch.setattr(sp, "integrate", None)
@@ -438,7 +441,7 @@ def test_impossible_sizes_are_refused(name, sizes, what):
 # scenes
 
 
-@pytest.mark.parametrize("name", [n for n in SOLIDS if n != "rod"])
+@pytest.mark.parametrize("name", every(4, [n for n in SOLIDS if n != "rod"]))
 def test_every_solid_is_the_body_of_a_scene(name):
     sizes = random_sizes(name, 1)
     scene = Scene(body={"solid": name, "mass": 2.5, "size": sizes}, outputs=["omega_1", "T"])

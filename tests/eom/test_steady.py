@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom import InputError
@@ -23,7 +23,7 @@ from eom.mechanics.steady import (
     steady_spin,
 )
 from eom.system import System
-from tests.draws import nonzero
+from tests.draws import examples, nonzero
 from tests.eom.motion import run
 
 I1, I2, I3 = sp.symbols("I1:4", positive=True)
@@ -147,7 +147,7 @@ def test_hurwitz_determinants_of_the_cubic_are_the_printed_ones():
     assert all(equal(x, y) for x, y in zip(found, (a[1], inner, a[3] * inner), strict=True))
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(st.tuples(*[nonzero(0.05, 3)] * 4))
 def test_hurwitz_determinants_tell_the_side_of_the_roots(roots):
     coefficients = [sp.Rational(x) for x in np.poly([roots[0], roots[1], *_pair(*roots[2:])]).real]

@@ -52,6 +52,7 @@ def close(left, right):
     return all(abs(d) < sp.Float("1e-30") for d in difference)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["3-1-2", "2-3-2", "1-2-3"])
 def test_derivatives_are_those_taken_in_the_inertial_frame(name):
     C, values = along(name)

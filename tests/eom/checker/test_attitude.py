@@ -11,6 +11,7 @@ from eom.checker.mean.lexicon_files import PRESETS, parse_lexicon
 from eom.checker.mean.propose import propose
 from eom.checker.read.documents import read_document
 from tests.eom.checker.attitudes import ANGLES, SCHAUB, STILL_TRUE, TRUE, mutants
+from tests.eom.rows import every, only
 
 SEQUENCES = [
     "".join(p) for p in itertools.product("123", repeat=3) if p[0] != p[1] and p[1] != p[2]
@@ -34,7 +35,7 @@ def test_every_preset_is_used():
     assert {name for name in PRESETS if any(f'"{name}"' in row[1] for row in TRUE)} == set(PRESETS)
 
 
-@pytest.mark.parametrize(("source", "lexicon", "latex"), TRUE)
+@pytest.mark.parametrize(("source", "lexicon", "latex"), every(4, TRUE))
 def test_slips_in_it_do_not_hold(source, lexicon, latex):
     found = {m: judged(lexicon, m).verdict for m in mutants(latex)}
     assert found or "=" in latex
@@ -85,7 +86,7 @@ OMEGA = r"\begin{bmatrix}\omega_1\\ \omega_2\\ \omega_3\end{bmatrix}"
 ANGLE_RATES = r"\begin{bmatrix}\dot\psi\\ \dot\theta\\ \dot\phi\end{bmatrix}"
 
 
-@pytest.mark.parametrize("axes", SEQUENCES)
+@pytest.mark.parametrize("axes", only(SEQUENCES, "321", "313"))
 def test_matrix_and_rates_of_every_sequence(axes):
     C, B = of_sequence(axes)
     assert judged(with_axes(axes), f"[C] = {table(C)}").verdict == "holds"
@@ -101,7 +102,7 @@ def test_matrix_and_rates_of_every_sequence(axes):
     assert judged(with_axes(axes), rf"\det{table(B)} = {below}").verdict == "holds"
 
 
-@pytest.mark.parametrize("axes", SEQUENCES)
+@pytest.mark.parametrize("axes", only(SEQUENCES, "123", "232"))
 def test_one_slip_in_every_sequence(axes):
     C, B = of_sequence(axes)
     places = [(r, c) for r in range(3) for c in range(3) if C[r, c] != 0]
@@ -281,7 +282,7 @@ GRAVITY = {
 }
 
 
-@pytest.mark.parametrize("latex", GRAVITY)
+@pytest.mark.parametrize("latex", every(2, GRAVITY))
 def test_gravity_gradient(latex):
     found = judged(ORBIT, latex, ["constant_mass"])
     assert found.verdict == GRAVITY[latex], found.reason

@@ -5,6 +5,7 @@ import pytest
 from eom.checker.mean.lexicon_files import parse_lexicon
 from tests.eom.checker.attitudes import BOLD, HUGHES, KANE, SCHAUB
 from tests.eom.checker.test_explaining import wrong
+from tests.eom.rows import only
 
 ACTIVE = "active and passive"
 FIXED = "fixed and moving axes"
@@ -88,13 +89,22 @@ LINES = {
 }
 
 
-@pytest.mark.parametrize("name", LINES)
+SHORT = (
+    "an elementary turn of vectors",
+    "rates of a sequence about fixed axes",
+    "a column with the scalar last",
+)
+"""One line of each convention."""
+
+
+@pytest.mark.parametrize("name", only(LINES, *SHORT))
 def test_a_convention_is_told_apart_from_a_slip(name):
     lexicon, other, slip, which = LINES[name]
     assert which in wrong(other, parse_lexicon(lexicon))[1].convention
     assert not wrong(slip, parse_lexicon(lexicon))[1].convention
 
 
+@pytest.mark.slow
 def test_a_line_that_two_conventions_make_right_names_both():
     text = r"\mathbf{C}_{bi} = \mathbf{C}_3(\theta_3)\mathbf{C}_2(\theta_2)\mathbf{C}_1(\theta_1)"
     found = wrong(text, parse_lexicon(HUGHES))[1].convention

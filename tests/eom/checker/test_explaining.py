@@ -21,6 +21,7 @@ from eom.checker.repair.palette import Palette
 from eom.checker.repair.slips import SLIPS, edits
 from eom.checker.report.findings import UNEXPLAINED
 from tests.eom.checker.true_lines import ARROWS, NOTES, UNDERLINES
+from tests.eom.rows import every
 
 LINES = [(lexicon, note, k) for lexicon, note in NOTES for k in range(len(note))]
 
@@ -74,7 +75,7 @@ REPAIRS = {
 }
 
 
-@pytest.mark.parametrize("name", REPAIRS)
+@pytest.mark.parametrize("name", every(2, REPAIRS))
 def test_the_most_plausible_repair_is_what_was_meant(name):
     text, meant = REPAIRS[name]
     understood, found = wrong(text)
@@ -130,6 +131,7 @@ def test_what_always_holds_goes_before_what_needs_more():
     assert not needs[0]
 
 
+@pytest.mark.slow
 def test_a_stated_assumption_makes_a_repair_more_plausible():
     text = r"\vec H_C = \int_B\vec r\times(\vec r)\,dm"
     understood = understand(read_document(f"$${text}$$ $\\vec\\omega$"), ARROWS)[0]
@@ -152,6 +154,7 @@ def originals():
             yield Original(f"line {k + 1}", understood, verdict(understood, GIVEN), {}, ())
 
 
+@pytest.mark.slow
 def test_the_line_before_an_edit_is_among_the_corrections():
     found = []
     for number, original in enumerate(originals()):
@@ -174,12 +177,13 @@ RESIDUALS = {
 }
 
 
-@pytest.mark.parametrize("text", RESIDUALS)
+@pytest.mark.parametrize("text", every(2, RESIDUALS))
 def test_what_is_left_over_in_the_symbols_of_the_line(text):
     understood, found = wrong(text + r"$$ $\vec\omega$ $$\vec a = \vec a")
     assert same(understood, f"{found.residual} = \\vec b", f"{RESIDUALS[text]} = \\vec b")
 
 
+@pytest.mark.slow
 def test_the_lost_term_of_an_entry():
     lexicon = parse_lexicon("preset = 'left-superscript'\n[symbols]\n'\\Omega' = '= \\dot{\\phi}'")
     row = r"I_2(\ddot\psi\sin\theta + \dot\psi\dot\theta\cos\theta)"

@@ -14,7 +14,7 @@ import pytest
 import eom
 from eom.checker.note import grading
 from eom.checker.note.checking import grade
-from eom.checker.read.inputs import Text
+from eom.checker.read.inputs import Text, notes_of
 from eom.checker.read.places import Source, Span
 from eom.checker.report.findings import (
     ORDER,
@@ -33,6 +33,7 @@ from eom.checker.report.findings import (
 )
 from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
 from eom.errors import InputError
+from tests.eom.rows import only
 
 ARROWS = Settings("arrow-tilde")
 RIGHT, WRONG = r"$\vec H_C = I_C\vec\omega$", r"$\vec H_C = I_C\vec\omega + I_C\vec\omega$"
@@ -54,18 +55,19 @@ def statuses(graded):
 ALL = ["nothing wrong", "wrong", "nothing wrong", "nothing wrong", "unusable", "unusable"]
 
 
-def test_notes_come_in_order_whatever_the_number_of_workers(folder):
+@pytest.mark.parametrize("workers", only([1, 2, 3], 2))
+def test_notes_come_in_order_whatever_the_number_of_workers(folder, workers):
     done = []
-    graded = eom.check_files([folder, WRONG], ARROWS, workers=3, progress=done.append)
+    graded = eom.check_files([folder, WRONG], ARROWS, workers=workers, progress=done.append)
     assert statuses(graded) == [*ALL, "wrong"]
     assert [Path(g.name).name for g in graded[:-1]] == sorted(p.name for p in folder.iterdir())
     assert done == [k / 7 for k in range(1, 8)]
-    assert graded == eom.check_files([folder, WRONG], ARROWS, workers=1)
+    assert graded == tuple(grade(note, ARROWS) for note in notes_of([folder, Text(WRONG)]))
     assert "binary" in graded[4].error
     assert mp.active_children() == []
 
 
-@pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGSTOP])
+@pytest.mark.parametrize("sent", only([signal.SIGKILL, signal.SIGSTOP], signal.SIGKILL))
 def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     monkeypatch.setattr(grading, "GRACE_SECONDS", 0.0)
     hurried = Settings("arrow-tilde", note_seconds=5.0)

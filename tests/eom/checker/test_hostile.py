@@ -7,8 +7,10 @@ from click.testing import CliRunner
 
 from benchmarks import hostile
 from eom.checker.mean.lexicon_files import preset
+from tests.eom.rows import but
 
 
+@pytest.mark.slow
 def test_hostile_inputs_of_all_kinds():
     found = hostile.run(80, seed=3)
     assert found.failures == []
@@ -16,7 +18,7 @@ def test_hostile_inputs_of_all_kinds():
     assert found.verdicts.total() > 50
 
 
-@pytest.mark.parametrize("kind", hostile.MAKERS)
+@pytest.mark.parametrize("kind", but(hostile.MAKERS, "large"))
 def test_each_kind(kind):
     rng = random.Random(kind)
     found = hostile.Found()

@@ -12,6 +12,7 @@ from eom.checker.read.documents import read_document
 from eom.terms.terms import number
 from eom.terms.vocabulary import quantity
 from eom.worlds.generators import world
+from tests.eom.rows import every
 
 LEXICON = parse_lexicon(
     r"""
@@ -97,7 +98,7 @@ def test_a_strict_sign_that_special_cases_break(latex):
     assert not special or special in found.reason
 
 
-@pytest.mark.parametrize("latex", WRONG)
+@pytest.mark.parametrize("latex", every(3, WRONG))
 def test_what_is_never_so_is_wrong_with_a_world_against_it(latex):
     found = judged(latex)
     assert found.verdict == "wrong"
@@ -105,7 +106,7 @@ def test_what_is_never_so_is_wrong_with_a_world_against_it(latex):
     assert world(frozenset(names), seed, 0).masses
 
 
-@pytest.mark.parametrize("latex", OPEN)
+@pytest.mark.parametrize("latex", every(3, OPEN))
 def test_what_is_neither_is_left_open(latex):
     found = judged(latex)
     assert found.verdict == "undecided"

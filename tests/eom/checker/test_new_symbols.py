@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eom import check
+from tests.eom.rows import every
 
 VECTORS = """+++
 [check]
@@ -22,7 +23,7 @@ def verdicts(*lines: str, front: str = VECTORS, notation: str = "") -> list[str]
     return [f.verdict for f in check(text, notation=notation).findings]
 
 
-@pytest.mark.parametrize("sign", [r"\equiv", r"\triangleq", ":=", "=:"])
+@pytest.mark.parametrize("sign", every(3, [r"\equiv", r"\triangleq", ":=", "=:"]))
 def test_a_symbol_behind_a_sign_of_definition_is_defined(sign: str) -> None:
     """It stands for its neighbour in later lines; the rest of the chain is judged without it."""
     chain = rf"\vec a \times \vec b {sign} \vec d = -\vec b \times \vec a"
@@ -45,6 +46,7 @@ def test_what_is_known_is_no_definition() -> None:
     assert verdicts(r"\vec a \equiv \vec b") == ["wrong"]
 
 
+@pytest.mark.slow
 def test_claims_of_one_line_hold_in_one_model() -> None:
     """Where one claim has a meaning in a model alone, one that fails in it is wrong."""
     rate = r"I_2 \frac{d}{dt}\left(\dot\phi + \dot\psi\sin\theta\right) = 0"

@@ -13,7 +13,7 @@ sync_api = pytest.importorskip("playwright.sync_api")
 axe = pytest.importorskip("axe_playwright_python.sync_playwright")
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")]
 
 WIDE = r"$$ " + " + ".join(rf"\ddot\theta_{{{k}}}\sin\theta_{{{k}}}" for k in range(40)) + " = 0 $$"
 

@@ -53,9 +53,9 @@ def test_damage_is_read_through(text, expected, name):
     assert set(names) == {name}
 
 
-@pytest.mark.parametrize("text", [t for book in (KANE, SCHAUB, GOLDSTEIN) for t, _ in book])
-def test_healthy_formulas_have_one_reading(text):
-    assert best(text) == (None, [])
+def test_healthy_formulas_have_one_reading():
+    texts = [t for book in (KANE, SCHAUB, GOLDSTEIN) for t, _ in book]
+    assert [t for t in texts if best(t) != (None, [])] == []
 
 
 @pytest.mark.parametrize("text", ["a = b\n+ c = d", "a =\nb = c", "a = (b\nc = d)", "a\n= b"])

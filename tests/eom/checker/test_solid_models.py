@@ -8,6 +8,7 @@ from eom.checker.mean.model import load_model, printed
 from eom.errors import InputError
 from eom.mass.solids import MASS, central_inertia
 from tests.eom.checker.system_lines import judged
+from tests.eom.rows import every
 
 SIMPLE = [
     "box",
@@ -26,7 +27,7 @@ def verdicts(text, *lines):
     return [v.verdict for v in judged(parse_lexicon(text), *lines)]
 
 
-@pytest.mark.parametrize("name", SIMPLE)
+@pytest.mark.parametrize("name", every(3, SIMPLE))
 def test_integrals_of_every_solid(name):
     names = {q.symbol: printed(q) for q in load_model(name).quantities.values()}
     J = central_inertia(name)

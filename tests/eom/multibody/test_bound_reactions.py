@@ -14,6 +14,7 @@ def outputs(system, values):
     return dict(zip(system.output_names, compiled.outputs(0.0, np.array(x)), strict=True))
 
 
+@pytest.mark.slow
 def test_a_free_joint_carries_nothing_though_the_wheels_of_a_bicycle_roll():
     system = derive(bicycle(), [reaction("base"), reaction("steer")], start={"z_base": -0.3},
                     independent=["w_base_1", "v_base_1", "u_steer"])  # fmt: skip

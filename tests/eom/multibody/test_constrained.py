@@ -41,6 +41,7 @@ from tests.eom.multibody.bound import (
     sleigh,
     squeezer,
 )
+from tests.eom.rows import but
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="no C compiler")
 x, y = (sp.Symbol(f"q_{n}", real=True) for n in "xy")
@@ -107,8 +108,11 @@ def reduced_acceleration(angle, rate):
     return (-half - mpmath.diff(potential, angle)) / inertia(angle)
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("rotation", [Placement().rotation, ROTATION], ids=["plane", "tilted"])
+PLANE = Placement().rotation
+TURNED = [(way, rotation) for way in WAYS for rotation in (PLANE, ROTATION)]
+
+
+@pytest.mark.parametrize(("way", "rotation"), but(TURNED, *TURNED[1:3]))
 def test_a_four_bar_linkage_moves_as_its_one_angle(way, rotation):
     given = four_bar(rotation=rotation)
     system = derive(given, **WAYS[way])
@@ -240,8 +244,10 @@ def disc_start(attitude, lean, u1, u2, u3, radius):
     return {**place, **(turn if attitude == "quaternion" else angles), **speeds}
 
 
-@pytest.mark.parametrize("attitude", ["quaternion", "3-1-2"])
-@pytest.mark.parametrize("way", [{}, {"multipliers": True}], ids=["elimination", "multipliers"])
+ROLLED = [(a, way) for a in ("quaternion", "3-1-2") for way in ({}, {"multipliers": True})]
+
+
+@pytest.mark.parametrize(("attitude", "way"), but(ROLLED, *ROLLED[1:3]))
 def test_a_rolling_disc_obeys_its_classical_equations(attitude, way):
     """Kane and Levinson, Dynamics (1985), as in SymPy's documentation of its rolling disc.
 
@@ -267,6 +273,7 @@ def test_a_rolling_disc_obeys_its_classical_equations(attitude, way):
             assert found[name] == pytest.approx(value, rel=1e-12, abs=1e-13)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_rolling_disc_stays_on_its_circle():
     """Steady rolling at a constant lean: u3 solves 4 g sin q2 + 6 r u2 u3 = r u3^2 tan q2."""
@@ -354,6 +361,7 @@ def test_a_crank_that_is_turned_by_an_equation():
 # --- long runs, printed solutions --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_four_bar_linkage_stays_assembled():
     """Some 600 revolutions at 1e-6, to the resolution of the crank's angle; without projection not."""
@@ -371,6 +379,7 @@ def test_a_four_bar_linkage_stays_assembled():
     assert loose.drift["closure_pin_x"].largest > 1e5 * resolution
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_andrews_squeezing_mechanism_agrees_with_its_printed_solution():
     given = squeezer()

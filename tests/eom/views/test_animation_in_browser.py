@@ -92,6 +92,7 @@ def still(browser, path):
     tab.close()
 
 
+@pytest.mark.slow
 def test_it_plays_by_itself_asks_for_nothing_and_says_nothing(browser, path):
     tab = opened(browser, path)
     first = seen(tab)
@@ -110,8 +111,10 @@ def test_with_reduced_motion_it_waits(still):
     assert still.evaluate(STOPPED)
     assert still.evaluate(TIME) == 0
     assert still.evaluate("document.documentElement.scrollWidth") <= 380
+    assert said(still) == [still.url]
 
 
+@pytest.mark.slow
 def test_the_slider_acts_and_values_follow(still):
     before, value = seen(still), still.locator("#told tr:nth-child(5) td").first
     told = value.text_content()
@@ -125,6 +128,7 @@ def test_the_slider_acts_and_values_follow(still):
     assert seen(still) == before
 
 
+@pytest.mark.slow
 def test_keys_step_show_and_turn(still):
     still.locator("#view").focus()
     before = seen(still)
@@ -155,6 +159,7 @@ def test_keys_step_show_and_turn(still):
     assert still.evaluate(STOPPED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", ["dark", "light"])
 def test_the_accessibility_checker_finds_nothing(still, theme):
     for details in still.locator("details").all():

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
@@ -16,6 +16,7 @@ from eom.views.body.turns import after_turns, arc_points, elementary
 from eom.views.body.wheel import wheel, wheel_of
 from eom.views.draw.picture import Arrow, Curve, Words
 from eom.views.draw.viewpoint import line_of_sight
+from tests.draws import examples
 
 angles = st.tuples(*[st.floats(-3.1, 3.1)] * 3)
 sequences = st.sampled_from(SEQUENCES)
@@ -49,7 +50,7 @@ def test_each_turn_leaves_its_axis_and_is_by_the_right_hand(axis, angle):
     np.testing.assert_allclose(C[axis % 3], math.cos(angle) * a + math.sin(angle) * b, atol=1e-15)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(sequences, angles)
 def test_each_arc_lies_across_its_axis_and_joins_the_axis_that_it_turns(sequence, chosen):
     frames, turned = frames_of(sequence, chosen), [int(k) for k in sequence.split("-")]
@@ -70,7 +71,7 @@ def test_each_arc_lies_across_its_axis_and_joins_the_axis_that_it_turns(sequence
         assert np.all(np.sign(steps) * np.sign(angle) >= 0)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(sequences, st.tuples(*[st.sampled_from([0.0, 0.4, math.pi / 2, -1.0])] * 3))
 def test_every_axis_of_every_frame_is_named_once(sequence, chosen):
     panel = space(frame_sketch(sequence, chosen))
@@ -87,7 +88,7 @@ def test_frames_without_turns_are_one():
 
 
 @given(sequences, angles)
-@settings(max_examples=30)
+@examples(30)
 def test_seen_along_its_axis_a_positive_turn_is_anticlockwise(sequence, chosen):
     for panel, angle in zip(frame_sketch(sequence, chosen).rows[1], chosen, strict=True):
         old, _, new, _ = (i.end for i in panel.items if isinstance(i, Arrow) and i.words)
@@ -111,7 +112,7 @@ def test_the_arcs_are_seen_open_and_names_apart(sequence):
     assert distances.min() > 0.2
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(angles)
 def test_the_wheels_arcs_join_i_to_a_to_b_to_c(chosen):
     i, a, b, c = after_turns("3-1-2", chosen)

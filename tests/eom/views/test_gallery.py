@@ -11,6 +11,7 @@ from eom.views import gallery
 from eom.views.draw import printed, turned
 from eom.views.draw.picture import check
 from eom.views.gallery import PICTURES, Ask
+from tests.eom.rows import every
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")
@@ -34,7 +35,7 @@ def few_measurements(monkeypatch):
 
 
 @pytest.mark.usefixtures("few_measurements")
-@pytest.mark.parametrize("name", PICTURES)
+@pytest.mark.parametrize("name", every(3, PICTURES))
 def test_every_picture_is_drawn_by_both_renderers(name):
     scene = load_scene(SCENES[name])
     picture = gallery.picture(name, Ask(scene, 0.5, 60))

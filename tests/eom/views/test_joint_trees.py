@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from eom.errors import InputError
@@ -16,6 +16,7 @@ from eom.scenes import catalogue
 from eom.views.draw.layout import cells
 from eom.views.draw.picture import Curve, Words
 from eom.views.tree.joint_trees import BOX, LETTERS, joint_tree
+from tests.draws import examples
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
 WALKER = Path(__file__).parents[1] / "multibody" / "robots" / "walker.urdf"
@@ -70,7 +71,7 @@ def test_no_two_bodies_share_a_cell(numbers, columns):
         assert child.band == parent.band or parent.column == columns - 1
 
 
-@settings(max_examples=40)
+@examples(40)
 @example([-1, *[0] * 24])
 @example([-1, *[0] * 25])
 @example([-1, *[0] * 14, 1, 1])

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen import free_motion
@@ -27,6 +27,7 @@ from eom.views.body.free import (
 )
 from eom.views.body.polhodes import ellipsoids, energy_axes, momentum_axes, polhodes
 from eom.views.draw.picture import Curve, Marks, Surface, check
+from tests.draws import examples
 
 CLOSE = 1e-12
 
@@ -52,14 +53,14 @@ def residuals(body, points):
     return max(np.abs(energy).max(), np.abs(momentum).max())
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(bodies())
 def test_a_polhode_lies_on_both_ellipsoids(body):
     points = polhode_points(polhode_of(body.moments, body.omega))
     assert residuals(body, points) < CLOSE
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(bodies())
 def test_the_motion_keeps_to_its_polhode_and_its_side(body):
     """The closed form in time lies on the curve without time."""
@@ -76,7 +77,7 @@ def test_the_motion_keeps_to_its_polhode_and_its_side(body):
         assert np.linalg.norm(curve - w, axis=1).min() <= step
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(bodies())
 def test_the_family_lies_on_its_ellipsoid_and_on_its_side(body):
     for axes, form, level in (
@@ -94,7 +95,7 @@ def test_the_family_lies_on_its_ellipsoid_and_on_its_side(body):
             assert (expected * sides > -CLOSE * scale).all()
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(bodies())
 def test_the_separatrix_lies_between_the_classes(body):
     J = np.array(body.moments)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from eom import InputError
@@ -24,6 +24,7 @@ from eom.views.draw.depth import cut, in_space, runs
 from eom.views.draw.meshes import ellipsoid, tip
 from eom.views.draw.picture import Arrow, Axis, Curve, Marks, Panel, Picture, Surface, Words, points
 from eom.views.draw.saving import save
+from tests.draws import examples
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")
@@ -109,7 +110,7 @@ def test_hostile_words_on_pages(monkeypatch, text):
     assert "<img" not in layout["title"]["text"]
 
 
-@settings(max_examples=50)
+@examples(50)
 @given(st.text(max_size=30))
 def test_any_text_can_be_words(text):
     """Plain text reads as it is; as a formula it is written without tags that others could make."""

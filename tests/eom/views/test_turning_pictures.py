@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -19,6 +19,7 @@ from eom.views.body.free import FreeBody, free_body
 from eom.views.body.poinsot import herpolhode, traced
 from eom.views.body.rotating import sphere, symmetry_of, turning
 from eom.views.draw.picture import Arrow, Curve, Surface, check
+from tests.draws import examples
 
 GENERAL = FreeBody((1.0, 2.0, 2.6), (0.5, 0.3, 1.0), (0.6, 0.0, 0.8, 0.0), "General")
 SEPARATRIX = FreeBody((4.0, 5.0, 9.0), (3.0, 2.0, 1.0))
@@ -140,7 +141,7 @@ def test_poinsots_ellipsoid_touches_the_plane():
 angle = st.floats(-3.0, 3.0)
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(st.sampled_from(["3-1-2", "3-2-1", "3-1-3", "1-2-1"]), st.tuples(angle, angle, angle))
 def test_matrices_of_angles_are_those_of_the_derivations(sequence, angles):
     written = attitude(sequence)
