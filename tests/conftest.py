@@ -1,4 +1,4 @@
-"""Shared by all tests: one cache of compiled code, and the targets of this machine."""
+"""Shared by all tests: one cache of compiled code, the targets of this machine, what is left out."""
 
 import gc
 import os
@@ -37,6 +37,62 @@ TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
 
 FORGOTTEN = 7 * 24 * 3600
 """Seconds after which compiled code of earlier runs is made anew, so that the folder does not grow."""
+
+
+QUICK_FLAGS = tuple("-O0" if flag == "-O3" else flag for flag in native.FLAGS)
+"""Five times as fast to compile, same numbers: without fused operations each one rounds as it stands."""
+
+MARKS = (
+    "sparse(most, only): of the product of its parameters the default suite runs the diagonal, so that"
+    " every value of each is there; at most so many of it, or those of these ids; the rest is slow",
+    "shipped_flags: compiled as users' code is, where accuracy, last bits or speed are the question",
+)
+
+
+def pytest_configure(config):
+    """Say what the marks mean."""
+    for mark in MARKS:
+        config.addinivalue_line("markers", mark)
+
+
+def spread(count, most):
+    """Return at most so many of the numbers below ``count``, evenly, the first among them."""
+    return {k * count // most for k in range(most)} if most < count else set(range(count))
+
+
+def thinned(items, most=None, only=()):
+    """Return the cases of one test that the default suite runs."""
+    if only:
+        unknown = set(only) - {item.callspec.id for item in items}
+        assert not unknown, f"{items[0].nodeid}: no such ids: {sorted(unknown)}"
+        return [item for item in items if item.callspec.id in only]
+    places = [item.callspec.indices for item in items]
+    sizes = {name: 1 + max(p[name] for p in places) for name in places[0]}
+    longest = max(sizes.values())
+    kept = [{n: k % size for n, size in sizes.items()} for k in spread(longest, most or longest)]
+    return [item for item, place in zip(items, places, strict=True) if place in kept]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark as slow what `sparse` leaves out."""
+    tests = {}
+    for item in items:
+        if item.get_closest_marker("sparse"):
+            tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in tests.values():
+        mark = cases[0].get_closest_marker("sparse")
+        kept = {item.nodeid for item in thinned(cases, *mark.args, **mark.kwargs)}
+        for item in cases:
+            if item.nodeid not in kept:
+                item.add_marker("slow")
+
+
+@pytest.fixture(autouse=True)
+def quick_flags(request, monkeypatch):
+    """Let the default suite compile quickly, slow tests as users do."""
+    if not any(request.node.get_closest_marker(m) for m in ("slow", "shipped_flags")):
+        monkeypatch.setattr(native, "FLAGS", QUICK_FLAGS)
 
 
 def pytest_sessionstart(session):
