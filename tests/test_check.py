@@ -167,6 +167,7 @@ def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
     assert "the file is binary" in index
 
 
+@pytest.mark.slow
 def test_several_notes_of_all_kinds(check, note):
     done = check(note, RIGHT, "-", *ARROWS, "--quiet", input=f"Let ${RIGHT}$.")
     assert done.exit_code == 1
@@ -271,6 +272,7 @@ def test_names_and_formulas_are_printed_without_what_a_terminal_acts_on(check, t
     assert "\x1b" not in check(file, *ARROWS, "--json").output
 
 
+@pytest.mark.slow
 def test_checking_takes_a_moment_in_a_process_of_its_own(note):
     command = [sys.executable, "-m", "eom", "check", str(note), *ARROWS]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)

@@ -47,6 +47,7 @@ def run(path, folder):
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 @everyone
 @pytest.mark.skipif(
     not native.compiler(), reason="what the notebooks keep was made with a compiler"

@@ -71,6 +71,7 @@ def deaf(integrator):
 # --- the table --------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("there-and-back", "memory"))
 @needs_compiler
 @pytest.mark.parametrize("name", [n for n in checks.NAMES if n != "long-run"])
 def test_every_check_passes(run, tmp_path, name):
@@ -102,6 +103,7 @@ def test_every_check_passes(run, tmp_path, name):
     assert any(f["bound"] is not None for f in found["figures"])
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     size = replace(record.SIZES["quick"], limit=0.01)
@@ -141,6 +143,7 @@ def test_nothing_measured_is_no_pass():
 # --- checks that are made to fail ------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("near-singular-angles",))
 @needs_compiler
 @pytest.mark.parametrize(
     "name", ["extreme-bodies", "near-singular-angles", "tolerances", "there-and-back"]
@@ -152,6 +155,7 @@ def test_a_wrong_step_is_found(run, monkeypatch, name):
     assert f"{name}: FAIL: " in done.stdout
 
 
+@pytest.mark.sparse(only=("tolerances",))
 @needs_compiler
 @pytest.mark.parametrize("name", ["extreme-bodies", "tolerances"])
 def test_a_tolerance_that_is_not_kept_is_found(run, monkeypatch, name):
@@ -194,6 +198,7 @@ def leaky(asked):
     return memory.use(asked)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_memory_that_grows_with_the_steps_is_found():
     body = free_rigid_body("quaternion")
@@ -216,6 +221,7 @@ def stubborn(asked):
     return asked
 
 
+@pytest.mark.slow
 def test_hangs_crashes_and_exceptions_are_told_and_the_next_one_is_answered():
     with Worker(stubborn) as worker:
         assert worker.ask("fine", 60).value == "fine"

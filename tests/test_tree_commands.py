@@ -195,6 +195,7 @@ def test_angles_against_the_ground(run):
     assert "theta_elbow" in done.output
 
 
+@pytest.mark.sparse(only=("pendulum-on-cart-kane",))
 @pytest.mark.parametrize("method", ["kane", "all"])
 @pytest.mark.parametrize("name", ["pendulum-on-cart", "seven-joint-arm", "floating-tree"])
 def test_large_scenes_have_no_closed_form(run, name, method):

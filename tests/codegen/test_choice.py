@@ -65,6 +65,7 @@ def none_closed(monkeypatch):
 # --- what is taken --------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel", "gravity-gradient-satellite"])
 @pytest.mark.usefixtures("none_closed")
@@ -76,6 +77,7 @@ def test_ready_scenes_without_a_closed_form_go_to_taylor_series(name):
     assert "smooth" in result.why
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("kind", KINKS)
 def test_kinks_and_tables_go_to_runge_kutta(kind):
@@ -132,6 +134,7 @@ def test_accuracy_alone_keeps_steps_away_from_what_counts_as_limited(in_c, metho
     assert np.median(np.diff(run.t)) < 0.8 * stiffness.NEAR * reach
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("damping", "stiff"), [(1e-6, False), (1.0, False), (1e7, True), (1e10, True)]
@@ -345,6 +348,7 @@ def test_a_series_that_is_asked_for_stops_where_it_overflows(in_c):
     assert found.message.startswith("stopped at t = 0 s")
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("backwards", [False, True])
 def test_a_run_that_is_continued_on_the_way_has_events_points_and_dense_output(in_c, backwards):

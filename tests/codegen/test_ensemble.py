@@ -27,6 +27,8 @@ from eom.errors import AssumptionError, InputError
 from eom.system import TIME, System
 from tests.clock import within
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 y1, y2, y3, k, u = sp.symbols("y1 y2 y3 k u", real=True)
 RIGID = System.from_rates("rigid", {y1: y2 * y3, y2: -y1 * y3, y3: -sp.Rational(51, 100) * y1 * y2})
@@ -58,6 +60,7 @@ def column(values, j):
     return {n: float(v[j] if np.ndim(v) else v) for n, v in values.items()}
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
@@ -83,6 +86,7 @@ def test_every_trajectory_is_that_of_simulate(name, method):
     assert all(d.maximum[0] < 1e-5 for d in found.drift.values())
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12, 2.0**-52])
 def test_error_is_that_of_the_exact_solution(rtol):
@@ -139,6 +143,7 @@ def shared(n, t_span=(0.0, 5.0), t_eval=(), **others):
     return fleet.Shared(t_span, np.zeros(0), 1e-9, np.full(n, 1e-12), 1e-6, grid, **given)
 
 
+@pytest.mark.sparse(only=("pendulum",))
 @needs_compiler
 @pytest.mark.parametrize("system", [PENDULUM, LINEAR], ids=lambda s: s.name)
 def test_no_bit_depends_on_the_width_of_vectors(system):

@@ -270,6 +270,7 @@ OPERATIONS = sorted(set(OPS) - {"pow", "atan2", *INTEGER_FIRST, *WITH_DATA, *SOL
 SMALL = st.fractions(-3, 3, max_denominator=4)
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(st.data())
 def test_folded_programs_have_the_value_of_unfolded_arithmetic(data):

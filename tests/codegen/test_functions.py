@@ -22,6 +22,8 @@ from codegen.native import native
 from eom.errors import InputError
 from eom.system import Definition, Quantity, Singularity, System
 
+pytestmark = pytest.mark.shipped_flags
+
 x, y = sp.symbols("x y", real=True)
 
 CONVENTIONS = [
@@ -153,6 +155,7 @@ def test_floor_mod_and_steps_are_the_same_to_the_last_bit_everywhere(target):
 # --- Bessel functions and error functions -------------------------------------------------------------
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("order", [0, 1, 2, 7, 12])
 def test_bessel_and_error_functions_are_those_of_scipy_within_the_bound(order, target):
     e = [sp.besselj(order, x), sp.bessely(order, sp.Abs(x)), sp.erf(x), sp.erfc(x)]

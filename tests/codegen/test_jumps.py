@@ -17,7 +17,7 @@ from codegen.native.trajectory import Problem
 from codegen.runs.simulation import Result
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="methods in C")
+pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="methods in C")]
 
 x, v, t = sp.symbols("x v t", real=True)
 F = sp.Symbol("F", real=True)
@@ -137,6 +137,7 @@ def _turned(force: Any) -> System:
     return System.from_rates("turned", rates, time=t, attitudes=(body,))
 
 
+@pytest.mark.sparse(only=("splitting",))
 @pytest.mark.parametrize("method", ["rkmk", "splitting"])
 def test_methods_on_the_group_tell_it(method: str) -> None:
     """Both pass over it by the torque on either side, and agree to what they tell."""

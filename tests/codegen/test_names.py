@@ -15,6 +15,7 @@ TEXTS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(TEXTS)
 def test_every_name_becomes_an_identifier_that_no_language_reserves(name):
     spelt = identifier(name)

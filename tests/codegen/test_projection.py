@@ -20,6 +20,8 @@ from codegen.targets import packaging
 from eom.errors import InputError
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 EPSILON = np.finfo(np.float64).eps
 theta, omega = sp.symbols("theta omega", real=True)

@@ -209,6 +209,7 @@ def test_what_is_read_does_not_depend_on_the_initial_state_and_is_read_once(monk
     assert held(compiled, problem(compiled, start, moments)).attitudes == compiled.layout.attitudes
 
 
+@pytest.mark.slow
 def test_many_bodies_cost_no_proof(monkeypatch):
     """Of a system that is no single body nothing is evaluated."""
     monkeypatch.setattr(Held, "values", lambda *_: pytest.fail("evaluated"))
@@ -255,6 +256,7 @@ def test_a_parameter_that_varies_is_none(symbol):
     assert form(varied, start, numbers, system) is None
 
 
+@pytest.mark.slow
 def test_random_terms_are_never_overlooked(material, monkeypatch):
     monkeypatch.setitem(forms.COUNTS, "quick", 60)
     figures = forms.perturbed_forms(material, Plan(SIZES["quick"], seed=7)).figures

@@ -17,6 +17,8 @@ from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 x, y, z, a = sp.symbols("x y z a", real=True)
 s = sp.Symbol("s", positive=True)
 UNIT = 2.0**-52
@@ -79,6 +81,7 @@ def test_value_and_two_derivatives_are_right_near_and_at_zero(name):
             assert abs(mpmath.mpf(g) - e) <= units * UNIT * size + 1e-305, (at, g, e)
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_each_target_is_right_near_and_at_zero(target):
     e = list(QUOTIENTS.values())
     system = System.from_rates("quotients", {x: sp.Integer(0)},

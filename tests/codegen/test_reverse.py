@@ -119,6 +119,7 @@ SMOOTH = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @given(st.sampled_from(SMOOTH), st.tuples(*[nonzero(0.05, 2)] * 3))
 def test_hessians_against_sympy(expression, at):
     program = lower_expressions({RESULTS: [expression]}, [x, y, z])

@@ -161,6 +161,7 @@ def test_a_run_may_be_asked_for_with_its_accuracy(lorenz, oscillator):
     assert good.accuracy() is good.estimate
 
 
+@pytest.mark.slow
 def test_a_spin_about_the_intermediate_axis_over_a_thousand_seconds():
     """The energy drifts by parts in 1e10, the attitude is wrong by a thousand times that and more."""
     body = compile_system(free_rigid_body("quaternion"))

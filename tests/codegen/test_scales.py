@@ -15,6 +15,8 @@ from codegen.native import native
 from eom.problems import PROBLEMS
 from eom.system import TIME, Quantity, System
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")
 X, V, Y, Z = sp.symbols("x v y z", real=True)
 A, B = sp.symbols("a b", positive=True)

@@ -89,5 +89,6 @@ def test_any_program_keeps_its_values(steps, results):
     assert kept is program or pressure(kept) <= MAX_SHARE * pressure(program)
 
 
+@pytest.mark.slow
 def test_work_is_nearly_linear():
     assert growth_in_calls(11, schedule, wide(1000), wide(10_000))

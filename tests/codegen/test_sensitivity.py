@@ -92,6 +92,7 @@ def runge_kutta(program, states, parameters, steps=2, h=0.125):
     return x
 
 
+@pytest.mark.sparse(only=("bicycle-wheel", "t-handle"))
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_against_differences_of_their_motions_at_high_precision(name):
     """Differences of width 1e-25 in 60 digits, of the very steps that carry the sensitivities."""
@@ -124,6 +125,7 @@ def test_ready_scenes_against_differences_of_their_motions_at_high_precision(nam
                 assert abs(a - b) <= mpmath.mpf(10) ** -18 * (1 + abs(b))
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_constants_of_the_motion_and_names_remain(target):
     scene = Scene.ready("heavy-top")
     compiled = codegen.compile(scene.derive(), target)

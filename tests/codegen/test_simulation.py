@@ -22,6 +22,8 @@ from eom.kinematics import SEQUENCES
 from eom.rigidbody import free_rigid_body
 from eom.system import TIME, System
 
+pytestmark = pytest.mark.sparse
+
 x, v, k, u, w = sp.symbols("x v k u w", real=True)
 y1, y2, y3 = sp.symbols("y1 y2 y3", real=True)
 
@@ -124,6 +126,7 @@ def test_every_method_comes_back_when_it_runs_backwards(built, method):
     assert np.all(np.diff(back.t) < 0)
 
 
+@pytest.mark.slow
 def test_ready_scenes_keep_their_constants(built):
     for name in catalogue.names():
         scene = eom.load_scene(name)
@@ -673,6 +676,7 @@ def test_the_motion_near_a_pole_agrees_with_high_precision(built):
         assert abs(result.y[1, -1] - exact) / exact < 1e-8
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", ["auto", "scipy:DOP853"])
 @pytest.mark.parametrize("name", SEQUENCES)
 def test_no_step_jumps_over_a_singular_angle(name, method):
@@ -692,6 +696,7 @@ def test_no_step_jumps_over_a_singular_angle(name, method):
         assert result.t_stop == pytest.approx((singular - start) / rate, rel=1e-5)
 
 
+@pytest.mark.sparse(only=("c",))
 def test_a_run_that_chatters_ends_with_a_reason(built):
     """Coulomb friction without a model of rest: the sign changes at every step."""
     x = sp.Symbol("x", real=True)

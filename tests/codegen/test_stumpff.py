@@ -19,6 +19,8 @@ from codegen.ir.program import Builder
 from eom.errors import InputError
 from eom.system import System
 
+pytestmark = pytest.mark.shipped_flags
+
 UNIT = 2.0**-52
 ORDERS = sorted(stumpff.SERIES)
 
@@ -81,6 +83,7 @@ def test_the_derivative_is_that_of_differences(k, z):
         assert abs(stumpff.slope(mpmath.mp, k, z) - difference) < 1e-30 * (1 + abs(difference))
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_each_target_has_the_double_of_the_table(target):
     """All orders, both signs, as a batch and point by point."""
     b = Builder()

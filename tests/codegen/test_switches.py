@@ -20,7 +20,7 @@ from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from eom.system import System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
+pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="runs C")]
 x, v, a, y, z, mu = sp.symbols("x v a y z mu", real=True)
 ROOTS = sp.symbols("r1:6", real=True)
 ONE = sp.Integer(1)
@@ -178,6 +178,7 @@ def test_events_and_dense_output_beside_switches():
 # --- lanes, rest, text ----------------------------------------------------------------------------
 
 
+@pytest.mark.sparse
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 @pytest.mark.parametrize("system", [friction, spring], ids=["friction", "spring"])
 def test_lanes_do_what_one_trajectory_does(system, rtol):

@@ -113,6 +113,7 @@ def run(name, rtol=1e-9, **options):
     return codegen.simulate(system_of(name), start_of(name), span, None, "taylor", rtol, **options)
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_near_the_tolerance(name):
     end, size = reference(name)
@@ -257,6 +258,7 @@ SMOOTH = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions_take_the_same_steps(name, monkeypatch):
     """Beside the same code without limits, at two tolerances."""
