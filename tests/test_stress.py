@@ -71,7 +71,7 @@ def deaf(integrator):
 # --- the table --------------------------------------------------------------------------------------
 
 
-@pytest.mark.sparse(only=("there-and-back", "memory"))
+@pytest.mark.sparse(only=("there-and-back",))
 @needs_compiler
 @pytest.mark.parametrize("name", [n for n in checks.NAMES if n != "long-run"])
 def test_every_check_passes(run, tmp_path, name):
@@ -208,6 +208,14 @@ def test_memory_that_grows_with_the_steps_is_found():
     assert not growth.passed
     assert growth.value > 10
     assert not stored.passed
+
+
+@needs_compiler
+def test_a_short_run_stores_what_is_asked_for_alone():
+    body = free_rigid_body("quaternion")
+    found = memory.use(memory.Job(body, "DOP853", 2000))
+    assert found.steps >= 2000
+    assert all(figure.passed for figure in memory._figures("DOP853", found))
 
 
 def stubborn(asked):

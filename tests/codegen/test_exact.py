@@ -169,6 +169,7 @@ MEANT = {
 }
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", CASES)
 def test_against_taylor_series(name):
     I, omega = CASES[name]
@@ -244,6 +245,7 @@ def test_extreme_moments(I):
         check(I, omega, ATTITUDE, 52.3, legendre, extra=60)
 
 
+@pytest.mark.slow
 @given(scale=st.integers(-300, 300), omega=st.tuples(*[nonzero(1e-3, 10.0)] * 3))
 def test_powers_of_two_scale_exactly(scale, omega):
     """Units of time and of mass change no digit; 2^30 is a spin of 1e9 rad/s."""

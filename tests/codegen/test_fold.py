@@ -208,6 +208,7 @@ def test_each_law_holds_at_50_digits(law, tree, x, y):
     assert abs(after - before) <= mpmath.mpf(10) ** -45 * (1 + abs(before))
 
 
+@pytest.mark.sparse(10)
 @pytest.mark.parametrize(
     ("law", "tree"), [c for c in CASES if c[0].exact], ids=lambda v: getattr(v, "text", "")
 )

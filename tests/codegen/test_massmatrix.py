@@ -213,6 +213,7 @@ def test_factorisations_pass_from_part_to_part(most, monkeypatch):
     np.testing.assert_array_equal(split_text.rhs(*arguments), whole_text.rhs(*arguments))
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("most", [3, 400])
