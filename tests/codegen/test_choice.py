@@ -124,6 +124,7 @@ def test_the_reach_of_taylor_series_is_where_the_truncated_exponential_leaves_th
     assert all(b > a for a, b in itertools.pairwise(orders))
 
 
+@pytest.mark.sparse(3)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
@@ -323,6 +324,7 @@ PULSE = System.from_rates("pulse", {x: v, v: -x + 5 / sp.cosh(1000 * (TIME - 4))
 BUMP = System.from_rates("bump", {x: v, v: -x + 3 / sp.cosh(400 * x) ** 2})
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-6, 1e-12])
 def test_a_series_that_overflows_at_the_start_is_continued_by_runge_kutta(in_c, rtol):

@@ -177,6 +177,7 @@ def test_generated_text_has_no_warnings(compiler, name, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_failures_are_told_and_do_not_disturb_the_others(method):
@@ -206,6 +207,7 @@ def test_a_run_of_too_many_steps_stops(method):
     assert ((found.t_stop > 0) & (found.t_stop < 500)).all()
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_a_singular_configuration_is_located_and_nothing_jumps_over_it(method):
@@ -232,6 +234,7 @@ def test_a_singular_configuration_is_located_and_nothing_jumps_over_it(method):
     )
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_kinks_are_followed():
     compiled = compiled_once(KINKED)
@@ -245,6 +248,7 @@ def test_kinks_are_followed():
     assert not found.columns["rejected"].any()
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_there_and_back(method):

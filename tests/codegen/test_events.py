@@ -100,6 +100,7 @@ def test_rates_of_the_free_body_are_zero_where_sn_and_cn_are(method):
     assert len(dn) == 0
 
 
+@pytest.mark.sparse(1)
 @runs_c
 @pytest.mark.parametrize("end", [20000.0, -20000.0])
 def test_thousands_of_crossings_none_lost_none_twice(oscillator, end):

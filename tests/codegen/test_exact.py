@@ -207,6 +207,7 @@ def test_against_legendre_integrals(I, order, omega, phase):
     check(moments, omega, ATTITUDE, t, legendre, extra=30)
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("turns", [1e3, 1e6, -1e9])
 @pytest.mark.parametrize("omega", [(1.0, 0.3, -2.0), (-1.0, -0.2, 0.3), (0.05, 10.0, 0.05)])
 def test_errors_do_not_grow_with_time(omega, turns):

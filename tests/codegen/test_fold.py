@@ -198,6 +198,7 @@ def test_each_law_changes_its_left_side(law, tree):
     assert str(after) != str(before)
 
 
+@pytest.mark.sparse(20)
 @pytest.mark.parametrize(("law", "tree"), CASES, ids=lambda v: getattr(v, "text", ""))
 @settings(max_examples=30)
 @given(x=nonzero(1e-3, 0.95), y=nonzero(1e-3, 0.95))

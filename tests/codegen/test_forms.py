@@ -95,6 +95,7 @@ def test_content_of_a_multiple_differs_in_the_scale_alone(form, factor):
         assert other == (-factor * scale, shared, rest)
 
 
+@pytest.mark.slow
 @given(FORMS)
 def test_what_is_added_and_taken_away_vanishes(form):
     assert added(dict(form), {m: -c for m, c in form.items()}) == {}

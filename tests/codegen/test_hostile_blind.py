@@ -32,6 +32,7 @@ def test_what_was_wrong_is_right(name):
         assert hostile_blind.judged(name, CASES[name], method, 1e-6) == "ok", method
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", ["auto", "taylor", "DP5", "scipy:LSODA"])
 def test_an_edge_that_no_double_holds_is_told(method):

@@ -258,6 +258,7 @@ def scipy_reference(system, x0, parameters, span, rtol=1e-9, method="DOP853", **
     )  # fmt: skip
 
 
+@pytest.mark.sparse(4)
 @needs_compiler
 @pytest.mark.parametrize(
     ("method", "rtol"),

@@ -218,6 +218,7 @@ def _satellite(torque: Any) -> System:
     return System.from_rates("satellite", rates, time=t, attitudes=(body,))
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("start", [4, 5])

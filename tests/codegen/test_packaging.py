@@ -92,6 +92,7 @@ def test_the_test_program_passes_where_a_compiler_fuses_operations(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("right", "wrong", "group"),
@@ -218,6 +219,7 @@ def test_make_check_fails_where_the_functions_are_wrong(tmp_path):
     assert run(["make", "check"], tmp_path).returncode != 0
 
 
+@pytest.mark.slow
 @needs_compiler
 @needs_cmake
 @pytest.mark.parametrize("name", ["test"])

@@ -79,6 +79,7 @@ def test_systems_keep_their_values_and_no_group_costs_more(name):
         assert new <= old
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", ["gravity-gradient-satellite", "full 3-1-2", "pendulum"])
 def test_jacobians_keep_their_values_and_cost_less(name):
     system = SYSTEMS[name]()

@@ -50,6 +50,7 @@ def off(estimate, true):
 # --- errors that are known --------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", ["DP5", "DOP853", "taylor", "scipy:LSODA", "scipy:RK23"])
 @pytest.mark.parametrize("end", [20.0, -20.0])
 def test_the_estimate_is_the_error(oscillator, method, end):
@@ -133,6 +134,7 @@ def test_steps_over_a_pulse_are_seen_by_shorter_ones(monkeypatch):
     assert 1.5 < found.horizon <= 5
 
 
+@pytest.mark.slow
 def test_the_horizon_of_a_chaotic_motion(lorenz):
     run = codegen.simulate(lorenz, [1, 1, 1], (0, 60), rtol=1e-9, t_eval=np.linspace(0, 60, 601))
     assert run.status == 0

@@ -54,6 +54,7 @@ def test_a_sum_of_products_needs_few_values():
     assert interpret(after, at) == interpret(program, at)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_keep_their_instructions_and_bits(name):
     system = load_scene(name).derive()

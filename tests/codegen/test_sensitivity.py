@@ -34,6 +34,7 @@ def test_exponential_decay(target):
     assert np.allclose(run["dx_dx_0"], np.exp(-0.7 * run.t), rtol=1e-9)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("method", ["auto", "scipy:Radau", "scipy:RK45"])
 def test_harmonic_oscillator_by_every_kind_of_method(target, method):
     """Derivatives of the closed form, by SymPy; the start depends on k: x(0) = 1/k."""

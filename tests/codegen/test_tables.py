@@ -79,6 +79,7 @@ def test_random_points_stay_within_the_bound(target, points):
             assert abs(double - bound.value) <= bound.error
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("kind", ["linear", "cubic", "pchip"])
 def test_the_jacobian_is_that_of_sympy(kind, target):
     table = eom.Table("curve", *ODD, kind)

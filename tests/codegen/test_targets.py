@@ -295,6 +295,7 @@ def test_hostile_names_pass_strict_compilers(compiler, tmp_path):
     strictly_compile(files_of(hostile_system()), tmp_path, compiler)
 
 
+@pytest.mark.sparse(5)
 @pytest.mark.parametrize("name", ["1", "int", "θ", "", "*/", "main", "t", "a" * 300])
 def test_hostile_names_of_systems_are_spelt(name, target, tmp_path):
     system = System(name, (Quantity(x),), (-x,), outputs=(Definition(Quantity(y), 2 * x),))
