@@ -67,12 +67,12 @@ def thinned(items, most=None, only=()):
     """Return the cases of one test that the default suite runs; its name says where they begin."""
     if only:
         return [item for item in items if item.callspec.id in only]
-    places = [item.callspec.indices for item in items]
-    sizes = {name: 1 + max(p[name] for p in places) for name in places[0]}
-    longest = max(sizes.values())
+    places = [tuple(item.callspec._idlist) for item in items]  # an id of each set of parameters
+    axes = [tuple(dict.fromkeys(axis)) for axis in zip(*places, strict=True)]
+    longest = max(map(len, axes))
     first = zlib.crc32(items[0].originalname.encode())
     numbers = [first + k for k in spread(longest, most or longest)]
-    kept = [{n: k % size for n, size in sizes.items()} for k in numbers]
+    kept = {tuple(axis[k % len(axis)] for axis in axes) for k in numbers}
     return [item for item, place in zip(items, places, strict=True) if place in kept]
 
 
