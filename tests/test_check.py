@@ -152,6 +152,7 @@ def test_a_folder_with_a_table(check, note, tmp_path):
     assert json.loads((tmp_path / "table.json").read_text())[0]["first_fault"] == 5
 
 
+@pytest.mark.slow
 def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
     file = tmp_path / "page.html"
     done = check(note, *ARROWS, "--html", file)
@@ -223,6 +224,7 @@ def test_colours_are_for_terminals_without_no_color(check):
     assert check(WRONG, *ARROWS, color=True, env={"NO_COLOR": "1"}).output == plain
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -53,7 +53,7 @@ print(sorted({"sympy", "numpy", "scipy", "matplotlib"} & set(sys.modules)))
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.sparse
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", catalogue.names())
 @pytest.mark.parametrize("style", ["text", "latex", "markdown"])
 def test_derive_prints_every_state_and_output(run, name, style):
@@ -390,6 +390,7 @@ BAD_RANGES = {
 }
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("words", BAD_RANGES)
 def test_bad_ranges_are_one_clear_error(run, words):
     done = run("accuracy", "bicycle-wheel", "--samples", 1, "--range", words)

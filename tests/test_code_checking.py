@@ -83,7 +83,7 @@ def test_code_in_c(checked):
         checked(IN_C.replace("@", "*(volatile double *)0"), ".c")
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -149,6 +149,7 @@ def left(note):
     return [n for n in note.read_text().split() if not is_gone(n)]
 
 
+@pytest.mark.sparse(2)
 @needs_proc
 @pytest.mark.parametrize("kind", [k for k in CHILDREN if k != "multiplying"])
 def test_no_process_survives_the_command(checked, capfd, tmp_path_factory, place, kind):
@@ -223,6 +224,7 @@ os._exit(0)
 """
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("forged", FORGED)
 def test_a_forged_answer_is_no_result(checked, forged):
     with pytest.raises(InputError, match="ended without a result"):

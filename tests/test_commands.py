@@ -39,6 +39,7 @@ def test_help_lists_every_row(run, command, title, rows):
     assert all(" ".join(row.meaning.split())[:30] in text for row in rows)
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", [row.name for row in written.ROWS])
 def test_each_integrator_is_written_and_no_other(run, tmp_path, name):
     done = run("generate", "heavy-top", "--integrator", name, "--out", tmp_path)

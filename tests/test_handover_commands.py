@@ -159,6 +159,7 @@ BAD = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("case", BAD)
 def test_what_does_not_go_together_is_one_clear_error(run, scene, case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

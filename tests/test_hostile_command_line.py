@@ -150,7 +150,7 @@ def test_every_command_has_right_arguments(places):
         assert run([name, *words], places).exit_code == (2 if wrong else 0), name
 
 
-@pytest.mark.sparse(24)
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize(("name", "parameter"), [*parameters()])
 def test_whatever_an_option_is_there_is_one_message(name, parameter, places, monkeypatch):
     monkeypatch.chdir(places["folder"])

@@ -112,6 +112,7 @@ def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_long_run_tells_exponents_with_error_bars(run):
     done = run("stress", "long-run", "--quick", *BOTH)
@@ -128,6 +129,7 @@ def test_help_and_list_of_checks(run):
         assert all((check.states, check.bound, check.measured, check.source))
 
 
+@pytest.mark.slow
 def test_lost_accuracy_is_told(run):
     done = run("stress", "extreme-bodies", "--quick", "--method", "taylor")
     if native.compiler():

@@ -178,6 +178,7 @@ PAGES = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("style", PAGES)
 def test_closed_forms_are_the_pages_of_the_tree(run, style):
     method, begin = PAGES[style]

@@ -124,7 +124,7 @@ def test_well_conditioned_polynomial_and_exact_results(target):
     assert card.unstable == ()
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
     scene = load_scene(name)

@@ -212,7 +212,7 @@ def test_reduced_scenes(inertia, attitude, tmp_path):
     assert np.abs(closed.states(run.t) - run.y).max() <= 1e-10
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("attitude", ["3-1-2", "3-2-1", "quaternion", "dcm"])
 @pytest.mark.parametrize("axis", [1, 2, 3])
 def test_no_spin_about_the_axis_of_symmetry(axis, attitude, tmp_path):
@@ -627,7 +627,7 @@ SHAPES = [(s, tuple(1.0 + 0.5 * np.eye(3)[int(s[-1]) - 1])) for s in eom.kinemat
 SHAPES += [("3-2-1", (2.0, 2.0, 2.0)), ("1-3-1", (2.0, 2.0, 2.0)), ("3-2-1", (1.0, 1.0, 1.6))]
 
 
-@pytest.mark.sparse(5)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("sequence", "moments"), SHAPES)
 def test_angles_of_free_symmetric_bodies(sequence, moments):
     omega = (0.3, -0.2, 0.1) + 1.5 * np.eye(3)[int(sequence[-1]) - 1]
@@ -648,7 +648,7 @@ TILTS = [("3-1-3", n, 0.7) for n in ("nutating", "loops", "cusps", "slow", "cent
 TILTS += [("3-2-3", "loops", -4.0), ("3-1-3", "slow", -4.0)]
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("sequence", "name", "tilt"), TILTS)
 def test_angles_of_tops(sequence, name, tilt):
     mu, ratio, w, _ = TOPS[name]
@@ -699,7 +699,7 @@ SPINNERS = {
 }
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SPINNERS)
 @pytest.mark.parametrize("t", [3.3, -2.1])
 def test_spinner_without_torque(name, t):

@@ -417,7 +417,7 @@ def as_array(values):
     return values if len(values) else None
 
 
-@pytest.mark.sparse(9)
+@pytest.mark.sparse(3)
 def test_every_system_stays_within_the_error_bound(system, target):
     compiled = compile_system(system, target)
     checked = 0

@@ -132,7 +132,7 @@ def values(system, seed):
     return Point(t=next(numbers), x=take(system.states), p=p, u=take(system.inputs))
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", ["state", "parameter"])
 def test_systems_against_central_differences(name, kind):

@@ -133,7 +133,7 @@ def test_many_zeros_in_one_step(oscillator, method):
 # --- touches ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.sparse
+@pytest.mark.sparse(1)
 @runs_c
 @pytest.mark.parametrize("method", ALL)
 @pytest.mark.parametrize("longest", [0.01, 0.37, 3.0])

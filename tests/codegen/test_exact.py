@@ -169,7 +169,7 @@ MEANT = {
 }
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", CASES)
 def test_against_taylor_series(name):
     I, omega = CASES[name]

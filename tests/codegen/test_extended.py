@@ -193,7 +193,7 @@ def test_known_closed_forms_are_those_that_are_tested():
     assert closed == {"detest-b5", "free-body-attitude"}
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     "name",
     [

@@ -198,7 +198,6 @@ def test_each_law_changes_its_left_side(law, tree):
     assert str(after) != str(before)
 
 
-@pytest.mark.sparse(20)
 @pytest.mark.parametrize(("law", "tree"), CASES, ids=lambda v: getattr(v, "text", ""))
 @settings(max_examples=30)
 @given(x=nonzero(1e-3, 0.95), y=nonzero(1e-3, 0.95))
@@ -209,7 +208,7 @@ def test_each_law_holds_at_50_digits(law, tree, x, y):
     assert abs(after - before) <= mpmath.mpf(10) ** -45 * (1 + abs(before))
 
 
-@pytest.mark.sparse(10)
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize(
     ("law", "tree"), [c for c in CASES if c[0].exact], ids=lambda v: getattr(v, "text", "")
 )

@@ -33,7 +33,7 @@ def lowered(*found):
     return lower_expressions({"f": found}, (x, y, z), (a, b, c))
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @CHANGES
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_values_of_scenes_do_not_change(name, change):

@@ -49,6 +49,7 @@ def off(run: Result, force: float) -> float:
     return float(abs(run.y[1, -1] - (force * math.sin(1e-6) - math.sin(7.0))))
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_what_time_does_not_place_is_told_and_bounds_the_error(method: str) -> None:
     run = codegen.simulate(LAST, {"x": 1, "v": 0}, (0, 7), {"F": 1e6}, method, 1e-11)

@@ -218,7 +218,7 @@ def columns_of(system, seeds):
     return np.array([d[0] for d in drawn]), *(np.array([d[k] for d in drawn]).T for k in (1, 2, 3))
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", [*READY, "satellite dcm"])
 def test_every_system_stays_within_the_error_bound_at_every_point(name):
     program, layout = specialised(SYSTEMS[name](), {})
@@ -269,6 +269,7 @@ def test_linear_systems_lane_by_lane(part_lines, monkeypatch):
             assert abs(value - e.value) <= e.error
 
 
+@pytest.mark.slow
 def test_a_long_function_is_split_and_stays_the_same(monkeypatch):
     system = OTHERS["satellite"]()
     program, layout = specialised(system, {})
@@ -320,7 +321,7 @@ def drawn(n, seed=5):
     return rng.normal(size=n), *(rng.normal(size=(k, n)) for k in (3, 2, 2))
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 63, 1000])
 def test_every_number_of_points_and_lanes_gives_the_same_bits(by_width, compiled, count):
     arguments = drawn(count)
@@ -398,6 +399,7 @@ def test_points_that_are_not_finite_leave_their_neighbours_alone(by_width):
 # --- threads -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("threads", [1, 2, 3, 5, None])
 def test_results_do_not_depend_on_the_number_of_threads(compiled, threads):
     n = 5 * LEAST_WORK // 20 + 37  # more than five shares of any of its groups

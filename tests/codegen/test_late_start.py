@@ -67,6 +67,7 @@ def reference(force, values, t0, grid):
         return solve_ivp(rates, (0, grid[-1]), [1, 0], "DOP853", **options).y
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", PLAIN)
 def test_an_autonomous_system_is_the_same_at_any_time(method):
     early = simulate(OSCILLATOR, [1, 0], (0, LENGTH), [1], method, 1e-6)

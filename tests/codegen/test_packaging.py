@@ -72,7 +72,7 @@ def run_test_program(files, folder, compiler, *options):
 CASES = [(name, COMPILERS[0]) for name in ALL] + [("hostile", COMPILERS[-1])] if COMPILERS else []
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("name", "compiler"), CASES)
 def test_the_test_program_passes(name, compiler, tmp_path):
     done = run_test_program(package(ALL[name]()), tmp_path, compiler)

@@ -54,7 +54,7 @@ def point(system, seed):
     return Point(float(draw()), list(map(float, x)), list(map(float, p)), list(map(float, u)))
 
 
-@pytest.mark.sparse(5)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_systems_keep_their_values_and_no_group_costs_more(name):
     system = SYSTEMS[name]()

@@ -71,7 +71,7 @@ BODY = {"I1": 10.0, "I2": 15.0, "I3": 20.0, "M": 5.0}
 TURNED = {"q0": 1.0, "q1": 0.0, "q2": 0.0, "q3": 0.0}
 
 
-@pytest.mark.sparse(6)
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("kind", [None, "quaternion"])
 @pytest.mark.parametrize("name", [*LATE, *FAR])
 def test_a_satellite_with_a_torque_has_no_closed_form(name, kind):

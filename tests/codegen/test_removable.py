@@ -68,7 +68,7 @@ def exact_derivatives(e, points):
     return rows, [abs(float(c)) for c in limits]
 
 
-@pytest.mark.sparse(5)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", ROWS)
 def test_value_and_two_derivatives_are_right_near_and_at_zero(name):
     points = sweep(name)

@@ -56,7 +56,7 @@ def vector(product, point, kind, size):
     return dense
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", ["state", "parameter"])
 def test_all_orders_of_elimination_agree(name, kind):
@@ -75,7 +75,7 @@ def test_all_orders_of_elimination_agree(name, kind):
             assert close(other.get(place, 0), found["forward"].get(place, 0))
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_products_with_the_jacobian(name):
     """w^T J and J v against the matrix itself, weights and directions behind the inputs."""

@@ -50,7 +50,7 @@ def off(estimate, true):
 # --- errors that are known --------------------------------------------------------------------------
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["DP5", "DOP853", "taylor", "scipy:LSODA", "scipy:RK23"])
 @pytest.mark.parametrize("end", [20.0, -20.0])
 def test_the_estimate_is_the_error(oscillator, method, end):

@@ -72,7 +72,7 @@ def doubled(make, work, n):
     return calls(lambda: work(large)) / calls(lambda: work(small))
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_compiling_twice_as_much_costs_twice_as_much(kind):
     n, rate = KINDS[kind]

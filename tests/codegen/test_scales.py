@@ -152,7 +152,7 @@ def small():
             for n, (rates, _, _) in SMALL.items()}  # fmt: skip
 
 
-@pytest.mark.sparse(8)
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", SMALL)

@@ -204,6 +204,7 @@ def test_dense_output_and_t_eval_together_give_both(built, method):
 # --- stops ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(4)
 def test_a_pole_stops_the_run_and_keeps_what_it_has(built, method):
     """x' = x^2 from 1 is 1 / (1 - t)."""
     rtol = tolerance(method)[0]
@@ -257,6 +258,7 @@ def test_a_start_that_stops_at_once_has_the_same_points_with_every_method(built,
     assert len(result.t) == (0 if "t_eval" in options else 1)
 
 
+@pytest.mark.sparse(4)
 def test_t_eval_before_a_stop_is_kept(built, method):
     grid = np.linspace(0, 3, 31)
     result = simulate(
@@ -347,6 +349,7 @@ def linear(**more):
     return {**start, "omega_2": 0.5, "theta": 0.2, **more}
 
 
+@pytest.mark.sparse(4)
 def test_a_singular_configuration_is_located_to_rounding(built, method):
     """theta = 0.2 + t/2, so that |cos theta| falls to the margin at an exactly known time."""
     margin = 1e-6
@@ -423,6 +426,7 @@ def test_crossing_between_two_steps_is_seen(built, method):
     assert result.t_stop == pytest.approx(2 * (math.pi / 2 - 0.2), abs=1e-2)
 
 
+@pytest.mark.sparse(4)
 def test_passing_outside_the_margin_does_not_stop(built, method):
     """A pendulum-like theta that turns round before pi/2: the least distance is reported."""
     quiet = System.from_rates("quiet", {x: v, v: -x})
@@ -477,6 +481,7 @@ def test_held_inputs_act_all_the_time(built, method):
     np.testing.assert_array_equal(result["push"], 6.0)
 
 
+@pytest.mark.sparse(4)
 @of_functions
 def test_inputs_may_be_functions_of_time(built, method):
     """x'' + x = cos 3t from rest is (cos t - cos 3t) / 8."""

@@ -171,6 +171,7 @@ def test_a_full_inertia_matrix_is_turned_to_its_axes():
 # --- what is kept --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_length_and_momentum_stay_to_rounding_over_1e5_steps(free):
     """Not only no linear growth: none at all beyond some units in the last place; energy as a walk."""
     n, h = 100_000, 0.25

@@ -61,6 +61,7 @@ def test_the_exact_value_is_that_of_the_hypergeometric_series(k):
             assert abs(stumpff.exact(mpmath.mp, k, mpmath.mpf(z)) / expected - 1) < 1e-45
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize("k", ORDERS)
 def test_doubles_are_within_the_units_that_the_text_states(k):
     cutoff, _ = stumpff.SERIES[k]

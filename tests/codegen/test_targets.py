@@ -170,7 +170,7 @@ SYSTEMS = {
 }
 
 
-@pytest.mark.sparse(3)
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_generated_c_passes_strict_compilers_without_a_warning(name, compiler, tmp_path):
@@ -290,6 +290,7 @@ def test_hostile_names_give_right_numbers(target):
     np.testing.assert_array_equal(result.y[:, 0], xs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_hostile_names_pass_strict_compilers(compiler, tmp_path):
     strictly_compile(files_of(hostile_system()), tmp_path, compiler)

@@ -144,6 +144,7 @@ def exact(t):
         return np.array([float(mpmath.ellipfun(f, t, m=m)) for f in ("sn", "cn", "dn")])
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("rtol", "end", "allowed"),

@@ -225,13 +225,14 @@ def limit_exists(program, point, group, k):
     return all(map(math.isfinite, values)) and spread <= 1e-5 * (1 + abs(values[0]))
 
 
-@pytest.mark.sparse(8)
+@pytest.mark.sparse(2)
 def test_values_and_derivatives_are_finite_where_the_exact_ones_are(case):
     name, system, program = case
     found = {what: failures(program, point, system) for what, point in points(name, system)}
     assert {what: bad for what, bad in found.items() if bad} == {}
 
 
+@pytest.mark.sparse(7)
 def test_near_singular_angles_are_tried(case):
     name, system, _ = case
     expected = name in ANGLES or bool(system.singularities)
