@@ -621,7 +621,7 @@ FACTS = {
         "along the body's axes",
         NONE,
     ),
-    "eom.kinematics.rotations.matrix_of_quaternion": (
+    "eom.rotations.matrix_of_quaternion": (
         "(3, 3)",
         "unit quaternion",
         "scalar first",

@@ -34,7 +34,7 @@ MODULES = {
     "eom.typeset.printing": "show",
     "eom.mechanics.recognition": "recognise",
     "eom.mass.regions": "Region properties simplex",
-    "eom.kinematics.rotations": "matrix_of_quaternion",
+    "eom.rotations": "matrix_of_quaternion",
     "eom.mass.solids": "inertia mass_properties",
     "eom.mechanics.torques": "applied gravity_gradient weight",
     "eom.derivations.verification": "DerivationError",

@@ -59,6 +59,7 @@ def columns(file):
         return {name: saved[name] for name in saved.files}
 
 
+@pytest.mark.slow
 def test_simulate_hands_over_where_the_scene_or_the_option_says_so(run, scene, tmp_path):
     words = ["--target", "python", "--method", "DOP853", "--out", tmp_path / "run.npz"]
     picture = tmp_path / "run.png"
@@ -85,6 +86,7 @@ def test_a_run_far_from_singular_angles_says_that_nothing_changed(run, scene):
     assert rows_of(done)["changes of chart"] == "none"
 
 
+@pytest.mark.slow
 def test_the_ready_scene_turns_through_singular_angles(run, tmp_path):
     """The same angles as without hand-over, where they turn as fast as the body is near."""
     found = {}
@@ -101,6 +103,7 @@ def test_the_ready_scene_turns_through_singular_angles(run, tmp_path):
         np.testing.assert_allclose(one[name], other[name], rtol=0, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_run_writes_both_charts(run, scene, tmp_path):
     done = run("run", scene[True], "--out", tmp_path / "out")
     assert done.exit_code == 0, done.output
@@ -156,6 +159,7 @@ BAD = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("case", BAD)
 def test_what_does_not_go_together_is_one_clear_error(run, scene, case, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -14,7 +14,7 @@ from eom.commands.shared import Rows, WithTable, scene_of
 from eom.errors import InputError
 
 if TYPE_CHECKING:
-    from eom.kinematics.rotations import Matrix
+    from eom.rotations import Matrix
     from eom.scenes.conventions import Convention, Stated
     from eom.scenes.scene import Scene
 

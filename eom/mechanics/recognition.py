@@ -19,7 +19,7 @@ import sympy as sp
 from eom.errors import InputError
 from eom.exact.identity import vanishes
 from eom.kinematics.coordinates import SEQUENCES, UnitQuaternion, rotation_sequence
-from eom.kinematics.rotations import (
+from eom.rotations import (
     ALMOST,
     Matrix,
     angles_of_matrix,
@@ -28,7 +28,7 @@ from eom.kinematics.rotations import (
     quaternion_of_matrix,
     transpose,
 )
-from eom.kinematics.rotations import product as matrix_product
+from eom.rotations import product as matrix_product
 from eom.system import as_expression
 
 MOST_SYMBOLS = 4

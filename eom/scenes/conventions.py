@@ -17,7 +17,7 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches, typed, unknown_name
 from eom.kinematics.coordinates import SEQUENCES, attitude, quaternion_of_sequence
-from eom.kinematics.rotations import (
+from eom.rotations import (
     ALMOST,
     Matrix,
     Quaternion,

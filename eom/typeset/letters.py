@@ -22,7 +22,8 @@ Nucleus = Callable[[str], Box]
 
 @dataclass(frozen=True)
 class Notation:
-    """A row of `notation.NOTATIONS`: letters, nuclei by kind, points, frames, and special cases.
+    """A row of `eom.typeset.notation.NOTATIONS`: letters, nuclei by kind, points, frames, and special
+    cases.
 
     ``letters``: of each quantity; what follows ``_`` is an upright index, what follows ``^`` a raised
     one. ``atoms``: quantities that are written in their own way. ``derivative``, ``column``, ``tilde``:

@@ -72,7 +72,8 @@ def term_box(term: Term, notation: Notation) -> Box:
 
 
 def write(term: Term, notation: Notation, markup: str = "") -> str:
-    """Return a term in a notation; markup: a row of `markup.RENDERERS`, or the notation's own."""
+    """Return a term in a notation; markup: a row of `eom.typeset.markup.RENDERERS`, or the notation's
+    own."""
     return render(term_box(term, notation), markup or notation.markup)
 
 

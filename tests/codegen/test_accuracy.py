@@ -45,6 +45,8 @@ from eom.errors import InputError
 from eom.system import TIME, Quantity, System
 from tests.codegen.scenes import SCENES
 
+pytestmark = pytest.mark.sparse
+
 x, y, a, b, c, u = sp.symbols("x y a b c u", real=True)
 
 
@@ -122,6 +124,7 @@ def test_well_conditioned_polynomial_and_exact_results(target):
     assert card.unstable == ()
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
     scene = load_scene(name)

@@ -24,6 +24,7 @@ def pair_of(given):
     return pair, *compiled
 
 
+@pytest.mark.slow
 def test_a_four_bar_linkage_by_ida_is_the_same():
     given = four_bar()
     start = assemble(given, {**LENGTHS, **NEAR, "u_a": 10.0}, keep=("q_a", "u_a"))

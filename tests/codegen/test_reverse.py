@@ -56,6 +56,7 @@ def vector(product, point, kind, size):
     return dense
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", ["state", "parameter"])
 def test_all_orders_of_elimination_agree(name, kind):
@@ -74,6 +75,7 @@ def test_all_orders_of_elimination_agree(name, kind):
             assert close(other.get(place, 0), found["forward"].get(place, 0))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_products_with_the_jacobian(name):
     """w^T J and J v against the matrix itself, weights and directions behind the inputs."""
@@ -119,6 +121,7 @@ SMOOTH = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @given(st.sampled_from(SMOOTH), st.tuples(*[nonzero(0.05, 2)] * 3))
 def test_hessians_against_sympy(expression, at):
     program = lower_expressions({RESULTS: [expression]}, [x, y, z])
@@ -135,6 +138,7 @@ def test_hessians_against_sympy(expression, at):
                 assert close(lower[row, column], mpmath.mpf(str(wanted[row, column])))
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_hessian_products_are_symmetric_and_those_of_the_hessian(name):
     """For w^T rates: u^T (H v) = v^T (H u), and both are the sparse matrix times the direction."""
@@ -164,6 +168,7 @@ def test_hessian_products_are_symmetric_and_those_of_the_hessian(name):
             assert close(entry, mpmath.fdot(whole, v))
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", [*SYSTEMS])
 def test_gradients_cost_a_few_evaluations(name):
     """Griewank and Walther, sect. 3.3: a gradient costs at most four times the value; here by table."""

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from eom.errors import InputError
 from eom.kinematics.coordinates import SEQUENCES, quaternion, rotation_sequence
-from eom.kinematics.rotations import angles_of_matrix, matrix_of_quaternion, quaternion_of_matrix
+from eom.rotations import angles_of_matrix, matrix_of_quaternion, quaternion_of_matrix
 from eom.scenes.conventions import (
     BOOKS,
     CHOICES,

@@ -1,4 +1,5 @@
-"""Constraints in a scene file, as data: a kind a row of `eom.multibody.files.constraint_sections.ROWS`."""
+"""The data of constraints in a scene file: one kind a row of
+`eom.multibody.files.constraint_sections.ROWS`."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from eom.scenes.description import Formula, Part
 
 
 class LoopPart(Part):
-    """A joint that closes a loop, of ``kind`` loop: see `eom.multibody.model.constraints.Loop`."""
+    """A loop closed by a ``joint`` of that kind, of ``kind`` loop: see
+    `eom.multibody.model.constraints.Loop`."""
 
     kind: Literal["loop"]
     joint: str

@@ -52,7 +52,8 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Figures:
-    """The bodies in the order of `tracks.Tracks`, what stands on the ground, lines between."""
+    """The bodies in the order of `eom.views.animation.tracks.Tracks`, what stands on the ground, lines
+    between."""
 
     bodies: tuple[Figure, ...]
     ground: tuple[Shape, ...] = ()

@@ -144,7 +144,7 @@ def not_free(scene: AnyScene) -> str:
 
 
 def _rigid(scene: Scene) -> FreeBody:
-    from eom.kinematics.rotations import quaternion_of_matrix
+    from eom.rotations import quaternion_of_matrix
     from eom.scenes.conventions import attitude_at_start
     from eom.scenes.description import inertia_values, principal_values
     from eom.scenes.start import pick, states
@@ -182,7 +182,7 @@ def principal(J: Floats) -> tuple[Floats, Floats]:
 
 def _spinner(scene: Scene) -> FreeBody:
     """Return the 3-1-2 spinner without torque; its rates are along the frame B before the spin angle."""
-    from eom.kinematics.rotations import quaternion_of_matrix
+    from eom.rotations import quaternion_of_matrix
     from eom.scenes.conventions import attitude_at_start
     from eom.scenes.description import principal_values
     from eom.scenes.start import pick, states

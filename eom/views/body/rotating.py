@@ -146,7 +146,7 @@ def _coordinates(scene: Scene) -> tuple[str, ...]:
 
 def _in_quaternion(scene: Scene) -> Scene:
     """Return a scene with its attitude as a quaternion, which no attitude is singular in."""
-    from eom.kinematics.rotations import quaternion_of_matrix
+    from eom.rotations import quaternion_of_matrix
     from eom.scenes.conventions import attitude_at_start
 
     data = scene.model_dump(exclude_unset=True)

@@ -1,4 +1,5 @@
-"""A picture to turn by hand, by Plotly: for notebooks, and the data of `eom.views.draw.turned_page`."""
+"""A picture to turn by hand, by Plotly: a figure for notebooks, and the data of
+`eom.views.draw.turned_page`."""
 
 from __future__ import annotations
 

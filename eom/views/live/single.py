@@ -18,9 +18,9 @@ import sympy as sp
 from eom.errors import InputError
 from eom.kinematics.coordinates import SEQUENCES, attitude, elementary
 from eom.kinematics.frames import vector
-from eom.kinematics.rotations import angles_of_matrix, matrix_of
 from eom.mechanics.rigidbody import OMEGA, full_inertia
 from eom.mechanics.spinning import I1, I2, PHI, PSI, THETA
+from eom.rotations import angles_of_matrix, matrix_of
 from eom.scenes import assembly, parse, start
 from eom.scenes.conventions import attitude_at_start
 from eom.scenes.description import inertia_values, principal_values

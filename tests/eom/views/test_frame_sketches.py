@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from eom.errors import InputError
 from eom.kinematics.coordinates import SEQUENCES, quaternion_of_sequence
-from eom.kinematics.rotations import matrix_of_quaternion
+from eom.rotations import matrix_of_quaternion
 from eom.scenes.scene import Scene
 from eom.views.body.frame_sketches import ANGLES, frame_sketch, frames_of, sequence_of
 from eom.views.body.turns import after_turns, arc_points, elementary

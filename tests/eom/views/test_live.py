@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 import codegen
 import eom
 from codegen.native import native
+from eom import rotations
 from eom.errors import InputError
-from eom.kinematics import rotations
 from eom.scenes.description import principal_values
 from eom.scenes.scene import Scene
 from eom.views.live import code, knobs
