@@ -1,9 +1,10 @@
-"""Shared by all tests: one cache of compiled code, and the targets of this machine."""
+"""Shared by all tests: one cache of compiled code, the targets of this machine, what is left out."""
 
 import gc
 import os
 import shutil
 import time
+import zlib
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -37,6 +38,68 @@ TARGETS = ("numpy", "c") if native.compiler() else ("numpy",)
 
 FORGOTTEN = 7 * 24 * 3600
 """Seconds after which compiled code of earlier runs is made anew, so that the folder does not grow."""
+
+
+collect_ignore_glob = ["eom/checker/unseen/oracle_*.py"]
+"""No tests, and their import takes long: `test_unseen` reads them."""
+
+QUICK_FLAGS = tuple("-O0" if flag == "-O3" else flag for flag in native.FLAGS)
+"""Five times as fast to compile, same numbers: without fused operations each one rounds as it stands."""
+
+MARKS = (
+    "sparse(most, only): the default suite runs the diagonal of the product, at most so many, or these ids",
+    "shipped_flags: compiled as users' code is, where accuracy, last bits or speed are the question",
+)
+
+
+def pytest_configure(config):
+    """Say what the marks mean."""
+    for mark in MARKS:
+        config.addinivalue_line("markers", mark)
+
+
+def spread(count, most):
+    """Return at most so many of the numbers below ``count``, evenly."""
+    return {k * count // most for k in range(most)} if most < count else set(range(count))
+
+
+def thinned(items, most=None, only=()):
+    """Return the cases of one test that the default suite runs; its name says where they begin."""
+    if only:
+        return [item for item in items if item.callspec.id in only]
+    places = [tuple(item.callspec._idlist) for item in items]  # an id of each set of parameters
+    axes = [tuple(dict.fromkeys(axis)) for axis in zip(*places, strict=True)]
+    longest = max(map(len, axes))
+    first = zlib.crc32(items[0].originalname.encode())
+    numbers = [first + k for k in spread(longest, most or longest)]
+    kept = {tuple(axis[k % len(axis)] for axis in axes) for k in numbers}
+    return [item for item, place in zip(items, places, strict=True) if place in kept]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark as slow what `sparse` leaves out, and all that needs the built site."""
+    for item in items:
+        if "site" in getattr(item, "fixturenames", ()):
+            item.add_marker("slow")
+    tests = {}
+    for item in items:
+        if item.get_closest_marker("sparse") and hasattr(item, "callspec"):
+            tests.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for cases in tests.values():
+        mark = cases[0].get_closest_marker("sparse")
+        found = thinned(cases, *mark.args, **mark.kwargs) or cases[:1]  # one that is asked for
+        kept = {item.nodeid for item in found}
+        for item in cases:
+            if item.nodeid not in kept:
+                item.add_marker("slow")
+
+
+@pytest.fixture(autouse=True)
+def quick_flags(request, monkeypatch):
+    """Let the default suite compile quickly, slow tests as users do."""
+    if not any(request.node.get_closest_marker(m) for m in ("slow", "shipped_flags")):
+        monkeypatch.setattr(native, "FLAGS", QUICK_FLAGS)
 
 
 def pytest_sessionstart(session):

@@ -25,6 +25,7 @@ def no_first_results(monkeypatch):
     monkeypatch.setattr(benching, "_first_results", lambda *_: {})
 
 
+@pytest.mark.slow
 def test_table_picture_and_data(run, tmp_path):
     pytest.importorskip("matplotlib")
     words = ["bench", "forced-rigid-body", "--quick", "--methods", METHODS, "--seed", 5]

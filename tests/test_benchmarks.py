@@ -73,6 +73,7 @@ def test_the_recursion_is_newtons_law_for_one_body_that_hangs():
     assert found == pytest.approx(expected, rel=1e-13)
 
 
+@pytest.mark.slow
 def test_the_short_forms_judge_counts_alone():
     quick = Settings(quick=True)
     for section in (chains.measure(quick), compile_time.measure(quick)):

@@ -152,6 +152,7 @@ def test_a_folder_with_a_table(check, note, tmp_path):
     assert json.loads((tmp_path / "table.json").read_text())[0]["first_fault"] == 5
 
 
+@pytest.mark.slow
 def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
     file = tmp_path / "page.html"
     done = check(note, *ARROWS, "--html", file)
@@ -167,6 +168,7 @@ def test_the_page_of_a_note_and_the_pages_of_several(check, note, tmp_path):
     assert "the file is binary" in index
 
 
+@pytest.mark.slow
 def test_several_notes_of_all_kinds(check, note):
     done = check(note, RIGHT, "-", *ARROWS, "--quiet", input=f"Let ${RIGHT}$.")
     assert done.exit_code == 1
@@ -222,6 +224,7 @@ def test_colours_are_for_terminals_without_no_color(check):
     assert check(WRONG, *ARROWS, color=True, env={"NO_COLOR": "1"}).output == plain
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -271,6 +274,7 @@ def test_names_and_formulas_are_printed_without_what_a_terminal_acts_on(check, t
     assert "\x1b" not in check(file, *ARROWS, "--json").output
 
 
+@pytest.mark.slow
 def test_checking_takes_a_moment_in_a_process_of_its_own(note):
     command = [sys.executable, "-m", "eom", "check", str(note), *ARROWS]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)

@@ -54,6 +54,7 @@ print(sorted({"sympy", "numpy", "scipy", "matplotlib"} & set(sys.modules)))
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", catalogue.names())
 @pytest.mark.parametrize("style", ["text", "latex", "markdown"])
 def test_derive_prints_every_state_and_output(run, name, style):
@@ -69,6 +70,7 @@ def test_derive_prints_every_state_and_output(run, name, style):
         assert "operations an evaluation" in done.output
 
 
+@pytest.mark.slow
 def test_derived_latex_has_balanced_braces_and_environments(run):
     for name in catalogue.names():
         text = run("derive", name, "--as", "latex").output
@@ -121,6 +123,7 @@ def test_fixed_parameters_leave_none(run, tmp_path):
     assert "PARAMETERS = ()" in (tmp_path / "t_handle.py").read_text()
 
 
+@pytest.mark.sparse(only=("t-handle", "double-pendulum"))
 @pytest.mark.parametrize("name", catalogue.names())
 def test_simulate_reports_and_saves(run, tmp_path, name):
     done = run(
@@ -312,6 +315,7 @@ def test_generate_needs_a_folder_or_a_report(run):
     assert "--out FOLDER" in done.stderr
 
 
+@pytest.mark.sparse(only=("t-handle", "bicycle-wheel", "double-pendulum"))
 @pytest.mark.parametrize("name", catalogue.names())
 def test_accuracy_tells_of_every_result(run, name):
     from eom import load_scene
@@ -387,6 +391,7 @@ BAD_RANGES = {
 }
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("words", BAD_RANGES)
 def test_bad_ranges_are_one_clear_error(run, words):
     done = run("accuracy", "bicycle-wheel", "--samples", 1, "--range", words)

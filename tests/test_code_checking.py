@@ -83,6 +83,7 @@ def test_code_in_c(checked):
         checked(IN_C.replace("@", "*(volatile double *)0"), ".c")
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -148,6 +149,7 @@ def left(note):
     return [n for n in note.read_text().split() if not is_gone(n)]
 
 
+@pytest.mark.sparse(2)
 @needs_proc
 @pytest.mark.parametrize("kind", [k for k in CHILDREN if k != "multiplying"])
 def test_no_process_survives_the_command(checked, capfd, tmp_path_factory, place, kind):
@@ -162,6 +164,7 @@ def test_no_process_survives_the_command(checked, capfd, tmp_path_factory, place
     assert left(note) == []
 
 
+@pytest.mark.sparse(only=("plain",))
 @needs_proc
 def test_code_that_multiplies_is_ended_with_all_that_it_became(checked, tmp_path_factory, place):
     """Two hundred processes at most, should nothing stop them; the warden allows fewer at one time."""
@@ -221,6 +224,7 @@ os._exit(0)
 """
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("forged", FORGED)
 def test_a_forged_answer_is_no_result(checked, forged):
     with pytest.raises(InputError, match="ended without a result"):
@@ -255,6 +259,7 @@ def test_rates_that_are_no_finite_numbers_are_wrong(checked):
         assert not checked(RIGHT.replace("(I2 - I3) * w2 * w3 / I1", value)).is_right
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not native.compiler(), reason="no C compiler")
 @pytest.mark.parametrize(
     "text",

@@ -193,6 +193,7 @@ def in_terminal(*words, **environment):
 WRONG = ("check", r"I_1\dot\omega_1 = (I_3 - I_2)\omega_2\omega_3 + T_1", "--notation", "kane")
 
 
+@pytest.mark.slow
 def test_colours_in_a_terminal_and_none_with_no_color():
     assert COLOUR.search(in_terminal(*WRONG))
     assert COLOUR.search(in_terminal(*WRONG, NO_COLOR="1")) is None
@@ -279,6 +280,7 @@ print("done")
 """
 
 
+@pytest.mark.sparse(only=("60.0-0.0-False",))
 @pytest.mark.parametrize(("quiet", "work", "shown"), [(0.0, 2.0, True), (60.0, 0.0, False)])
 def test_waiting_in_a_terminal(quiet, work, shown, tmp_path):
     package = tmp_path / "eom_waits.py"

@@ -39,6 +39,7 @@ def test_help_lists_every_row(run, command, title, rows):
     assert all(" ".join(row.meaning.split())[:30] in text for row in rows)
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", [row.name for row in written.ROWS])
 def test_each_integrator_is_written_and_no_other(run, tmp_path, name):
     done = run("generate", "heavy-top", "--integrator", name, "--out", tmp_path)
@@ -50,6 +51,7 @@ def test_each_integrator_is_written_and_no_other(run, tmp_path, name):
     assert (f"heavy_top_{name}.o" in (tmp_path / "Makefile").read_text()) == (name != "none")
 
 
+@pytest.mark.sparse(only=("taylor", "none"))
 @needs_make
 @pytest.mark.parametrize("name", [row.name for row in written.ROWS])
 def test_each_integrator_builds_with_strict_options(run, tmp_path, name):
@@ -189,6 +191,7 @@ def drift_in(done, name):
     return float(rows_of(done)[f"drift of {name}"].split()[0])
 
 
+@pytest.mark.slow
 def test_projection_keeps_what_is_named(run, tmp_path):
     words = ["simulate", "gravity-gradient-satellite", "--rtol", 1e-6, "--points", 20, "--method"]
     off = run(*words, "DOP853")

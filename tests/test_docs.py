@@ -26,6 +26,7 @@ NEEDS = {"many-bodies": "yourdfpy", "monte-carlo": "zarr", "tutorial": "matplotl
 TASKS = 10
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not native.compiler(), reason="pages show runs in C")
 @pytest.mark.skipif(sys.platform == "win32", reason="pages run in forks of one process")
 def test_blocks_of_all_pages_run_and_print_what_is_shown():

@@ -96,6 +96,7 @@ def test_attitudes_are_drawn_as_rotations(run):
     assert told["statistics"]["q1"]["deviation"][0] == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_trajectory_that_stops_early_is_counted_and_told(run, tmp_path):
     """At a singular angle from the start."""
     words = ["--vary", "theta=grid(1.0, 1.5707963267948966, 2)", "--t-end", 0.01]

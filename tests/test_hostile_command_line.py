@@ -142,6 +142,7 @@ def words_with(name, parameter, value):
     return [name, *right, f"{option}={value}"]
 
 
+@pytest.mark.slow
 def test_every_command_has_right_arguments(places):
     assert {SAME.get(name, name) for name in main.commands} == set(RIGHT)
     for name, words in RIGHT.items():
@@ -149,6 +150,7 @@ def test_every_command_has_right_arguments(places):
         assert run([name, *words], places).exit_code == (2 if wrong else 0), name
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize(("name", "parameter"), [*parameters()])
 def test_whatever_an_option_is_there_is_one_message(name, parameter, places, monkeypatch):
     monkeypatch.chdir(places["folder"])
@@ -188,6 +190,7 @@ def paths(data, before=()):
             yield from paths(value, (*before, key))
 
 
+@pytest.mark.sparse(only=("tree", "samples"))
 @pytest.mark.parametrize(
     ("text", "words"),
     [

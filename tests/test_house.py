@@ -14,6 +14,7 @@ import eom
 from benchmarks import house
 
 
+@pytest.mark.slow
 def test_no_figure_of_the_house_gets_worse():
     found = house.figures()
     exceeded = {n: (found[n], most) for n, most in house.LIMITS.items() if found[n] > most}

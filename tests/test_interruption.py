@@ -67,6 +67,7 @@ def interrupted(process, group=False):
     return out, err
 
 
+@pytest.mark.slow
 @in_c
 @pytest.mark.parametrize("method", ["auto", "DOP853"])
 def test_an_ensemble_ends_in_the_middle_of_a_trajectory_and_its_store_goes_on(tmp_path, method):
@@ -126,6 +127,7 @@ def test_what_ends_an_ensemble_ends_its_other_chunks():
         )  # fmt: skip
 
 
+@pytest.mark.sparse(1)
 @in_c
 @pytest.mark.parametrize("method", ["DOP853", "taylor", "scipy:Radau"])
 def test_one_long_run_ends(method):
@@ -162,6 +164,7 @@ def gone(pid):
 needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 
 
+@pytest.mark.slow
 @needs_proc
 def test_a_compiler_ends_with_its_children_and_the_cache_is_clean(tmp_path):
     """What the driver of a compiler starts outlives it unless somebody looks after that."""
@@ -186,6 +189,7 @@ def test_a_child_that_takes_too_long_ends_with_its_children(tmp_path):
     assert gone(int(note.read_text()))
 
 
+@pytest.mark.slow
 def test_many_notes_end_with_the_processes_that_check_them(tmp_path):
     """The terminal interrupts every process: those that load their modules say nothing of it."""
     for k in range(40):
@@ -195,6 +199,7 @@ def test_many_notes_end_with_the_processes_that_check_them(tmp_path):
     assert interrupted(process, group=True) == ("", "interrupted\n")
 
 
+@pytest.mark.slow
 @needs_proc
 def test_foreign_code_ends_with_what_it_has_started(tmp_path):
     note, code = tmp_path / "pid", tmp_path / "code.py"

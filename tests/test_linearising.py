@@ -111,6 +111,7 @@ def test_noise_is_printed_as_zero():
     assert not [line for line in lines if "e-2" in line and "agreement" not in line]
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

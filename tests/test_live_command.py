@@ -35,6 +35,7 @@ def test_what_cannot_be_is_one_message_and_no_file(arguments, words, tmp_path, m
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_bytes_do_not_depend_on_the_order_of_sets(tmp_path):
     made = []
     for seed in ("1", "2"):

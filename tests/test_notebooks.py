@@ -47,6 +47,7 @@ def run(path, folder):
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 @everyone
 @pytest.mark.skipif(
     not native.compiler(), reason="what the notebooks keep was made with a compiler"
@@ -162,6 +163,18 @@ def test_the_answer_is_judged_by_the_reader_s_own_cell():
         ast.literal_eval(sources[3].splitlines()[0].removeprefix("attempt = "))
         == "$$a = b$$\n\n$$c = d$$"
     )
+
+
+def test_a_small_notebook_runs_and_its_answer_is_judged(tmp_path):
+    line = r"\dot\omega_1 = \frac{(I_2 %s I_3) \omega_2 \omega_3}{I_1}"
+    exercise = f"<details>\n\n$${line % '-'}$$\n\n</details>"
+    attempt = f"attempt = {line % '+'!r}\neom.check(attempt, system=eom.free_rigid_body())"
+    notebook = small("import eom\nprint(1 + 1)", exercise, attempt)
+    notebook.cells[0].outputs = [nbformat.v4.new_output("stream", name="stdout", text="2\n")]
+    nbformat.write(notebook, tmp_path / "small.ipynb")
+    found = run(tmp_path / "small.ipynb", tmp_path)
+    assert found["now"][0] == found["kept"][0] != []
+    assert found["verdicts"] == [["wrong"], ["holds"]]
 
 
 def test_what_is_said_leaves_out_pictures_and_measurements():

@@ -74,6 +74,7 @@ def deaf(integrator):
 # --- the table --------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("there-and-back",))
 @needs_compiler
 @pytest.mark.parametrize("name", [n for n in checks.NAMES if n != "long-run"])
 def test_every_check_passes(run, tmp_path, name):
@@ -105,6 +106,7 @@ def test_every_check_passes(run, tmp_path, name):
     assert any(f["bound"] is not None for f in found["figures"])
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     size = replace(record.SIZES["quick"], limit=0.01)
@@ -113,6 +115,7 @@ def test_rounding_errors_of_taylor_are_a_random_walk(monkeypatch):
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_long_run_tells_exponents_with_error_bars(run):
     done = run("stress", "long-run", "--quick", *BOTH)
@@ -129,6 +132,7 @@ def test_help_and_list_of_checks(run):
         assert all((check.states, check.bound, check.measured, check.source))
 
 
+@pytest.mark.slow
 def test_lost_accuracy_is_told(run):
     done = run("stress", "extreme-bodies", "--quick", "--method", "taylor")
     if native.compiler():
@@ -144,6 +148,7 @@ def test_nothing_measured_is_no_pass():
 # --- checks that are made to fail ------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("near-singular-angles",))
 @needs_compiler
 @pytest.mark.parametrize(
     "name", ["extreme-bodies", "near-singular-angles", "tolerances", "there-and-back"]
@@ -155,6 +160,7 @@ def test_a_wrong_step_is_found(run, monkeypatch, name):
     assert f"{name}: FAIL: " in done.stdout
 
 
+@pytest.mark.sparse(only=("tolerances",))
 @needs_compiler
 @pytest.mark.parametrize("name", ["extreme-bodies", "tolerances"])
 def test_a_tolerance_that_is_not_kept_is_found(run, monkeypatch, name):
@@ -197,6 +203,7 @@ def leaky(asked):
     return memory.use(asked)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_memory_that_grows_with_the_steps_is_found():
     body = free_rigid_body("quaternion")
@@ -206,6 +213,14 @@ def test_memory_that_grows_with_the_steps_is_found():
     assert not growth.passed
     assert growth.value > 10
     assert not stored.passed
+
+
+@needs_compiler
+def test_a_short_run_stores_what_is_asked_for_alone():
+    body = free_rigid_body("quaternion")
+    found = memory.use(memory.Job(body, "DOP853", 2000))
+    assert found.steps >= 2000
+    assert all(figure.passed for figure in memory._figures("DOP853", found))
 
 
 def stubborn(asked):
@@ -219,6 +234,7 @@ def stubborn(asked):
     return asked
 
 
+@pytest.mark.slow
 def test_hangs_crashes_and_exceptions_are_told_and_the_next_one_is_answered():
     with Worker(stubborn) as worker:
         assert worker.ask("fine", 60).value == "fine"

@@ -177,6 +177,7 @@ PAGES = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("style", PAGES)
 def test_closed_forms_are_the_pages_of_the_tree(run, style):
     method, begin = PAGES[style]
@@ -194,6 +195,7 @@ def test_angles_against_the_ground(run):
     assert "theta_elbow" in done.output
 
 
+@pytest.mark.sparse(only=("pendulum-on-cart-kane",))
 @pytest.mark.parametrize("method", ["kane", "all"])
 @pytest.mark.parametrize("name", ["pendulum-on-cart", "seven-joint-arm", "floating-tree"])
 def test_large_scenes_have_no_closed_form(run, name, method):

@@ -46,6 +46,8 @@ from eom.quantities import TIME, Quantity
 from eom.system import System
 from tests.codegen.scenes import SCENES
 
+pytestmark = pytest.mark.sparse
+
 x, y, a, b, c, u = sp.symbols("x y a b c u", real=True)
 
 
@@ -123,6 +125,7 @@ def test_well_conditioned_polynomial_and_exact_results(target):
     assert card.unstable == ()
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
     scene = load_scene(name)

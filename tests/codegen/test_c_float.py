@@ -39,6 +39,8 @@ from tests.codegen.test_targets import SYSTEMS as OTHERS
 from tests.codegen.test_targets import every_operation, hostile_system, strictly_compile
 from tests.codegen.test_targets import system_of as all_operations
 
+pytestmark = pytest.mark.shipped_flags
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 
@@ -87,6 +89,7 @@ def check(program, group, point, got):
     return checked
 
 
+@pytest.mark.slow
 @needs_compiler
 @settings(max_examples=12)
 @given(several(drawn, 8, 14), several(points(st.floats(-4, 4, width=32)), 6, 6))
@@ -97,6 +100,7 @@ def test_random_expressions_stay_within_the_scaled_bound(exprs, values):
         check(compiled.program, "outputs", Point(v[5], v[:3], v[3:5]), got)
 
 
+@pytest.mark.sparse(4)
 @needs_compiler
 @pytest.mark.parametrize("name", SELECTED)
 def test_every_system_stays_within_the_scaled_bound(name):
@@ -127,6 +131,7 @@ def test_the_scaled_bound_is_felt():
     assert not np.array_equal(double, got.astype(float))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("name", ["all operations", "satellite", "hostile"])
 def test_generated_c_passes_strict_compilers_without_a_warning(name, compiler, tmp_path):

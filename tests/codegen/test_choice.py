@@ -67,6 +67,7 @@ def none_closed(monkeypatch):
 # --- what is taken --------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel", "gravity-gradient-satellite"])
 @pytest.mark.usefixtures("none_closed")
@@ -78,6 +79,7 @@ def test_ready_scenes_without_a_closed_form_go_to_taylor_series(name):
     assert "smooth" in result.why
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("kind", KINKS)
 def test_kinks_and_tables_go_to_runge_kutta(kind):
@@ -124,6 +126,7 @@ def test_the_reach_of_taylor_series_is_where_the_truncated_exponential_leaves_th
     assert all(b > a for a, b in itertools.pairwise(orders))
 
 
+@pytest.mark.sparse(3)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
@@ -134,6 +137,7 @@ def test_accuracy_alone_keeps_steps_away_from_what_counts_as_limited(in_c, metho
     assert np.median(np.diff(run.t)) < 0.8 * stiffness.NEAR * reach
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("damping", "stiff"), [(1e-6, False), (1.0, False), (1e7, True), (1e10, True)]
@@ -322,6 +326,7 @@ PULSE = System.from_rates("pulse", {x: v, v: -x + 5 / sp.cosh(1000 * (TIME - 4))
 BUMP = System.from_rates("bump", {x: v, v: -x + 3 / sp.cosh(400 * x) ** 2})
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-6, 1e-12])
 def test_a_series_that_overflows_at_the_start_is_continued_by_runge_kutta(in_c, rtol):
@@ -347,6 +352,7 @@ def test_a_series_that_is_asked_for_stops_where_it_overflows(in_c):
     assert found.message.startswith("stopped at t = 0 s")
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("backwards", [False, True])
 def test_a_run_that_is_continued_on_the_way_has_events_points_and_dense_output(in_c, backwards):

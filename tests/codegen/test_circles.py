@@ -19,6 +19,8 @@ from codegen.targets.sincos import BLOCK, CIRCLE, MANY_ANGLES, TURNED, circles
 from eom.quantities import Quantity
 from eom.system import System
 
+pytestmark = pytest.mark.shipped_flags
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 ULPS = 1.0
 
@@ -68,6 +70,7 @@ def errors(found, exact):
     ]
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("flags", [(), ("-O1",), ("-ffp-contract=fast",)], ids=str)
 def test_errors_are_within_a_unit_in_the_last_place(flags):

@@ -37,6 +37,8 @@ from codegen.native.trajectory import Problem
 from eom.errors import InputError
 from tests.draws import nonzero
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="no C compiler")
 ATTITUDE = (0.5, -0.1, 0.7, 0.5)
 TIMES = np.linspace(-3.0, 4.0, 29)
@@ -140,6 +142,7 @@ FREE = {
 }
 
 
+@pytest.mark.sparse(6)
 @pytest.mark.parametrize("kind", FREE)
 @pytest.mark.parametrize("attitude", [None, "quaternion", "dcm"])
 def test_free_bodies(kind, attitude):
@@ -189,6 +192,7 @@ READ = [
 ]
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize(("inertia", "attitude"), READ)
 def test_reduced_scenes(inertia, attitude, tmp_path):
     """What `eom` leaves out: components that stay become parameters, equal moments are one."""
@@ -208,6 +212,7 @@ def test_reduced_scenes(inertia, attitude, tmp_path):
     assert np.abs(closed.states(run.t) - run.y).max() <= 1e-10
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("attitude", ["3-1-2", "3-2-1", "quaternion", "dcm"])
 @pytest.mark.parametrize("axis", [1, 2, 3])
 def test_no_spin_about_the_axis_of_symmetry(axis, attitude, tmp_path):
@@ -410,6 +415,7 @@ TOPS = {
 }
 
 
+@pytest.mark.sparse(6)
 @pytest.mark.parametrize("name", TOPS)
 def test_tops_against_taylor_series(name):
     mu, ratio, w, q = TOPS[name]
@@ -427,6 +433,7 @@ def test_steady_precession_is_recognised_exactly():
     check_top(mu, ratio, (0.0, n, w3), q, 3.1)
 
 
+@pytest.mark.slow
 @settings(max_examples=10)
 @given(
     mu=nonzero(1e-2, 1e2),
@@ -508,6 +515,7 @@ def spin_of(q):
     return mpmath.atan2(2 * (b * d - a * c), 2 * (c * d + a * b))
 
 
+@pytest.mark.sparse(6)
 @pytest.mark.parametrize("t", [3.7, 1e3, -1e6, 1e9])
 @pytest.mark.parametrize(
     "name", ["nutating", "loops", "slow", "spherical body", "backwards", "slender"]
@@ -621,6 +629,7 @@ SHAPES = [
 SHAPES += [("3-2-1", (2.0, 2.0, 2.0)), ("1-3-1", (2.0, 2.0, 2.0)), ("3-2-1", (1.0, 1.0, 1.6))]
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("sequence", "moments"), SHAPES)
 def test_angles_of_free_symmetric_bodies(sequence, moments):
     omega = (0.3, -0.2, 0.1) + 1.5 * np.eye(3)[int(sequence[-1]) - 1]
@@ -641,6 +650,7 @@ TILTS = [("3-1-3", n, 0.7) for n in ("nutating", "loops", "cusps", "slow", "cent
 TILTS += [("3-2-3", "loops", -4.0), ("3-1-3", "slow", -4.0)]
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("sequence", "name", "tilt"), TILTS)
 def test_angles_of_tops(sequence, name, tilt):
     mu, ratio, w, _ = TOPS[name]
@@ -691,6 +701,7 @@ SPINNERS = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SPINNERS)
 @pytest.mark.parametrize("t", [3.3, -2.1])
 def test_spinner_without_torque(name, t):
@@ -784,6 +795,7 @@ def motion(name):
     return found(system, start, {"I1": a, "I2": b, "I3": c})
 
 
+@pytest.mark.sparse(3)
 @needs_compiler
 @pytest.mark.parametrize("name", MOTIONS)
 def test_c_agrees_with_numpy(name):

@@ -28,6 +28,8 @@ from eom.system import System
 from eom.tables import Table
 from tests.codegen.scenes import SCENES
 
+pytestmark = pytest.mark.shipped_flags
+
 x, y, z, p, q = sp.symbols("x y z p q", real=True)
 VARIABLES = (x, y, z, p, q, TIME)
 
@@ -279,6 +281,7 @@ def check_against_bound(program, group, point, got):
 # --- random expressions against the interpreter ----------------------------------------------------
 
 
+@pytest.mark.sparse(only=("c",))
 @settings(max_examples=25)
 @given(several(expressions, 4, 10), several(points(extreme), 6, 6))
 def test_random_expressions_stay_within_the_error_bound(target, exprs, values):
@@ -348,6 +351,7 @@ ARITHMETIC = st.recursive(
 """Expressions of operations that are correctly rounded; roots other than square ones are not."""
 
 
+@pytest.mark.sparse(only=("c",))
 @settings(max_examples=25)
 @given(several(ARITHMETIC, 4, 10), several(points(extreme), 8, 8))
 def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(target, exprs, values):
@@ -414,6 +418,7 @@ def as_array(values):
     return values if len(values) else None
 
 
+@pytest.mark.sparse(3)
 def test_every_system_stays_within_the_error_bound(system, target):
     compiled = compile_system(system, target)
     checked = 0
@@ -425,6 +430,7 @@ def test_every_system_stays_within_the_error_bound(system, target):
     assert checked >= 3 * sum(compiled.layout.sizes.values())
 
 
+@pytest.mark.sparse(6)
 def test_every_system_has_the_values_that_sympy_gives_it(system):
     """Definitions are expanded, and the mass matrix solved, by SymPy with 60 digits."""
     t, xs, ps, us = random_values(system, 7)
@@ -454,6 +460,7 @@ def test_every_system_has_the_values_that_sympy_gives_it(system):
                 assert abs(ours - mpmath.mpf(str(theirs))) < 1e-42 * (1 + abs(ours)), group
 
 
+@pytest.mark.sparse(9)
 def test_every_system_is_finite_at_rest(system, target):
     """All states zero: rates are finite unless the coordinates are singular there."""
     compiled = compile_system(system, target)
@@ -466,6 +473,7 @@ def test_every_system_is_finite_at_rest(system, target):
         assert np.all(np.isfinite(compiled.rhs(*arguments)))
 
 
+@pytest.mark.sparse(6)
 def test_compiled_in_parameters_give_what_the_general_functions_give(system, target):
     t, xs, ps, us = random_values(system, 3)
     general = compile_system(system, target)

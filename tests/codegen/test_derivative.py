@@ -132,6 +132,7 @@ def values(system, seed):
     return Point(t=next(numbers), x=take(system.states), p=p, u=take(system.inputs))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", ["state", "parameter"])
 def test_systems_against_central_differences(name, kind):
@@ -160,6 +161,7 @@ def test_systems_against_central_differences(name, kind):
                 assert abs(got - slope) < 1e-9 * (1 + abs(slope))
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("kind", ["state", "parameter"])
 def test_nothing_depends_on_what_it_does_not_read(name, kind):
@@ -183,6 +185,7 @@ def test_columns_of_one_colour_share_no_row(pattern):
     assert max(colours.values(), default=-1) + 1 >= widest
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_value_and_jacobian_cost_little_more_than_the_value(name):
     program = prune(lower_system(load_scene(name).derive()), [RATES])
@@ -192,6 +195,7 @@ def test_value_and_jacobian_cost_little_more_than_the_value(name):
     assert derived.program.cost() <= 2.5 * program.cost()
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_the_cheapest_mode_is_chosen(name):
     program = prune(lower_system(load_scene(name).derive()), [RATES])

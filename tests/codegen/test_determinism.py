@@ -1,10 +1,13 @@
 """The same system gives the same bytes in every process, whatever Python hashes strings to."""
 
+import pytest
+
 from codegen.compiling.compiled import ROWS
 from tests.codegen.digests import HASH_SEEDS, digests_started
 from tests.codegen.scenes import SCENES
 
 
+@pytest.mark.slow
 def test_processes_with_other_hash_seeds_generate_the_same_bytes():
     results = [digests_started(seed) for seed in HASH_SEEDS]
     first, *others = (result() for result in results)

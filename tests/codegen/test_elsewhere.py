@@ -52,6 +52,7 @@ def spell(f):
     return f.func.__name__
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("links", [1, 2, 4])
 @pytest.mark.parametrize("target", ["numpy", "auto"])
 def test_kanes_method(links, target):

@@ -28,6 +28,8 @@ from eom.quantities import TIME
 from eom.system import System
 from tests.clock import within
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 y1, y2, y3, k, u = sp.symbols("y1 y2 y3 k u", real=True)
 RIGID = System.from_rates("rigid", {y1: y2 * y3, y2: -y1 * y3, y3: -sp.Rational(51, 100) * y1 * y2})
@@ -59,6 +61,7 @@ def column(values, j):
     return {n: float(v[j] if np.ndim(v) else v) for n, v in values.items()}
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("name", ["heavy-top", "bicycle-wheel"])
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
@@ -84,6 +87,7 @@ def test_every_trajectory_is_that_of_simulate(name, method):
     assert all(d.maximum[0] < 1e-5 for d in found.drift.values())
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12, 2.0**-52])
 def test_error_is_that_of_the_exact_solution(rtol):
@@ -140,6 +144,7 @@ def shared(n, t_span=(0.0, 5.0), t_eval=(), **others):
     return fleet.Shared(t_span, np.zeros(0), 1e-9, np.full(n, 1e-12), 1e-6, grid, **given)
 
 
+@pytest.mark.sparse(only=("pendulum",))
 @needs_compiler
 @pytest.mark.parametrize("system", [PENDULUM, LINEAR], ids=lambda s: s.name)
 def test_no_bit_depends_on_the_width_of_vectors(system):
@@ -173,6 +178,7 @@ def test_generated_text_has_no_warnings(compiler, name, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_failures_are_told_and_do_not_disturb_the_others(method):
@@ -202,6 +208,7 @@ def test_a_run_of_too_many_steps_stops(method):
     assert ((found.t_stop > 0) & (found.t_stop < 500)).all()
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_a_singular_configuration_is_located_and_nothing_jumps_over_it(method):
@@ -228,6 +235,7 @@ def test_a_singular_configuration_is_located_and_nothing_jumps_over_it(method):
     )
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_kinks_are_followed():
     compiled = compiled_once(KINKED)
@@ -241,6 +249,7 @@ def test_kinks_are_followed():
     assert not found.columns["rejected"].any()
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_there_and_back(method):

@@ -18,7 +18,7 @@ from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
+pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="runs C")]
 y1, y2, k = sp.symbols("y1 y2 k", real=True)
 PENDULUM = System.from_rates("pendulum", {y1: y2, y2: -k * sp.sin(y1)})
 SAMPLER = Sampler({"y1": Normal(0, 1), "y2": Uniform(-1, 1), "k": Uniform(1, 2)}, 2500, seed=4)
@@ -62,6 +62,7 @@ def records(folder):
     return sorted(p.name for p in (folder / "manifest").glob("*.json"))
 
 
+@pytest.mark.sparse(1)
 def test_a_run_that_broke_off_goes_on_where_it_stopped(compiled, expected, kind, tmp_path):
     class Enough(Exception):
         pass
@@ -95,6 +96,7 @@ def data_files(folder):
     return sorted(files)
 
 
+@pytest.mark.sparse(1)
 def test_whatever_file_is_damaged_is_computed_again(compiled, expected, kind, tmp_path):
     folder = tmp_path / "runs"
     run(compiled, store=folder, store_format=kind)
@@ -203,6 +205,7 @@ def test_the_window_bounds_what_is_in_memory(compiled, monkeypatch):
     assert 2 <= most <= crews.A_WORKER * 2
 
 
+@pytest.mark.slow
 def test_a_killed_worker_costs_nothing_but_time(compiled, expected, tmp_path):
     distributed = pytest.importorskip("distributed")
     pytest.importorskip("zarr")
@@ -244,6 +247,7 @@ DAMAGES = {
 """What a file of JSON may have become."""
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_description_is_told_and_mended_by_running_again(
     compiled, expected, kind, tmp_path, damage

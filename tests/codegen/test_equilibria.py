@@ -230,6 +230,7 @@ def satellite():
     return codegen.compile(scene.derive(), "numpy"), scene.parameter_values()
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("degrees", [3.0, 10.0])
 def test_a_satellite_finds_the_equilibrium_beside_it(degrees):
     """The 24 attitudes with axes along those of the orbit, each from some degrees beside it."""

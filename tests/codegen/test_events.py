@@ -18,6 +18,8 @@ from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 runs_c = pytest.mark.skipif(not native.compiler(), reason="runs C")
 METHODS = ("taylor", "DOP853")
 ALL = (*METHODS, "DP5", "Tsit5")
@@ -52,6 +54,7 @@ def times(system, start, span, event, method="taylor", rtol=1e-12, **options):
 # --- closed forms ---------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("taylor", "Tsit5"))
 @runs_c
 @pytest.mark.parametrize("method", ALL)
 def test_zeros_of_the_pendulum_are_at_multiples_of_the_complete_integral(method):
@@ -68,6 +71,7 @@ def test_zeros_of_the_pendulum_are_at_multiples_of_the_complete_integral(method)
     assert list(run.events["turned"].direction[:4]) == [-1, 1, -1, 1]
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_rates_of_the_free_body_are_zero_where_sn_and_cn_are(method):
     """I = (1, 2, 3): omega = (a cn, -b sn, c dn) of n t; dn has no zero."""
@@ -96,6 +100,7 @@ def test_rates_of_the_free_body_are_zero_where_sn_and_cn_are(method):
     assert len(dn) == 0
 
 
+@pytest.mark.sparse(1)
 @runs_c
 @pytest.mark.parametrize("end", [20000.0, -20000.0])
 def test_thousands_of_crossings_none_lost_none_twice(oscillator, end):
@@ -112,6 +117,7 @@ def test_thousands_of_crossings_none_lost_none_twice(oscillator, end):
     assert np.max(np.abs(found.events["x"].y[0])) < 4 * EPSILON
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_many_zeros_in_one_step(oscillator, method):
     """sin(20 x) varies much more quickly than the states: up to 13 zeros between two turns."""
@@ -127,6 +133,7 @@ def test_many_zeros_in_one_step(oscillator, method):
 # --- touches ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @runs_c
 @pytest.mark.parametrize("method", ALL)
 @pytest.mark.parametrize("longest", [0.01, 0.37, 3.0])
@@ -141,6 +148,7 @@ def test_every_touch_is_found_once(turn, method, longest):
     assert len(crossed) == 128
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_a_touch_at_the_end_of_a_step_is_found_once(turn, method):
     """(a - 3)^2 with a step to 3 at most: steps of 1 end at it, or beside it by rounding."""
@@ -151,6 +159,7 @@ def test_a_touch_at_the_end_of_a_step_is_found_once(turn, method):
         assert run.t_events[0][0] == pytest.approx(3, abs=1e-6)
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_directions_leave_touches_out_and_a_triple_zero_is_a_crossing(turn, method):
     events = [
@@ -164,6 +173,7 @@ def test_directions_leave_touches_out_and_a_triple_zero_is_a_crossing(turn, meth
     assert run.events[events[1].label].direction[0] == 1
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_a_pair_that_nearly_touches_is_a_pair(turn, method):
     """1 - 1e-9 - sin has two zeros 9e-5 apart in each turn; 1 + 1e-9 - sin has none."""
@@ -178,6 +188,7 @@ def test_a_pair_that_nearly_touches_is_a_pair(turn, method):
 # --- ends of runs, order, several at a time --------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_zeros_at_both_ends_of_a_run(turn, method):
     t = TURN.time
@@ -189,6 +200,7 @@ def test_zeros_at_both_ends_of_a_run(turn, method):
     assert [list(e.direction) for e in again.events.values()] == [[-1], [-1]]
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_a_run_in_two_finds_what_one_finds(oscillator, method):
     """Cut at every place, also at a zero: what is at the cut is at most twice there, once a run."""
@@ -201,6 +213,7 @@ def test_a_run_in_two_finds_what_one_finds(oscillator, method):
         assert np.max(np.abs(both - whole)) < 1e-10
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_terminal_events_end_the_run_there(oscillator, method):
     events = [
@@ -221,6 +234,7 @@ def test_terminal_events_end_the_run_there(oscillator, method):
     assert np.allclose(run.sol(run.t_events[0]), run.events["third"].y, atol=1e-14)
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_simultaneous_events_are_all_reported_also_where_the_run_ends(turn, method):
     events = {
@@ -238,6 +252,7 @@ def test_simultaneous_events_are_all_reported_also_where_the_run_ends(turn, meth
     assert grid.t_stop == run.t_stop
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_trajectories_do_not_depend_on_events(oscillator, method):
     """DOP853 makes the same steps with any; taylor with those whose series is seen as far as the motion."""
@@ -278,6 +293,7 @@ def test_more_events_than_the_room_for_them(turn):
     assert len(times(turn, [0.0, 1.0], (0, 1000), [sp.sin(100 * a)], max_step=1.0)) == 31831
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_bouncing_ball(method):
     """Each run ends at the ground, the next begins there; a direction keeps the start from counting."""
@@ -294,6 +310,7 @@ def test_bouncing_ball(method):
 # --- SciPy, singular configurations, what is compiled in -------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_scipy_finds_the_same(method):
     def rates(t, y):
@@ -314,6 +331,7 @@ def test_scipy_finds_the_same(method):
         assert np.max(np.abs(y - z)) < 1e-9
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_a_singular_configuration_is_reached_before_a_later_event(method):
     system = eom.free_rigid_body("3-2-1")
@@ -329,6 +347,7 @@ def test_a_singular_configuration_is_reached_before_a_later_event(method):
     assert (stopped.status, stopped.t_stop) == (2, pytest.approx(1.0, abs=1e-9))
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_parameters_outputs_and_what_is_compiled_in(method):
     g, level = sp.symbols("g level", real=True)
@@ -347,6 +366,7 @@ def test_parameters_outputs_and_what_is_compiled_in(method):
             assert np.allclose(one, two, atol=1e-7)
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_events_of_projected_runs_are_on_the_invariants(method):
     energy = {"E": v**2 / 2 - sp.cos(x)}
@@ -398,6 +418,7 @@ int main(void) {{
 """
 
 
+@pytest.mark.sparse(1)
 @runs_c
 @pytest.mark.parametrize("name", ["taylor", "dop853"])
 def test_generated_files_find_events_by_themselves(tmp_path, name):
@@ -509,6 +530,7 @@ def test_order_of_all_events_is_that_of_time(oscillator):
     assert all(one < other for t in run.t_events for one, other in itertools.pairwise(t))
 
 
+@pytest.mark.sparse(1)
 @runs_c
 def test_runs_in_which_nothing_happens_and_one_state(method):
     decay = System.from_rates("decay", {x: -x})

@@ -169,6 +169,7 @@ MEANT = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", CASES)
 def test_against_taylor_series(name):
     I, omega = CASES[name]
@@ -193,6 +194,7 @@ bodies = st.tuples(masses, masses.map(lambda v: v + 2), masses.map(lambda v: v +
 )
 
 
+@pytest.mark.slow
 @given(
     I=bodies,
     order=st.permutations(range(3)),
@@ -205,6 +207,7 @@ def test_against_legendre_integrals(I, order, omega, phase):
     check(moments, omega, ATTITUDE, t, legendre, extra=30)
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("turns", [1e3, 1e6, -1e9])
 @pytest.mark.parametrize("omega", [(1.0, 0.3, -2.0), (-1.0, -0.2, 0.3), (0.05, 10.0, 0.05)])
 def test_errors_do_not_grow_with_time(omega, turns):
@@ -214,6 +217,7 @@ def test_errors_do_not_grow_with_time(omega, turns):
     check(T_HANDLE, omega, ATTITUDE, turns, legendre, extra=40)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("exponent", [1, 3, 8, 20, 75, 150])
 @pytest.mark.parametrize("phase", [3.1, 417.3])
 def test_complementary_parameter_to_1e_300(exponent, phase):
@@ -222,6 +226,7 @@ def test_complementary_parameter_to_1e_300(exponent, phase):
     check((1.0, 1.6, 2.0), omega, ATTITUDE, phase, legendre, extra=3 * exponent + 30)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("exponent", [1, 4, 8, 30, 150])
 def test_parameter_to_1e_300(exponent):
     """Spin nearly about an axis; the small components are right beside their own size, too."""
@@ -241,6 +246,7 @@ def test_extreme_moments(I):
         check(I, omega, ATTITUDE, 52.3, legendre, extra=60)
 
 
+@pytest.mark.slow
 @given(scale=st.integers(-300, 300), omega=st.tuples(*[nonzero(1e-3, 10.0)] * 3))
 def test_powers_of_two_scale_exactly(scale, omega):
     """Units of time and of mass change no digit; 2^30 is a spin of 1e9 rad/s."""
@@ -252,6 +258,7 @@ def test_powers_of_two_scale_exactly(scale, omega):
     np.testing.assert_array_equal(q, r)
 
 
+@pytest.mark.slow
 @given(omega=st.tuples(*[nonzero(1e-2, 3.0)] * 3), t1=st.integers(-64, 64), t2=st.integers(-64, 64))
 def test_group_property(omega, t1, t2):
     """To go on from a rounded state costs what that state's rounding is amplified, linear in time."""
@@ -334,6 +341,7 @@ BODIES = (
 )
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("I", BODIES)
 def test_no_data_give_nan(I):
     """Warnings are errors here, too."""

@@ -91,6 +91,7 @@ def assert_same(numbers, parameters, x, mode, ratio):
     assert found.program.cost() <= ratio * expected.program.cost()
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("mode", ORDERS)
 def test_numbers_that_meet_level_by_level(mode):
     """With denominators cleared level by level, numbers pass 1e308 here."""
@@ -106,6 +107,7 @@ def test_constants_of_a_derivative_stay_short():
         assert max(max(abs(c.numerator), c.denominator) for c in constants).bit_length() <= 2 * own
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     ("seed", "count", "kinds"),
     [
@@ -125,6 +127,7 @@ def differentiated(count):
     return jacobian(levels(count)[0], RATES, modes=("mixed",)).program
 
 
+@pytest.mark.slow
 def test_size_and_work_are_linear_in_the_depth():
     assert differentiated(40).cost() <= 2.1 * differentiated(20).cost()
     assert growth_in_calls(2.4, differentiated, 20, 40)

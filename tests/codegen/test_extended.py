@@ -161,6 +161,7 @@ def test_what_has_no_solution_is_refused():
 # --- the reference problems ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_problem_has_all_its_numbers():
     assert len({row.name for row in problems.PROBLEMS}) == len(problems.PROBLEMS)
     for name in problems.names():
@@ -193,6 +194,7 @@ def test_known_closed_forms_are_those_that_are_tested():
     assert closed == {"detest-b5", "free-body-attitude"}
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(
     "name",
     [

@@ -141,6 +141,7 @@ def many(count):
     return build.program({"f": [total]})
 
 
+@pytest.mark.slow
 def test_work_is_nearly_linear_even_in_one_sum():
     assert growth_in_calls(9, factor_sums, many(600), many(4800))
 

@@ -208,6 +208,7 @@ def test_each_law_holds_at_50_digits(law, tree, x, y):
     assert abs(after - before) <= mpmath.mpf(10) ** -45 * (1 + abs(before))
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize(
     ("law", "tree"), [c for c in CASES if c[0].exact], ids=lambda v: getattr(v, "text", "")
 )
@@ -270,6 +271,7 @@ OPERATIONS = sorted(set(OPS) - {"pow", "atan2", *INTEGER_FIRST, *WITH_DATA, *SOL
 SMALL = st.fractions(-3, 3, max_denominator=4)
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(st.data())
 def test_folded_programs_have_the_value_of_unfolded_arithmetic(data):

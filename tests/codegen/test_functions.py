@@ -22,6 +22,8 @@ from eom.errors import InputError
 from eom.quantities import Definition, Quantity, Singularity
 from eom.system import System
 
+pytestmark = pytest.mark.shipped_flags
+
 x, y = sp.symbols("x y", real=True)
 
 CONVENTIONS = [
@@ -46,6 +48,7 @@ def conventions(target):
     return compile_system(System.from_rates("conventions", rates, outputs=outputs), target)
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize("at", [(0, 0.5), (0, -0.5), (1, 1), (-1, 2), (2.5, -1.5), (-2.5, -1.5), (6, 3),
                                 (-6, 3), (1e-9, 1.0), (-1e-9, -1.0), (3.75, 0.25), (0.5, 0.0)])  # fmt: skip
 def test_values_are_those_of_sympy(at, conventions):
@@ -153,6 +156,7 @@ def test_floor_mod_and_steps_are_the_same_to_the_last_bit_everywhere(target):
 # --- Bessel functions and error functions -------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("order", [0, 1, 2, 7, 12])
 def test_bessel_and_error_functions_are_those_of_scipy_within_the_bound(order, target):
     e = [sp.besselj(order, x), sp.bessely(order, sp.Abs(x)), sp.erf(x), sp.erfc(x)]

@@ -118,6 +118,7 @@ def test_points_beyond_single_precision_are_left_out():
     assert fuzz_targets.rounded("python", [*huge, fits]) == [*huge, fits]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 def test_single_precision_is_compared_in_its_own_bound(unit):
     found = Findings()

@@ -33,6 +33,7 @@ def lowered(*found):
     return lower_expressions({"f": found}, (x, y, z), (a, b, c))
 
 
+@pytest.mark.sparse(1)
 @CHANGES
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_values_of_scenes_do_not_change(name, change):
@@ -47,6 +48,7 @@ def test_values_of_scenes_do_not_change(name, change):
         assert late(prune(changed, [group])).cost() <= late(prune(program, [group])).cost()
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(expressions, points(modest))
 def test_values_of_random_expressions_do_not_change(e, v):
@@ -109,6 +111,7 @@ def test_a_product_with_a_power_of_two_inside_another_one():
     assert rescale(program).counts() == {"add": 2, "mul": 2}
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_errors_stay_within_a_few_units_in_the_last_place(name):
     system = load_scene(name).derive()

@@ -121,6 +121,7 @@ def test_references_end_their_steps_where_rates_jump():
     assert hostile_references.reference(jump)["states"][-1] == pytest.approx([1.0], rel=1e-15)
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_default_method_is_not_silently_wrong(family, monkeypatch):

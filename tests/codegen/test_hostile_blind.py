@@ -24,6 +24,7 @@ def test_every_reference_is_a_state_of_its_problem():
         assert case["growth"] >= 1
 
 
+@pytest.mark.sparse(only=("backward_floor",))
 @needs_compiler
 @pytest.mark.parametrize("name", MENDED)
 def test_what_was_wrong_is_right(name):
@@ -31,6 +32,7 @@ def test_what_was_wrong_is_right(name):
         assert hostile_blind.judged(name, CASES[name], method, 1e-6) == "ok", method
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", ["auto", "taylor", "DP5", "scipy:LSODA"])
 def test_an_edge_that_no_double_holds_is_told(method):
@@ -39,6 +41,7 @@ def test_an_edge_that_no_double_holds_is_told(method):
     assert hostile_blind.judged("edge", case, method, 1e-12) in {"ok", "told"}
 
 
+@pytest.mark.sparse(4)
 @needs_compiler
 @pytest.mark.parametrize("name", list(CASES)[::12])
 def test_the_default_method_is_not_silently_wrong(name):

@@ -23,6 +23,8 @@ from eom.errors import InputError
 from eom.quantities import TIME
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 INTEGRATORS = [row.name for row in written.ROWS if row.name != "none"]
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 
@@ -257,6 +259,7 @@ def scipy_reference(system, x0, parameters, span, rtol=1e-9, method="DOP853", **
     )  # fmt: skip
 
 
+@pytest.mark.sparse(4)
 @needs_compiler
 @pytest.mark.parametrize(
     ("method", "rtol"),
@@ -480,6 +483,7 @@ int main(void) {{
 """
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_a_c_user_gets_the_integrator_of_his_choice(name, tmp_path):

@@ -72,6 +72,7 @@ def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, v
         np.testing.assert_array_equal(row, interpret(program, as_point(v))["outputs"])
 
 
+@pytest.mark.slow
 @needs_node
 def test_every_system_stays_within_the_error_bound():
     """One process for all of them."""

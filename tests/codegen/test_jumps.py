@@ -17,7 +17,7 @@ from codegen.native.trajectory import Problem
 from codegen.runs.simulation import Result
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="methods in C")
+pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="methods in C")]
 
 x, v, t = sp.symbols("x v t", real=True)
 F = sp.Symbol("F", real=True)
@@ -49,6 +49,7 @@ def off(run: Result, force: float) -> float:
     return float(abs(run.y[1, -1] - (force * math.sin(1e-6) - math.sin(7.0))))
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_what_time_does_not_place_is_told_and_bounds_the_error(method: str) -> None:
     run = codegen.simulate(LAST, {"x": 1, "v": 0}, (0, 7), {"F": 1e6}, method, 1e-11)
@@ -137,6 +138,7 @@ def _turned(force: Any) -> System:
     return System.from_rates("turned", rates, time=t, attitudes=(body,))
 
 
+@pytest.mark.sparse(only=("splitting",))
 @pytest.mark.parametrize("method", ["rkmk", "splitting"])
 def test_methods_on_the_group_tell_it(method: str) -> None:
     """Both pass over it by the torque on either side, and agree to what they tell."""

@@ -17,7 +17,10 @@ from eom.quantities import TIME
 from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")
+pytestmark = [
+    pytest.mark.sparse,
+    pytest.mark.skipif(not native.compiler(), reason="compares methods in C"),
+]
 C, S = np.cos(0.3), np.sin(0.3)
 SYSTEMS = {
     "top": heavy_top,
@@ -62,6 +65,7 @@ def known(case):
     return exact.y_stop, growth, size
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
 def test_an_error_is_that_of_the_tolerance_or_told(case, method):
@@ -114,6 +118,7 @@ OUT_OF_DOMAIN = {
 """Rates that end at t = 1: there is no number for them beyond."""
 
 
+@pytest.mark.sparse(6)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", OUT_OF_DOMAIN)
 def test_no_run_goes_on_beyond_the_domain_of_its_rates(name, method):

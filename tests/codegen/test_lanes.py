@@ -48,7 +48,10 @@ from tests.codegen.test_targets import SYSTEMS as OTHERS
 from tests.codegen.test_targets import every_operation, hostile_system, strictly_compile
 from tests.codegen.test_targets import system_of as all_operations
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
+pytestmark = [
+    pytest.mark.shipped_flags,
+    pytest.mark.skipif(not native.compiler(), reason="tests C itself"),
+]
 COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 WIDTHS = (2, 4, 8)
 
@@ -117,6 +120,7 @@ def swept(op, count=1200):
     )
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("op", ULPS)
 def test_own_functions_keep_their_accuracy(op):
     outputs = load(*function_of(op))["outputs"]
@@ -137,6 +141,7 @@ UNARY = [op for op, row in OPS.items() if row.arity == 1 and op not in {"table",
 BINARY = ["min", "max", "lt", "le", "eq", "and", "or", "mod", "hypot", "atan2", "pow", "div"]
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_values_at_the_edges_are_those_of_the_table_of_operations(width):
     first, second = (v.ravel() for v in np.meshgrid(SPECIAL, SPECIAL))
@@ -179,6 +184,7 @@ def test_huge_angles_are_those_of_the_library():
 # --- programs ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(several(expressions, 4, 10), several(points(extreme), 5, 11))
 def test_random_expressions_stay_within_the_error_bound(exprs, values):
@@ -189,6 +195,7 @@ def test_random_expressions_stay_within_the_error_bound(exprs, values):
         check_against_bound(program, "outputs", as_point(v), got[:, k])
 
 
+@pytest.mark.slow
 @settings(max_examples=6)
 @given(several(ARITHMETIC, 4, 10), several(points(extreme), 9, 9), st.sampled_from(WIDTHS))
 def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, values, width):
@@ -209,6 +216,7 @@ def columns_of(system, seeds):
     return np.array([d[0] for d in drawn]), *(np.array([d[k] for d in drawn]).T for k in (1, 2, 3))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", [*READY, "satellite dcm"])
 def test_every_system_stays_within_the_error_bound_at_every_point(name):
     program, layout = specialised(SYSTEMS[name](), {})
@@ -259,6 +267,7 @@ def test_linear_systems_lane_by_lane(part_lines, monkeypatch):
             assert abs(value - e.value) <= e.error
 
 
+@pytest.mark.slow
 def test_a_long_function_is_split_and_stays_the_same(monkeypatch):
     system = OTHERS["satellite"]()
     program, layout = specialised(system, {})
@@ -310,6 +319,7 @@ def drawn(n, seed=5):
     return rng.normal(size=n), *(rng.normal(size=(k, n)) for k in (3, 2, 2))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 63, 1000])
 def test_every_number_of_points_and_lanes_gives_the_same_bits(by_width, compiled, count):
     arguments = drawn(count)
@@ -387,6 +397,7 @@ def test_points_that_are_not_finite_leave_their_neighbours_alone(by_width):
 # --- threads -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("threads", [1, 2, 3, 5, None])
 def test_results_do_not_depend_on_the_number_of_threads(compiled, threads):
     n = 5 * LEAST_WORK // 20 + 37  # more than five shares of any of its groups
@@ -516,6 +527,7 @@ STRICT = [
 ]
 
 
+@pytest.mark.sparse(only=("all operations-flags0-gcc", "satellite-flags4-gcc"))
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize(("name", "flags"), STRICT)
 def test_generated_c_passes_strict_compilers_without_a_warning(name, compiler, flags, tmp_path):

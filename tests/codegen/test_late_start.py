@@ -17,7 +17,10 @@ from eom.quantities import TIME
 from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
+pytestmark = [
+    pytest.mark.sparse,
+    pytest.mark.skipif(not native.compiler(), reason="tests C itself"),
+]
 
 t = TIME
 x, v, k, a, b, c = sp.symbols("x v k a b c", real=True)
@@ -61,6 +64,7 @@ def reference(force, values, t0, grid):
         return solve_ivp(rates, (0, grid[-1]), [1, 0], "DOP853", **options).y
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", PLAIN)
 def test_an_autonomous_system_is_the_same_at_any_time(method):
     early = simulate(OSCILLATOR, [1, 0], (0, LENGTH), [1], method, 1e-6)
@@ -88,6 +92,7 @@ def test_backwards_and_at_times_that_are_neighbours(method):
     assert run.y[1, 1:3] == pytest.approx([2.0**-22, 2.0**-21], rel=1e-3)
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("force", FORCED)
 def test_forces_of_time_keep_their_digits(force):
     compiled, grid = (
@@ -107,6 +112,7 @@ def test_forces_of_time_keep_their_digits(force):
             assert not run.notice
 
 
+@pytest.mark.slow
 def test_every_method_reads_phases():
     forced = compile_system(system("forced", sp.sin(a * t)), "c")
     with mpmath.workdps(40):
@@ -119,6 +125,7 @@ def test_every_method_reads_phases():
         assert np.abs(late.y_stop - early.y_stop).max() < 2e-4, method
 
 
+@pytest.mark.sparse(only=("auto",))
 @pytest.mark.parametrize("method", ["rkmk", "splitting", "auto"])
 def test_bodies_turn_as_they_do_at_zero(method):
     w, q = sp.symbols("w1:4", real=True), sp.symbols("q0:4", real=True)
@@ -166,6 +173,7 @@ def test_an_epoch_gives_times_digits_of_their_own():
         simulate(forced, [1, 0], (0, 1), values, epoch=float("nan"))
 
 
+@pytest.mark.slow
 def test_time_that_is_not_resolved_is_refused_or_told():
     chirp = compile_system(system("chirp", sp.sin(t**2)), "c")
     smooth = compile_system(system("smooth", sp.log(t) / 100 + sp.exp(-t / 10**9)), "c")
@@ -195,6 +203,7 @@ def test_inputs_that_are_functions_get_the_time_of_the_system():
         simulate(driven, [0, 0], (1e17, 1e17 + 16), inputs={"u": force})
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["taylor", "DOP853"])
 def test_ensembles_keep_their_digits(method):
     forced = compile_system(system("forced", sp.sin(a * t)), "c")

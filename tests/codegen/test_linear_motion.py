@@ -189,6 +189,7 @@ def test_errors_of_eigenvalues_cover_what_rounding_does():
             assert np.min(np.abs(moved - value)) < 10 * error
 
 
+@pytest.mark.sparse
 @pytest.mark.parametrize("op", sorted(set(OPS) - {"factor", "back", "item"}))
 def test_the_complex_step_is_the_derivative_of_every_operation(op):
     program = program_of_op(op)
@@ -229,6 +230,7 @@ def test_a_singular_mass_matrix_has_no_derivatives():
     assert all(np.all(~np.isfinite(part)) for part in found)
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_derivatives_of_trees_agree_with_the_complex_step(seed):
     """Two ways from the rules of differentiation, and one without any."""

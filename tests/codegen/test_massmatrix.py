@@ -22,6 +22,8 @@ from eom.quantities import Quantity
 from eom.system import System
 from tests.codegen.test_targets import COMPILERS, files_of, needs_compiler, strictly_compile
 
+pytestmark = pytest.mark.sparse
+
 x, y, z, p, q, r = sp.symbols("x y z p q r", real=True)
 whole = st.integers(-3, 3)
 
@@ -212,6 +214,7 @@ def test_factorisations_pass_from_part_to_part(most, monkeypatch):
     np.testing.assert_array_equal(split_text.rhs(*arguments), whole_text.rhs(*arguments))
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("most", [3, 400])
@@ -250,6 +253,7 @@ def _dense(derived, point):
     return dict(zip(derived.pattern, entries, strict=True))
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_jacobians_of_a_pendulum_do_not_depend_on_how_it_is_solved(target, monkeypatch):
     straight = compile_system(PENDULUM, target)
     monkeypatch.setattr(massmatrix, "UNROLLED", 2)

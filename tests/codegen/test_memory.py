@@ -147,6 +147,7 @@ def test_a_machine_that_says_nothing_has_all_that_it_has(machine, tmp_path, monk
     assert memory.available() == np.inf
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits of Linux")
 def test_the_limit_of_the_process_itself():
     code = (

@@ -15,6 +15,7 @@ TEXTS = st.one_of(
 )
 
 
+@pytest.mark.slow
 @given(TEXTS)
 def test_every_name_becomes_an_identifier_that_no_language_reserves(name):
     spelt = identifier(name)
@@ -24,6 +25,7 @@ def test_every_name_becomes_an_identifier_that_no_language_reserves(name):
     assert "__" not in spelt
 
 
+@pytest.mark.slow
 @given(st.lists(TEXTS, max_size=30))
 def test_identifiers_of_several_names_are_all_different(names):
     spelt = identifiers(names, HELPERS)

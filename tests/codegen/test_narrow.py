@@ -100,6 +100,7 @@ PULSES: dict[str, tuple[Any, list[float]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", PULSES)
 def test_pulses_in_time_are_met_by_every_method(name: str) -> None:
     """Every method, at two tolerances; growth of the oscillator is one."""
@@ -128,6 +129,7 @@ STEPS: dict[str, tuple[Any, list[float]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(only=("square",))
 @pytest.mark.parametrize("name", STEPS)
 def test_steps_end_where_functions_of_time_change_their_piece(name: str) -> None:
     """The method has no error of its own there, so that few steps do."""
@@ -154,6 +156,7 @@ WALLS: dict[str, Case] = {
 FINE = {"friction": 5e-3, "floor": 1e-2, "wall": 5e-3, "bump": 5e-4, "well": 5e-3}
 
 
+@pytest.mark.sparse(only=("friction", "well"))
 @pytest.mark.parametrize("name", WALLS)
 def test_narrow_features_in_states_are_met_at_speed(name: str) -> None:
     """Against the same at 1e-13 with short steps; what a small error at the start grows to is allowed."""
@@ -176,6 +179,7 @@ def test_narrow_features_in_states_are_met_at_speed(name: str) -> None:
         assert error(system, case, truth, method, 1e-6) < 1000 * growth
 
 
+@pytest.mark.slow
 def test_windows_of_state_give_their_energy() -> None:
     """A force of 1000 over a window of 1/1000 adds 1 to the energy of a mass that is thrown through it."""
     force = sp.Piecewise((1000, (x > R(1, 2)) & (x < R(501, 1000))), (0, True))
@@ -186,6 +190,7 @@ def test_windows_of_state_give_their_energy() -> None:
         assert run.y[1, -1] == pytest.approx(math.sqrt(4 + 2), rel=1e-3), method
 
 
+@pytest.mark.slow
 def test_a_narrow_peak_of_a_table_over_a_state_is_met() -> None:
     """A peak of 1/100 in the way gives its area as energy, before the mass turns back."""
     peak = Table("peak", [-9, 0.5, 0.505, 0.51, 9], [0, 0, 100, 0, 0])
@@ -213,6 +218,7 @@ def _satellite(torque: Any) -> System:
     return System.from_rates("satellite", rates, time=t, attitudes=(body,))
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", EXPLICIT)
 @pytest.mark.parametrize("start", [4, 5])
@@ -229,6 +235,7 @@ def test_the_step_over_a_jump_is_taken_whatever_its_error(method: str, start: in
         assert np.max(np.abs(run.y[:, -1] - truth)) < 1e-9
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize(
     "torque",

@@ -16,6 +16,8 @@ from codegen import simulate
 from codegen.native import native
 from eom.errors import InputError
 
+pytestmark = pytest.mark.shipped_flags
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 SOURCE = "double twice(double a);\ndouble twice(double a) { return 2.0 * a; }\n"
 
@@ -201,6 +203,7 @@ assert library.read_bytes() == whole
 """
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("share", [0.05, 0.3, 0.6, 0.99])
 def test_a_library_that_was_cut_off_does_not_end_the_process(cache, share):
@@ -341,6 +344,7 @@ print(library, f(4.0))
 """
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_processes_that_compile_the_same_at_once_share_one_library(cache):
     runs = [

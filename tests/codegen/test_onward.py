@@ -76,6 +76,7 @@ def test_each_goes_on_from_where_it_stopped_as_a_run_of_its_own():
         assert found.columns["steps"][j] == series.columns["steps"][j] + alone.steps
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("shape", ["zarr", "parquet"])
 def test_no_bit_depends_on_chunks_threads_or_a_store(shape, tmp_path):
     options = {"statistics": ["x"], "keep": True}

@@ -73,6 +73,7 @@ def run_test_program(files, folder, compiler, *options):
 CASES = [(name, COMPILERS[0]) for name in ALL] + [("hostile", COMPILERS[-1])] if COMPILERS else []
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize(("name", "compiler"), CASES)
 def test_the_test_program_passes(name, compiler, tmp_path):
     done = run_test_program(package(ALL[name]()), tmp_path, compiler)
@@ -92,6 +93,7 @@ def test_the_test_program_passes_where_a_compiler_fuses_operations(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("right", "wrong", "group"),
@@ -183,6 +185,7 @@ def test_points_respect_what_is_positive_and_hold_zero_states():
 # --- build files ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(only=("test",))
 @needs_compiler
 @needs_make
 @pytest.mark.parametrize("name", ["singular", "test"])
@@ -217,6 +220,7 @@ def test_make_check_fails_where_the_functions_are_wrong(tmp_path):
     assert run(["make", "check"], tmp_path).returncode != 0
 
 
+@pytest.mark.slow
 @needs_compiler
 @needs_cmake
 @pytest.mark.parametrize("name", ["test"])

@@ -54,6 +54,7 @@ def point(system, seed):
     return Point(float(draw()), list(map(float, x)), list(map(float, p)), list(map(float, u)))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_systems_keep_their_values_and_no_group_costs_more(name):
     system = SYSTEMS[name]()
@@ -78,6 +79,7 @@ def test_systems_keep_their_values_and_no_group_costs_more(name):
         assert new <= old
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", ["gravity-gradient-satellite", "full 3-1-2", "pendulum"])
 def test_jacobians_keep_their_values_and_cost_less(name):
     system = SYSTEMS[name]()
@@ -194,5 +196,6 @@ def chain(count):
     return b.program({"f": values[-12:]})
 
 
+@pytest.mark.slow
 def test_work_is_nearly_linear():
     assert growth_in_calls(9, optimise, chain(800), chain(6400))

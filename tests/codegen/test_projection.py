@@ -20,6 +20,8 @@ from codegen.targets import packaging
 from eom.errors import InputError
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="runs C")
 EPSILON = np.finfo(np.float64).eps
 theta, omega = sp.symbols("theta omega", real=True)
@@ -79,6 +81,7 @@ def test_all_stored_points_lie_on_all_invariants(body, method, target, options):
         np.testing.assert_allclose(run.sol(between), plain.sol(between), atol=300 * rtol)
 
 
+@pytest.mark.sparse(2)
 def test_one_invariant_alone_leaves_the_others(body, method):
     compiled, rtol = body["auto"], LOOSE.get(method, 1e-6)
     run = simulate(compiled, START, (0, 6), MOMENTS, method, rtol, project="q_norm")
@@ -100,6 +103,7 @@ def test_the_norm_is_restored_without_a_turn_of_the_body(body):
     np.testing.assert_array_equal(run.y_stop[:3], plain.y_stop[:3])
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("name", ["DOP853", "DP5", "Tsit5", "taylor"])
 def test_a_hundred_thousand_steps_stay_at_rounding(body, name):
@@ -270,6 +274,7 @@ def test_nothing_is_added_where_nothing_is_projected():
     assert not any("project_point" in text for text in plain.values())
 
 
+@pytest.mark.sparse(1)
 @needs_compiler
 @pytest.mark.parametrize("name", [row.name for row in written.ROWS if row.name != "none"])
 def test_files_with_a_projection_pass_strict_compilers(name, tmp_path):

@@ -72,6 +72,7 @@ BODY = {"I1": 10.0, "I2": 15.0, "I3": 20.0, "M": 5.0}
 TURNED = {"q0": 1.0, "q1": 0.0, "q2": 0.0, "q3": 0.0}
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("kind", [None, "quaternion"])
 @pytest.mark.parametrize("name", [*LATE, *FAR])
 def test_a_satellite_with_a_torque_has_no_closed_form(name, kind):
@@ -210,6 +211,7 @@ def test_what_is_read_does_not_depend_on_the_initial_state_and_is_read_once(monk
     assert held(compiled, problem(compiled, start, moments)).attitudes == compiled.layout.attitudes
 
 
+@pytest.mark.slow
 def test_many_bodies_cost_no_proof(monkeypatch):
     """Of a system that is no single body nothing is evaluated."""
     monkeypatch.setattr(Held, "values", lambda *_: pytest.fail("evaluated"))
@@ -256,6 +258,7 @@ def test_a_parameter_that_varies_is_none(symbol):
     assert form(varied, start, numbers, system) is None
 
 
+@pytest.mark.slow
 def test_random_terms_are_never_overlooked(material, monkeypatch):
     monkeypatch.setitem(forms.COUNTS, "quick", 60)
     figures = forms.perturbed_forms(material, Plan(SIZES["quick"], seed=7)).figures

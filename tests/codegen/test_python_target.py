@@ -70,6 +70,7 @@ def test_arithmetic_is_the_same_to_the_last_bit_even_where_it_overflows(exprs, v
         np.testing.assert_array_equal(compiled.outputs(v[5], v[:3], v[3:5]), expected)
 
 
+@pytest.mark.sparse(5)
 @pytest.mark.parametrize("name", SELECTED)
 def test_every_system_stays_within_the_error_bound(name):
     system = SYSTEMS[name]()
@@ -187,6 +188,7 @@ def named(names):
     return System("named", tuple(map(Quantity, states)), tuple(rates), time=sp.Symbol("_time"))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("target", ["python", "numpy"])
 def test_reserved_and_hostile_names_give_right_numbers(target):
     rng = np.random.default_rng(2)

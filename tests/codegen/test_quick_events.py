@@ -37,6 +37,7 @@ def zeros_of(system, start, span, event, method, rtol=1e-6, **more):
 # --- every zero -----------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", METHODS)
 def test_all_64_zeros_of_a_wave_in_time_and_in_state(compiled, method):
     """sin(64 t) over pi, forwards and backwards, also in one step; sin(40 x) on its way."""
@@ -56,6 +57,7 @@ def test_all_64_zeros_of_a_wave_in_time_and_in_state(compiled, method):
                 assert np.max(np.abs(level - np.pi * np.arange(-12, 13) / 40)) < 1e-7
 
 
+@pytest.mark.sparse(only=("taylor",))
 @pytest.mark.parametrize("method", METHODS)
 def test_thousands_of_zeros_in_what_would_be_one_step(compiled, method):
     plan = compiled["straight"], (0.0, 0.0), (0, 30.0)
@@ -78,6 +80,7 @@ NARROW = {
 }
 
 
+@pytest.mark.sparse(only=("DOP853", "taylor"))
 @pytest.mark.parametrize("method", METHODS)
 def test_pairs_of_zeros_that_no_value_of_a_long_step_shows(compiled, method):
     run = codegen.simulate(
@@ -93,6 +96,7 @@ def test_pairs_of_zeros_that_no_value_of_a_long_step_shows(compiled, method):
 # --- what it costs, and what is said ----------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["DOP853", "taylor"])
 def test_smooth_events_cost_no_further_rates(compiled, method):
     """A polynomial, of which nothing is looked at, takes the same."""
@@ -101,6 +105,7 @@ def test_smooth_events_cost_no_further_rates(compiled, method):
     assert (plain.nfev, plain.steps, plain.rejected) == (wavy.nfev, wavy.steps, wavy.rejected)
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["DOP853", "taylor"])
 def test_a_pole_is_told(compiled, method):
     run = zeros_of(compiled["straight"], (0.0, 0.0), (0, 100.0), 1 / (x - 77) + 1, method)
@@ -116,6 +121,7 @@ def test_what_has_no_bounds_is_told(compiled):
     assert len(run.events["e"]) == 2
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["Tsit5", "taylor"])
 def test_roots_and_low_powers_hide_nothing(compiled, method):
     events = {"root": sp.sqrt(x) - 2, "power": x ** sp.Rational(3, 2) - 8}
@@ -153,6 +159,7 @@ def test_whether_operations_keep_their_character_over_a_box(compiled):
         assert bool(interpret(found.program, box)["verdict"][0]) == expected, event
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", ["taylor", "dop853"])
 def test_generated_files_with_such_events_compile_strictly(tmp_path, name, compiled):
     one = compiled["oscillator"]

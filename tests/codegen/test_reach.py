@@ -117,6 +117,7 @@ def test_an_operation_without_a_row_is_told() -> None:
         reach_of("add", [1.0, 2.0], 10)
 
 
+@pytest.mark.sparse(9)
 @pytest.mark.parametrize("op", NAMES)
 def test_bounds_hold_on_discs(op: str) -> None:
     draw = random.Random(op)
@@ -156,6 +157,7 @@ def series(op: str) -> Program:
 WITH_SERIES = [op for op in NAMES if op not in {"hypot", "atan2", "besselj", "bessely", "stumpff"}]
 
 
+@pytest.mark.sparse(7)
 @pytest.mark.parametrize("op", WITH_SERIES)
 def test_what_is_cut_off_within_the_reach_is_seen(op: str) -> None:
     """Against coefficients with 100 digits, from -25 to 25: also where values are as small as exp(-50)."""

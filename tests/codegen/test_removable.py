@@ -17,6 +17,8 @@ from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 x, y, z, a = sp.symbols("x y z a", real=True)
 s = sp.Symbol("s", positive=True)
 UNIT = 2.0**-52
@@ -66,6 +68,7 @@ def exact_derivatives(e, points):
     return rows, [abs(float(c)) for c in limits]
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("name", ROWS)
 def test_value_and_two_derivatives_are_right_near_and_at_zero(name):
     points = sweep(name)
@@ -79,6 +82,7 @@ def test_value_and_two_derivatives_are_right_near_and_at_zero(name):
             assert abs(mpmath.mpf(g) - e) <= units * UNIT * size + 1e-305, (at, g, e)
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_each_target_is_right_near_and_at_zero(target):
     e = list(QUOTIENTS.values())
     system = System.from_rates("quotients", {x: sp.Integer(0)},

@@ -13,6 +13,7 @@ from tests.codegen.scenes import SCENES
 x, y = sp.symbols("x y", real=True)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_stages_never_cost_more_and_end_with_what_is_compiled(name):
     scene = load_scene(name)

@@ -20,7 +20,10 @@ from eom.quantities import TIME
 from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
+pytestmark = [
+    pytest.mark.sparse,
+    pytest.mark.skipif(not native.compiler(), reason="tests C itself"),
+]
 
 START = (0.5, 0.5, -0.5, 0.5)
 TOP = (1.0, 1.5, 0.8, 1.0, 10.0, 0.2)
@@ -121,6 +124,7 @@ def test_length_and_momentum_stay_to_rounding_over_1e5_steps(free):
     assert other.drift["H"].relative > 1e6 * ours.drift["H"].relative
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("span", [(0, 5), (2, 0.5)])
 @pytest.mark.parametrize("system", [DAMPED, LINEAR], ids=["drag", "linear"])
 def test_other_states_and_torques_of_the_rates_go_along(system, span):

@@ -119,6 +119,7 @@ def real_roots(b):
     return inside, slopes, bool(near)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(st.lists(st.integers(-1000, 1000).map(lambda k: k / 1000), min_size=4, max_size=13))
 def test_random_coefficients_agree_with_mpmath(b):
@@ -141,6 +142,7 @@ CLUSTERS = [
 ]
 
 
+@pytest.mark.sparse
 @pytest.mark.parametrize(("many", "apart", "degree"), CLUSTERS)
 def test_clusters_are_one_within_the_noise_and_apart_beyond_it(many, apart, degree):
     roots = [Fraction(3, 7) + k * Fraction(apart) for k in range(many)]

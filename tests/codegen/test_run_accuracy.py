@@ -51,6 +51,7 @@ def off(estimate, true):
 # --- errors that are known --------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["DP5", "DOP853", "taylor", "scipy:LSODA", "scipy:RK23"])
 @pytest.mark.parametrize("end", [20.0, -20.0])
 def test_the_estimate_is_the_error(oscillator, method, end):
@@ -134,6 +135,7 @@ def test_steps_over_a_pulse_are_seen_by_shorter_ones(monkeypatch):
     assert 1.5 < found.horizon <= 5
 
 
+@pytest.mark.slow
 def test_the_horizon_of_a_chaotic_motion(lorenz):
     run = codegen.simulate(lorenz, [1, 1, 1], (0, 60), rtol=1e-9, t_eval=np.linspace(0, 60, 601))
     assert run.status == 0
@@ -162,6 +164,7 @@ def test_a_run_may_be_asked_for_with_its_accuracy(lorenz, oscillator):
     assert good.accuracy() is good.estimate
 
 
+@pytest.mark.slow
 def test_a_spin_about_the_intermediate_axis_over_a_thousand_seconds():
     """The energy drifts by parts in 1e10, the attitude is wrong by a thousand times that and more."""
     body = compile_system(free_rigid_body("quaternion"))

@@ -38,6 +38,7 @@ ARITHMETIC = [
 ]
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("number", range(len(ARITHMETIC)))
 @given(st.tuples(nonzero(0.01, 10), nonzero(0.01, 10)))
 def test_arithmetic_is_that_of_exact_fractions(number, at):

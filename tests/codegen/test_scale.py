@@ -73,6 +73,7 @@ def doubled(make, work, n):
     return calls(lambda: work(large)) / calls(lambda: work(small))
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_compiling_twice_as_much_costs_twice_as_much(kind):
     n, rate = KINDS[kind]
@@ -130,6 +131,7 @@ def _nested(depth, inner=x):
     return value
 
 
+@pytest.mark.slow
 def test_a_sine_nested_ten_thousand_deep_is_compiled():
     compiled = compile_system(System.from_rates("deep", {x: v, v: _nested(DEEP)}), "numpy")
     expected = 0.7

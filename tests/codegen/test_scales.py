@@ -16,6 +16,8 @@ from eom.problems import PROBLEMS
 from eom.quantities import TIME, Quantity
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="compares methods in C")
 X, V, Y, Z = sp.symbols("x v y z", real=True)
 A, B = sp.symbols("a b", positive=True)
@@ -151,6 +153,7 @@ def small():
             for n, (rates, _, _) in SMALL.items()}  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", SMALL)
@@ -174,6 +177,7 @@ def in_units():
     return compile_system(System.from_rates("pendulum", rates), "c")
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853", "DP5", "scipy:BDF"])
 def test_steps_do_not_depend_on_the_unit_of_a_state(in_units, method):
@@ -186,6 +190,7 @@ def test_steps_do_not_depend_on_the_unit_of_a_state(in_units, method):
     assert max(counts) < 1.1 * min(counts), counts
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("method", ["taylor", "DOP853", "DP5", "scipy:LSODA", "scipy:BDF"])
 def test_passing_through_zero_forces_no_steps(method):
@@ -262,6 +267,7 @@ def test_one_state_is_told_in_the_singular():
     )
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: p.name)
 def test_ordinary_problems_are_told_nothing(problem):
     compiled = compile_system(problem.system, "numpy")

@@ -54,6 +54,7 @@ def test_a_sum_of_products_needs_few_values():
     assert interpret(after, at) == interpret(program, at)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_keep_their_instructions_and_bits(name):
     system = load_scene(name).derive()
@@ -89,5 +90,6 @@ def test_any_program_keeps_its_values(steps, results):
     assert kept is program or pressure(kept) <= MAX_SHARE * pressure(program)
 
 
+@pytest.mark.slow
 def test_work_is_nearly_linear():
     assert growth_in_calls(11, schedule, wide(1000), wide(10_000))

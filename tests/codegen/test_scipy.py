@@ -10,6 +10,8 @@ from eom.mechanics import dissipation
 from eom.quantities import TIME
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 CELLS = 60
 
 
@@ -41,6 +43,7 @@ def test_sparse_differences_give_the_same_motion_with_fewer_evaluations(rod, met
     assert sparsity.nnz == 3 * CELLS - 2
 
 
+@pytest.mark.slow
 def test_full_and_small_systems_are_left_alone():
     x = sp.symbols("x1:4", real=True)
     small = System.from_rates("small", dict(zip(x, x, strict=True)))
@@ -84,6 +87,7 @@ def solutions(name, method, target, monkeypatch, rtol=1e-7):
     return runs
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("method", ["Radau", "LSODA"])
 @pytest.mark.parametrize("name", STIFF)
 def test_generated_jacobians_save_evaluations_and_change_no_result(

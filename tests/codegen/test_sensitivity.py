@@ -34,6 +34,7 @@ def test_exponential_decay(target):
     assert np.allclose(run["dx_dx_0"], np.exp(-0.7 * run.t), rtol=1e-9)
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("method", ["auto", "scipy:Radau", "scipy:RK45"])
 def test_harmonic_oscillator_by_every_kind_of_method(target, method):
     """Derivatives of the closed form, by SymPy; the start depends on k: x(0) = 1/k."""
@@ -92,6 +93,7 @@ def runge_kutta(program, states, parameters, steps=2, h=0.125):
     return x
 
 
+@pytest.mark.sparse(only=("bicycle-wheel", "t-handle"))
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_against_differences_of_their_motions_at_high_precision(name):
     """Differences of width 1e-25 in 60 digits, of the very steps that carry the sensitivities."""
@@ -124,6 +126,7 @@ def test_ready_scenes_against_differences_of_their_motions_at_high_precision(nam
                 assert abs(a - b) <= mpmath.mpf(10) ** -18 * (1 + abs(b))
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_constants_of_the_motion_and_names_remain(target):
     scene = Scene.ready("heavy-top")
     compiled = codegen.compile(scene.derive(), target)

@@ -23,6 +23,8 @@ from eom.quantities import TIME
 from eom.scenes import catalogue
 from eom.system import System
 
+pytestmark = pytest.mark.sparse
+
 x, v, k, u, w = sp.symbols("x v k u w", real=True)
 y1, y2, y3 = sp.symbols("y1 y2 y3", real=True)
 
@@ -125,6 +127,7 @@ def test_every_method_comes_back_when_it_runs_backwards(built, method):
     assert np.all(np.diff(back.t) < 0)
 
 
+@pytest.mark.slow
 def test_ready_scenes_keep_their_constants(built):
     for name in catalogue.names():
         scene = eom.load_scene(name)
@@ -202,6 +205,7 @@ def test_dense_output_and_t_eval_together_give_both(built, method):
 # --- stops ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(4)
 def test_a_pole_stops_the_run_and_keeps_what_it_has(built, method):
     """x' = x^2 from 1 is 1 / (1 - t)."""
     rtol = tolerance(method)[0]
@@ -255,6 +259,7 @@ def test_a_start_that_stops_at_once_has_the_same_points_with_every_method(built,
     assert len(result.t) == (0 if "t_eval" in options else 1)
 
 
+@pytest.mark.sparse(4)
 def test_t_eval_before_a_stop_is_kept(built, method):
     grid = np.linspace(0, 3, 31)
     result = simulate(
@@ -345,6 +350,7 @@ def linear(**more):
     return {**start, "omega_2": 0.5, "theta": 0.2, **more}
 
 
+@pytest.mark.sparse(4)
 def test_a_singular_configuration_is_located_to_rounding(built, method):
     """theta = 0.2 + t/2, so that |cos theta| falls to the margin at an exactly known time."""
     margin = 1e-6
@@ -421,6 +427,7 @@ def test_crossing_between_two_steps_is_seen(built, method):
     assert result.t_stop == pytest.approx(2 * (math.pi / 2 - 0.2), abs=1e-2)
 
 
+@pytest.mark.sparse(4)
 def test_passing_outside_the_margin_does_not_stop(built, method):
     """A pendulum-like theta that turns round before pi/2: the least distance is reported."""
     quiet = System.from_rates("quiet", {x: v, v: -x})
@@ -475,6 +482,7 @@ def test_held_inputs_act_all_the_time(built, method):
     np.testing.assert_array_equal(result["push"], 6.0)
 
 
+@pytest.mark.sparse(4)
 @of_functions
 def test_inputs_may_be_functions_of_time(built, method):
     """x'' + x = cos 3t from rest is (cos t - cos 3t) / 8."""
@@ -674,6 +682,7 @@ def test_the_motion_near_a_pole_agrees_with_high_precision(built):
         assert abs(result.y[1, -1] - exact) / exact < 1e-8
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("method", ["auto", "scipy:DOP853"])
 @pytest.mark.parametrize("name", SEQUENCES)
 def test_no_step_jumps_over_a_singular_angle(name, method):
@@ -693,6 +702,7 @@ def test_no_step_jumps_over_a_singular_angle(name, method):
         assert result.t_stop == pytest.approx((singular - start) / rate, rel=1e-5)
 
 
+@pytest.mark.sparse(only=("c",))
 def test_a_run_that_chatters_ends_with_a_reason(built):
     """Coulomb friction without a model of rest: the sign changes at every step."""
     x = sp.Symbol("x", real=True)

@@ -28,7 +28,10 @@ from eom.quantities import TIME, Singularity
 from eom.rotations import quaternion_product
 from eom.system import BodyAttitude, System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
+pytestmark = [
+    pytest.mark.sparse,
+    pytest.mark.skipif(not native.compiler(), reason="tests C itself"),
+]
 
 START = (0.5, 0.5, -0.5, 0.5)
 TOP = (1.0, 1.5, 0.8, 1.0, 10.0, 0.2)
@@ -105,6 +108,7 @@ CASES = {
 }
 
 
+@pytest.mark.sparse
 @pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.3, 0.5, 1.0])
 @pytest.mark.parametrize("case", CASES)
 def test_one_drift_is_the_closed_form_to_a_few_units_of_the_last_place(free, case, turn):
@@ -169,6 +173,7 @@ def test_a_full_inertia_matrix_is_turned_to_its_axes():
 # --- what is kept --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_length_and_momentum_stay_to_rounding_over_1e5_steps(free):
     """Not only no linear growth: none at all beyond some units in the last place; energy as a walk."""
     n, h = 100_000, 0.25
@@ -341,6 +346,7 @@ def test_a_given_step_stays_and_its_error_is_told(top):
     assert not run(top, FAST, (0, 4), TOP, 0.01, rtol=1e-12).notice
 
 
+@pytest.mark.slow
 def test_pulses_and_kinks_of_the_torque_shorten_the_steps_and_poles_end_the_run():
     x0, p = [0.1, 0.2, 0.3, 1, 0, 0, 0], {"D1": 1.0, "D2": 1.4, "D3": 2.0}
     torques = {
@@ -360,6 +366,7 @@ def test_pulses_and_kinks_of_the_torque_shorten_the_steps_and_poles_end_the_run(
         assert np.abs(end.y_stop - exact).max() < 1e-4
 
 
+@pytest.mark.slow
 def test_no_step_passes_over_a_pulse_or_a_window_in_time():
     """A pulse makes all steps short; two of them end at the edges of a window, and the others stay."""
     x0, p = [0.1, 0.2, 0.3, 1, 0, 0, 0], {"D1": 1.0, "D2": 1.4, "D3": 2.0}
@@ -396,6 +403,7 @@ def test_a_top_at_rest_falls(top):
     assert abs(end.drift["E"].largest) < 1e-8
 
 
+@pytest.mark.slow
 def test_a_singularity_stops_the_run(top):
     """The top passes the horizontal: where its tilt is 90 degrees is called singular here."""
     up = 1 - 2 * (sp.Symbol("q1", real=True) ** 2 + sp.Symbol("q2", real=True) ** 2)
@@ -493,6 +501,7 @@ def test_generated_files_pass_strict_compilers_without_a_warning(compiler, top, 
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sparse(only=("algebraic",))
 @pytest.mark.parametrize("rules", ["algebraic", "exact"])
 def test_laws_of_folding_do_not_matter(rules):
     compiled = compile_system(heavy_top(), "c", rules=rules)

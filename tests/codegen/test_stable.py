@@ -289,6 +289,7 @@ def test_names_stay_with_their_values():
     assert {n.name for n in program.names.values()} == {"versine"}
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_never_cost_more(name):
     system = load_scene(name).derive()

@@ -53,6 +53,7 @@ def test_stages_of_random_expressions(e, v):
     assert same(staged(program, point), interpret(program, point))
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_early_stages_know_no_state_and_late_ones_no_parameter(name):
     cut = by_parameters(PROGRAMS[name]())

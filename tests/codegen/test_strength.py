@@ -14,6 +14,8 @@ from codegen.ir.program import Builder
 from codegen.passes.strength import REDUCTIONS, reduce_strength
 from tests.draws import nonzero
 
+pytestmark = pytest.mark.shipped_flags
+
 x, y, z, d = SYMBOLS = sp.symbols("x y z d", real=True)
 ULP = 2.0**-53
 

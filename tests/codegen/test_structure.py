@@ -110,6 +110,7 @@ def test_inputs_that_are_held_at_zero_leave_a_free_body():
     assert rates(program).counts() == rates(free).counts()
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_held_states_in_a_simulation(target):
     compiled = codegen.compile(top(), target, states=PLANAR)
     values = {"I1": 0.5, "I2": 0.4, "I3": 0.3, "m": 1.2, "g": 9.81, "r3": 0.2}

@@ -19,6 +19,8 @@ from codegen.ir.program import Builder
 from eom.errors import InputError
 from eom.system import System
 
+pytestmark = pytest.mark.shipped_flags
+
 UNIT = 2.0**-52
 ORDERS = sorted(stumpff.SERIES)
 
@@ -59,6 +61,7 @@ def test_the_exact_value_is_that_of_the_hypergeometric_series(k):
             assert abs(stumpff.exact(mpmath.mp, k, mpmath.mpf(z)) / expected - 1) < 1e-45
 
 
+@pytest.mark.sparse(8)
 @pytest.mark.parametrize("k", ORDERS)
 def test_doubles_are_within_the_units_that_the_text_states(k):
     cutoff, _ = stumpff.SERIES[k]
@@ -81,6 +84,7 @@ def test_the_derivative_is_that_of_differences(k, z):
         assert abs(stumpff.slope(mpmath.mp, k, z) - difference) < 1e-30 * (1 + abs(difference))
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_each_target_has_the_double_of_the_table(target):
     """All orders, both signs, as a batch and point by point."""
     b = Builder()

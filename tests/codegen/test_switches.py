@@ -20,7 +20,7 @@ from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from eom.system import System
 
-pytestmark = pytest.mark.skipif(not native.compiler(), reason="runs C")
+pytestmark = [pytest.mark.sparse, pytest.mark.skipif(not native.compiler(), reason="runs C")]
 x, v, a, y, z, mu = sp.symbols("x v a y z mu", real=True)
 ROOTS = sp.symbols("r1:6", real=True)
 ONE = sp.Integer(1)
@@ -57,6 +57,7 @@ def run(system, start, span, parameters=None, rtol=1e-13, **options):
 # --- closed forms ---------------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("often", [1, 20])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10, 2.0**-52])
 def test_modulus_of_a_sine(often, rtol):
@@ -80,6 +81,7 @@ def test_swings_with_dry_friction_lose_as_much_every_time(rtol):
     assert found.steps < 60
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     st.lists(st.integers(1, 999), min_size=5, max_size=5, unique=True),
@@ -99,6 +101,7 @@ def test_no_change_of_sign_is_passed_over(thousandths, width, rtol):
     assert found.rejected == 0
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("method", ["simulate", "lanes"])
 @pytest.mark.parametrize("apart", [1e-1, 1e-4, 1e-7])
 def test_a_double_change_in_one_step_is_seen(method, apart):
@@ -150,6 +153,7 @@ def test_conditions_of_pieces_and_counts_of_switches():
 # --- SciPy with short steps -----------------------------------------------------------------------
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("begin", [(0.0, 3.0, 0.0), (0.4, 0.0, 1.0), (-2.0, -1.0, 2.0)])
 def test_a_saturated_spring_that_is_driven(begin):
     def rates(t, q):
@@ -178,6 +182,7 @@ def test_events_and_dense_output_beside_switches():
 # --- lanes, rest, text ----------------------------------------------------------------------------
 
 
+@pytest.mark.sparse
 @pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 @pytest.mark.parametrize("system", [friction, spring], ids=["friction", "spring"])
 def test_lanes_do_what_one_trajectory_does(system, rtol):

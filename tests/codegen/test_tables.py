@@ -18,6 +18,8 @@ from codegen import compiled_jacobian, simulate
 from codegen.frontend.lower import lower_expressions
 from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 
+pytestmark = pytest.mark.shipped_flags
+
 x, y = sp.symbols("x y", real=True)
 ODD = [-1.0, -0.25, 0.1, 0.7, 3.0], [2.0, -1.0, 1 / 3, 1 / 3, 1e3]
 TABLES = [eom.Table("curve", *ODD, kind, outside, order)
@@ -63,6 +65,7 @@ def test_what_is_not_finite_stays_so(target):
                 assert not math.isfinite(value)
 
 
+@pytest.mark.sparse(only=("numpy",))
 @settings(max_examples=40)
 @given(st.lists(st.floats(-3, 5), min_size=1, max_size=8))
 def test_random_points_stay_within_the_bound(target, points):
@@ -76,6 +79,7 @@ def test_random_points_stay_within_the_bound(target, points):
             assert abs(double - bound.value) <= bound.error
 
 
+@pytest.mark.sparse(3)
 @pytest.mark.parametrize("kind", ["linear", "cubic", "pchip"])
 def test_the_jacobian_is_that_of_sympy(kind, target):
     table = eom.Table("curve", *ODD, kind)

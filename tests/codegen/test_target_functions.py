@@ -20,6 +20,8 @@ from tests.codegen.test_c_float import Single
 from tests.codegen.test_compiled import SINGLE
 from tests.codegen.test_targets import system_of, x
 
+pytestmark = pytest.mark.shipped_flags
+
 BREAKPOINTS, VALUES = [-2, -0.5, 0.25, 1, 4], [1, -1, 0.5, 0.5, 3]
 TABLES = [
     Table(f"{kind} <{outside}>", BREAKPOINTS, VALUES, kind, outside)

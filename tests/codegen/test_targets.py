@@ -25,6 +25,8 @@ from eom.quantities import Definition, Quantity
 from eom.system import System
 from eom.tables import Table
 
+pytestmark = pytest.mark.shipped_flags
+
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="tests C itself")
 COMPILERS = [n for n in ("gcc", "clang") if native.compiler() and shutil.which(n)]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror", "-O2")
@@ -168,6 +170,7 @@ SYSTEMS = {
 }
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_generated_c_passes_strict_compilers_without_a_warning(name, compiler, tmp_path):
@@ -186,6 +189,7 @@ def test_headers_can_be_included_alone_and_twice(compiler, tmp_path):
 # --- long functions are split --------------------------------------------------------------------------
 
 
+@pytest.mark.sparse(6)
 @needs_compiler
 @pytest.mark.parametrize("most", [1, 3, 17])
 @pytest.mark.parametrize("name", SYSTEMS)
@@ -209,6 +213,7 @@ def test_parts_give_the_same_numbers_to_the_last_bit(name, most, monkeypatch):
     assert np.array_equal(parts.rhs(0.3, state, ps, us, out=state), whole.rhs(0.3, xs, ps, us))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_parts_pass_strict_compilers(compiler, tmp_path, monkeypatch):
     monkeypatch.setattr(c, "PART_LINES", 2)
@@ -269,6 +274,7 @@ def hostile_system():
     )  # fmt: skip
 
 
+@pytest.mark.sparse(only=("c",))
 def test_hostile_names_give_right_numbers(target):
     system = hostile_system()
     compiled = compile_system(system, target)
@@ -284,11 +290,13 @@ def test_hostile_names_give_right_numbers(target):
     np.testing.assert_array_equal(result.y[:, 0], xs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_hostile_names_pass_strict_compilers(compiler, tmp_path):
     strictly_compile(files_of(hostile_system()), tmp_path, compiler)
 
 
+@pytest.mark.sparse(5)
 @pytest.mark.parametrize("name", ["1", "int", "θ", "", "*/", "main", "t", "a" * 300])
 def test_hostile_names_of_systems_are_spelt(name, target, tmp_path):
     system = System(name, (Quantity(x),), (-x,), outputs=(Definition(Quantity(y), 2 * x),))

@@ -145,6 +145,7 @@ def exact(t):
         return np.array([float(mpmath.ellipfun(f, t, m=m)) for f in ("sn", "cn", "dn")])
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize(
     ("rtol", "end", "allowed"),
@@ -164,6 +165,7 @@ def test_the_order_follows_from_the_tolerance():
     ]  # fmt: skip
 
 
+@pytest.mark.sparse(only=("bicycle-wheel", "t-handle"))
 @needs_compiler
 @pytest.mark.parametrize("name", SCENES)
 def test_ready_scenes_agree_with_dop853(name):
@@ -193,6 +195,7 @@ def test_dense_output_is_as_good_as_the_steps(span):
     np.testing.assert_allclose(run.sol(run.t), run.y, rtol=0, atol=1e-14)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_series_that_ends_by_chance_is_not_believed():
     """y' = sin(t^8): at t = 0 all coefficients from order 10 to 24 are zero."""
@@ -289,6 +292,7 @@ COUPLED = System(
 )  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @needs_compiler
 @pytest.mark.parametrize("system", [EVERY, COUPLED, RIGID, PENDULUM], ids=lambda s: s.name)
 def test_the_loop_over_the_orders_follows_the_solution(system, monkeypatch):

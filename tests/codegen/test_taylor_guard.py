@@ -114,6 +114,7 @@ def run(name, rtol=1e-9, **options):
     return codegen.simulate(system_of(name), start_of(name), span, None, "taylor", rtol, **options)
 
 
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_near_the_tolerance(name):
     end, size = reference(name)
@@ -123,6 +124,7 @@ def test_errors_are_near_the_tolerance(name):
         assert np.max(np.abs(found.y[:, -1] - end) / size) <= largest
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("rtol", [0.1, 1e-3, 2.0**-52])
 def test_the_coarsest_and_the_finest_tolerance(rtol):
     end, size = reference("kick")
@@ -139,6 +141,7 @@ def test_an_event_on_a_pulse_that_is_over_within_a_plain_step():
     assert np.allclose(found, seen, rtol=0, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_lanes_take_the_same_care():
     """Each trajectory beside the one that is integrated alone; the kick comes at a time of its own."""
     at = sp.Symbol("at", real=True)
@@ -160,6 +163,7 @@ def test_the_reference_with_many_digits_sees_pulses():
     assert np.allclose([float(a) for a in found.end], reference("kick")[0], rtol=0, atol=1e-9)
 
 
+@pytest.mark.sparse(1)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9, 1e-12])
 def test_pulses_after_a_long_quiet_time(rtol):
     """Their integrals, from 1000 s before to 10 s behind them and back."""
@@ -258,6 +262,7 @@ SMOOTH = {
 }  # fmt: skip
 
 
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions_take_the_same_steps(name, monkeypatch):
     """Beside the same code without limits, at two tolerances."""

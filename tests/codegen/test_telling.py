@@ -47,6 +47,7 @@ def test_stages_come_in_order_and_their_shares_grow(target):
         assert shares == sorted(shares)
 
 
+@pytest.mark.slow
 def test_long_stages_are_told_of_as_the_work_goes_on():
     """By shares in steps of a hundredth, and by calls alone where no share is known."""
     _, told = told_of(long_system(400), "python")
@@ -93,6 +94,7 @@ def test_a_listener_may_compile_itself():
 RAISED = (KeyboardInterrupt, TimeoutError, native.CompilerError, InputError, AssertionError)
 
 
+@pytest.mark.sparse(8)
 @in_c
 @pytest.mark.parametrize("stage", STAGES)
 @pytest.mark.parametrize("kind", RAISED)

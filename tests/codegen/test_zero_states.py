@@ -225,18 +225,21 @@ def limit_exists(program, point, group, k):
     return all(map(math.isfinite, values)) and spread <= 1e-5 * (1 + abs(values[0]))
 
 
+@pytest.mark.sparse(2)
 def test_values_and_derivatives_are_finite_where_the_exact_ones_are(case):
     name, system, program = case
     found = {what: failures(program, point, system) for what, point in points(name, system)}
     assert {what: bad for what, bad in found.items() if bad} == {}
 
 
+@pytest.mark.sparse(7)
 def test_near_singular_angles_are_tried(case):
     name, system, _ = case
     expected = name in ANGLES or bool(system.singularities)
     assert any("1e-08" in what or "1.57" in what for what, _ in points(name, system)) == expected
 
 
+@pytest.mark.sparse(only=("numpy",))
 def test_compiled_numbers_are_finite_too(target):
     """What the interpreter promises, a target keeps: ready scenes and a body of full inertia."""
     for name in (*catalogue.single(), "full, 3-1-2", "pendulum"):
