@@ -23,11 +23,11 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 513,
-    "lines of code": 78_300,
+    "modules": 511,
+    "lines of code": 77_600,
     "modules in the fullest folder": 25,
     "folders of more than 25 modules": 0,
-    "circles of files": 1,
+    "circles of files": 0,
     "circles of folders": 0,
     "lines of functions, ninth decile": 19,
 }

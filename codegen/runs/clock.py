@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from codegen.compiling.events import Event, bare
 from codegen.compiling.signals import Inputs
 from codegen.native.trajectory import Array, Problem
 from eom.errors import InputError
-
-if TYPE_CHECKING:
-    from codegen.runs.simulation import Result
 
 COARSEST = 1e-3
 """Part of a run that time must be resolved to, where what reads it needs its absolute value."""
@@ -150,19 +147,3 @@ def clock_of(
     if not start and not epoch:
         return None
     return Clock(relative(compiled, bare(events)), epoch, start, t_span)
-
-
-def told(result: Result, clock: Clock, problem: Problem, doubt: str) -> Result:
-    """Return a result over the time of a run in the times of the user, who gave ``problem``."""
-    start, ended = clock.start, result.status == 0
-    t = clock.times(result.t, problem, ended=ended)
-    again = len(t) - len(np.unique(t))
-    coarse = f"{again} of {len(t)} times are stored like others: give t_span since an epoch"
-    return replace(
-        result,
-        t=t,
-        t_stop=problem.t_span[1] if ended else start + result.t_stop,
-        sol=result.sol if not result.sol or not start else Late(result.sol, start),
-        events={n: replace(e, t=start + e.t) for n, e in result.events.items()},
-        notice="; ".join(n for n in (result.notice, doubt, coarse if again else "") if n),
-    )

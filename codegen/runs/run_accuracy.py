@@ -17,14 +17,14 @@ and Strelcyn, Meccanica 15 (1980) 9).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from codegen.compiling.compiled import Compiled, compiled_jacobian
 from codegen.frontend.layout import Layout, names_of
 from codegen.integrate.choice import CLOSED_FORM
 from codegen.ir.groups import RATES
@@ -32,12 +32,6 @@ from codegen.native.trajectory import Array
 from codegen.precision.magnitude import Sizes, of_unit
 from codegen.runs.second_run import Origin, Second, Track, second_run
 from eom.errors import InputError
-
-if TYPE_CHECKING:
-    from codegen.runs.simulation import Result
-from collections.abc import Callable
-
-from codegen.compiling.compiled import Compiled, compiled_jacobian
 
 LOST = 0.1
 """Error over size from which on no digit is left."""
@@ -145,7 +139,21 @@ class Accuracy:
         return f"no digit of {', '.join(self.lost)} is left; {proves}" if self.lost else ""
 
 
-def accuracy_of(result: Result, limit: float | None = None) -> Accuracy:
+@dataclass(frozen=True)
+class Run:
+    """What of a `codegen.Result` its accuracy is about; the fields are those of it."""
+
+    t: Array
+    y: Array
+    t_stop: float
+    y_stop: Array
+    status: int
+    steps: int
+    seconds: float
+    origin: object
+
+
+def accuracy_of(result: Run, limit: float | None = None) -> Accuracy:
     """Return how good a run is; as `codegen.Result.accuracy`, which see."""
     origin = result.origin
     if not isinstance(origin, Origin):
@@ -161,7 +169,7 @@ def accuracy_of(result: Result, limit: float | None = None) -> Accuracy:
     return replace(found, t=start + found.t, horizon=horizon)
 
 
-def _since_start(result: Result, origin: Origin) -> Result:
+def _since_start(result: Run, origin: Origin) -> Run:
     """Return a late run over the time since its start; times that were rounded are found again."""
     problem = origin.problem
     ended = result.status == 0
@@ -173,7 +181,7 @@ def _since_start(result: Result, origin: Origin) -> Result:
     return replace(result, t=result.t - problem.start, t_stop=stop)
 
 
-def _over_run(result: Result, origin: Origin, limit: float | None) -> Accuracy:
+def _over_run(result: Run, origin: Origin, limit: float | None) -> Accuracy:
     """Return the accuracy over the time of the run, which is that since its start where this is late."""
     seconds = max(LEAST, FEW * result.seconds) if limit is None else limit
     track = _track(result, origin)
@@ -190,7 +198,7 @@ def _over_run(result: Result, origin: Origin, limit: float | None) -> Accuracy:
     return _judged(origin, track, size, second, grown)
 
 
-def _track(result: Result, origin: Origin) -> Track:
+def _track(result: Run, origin: Origin) -> Track:
     """Return times and states to compare: stored ones, those of the run made again where they are few."""
     t, y, steps = result.t, result.y, result.steps
     if len(t) < ENOUGH_TIMES and result.t_stop != origin.problem.t_span[0]:
@@ -215,7 +223,7 @@ def _chosen(t: Array) -> NDArray[np.intp]:
     return np.unique(np.concatenate([by_number, np.minimum(by_time, len(t) - 1)]))
 
 
-def _again(result: Result, origin: Origin) -> tuple[Array, Array]:
+def _again(result: Run, origin: Origin) -> tuple[Array, Array]:
     """Return more times of the same run, and its states; those that are stored, if it is not the same."""
     start = origin.problem.t_span[0]
     grid = np.linspace(start, result.t_stop, ENOUGH_TIMES)

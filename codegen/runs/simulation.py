@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,16 +29,13 @@ from codegen.ir.identity import SameObject
 from codegen.loops.projection import chosen
 from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.runs import arguments, requested
-from codegen.runs.clock import Clock, clock_of, told
+from codegen.runs.clock import Clock, Late, clock_of
 from codegen.runs.drift import Drift, Terms, drift_of
+from codegen.runs.run_accuracy import Accuracy, Run, accuracy_of
 from codegen.runs.second_run import Origin
 from codegen.runs.turns import Sampled, counted
 from eom.errors import InputError, typed, unknown_name
 from eom.system import Singularity, System
-
-if TYPE_CHECKING:
-    from codegen.runs.run_accuracy import Accuracy
-
 
 DEFAULT_MARGIN = 1e-6
 
@@ -119,9 +116,13 @@ class Result:
         Units are those of the system. Raises `InputError` for a result that was pickled, read or put
         together, and so does not know what it came from. See `codegen.Accuracy`.
         """
-        from codegen.runs.run_accuracy import accuracy_of
-
-        return self.estimate or accuracy_of(self, limit)
+        if self.estimate is not None:
+            return self.estimate
+        run = Run(
+            self.t, self.y, self.t_stop, self.y_stop,
+            self.status, self.steps, self.seconds, self.origin,
+        )  # fmt: skip
+        return accuracy_of(run, limit)
 
     @typed
     def with_accuracy(self, limit: float | None = None) -> Result:
@@ -332,7 +333,23 @@ def _run(
     doubt = clock.doubt(problem.parameters, problem.rtol, signals)
     moved, inputs = clock.problem(problem), clock.signals(signals)
     task = Task(clock.relative.compiled, moved, inputs, events)
-    return told(_result_of(task, method, part.left_out), clock, problem, doubt)
+    return _in_users_time(_result_of(task, method, part.left_out), clock, problem, doubt)
+
+
+def _in_users_time(result: Result, clock: Clock, problem: Problem, doubt: str) -> Result:
+    """Return a result over the time of a run in the times of the user, who gave ``problem``."""
+    start, ended = clock.start, result.status == 0
+    t = clock.times(result.t, problem, ended=ended)
+    again = len(t) - len(np.unique(t))
+    coarse = f"{again} of {len(t)} times are stored like others: give t_span since an epoch"
+    return replace(
+        result,
+        t=t,
+        t_stop=problem.t_span[1] if ended else start + result.t_stop,
+        sol=result.sol if not result.sol or not start else Late(result.sol, start),
+        events={n: replace(e, t=start + e.t) for n, e in result.events.items()},
+        notice="; ".join(n for n in (result.notice, doubt, coarse if again else "") if n),
+    )
 
 
 def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
