@@ -9,7 +9,7 @@ from typing import Any
 from eom.multibody import GROUND, Body, Joint, Placement, Tree
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.recursion.articulated import forward_dynamics
-from eom.multibody.recursion.skeleton import skeleton
+from eom.multibody.recursion.lumped_tree import lumped_tree
 
 Scalar = Any
 Function = Callable[[Scalar], Scalar]
@@ -62,5 +62,5 @@ def accelerations(
 ) -> list[Scalar]:
     """Return the joint accelerations (rad/s^2) of angles, rates and torques; gravity is along -3."""
     work = Numbers(sin, cos)
-    bones = skeleton(tree, lambda x: x if x in (0, 1, -1) else float(x), work)
+    bones = lumped_tree(tree, lambda x: x if x in (0, 1, -1) else float(x), work)
     return forward_dynamics(bones, q, rates, torques, work)

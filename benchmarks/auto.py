@@ -16,7 +16,7 @@ import numpy as np
 import codegen
 import eom
 from codegen.integrate import choice as stiffness
-from codegen.runs.requested import part
+from codegen.runs.pruning import part
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)
 RUNS = {"c": 60, "numpy": 3}

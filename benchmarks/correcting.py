@@ -26,9 +26,9 @@ from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import mixed
+from eom.checker.read.damage import apply
 from eom.checker.read.documents import load, read_document
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.repairs import apply
 from eom.checker.repair.explaining import explain
 from eom.checker.repair.lines import place
 from eom.checker.report.findings import Explanation

@@ -183,7 +183,7 @@ def _pydy(kane: Any, layout: Any) -> Any:
 def stages(links: int) -> dict[str, Any]:
     """Return seconds by stage of our way to a callable, and operations of the right-hand side."""
     from codegen.compiling.compiled import TARGETS
-    from codegen.frontend.elsewhere import as_system
+    from codegen.frontend.from_sympy_mechanics import as_system
     from codegen.ir.groups import RATES
     from codegen.ir.passes import prune
     from codegen.native import native

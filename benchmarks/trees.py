@@ -27,10 +27,10 @@ from codegen.ir.program import Builder
 from eom.multibody import Tree
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.quantities import flow, gravity_potential, kinetic_energy
 from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from tests.eom.multibody.peer import SHARED, pinocchio, shared_tree, their_state
 
 COUNT = 200
@@ -74,7 +74,7 @@ def differences(seed: int, count: int) -> Mapping[str, float]:
     import pinocchio as pin
 
     given, q, u = shared_tree(seed, count)
-    bones = skeleton(given, floats, FLOATS)
+    bones = lumped_tree(given, floats, FLOATS)
     model = pinocchio(pin, given)
     data = model.createData()
     theirs, v, order = their_state(given, q, u)
@@ -115,7 +115,7 @@ def _of_derivatives(seed: int, count: int) -> Mapping[str, float]:
     data = model.createData()
     theirs, v, order = their_state(given, q, u)
     square = np.ix_(order, order)
-    N = _displacements(skeleton(given, floats, FLOATS), q)
+    N = _displacements(lumped_tree(given, floats, FLOATS), q)
     pin.computeABADerivatives(model, data, theirs, v, tau[order])
     by_q, by_u = derivatives(forward_dynamics, given, q, u, tau)
     pin.computeRNEADerivatives(model, data, theirs, v, udot[order])
@@ -138,7 +138,7 @@ def relative(ours: Any, theirs: Any, order: Any = slice(None)) -> float:
     return float(np.abs(mine - other).max() / np.abs(other).max())
 
 
-def _displacements(bones: Skeleton, q: Scalars) -> Array:
+def _displacements(bones: LumpedTree, q: Scalars) -> Array:
     """Return N of q' = N u."""
     unit = np.eye(bones.speeds)
     return np.array([coordinate_rates(bones, q, list(e), FLOATS) for e in unit], float).T
@@ -158,7 +158,7 @@ def derivatives(
             return number
         return scalars.Scalar(b, b.leaf("parameter", known.setdefault(number, len(known))))
 
-    bones = skeleton(given, lifted, work)
+    bones = lumped_tree(given, lifted, work)
     last = scalars.scalars(b, "input", len(u))
     made = scalars.program(b, {RATES: recursion(bones, x[: len(q)], x[len(q) :], last, work)})
     found = jacobian(made, RATES, modes=("forward",))

@@ -8,7 +8,7 @@ from codegen.compiling.signals import Signal
 from codegen.compiling.sparse import SparseJacobian
 from codegen.ensembles.ensemble import Ensemble, ensemble
 from codegen.ensembles.sampler import Grid, Normal, Sampler, Uniform, UniformQuaternion
-from codegen.ensembles.tallies import Statistics, Summary
+from codegen.ensembles.statistics import Statistics, Summary
 from codegen.integrate.methods import METHODS
 from codegen.linearisation.equilibria import equilibria, equilibrium
 from codegen.linearisation.linear_motion import LinearMotion, linearise_about

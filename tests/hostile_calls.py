@@ -280,7 +280,7 @@ def _multibody():
             "name": "r", "body": "bob", "radius": 1, "axis": (0, 0, 1), "centre": (0, 0, 0),
             "normal": (0, 0, 1), "origin": (0, 0, 0),
         }),
-        "Skate": (m.Skate, {
+        "KnifeEdge": (m.KnifeEdge, {
             "name": "s", "body": "bob", "direction": (0, 1, 0), "point": (0, 0, 0),
         }),
         "Reaction": (m.Reaction, {

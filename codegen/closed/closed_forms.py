@@ -19,7 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from codegen.closed import spinner, tops
+from codegen.closed import spinner, top_recognition
 from codegen.closed.angles import Angles, Sequence3, angles
 from codegen.closed.bilinear import triad
 from codegen.closed.bodies import (
@@ -34,8 +34,8 @@ from codegen.closed.bodies import (
 from codegen.closed.exact import CHUNK, LENGTH, form_of
 from codegen.closed.heavy_top import top_form
 from codegen.closed.held import Held, fraction, held, states_of
+from codegen.closed.phase_unwrapping import own_axes, winding
 from codegen.closed.polhode import Frame, context, number, polhode
-from codegen.closed.windings import own_axes, winding
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import names_of
 from codegen.ir.residues import PRIME, RandomPoint
@@ -284,8 +284,8 @@ def _angles(
     return angles(Sequence3((i, j, k)), found, turns, (psi, theta, phi), first[0])
 
 
-def _moved_top(found: tops.Reading, start: Sequence[Fraction]) -> Motion | None:
-    top = tops.top(found, start)
+def _moved_top(found: top_recognition.Reading, start: Sequence[Fraction]) -> Motion | None:
+    top = top_recognition.top(found, start)
     if top is None:
         return None
     frame = Frame(found.axes, (1, 1, 1))
@@ -317,8 +317,8 @@ OMEGA_ALONE = "angular velocity without torque, by Jacobi's elliptic functions"
 ROWS = (
     Row("free body", OMEGA_ALONE, _alone, _moved_alone),
     Row("free body", "attitude without torque, by elliptic and theta functions", _free, _moved_freely),
-    Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", tops.reading, _moved_top),
-    Row("symmetric spinner", "3-1-2 angles without torque, by elementary functions",
+    Row("heavy symmetric top", "Lagrange's top, by quotients of theta functions", top_recognition.reading,
+    _moved_top), Row("symmetric spinner", "3-1-2 angles without torque, by elementary functions",
         spinner.reading, spinner.prepared),
 )  # fmt: skip
 

@@ -14,8 +14,8 @@ Three complex numbers hold the motion: those of the quaternion, and the transver
     w1 + i w2,          |.|^2 = 2 mu (zE - z),    phase' = b/2 - w3 - (h - b zE)/(zE - z)/2,  zE = e/mu
 
 Each square is linear in z, and f(z*) = -(...)^2 where it is zero: each number is one of
-`codegen.closed.quotients` times exp(i c t). Nothing is singular at the vertical. Where u = 0 the turn about
-the vertical is chosen so that alpha and beta are positive; w1 + i w2 is then imaginary.
+`codegen.closed.theta_quotients` times exp(i c t). Nothing is singular at the vertical. Where u = 0 the
+turn about the vertical is chosen so that alpha and beta are positive; w1 + i w2 is then imaginary.
 
 Sources: Whittaker, Analytical Dynamics (1937), sec. 71-73; Klein and Sommerfeld, Theorie des Kreisels
 (1898), ch. 6 (alpha and beta as quotients of theta functions); Leimanis, The General Problem of the
@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from codegen.closed.elliptic import Modulus, carlson, first_kind
 from codegen.closed.phases import Pair, pair, parity, reduced, scaled
 from codegen.closed.polhode import context, number
-from codegen.closed.quotients import Complex, Quotients, Root, quotients
+from codegen.closed.theta_quotients import Complex, Quotients, Root, quotients
 
 Array = NDArray[np.float64]
 Number = Any  # a mpmath real

@@ -37,7 +37,7 @@ from codegen.compiling.jacobians import (
 )
 from codegen.compiling.sparse import SparseJacobian
 from codegen.derivatives.derivative import JACOBIAN
-from codegen.frontend.elsewhere import as_system
+from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.guard import Guard
 from codegen.frontend.layout import Layout, names_of
 from codegen.frontend.structure import Structure
@@ -203,7 +203,7 @@ def compile(  # noqa: A001 - the word that users expect
     """Compile ``system`` for a target.
 
     ``target``: ``c``, ``numpy``, ``python`` (plain floats), or ``auto`` (C where a compiler works).
-    ``system``: an `eom.System`, or what `codegen.frontend.elsewhere.as_system` accepts: SymPy's
+    ``system``: an `eom.System`, or what `codegen.frontend.from_sympy_mechanics.as_system` accepts: SymPy's
     KanesMethod, LagrangesMethod or mechanics System, (states, rates), (states, mass matrix, forces).
     ``parameters``: numbers for some or all parameters, which are then compiled in and folded; the
     name of another parameter makes the two equal. ``states``: values at which states stay, as in

@@ -33,7 +33,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.compiled import Compiled, processors
 from codegen.ensembles import store as stores
-from codegen.ensembles.chunks import (
+from codegen.ensembles.sampler import Sampler
+from codegen.ensembles.samples import Many, Population, population
+from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
+from codegen.ensembles.work_units import (
     DRIFT,
     MOST_LISTED,
     VALUES,
@@ -43,9 +46,6 @@ from codegen.ensembles.chunks import (
     integrator,
     run,
 )
-from codegen.ensembles.sampler import Sampler
-from codegen.ensembles.samples import Many, Population, population
-from codegen.ensembles.tallies import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
 from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import fleet, onward
 from codegen.integrate.fleet import Shared

@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from codegen.ensembles.chunks import Columns, Piece, Plan, counted, run
 from codegen.ensembles.samples import Population
+from codegen.ensembles.work_units import Columns, Piece, Plan, counted, run
 from eom.errors import InputError, unknown_name
 
 INTEGERS = ("status", "which", "steps", "rejected", "continued")

@@ -22,7 +22,7 @@ from typing import Any
 import sympy as sp
 from sympy.codegen import cfunctions
 
-from codegen.frontend import removable
+from codegen.frontend import removable_singularities as removable
 from codegen.ir import fold, telling
 from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.linsolve import Shape

@@ -46,7 +46,7 @@ class Shared:
     """What all trajectories have in common: times in s, tolerances, and where to stop.
 
     ``atol``: absolute tolerances, (n,), or (n, N) where each trajectory has its own; None where they
-    follow from the scales of each trajectory, which only `codegen.ensembles.chunks` knows.
+    follow from the scales of each trajectory, which only `codegen.ensembles.work_units` knows.
     """
 
     t_span: tuple[float, float]

@@ -28,7 +28,7 @@ from codegen.ir.groups import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.ir.identity import SameObject
 from codegen.loops.projection import chosen
 from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
-from codegen.runs import arguments, requested
+from codegen.runs import arguments, pruning
 from codegen.runs.clock import Clock, Late, clock_of
 from codegen.runs.drift import Drift, Terms, drift_of
 from codegen.runs.run_accuracy import Accuracy, Run, accuracy_of
@@ -304,15 +304,15 @@ def _projected(
 
 def _part(
     compiled: Compiled, outputs: Sequence[str] | None, events: Sequence[Event]
-) -> requested.Part:
+) -> pruning.Part:
     """Return what the outputs, and the expressions of events, need of a system."""
     if outputs is None:
-        return requested.part(compiled, None)
-    return requested.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
+        return pruning.part(compiled, None)
+    return pruning.part(compiled, [*outputs, *looked_for.states_of(compiled, events)])
 
 
 def _numbers(
-    part: requested.Part, initial: Values, parameters: Values, inputs: Mapping[str, InputValue]
+    part: pruning.Part, initial: Values, parameters: Values, inputs: Mapping[str, InputValue]
 ) -> tuple[Array, Array, Array, Inputs | None]:
     """Return initial state, parameters, held inputs, and the function of all if one is a function."""
     held, signals = _inputs(part.compiled, inputs)
@@ -321,7 +321,7 @@ def _numbers(
 
 
 def _run(
-    part: requested.Part,
+    part: pruning.Part,
     problem: Problem,
     method: str,
     signals: Inputs | None,

@@ -20,9 +20,9 @@ from eom.multibody.model.constraints import (
     Coupling,
     Distance,
     Equation,
+    KnifeEdge,
     Loop,
     Rolling,
-    Skate,
     SpeedEquation,
 )
 from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
@@ -43,6 +43,7 @@ __all__ = [
     "Equation",
     "Examination",
     "Joint",
+    "KnifeEdge",
     "Load",
     "Loop",
     "Motion",
@@ -52,7 +53,6 @@ __all__ = [
     "Regressor",
     "Rolling",
     "Rotor",
-    "Skate",
     "SpeedEquation",
     "Spring",
     "Tree",

@@ -17,7 +17,7 @@ def digests():
 
     from codegen.compiling.compiled import ROWS, generate
     from codegen.derivatives.derivative import jacobian
-    from codegen.frontend.elsewhere import as_system
+    from codegen.frontend.from_sympy_mechanics import as_system
     from codegen.ir.groups import RATES
     from codegen.passes.pipeline import specialised
     from eom import gravity_gradient_satellite, heavy_top

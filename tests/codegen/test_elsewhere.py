@@ -14,7 +14,7 @@ from sympy.physics.mechanics.models import multi_mass_spring_damper, n_link_pend
 
 import codegen
 import eom
-from codegen.frontend.elsewhere import as_system
+from codegen.frontend.from_sympy_mechanics import as_system
 from eom.errors import InputError
 from eom.rotations import quaternion_product
 

@@ -14,7 +14,7 @@ from codegen.ir.interpret import Point, interpret
 from codegen.ir.program import Builder
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.recursion.articulated import forward_dynamics
-from eom.multibody.recursion.skeleton import skeleton
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from tests.clock import growth_in_calls
 from tests.eom.multibody.trees import state, tree
 
@@ -55,7 +55,7 @@ def dynamics(given, as_constants):
     """The program of forward dynamics of a tree, and the parameters."""
     b, known = Builder(), {}
     work = Numbers(scalars.sin, scalars.cos)
-    bones = skeleton(given, lifting(b, known, as_constants), work)
+    bones = lumped_tree(given, lifting(b, known, as_constants), work)
     n, m = (sum(len(part(j)) for j in given.ordered) for part in (_coordinates, _speeds))
     x = scalars.scalars(b, "state", n + m)
     tau = scalars.scalars(b, "input", m)

@@ -11,7 +11,7 @@ from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
 import codegen
 from codegen.derivatives.derivative import jacobian
-from codegen.frontend.elsewhere import as_system
+from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.fold import RULE_SETS
 from codegen.ir.groups import RATES

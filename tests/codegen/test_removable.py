@@ -12,7 +12,7 @@ from codegen import compile as compile_system
 from codegen import compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.frontend.lower import lower_expressions
-from codegen.frontend.removable import ROWS, Removable, rewrite
+from codegen.frontend.removable_singularities import ROWS, Removable, rewrite
 from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from eom.system import System

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from codegen import Statistics
-from codegen.ensembles.tallies import BLOCK, Bins, Tree, bins_of, of_blocks, summary
+from codegen.ensembles.statistics import BLOCK, Bins, Tree, bins_of, of_blocks, summary
 from eom.errors import InputError
 
 RNG = np.random.default_rng(3)

@@ -25,7 +25,7 @@ from sympy.physics.mechanics.models import multi_mass_spring_damper, n_link_pend
 
 import codegen
 from codegen.derivatives.derivative import JACOBIAN, jacobian
-from codegen.frontend.elsewhere import as_system
+from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir import interpret as oracle
 from codegen.ir.groups import RATES

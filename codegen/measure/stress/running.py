@@ -10,7 +10,7 @@ import numpy as np
 
 from codegen.compiling.compiled import Compiled
 from codegen.measure.stress.record import EPSILON, Figure, Findings
-from codegen.native.patience import TooLongError, watch
+from codegen.native.time_limit import TooLongError, watch
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import DEFAULT_MARGIN, Result, simulate
 from eom.errors import InputError

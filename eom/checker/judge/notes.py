@@ -1,7 +1,7 @@
 """A note with its lexicon: every formula with its claims, each read where it stands.
 
 The literal reading comes first. Where it leaves something ill-formed, ambiguous or without a meaning,
-the repairs of `eom.checker.read.repairs` are tried; the first reading that leaves least is taken, and says
+the repairs of `eom.checker.read.damage` are tried; the first reading that leaves least is taken, and says
 what was read otherwise.
 """
 
@@ -21,13 +21,13 @@ from eom.checker.mean.naming import Named, brings, first, says
 from eom.checker.mean.parameters import Known, limited, named, read
 from eom.checker.mean.roles import CLAIM, LAW, roles
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
+from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
-from eom.checker.read.looks import Look
 from eom.checker.read.places import Source
 from eom.checker.read.reading import Formula, read_piece
-from eom.checker.read.repairs import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.statements import Statement, split
+from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node
 from eom.checker.read.tokens import tokenize
 from eom.limits import Overdue, deadline

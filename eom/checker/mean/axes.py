@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from eom.checker.mean.claims import Claim
-from eom.checker.read.looks import labels, seen
 from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import labels, seen
 from eom.checker.read.syntax import Dots, Group, Node, Number, Relation, Sequence, Symbol, walk
 
 SETS = (("1", "2", "3"), ("x", "y", "z"))

@@ -27,8 +27,8 @@ from eom.checker.mean.values import (
     refuse,
     total,
 )
-from eom.checker.read.looks import labels
 from eom.checker.read.places import Span
+from eom.checker.read.symbol_shape import labels
 from eom.checker.read.syntax import (
     BigOperator,
     Call,

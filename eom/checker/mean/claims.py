@@ -27,9 +27,9 @@ from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.operations import overdot
 from eom.checker.mean.values import ROW, UNDECIDED, Finding, Refusal, Value, same
-from eom.checker.read.looks import Look, labels, seen
 from eom.checker.read.places import NOWHERE, Span
 from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words, walk
 from eom.terms.terms import COLUMN, Term, expr
 from eom.terms.vocabulary import position

@@ -18,7 +18,7 @@ from eom.checker.mean.elaborator import Elaborator, number
 from eom.checker.mean.lexicon import Entry
 from eom.checker.mean.meanings import Meaning
 from eom.checker.mean.values import ILL_FORMED, UNDECIDED, Value, refuse
-from eom.checker.read.looks import Look, seen
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Group, Integral, Product, Sequence, Symbol, walk
 from eom.terms.terms import SCALAR, Term, dot, expr, nodes
 from eom.terms.vocabulary import mass, position, unit

@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from eom.checker.mean.meanings import SLOT, Meaning
-from eom.checker.read.looks import Labels, Look
+from eom.checker.read.symbol_shape import Labels, Look
 from eom.terms.terms import INDICES, INERTIAL
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import DEFINITION
 from eom.checker.mean.values import Value
 from eom.checker.read.documents import Piece
-from eom.checker.read.looks import Look, seen
 from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Sign
 from eom.terms.terms import nodes
 

@@ -22,8 +22,8 @@ from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Re
 from eom.checker.mean.integrals import called
 from eom.checker.mean.lexicon import Entry, Lexicon
 from eom.checker.mean.meanings import Meaning
-from eom.checker.read.looks import Look, seen
 from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Group, Integral, Node, Scripts, Symbol, Words, children, walk
 from eom.terms.terms import Term, nodes
 

@@ -25,10 +25,10 @@ from eom.checker.mean.symbols import FUNCTIONS
 from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.latex import SCRIPT_MARKS, SYMBOLS
-from eom.checker.read.looks import Labels, Look, seen
 from eom.checker.read.places import printable
 from eom.checker.read.reading import Formula, read
 from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Labels, Look, seen
 from eom.checker.read.syntax import (
     Accent,
     Derivative,

@@ -8,8 +8,8 @@ from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.meanings import Meaning
 from eom.checker.mean.symbols import pure
 from eom.checker.mean.values import Value
-from eom.checker.read.looks import Look, labels, seen
 from eom.checker.read.places import Span
+from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (
     Call,
     Fraction,

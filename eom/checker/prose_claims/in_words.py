@@ -41,8 +41,8 @@ from eom.checker.prose_claims.propositions import All, Plain, Proposition, Readi
 from eom.checker.prose_claims.quantified import Decision, decide, quantified
 from eom.checker.prose_claims.stability import stability, theorem
 from eom.checker.read.documents import Document, Piece
-from eom.checker.read.looks import labels
 from eom.checker.read.places import Source, Span
+from eom.checker.read.symbol_shape import labels
 from eom.checker.repair.corrections import corrections, workshop
 from eom.checker.repair.lines import line
 from eom.checker.report.findings import PROSE, Explanation, Finding

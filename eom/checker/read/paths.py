@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from eom.checker.read.looks import seen
+from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import Addition, Missing, Node, Number, Product
 
 Step = tuple[str, tuple[int, ...]]

@@ -20,9 +20,9 @@ from eom.checker.mean.claims import Claim
 from eom.checker.mean.parameters import FALSE, IDENTITY, RESTS, Link, expressions, links
 from eom.checker.mean.values import Value
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.looks import seen
 from eom.checker.read.paths import Path, at, find, put
 from eom.checker.read.places import Span
+from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import Addition, Group, Integral, Node, Number, Relation, walk
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Workshop

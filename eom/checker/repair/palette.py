@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.lexicon import AXES, Lexicon
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.looks import Labels, labels, seen
 from eom.checker.read.paths import at, operands
+from eom.checker.read.symbol_shape import Labels, labels, seen
 from eom.checker.read.syntax import (
     BigOperator,
     Call,

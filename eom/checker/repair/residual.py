@@ -11,8 +11,8 @@ from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.dimensions import RATE, Dimension
 from eom.checker.mean.turns import abbreviated
 from eom.checker.mean.values import ROW, Value
-from eom.checker.read.looks import seen
 from eom.checker.read.paths import operands
+from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import (
     Addition,
     Call,

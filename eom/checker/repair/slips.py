@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-from eom.checker.read.looks import DOTS, seen
 from eom.checker.read.paths import NOTHING, Path, at, places, put, tidy
+from eom.checker.read.symbol_shape import DOTS, seen
 from eom.checker.read.syntax import (
     Accent,
     Addition,

@@ -97,7 +97,7 @@ class Work(Protocol):
     def keep(self, letter: str, part: str, suffix: str, value: Scalar) -> Scalar:
         """Return a value that is used several times, under a name if this kind of scalar has names.
 
-        ``letter``: a row of `eom.multibody.algebra.light.LETTERS`. ``part``: the body or joint.
+        ``letter``: a row of `eom.multibody.algebra.lazy_sums.LETTERS`. ``part``: the body or joint.
         """
 
 

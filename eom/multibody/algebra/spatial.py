@@ -23,7 +23,7 @@ IDENTITY: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
-class Pair(NamedTuple):
+class SpatialVector(NamedTuple):
     """A motion or a force: (angular, linear)."""
 
     angular: Vector
@@ -48,10 +48,10 @@ class Inertia(NamedTuple):
             return [*self.I[k], *self.H[k]]
         return [*(row[k - 3] for row in self.H), *self.M[k - 3]]
 
-    def times(self, motion: Pair) -> Pair:
+    def times(self, motion: SpatialVector) -> SpatialVector:
         """Return the force that a motion takes."""
         w, v = motion
-        return Pair(
+        return SpatialVector(
             plus(times(self.I, w), times(self.H, v)),
             plus(times(transposed(self.H), w), times(self.M, v)),
         )

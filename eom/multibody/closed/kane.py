@@ -17,7 +17,7 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -38,11 +38,11 @@ class Kane:
     mechanism: Mechanism
 
     @cached_property
-    def origins(self) -> list[Pair]:
+    def origins(self) -> list[SpatialVector]:
         """Angular velocities and velocities of the origins."""
-        found: list[Pair] = []
+        found: list[SpatialVector] = []
         for link in self.mechanism.links:
-            w, v = found[link.parent] if link.parent >= 0 else Pair(ZERO, ZERO)
+            w, v = found[link.parent] if link.parent >= 0 else SpatialVector(ZERO, ZERO)
             w, v = (
                 times(link.rotation, w),
                 times(link.rotation, plus(v, cross(w, link.position))),
@@ -50,7 +50,7 @@ class Kane:
             for column, u in zip(link.subspace, self.mechanism.own(link), strict=True):
                 w = plus(w, scaled(u, column.angular))
                 v = plus(v, scaled(u, column.linear))
-            found.append(Pair(w, v))
+            found.append(SpatialVector(w, v))
         return found
 
     def velocity(self, k: int, point: Vector) -> Vector:
@@ -64,18 +64,18 @@ class Kane:
         return [self.velocity(k, link.centre) for k, link in enumerate(self.mechanism.links)]
 
     @cached_property
-    def accelerations(self) -> list[Pair]:
+    def accelerations(self) -> list[SpatialVector]:
         """Angular accelerations and accelerations of the centres of mass, by differentiation."""
         found = []
         for (w, _), v in zip(self.origins, self.centres, strict=True):
             rate = self.mechanism.rate_of
-            found.append(Pair(rate(w), plus(rate(v), cross(w, v))))
+            found.append(SpatialVector(rate(w), plus(rate(v), cross(w, v))))
         return found
 
-    def partial(self, k: int, s: int) -> Pair:
+    def partial(self, k: int, s: int) -> SpatialVector:
         """Return partial angular velocity, and partial velocity of the centre of mass."""
         part = self.mechanism.part_of
-        return Pair(part(self.origins[k].angular, s), part(self.centres[k], s))
+        return SpatialVector(part(self.origins[k].angular, s), part(self.centres[k], s))
 
     def inertia_torque(self, k: int) -> Vector:
         """Return J alpha + omega x J omega about the centre of mass: less the inertia torque."""

@@ -18,7 +18,7 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -78,7 +78,7 @@ class Lagrange:
         return [tilde[1][2], tilde[2][0], tilde[0][1]]
 
     @cached_property
-    def motions(self) -> list[Pair]:
+    def motions(self) -> list[SpatialVector]:
         """Angular velocity (in the link's axes) and velocity of the centre of mass (in the ground's)."""
         found = []
         for k, x in enumerate(self.centres):
@@ -87,10 +87,10 @@ class Lagrange:
                 speed = self.mechanism.algebra.atom(u.symbol)
                 w = plus(w, scaled(speed, self.turning(k, s)))
                 v = plus(v, scaled(speed, self.velocity(x, s)))
-            found.append(Pair(w, v))
+            found.append(SpatialVector(w, v))
         return found
 
-    def _energy(self, link: Link, motion: Pair) -> Scalar:
+    def _energy(self, link: Link, motion: SpatialVector) -> Scalar:
         w, v = motion
         return (link.mass * dot(v, v) + dot(w, times(link.inertia, w))) * HALF
 
@@ -236,13 +236,13 @@ class Lagrange:
         return found
 
 
-def _bracket(a: Pair, b: Pair) -> Pair:
+def _bracket(a: SpatialVector, b: SpatialVector) -> SpatialVector:
     """Return the bracket of two constant motions in the moving frame."""
     linear = minus(cross(a.angular, b.linear), cross(b.angular, a.linear))
-    return Pair(cross(a.angular, b.angular), linear)
+    return SpatialVector(cross(a.angular, b.angular), linear)
 
 
-def _combination(motion: Pair, subspace: tuple[Pair, ...]) -> dict[int, Scalar]:
+def _combination(motion: SpatialVector, subspace: tuple[SpatialVector, ...]) -> dict[int, Scalar]:
     """Return a motion over the unit motions of a joint."""
     six = motion.six
     return {

@@ -24,7 +24,7 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     matrix_of,
     plus,
@@ -59,7 +59,7 @@ class Link:
     parent: int
     position: Vector
     rotation: Matrix
-    subspace: tuple[Pair, ...]
+    subspace: tuple[SpatialVector, ...]
     mass: Scalar
     centre: Vector
     inertia: Matrix

@@ -19,7 +19,7 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -81,7 +81,9 @@ class NewtonEuler:
             )
         return found
 
-    def _relative(self, start: int, subspace: Iterable[Pair]) -> tuple[Pair, Pair]:
+    def _relative(
+        self, start: int, subspace: Iterable[SpatialVector]
+    ) -> tuple[SpatialVector, SpatialVector]:
         """Return the motion of a joint and its rate, component by component in F."""
         w, v = ZERO, ZERO
         for k, column in enumerate(subspace):
@@ -89,7 +91,7 @@ class NewtonEuler:
             w = plus(w, scaled(u, column.angular))
             v = plus(v, scaled(u, column.linear))
         rate = self.mechanism.rate_of
-        return Pair(w, v), Pair(rate(w), rate(v))
+        return SpatialVector(w, v), SpatialVector(rate(w), rate(v))
 
     def acceleration(self, k: int, point: Vector) -> Vector:
         """Return the acceleration of a point of a link."""
@@ -107,12 +109,12 @@ class NewtonEuler:
 
     # -- balances of single bodies -------------------------------------------------------------
 
-    def momentum_rate(self, k: int) -> Pair:
+    def momentum_rate(self, k: int) -> SpatialVector:
         """Return the rates of angular momentum about the centre of mass, and of momentum."""
         link = self.mechanism.links[k]
         w, alpha, _ = self.motions[k]
         spin = plus(times(link.inertia, alpha), cross(w, times(link.inertia, w)))
-        return Pair(spin, scaled(link.mass, self.acceleration(k, link.centre)))
+        return SpatialVector(spin, scaled(link.mass, self.acceleration(k, link.centre)))
 
     def wrenches(self) -> Iterator[Wrench]:
         """Yield what the joints must carry for each body: rates of momentum less forces on it."""

@@ -22,11 +22,11 @@ from eom.errors import InputError
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.equations import Component, components
-from eom.multibody.constrained.spots import Arithmetic, scene
+from eom.multibody.constrained.point_kinematics import Arithmetic, scene
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Body, Joint, Tree
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.quantities import TIME
 
 TURNS = 200
@@ -77,9 +77,9 @@ class Geometry:
         return cls(bare, {TIME: 0.0, **known})
 
     @cached_property
-    def bones(self) -> Skeleton:
+    def bones(self) -> LumpedTree:
         """The parts in numbers."""
-        return skeleton(self.tree, self.lift, FLOATS)
+        return lumped_tree(self.tree, self.lift, FLOATS)
 
     @cached_property
     def coordinates(self) -> list[Any]:

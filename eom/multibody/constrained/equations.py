@@ -25,6 +25,7 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.algebra.values import is_number, unit
+from eom.multibody.constrained.point_kinematics import PointKinematics, Scene
 from eom.multibody.constrained.relations import (
     Apart,
     Contact,
@@ -35,14 +36,13 @@ from eom.multibody.constrained.relations import (
     Square,
     Sum,
 )
-from eom.multibody.constrained.spots import Scene, Spot
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
     Equation,
+    KnifeEdge,
     Loop,
     Rolling,
-    Skate,
     SpeedEquation,
 )
 from eom.multibody.model.model import Constraint, Tree
@@ -91,8 +91,8 @@ class _Cut:
 
     loop: Loop
     scene: Scene
-    first: Spot
-    second: Spot
+    first: PointKinematics
+    second: PointKinematics
     triad: tuple[Vector, Vector, Vector]
 
     def on_first(self, axis: Vector) -> Vector:
@@ -101,7 +101,7 @@ class _Cut:
     def on_second(self, axis: Vector) -> Vector:
         return self._carried(axis, self.second, self.loop.on_second.rotation)
 
-    def _carried(self, axis: Vector, spot: Spot, rotation: Any) -> Vector:
+    def _carried(self, axis: Vector, spot: PointKinematics, rotation: Any) -> Vector:
         C = [self.scene.vector(row) for row in rotation]
         found = spot.direction(times(transposed(C), axis))
         return keep_vector(self.scene.work, "direction", self.loop.name, found)
@@ -256,7 +256,7 @@ def plane_directions(normal: Any) -> tuple[Any, Any]:
     return first, unit(cross(normal, first), "normal")
 
 
-def _skate(edge: Skate, tree: Tree, scene: Scene) -> Rows:  # noqa: ARG001
+def _knife_edge(edge: KnifeEdge, tree: Tree, scene: Scene) -> Rows:  # noqa: ARG001
     spot = scene.spot(edge.body, edge.point)
     e = keep_vector(
         scene.work, "direction", edge.name, spot.direction(scene.vector(edge.direction))
@@ -401,7 +401,7 @@ _ROWS: dict[type[Constraint], Callable[[Any, Tree, Scene], Rows]] = {
     Loop: _loop,
     Distance: _distance,
     Rolling: _rolling,
-    Skate: _skate,
+    KnifeEdge: _knife_edge,
     Coupling: _coupling,
     Equation: _equation,
     SpeedEquation: _speed_equation,

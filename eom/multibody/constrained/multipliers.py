@@ -31,9 +31,9 @@ from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.constrained.equations import Component
 from eom.multibody.constrained.relations import Row
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import Scalars
 from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.recursion.skeleton import Skeleton
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Solved:
 class Dynamics:
     """What both ways need: the tree, its state, applied forces, and accelerations prescribed."""
 
-    bones: Skeleton
+    bones: LumpedTree
     q: Scalars
     u: Scalars
     tau: Scalars
@@ -191,7 +191,7 @@ class Follow:
         return solve(self.factor, b, work, self.held.names, "lambda")
 
 
-def follow(bones: Skeleton, dependent: Sequence[int], held: Bound, work: Work) -> Follow:
+def follow(bones: LumpedTree, dependent: Sequence[int], held: Bound, work: Work) -> Follow:
     """Return how the dependent speeds follow the others."""
     driven = bones.driven
     rest = {*dependent, *driven}
@@ -219,7 +219,7 @@ def follow(bones: Skeleton, dependent: Sequence[int], held: Bound, work: Work) -
     return replace(draft, slopes=slopes)
 
 
-def bones_name(bones: Skeleton, speed: int) -> str:
+def bones_name(bones: LumpedTree, speed: int) -> str:
     """Return the joint that a speed belongs to."""
     return next(p.joint for p in bones.parts if p.speeds.start <= speed < p.speeds.stop)
 

@@ -3,7 +3,7 @@
 A relation phi = 0 over coordinates and time has the rate ``row`` u + ``offset`` and the second rate
 ``row`` u' + ``drift``; a relation between speeds alone has no value. The multiplier of a relation is
 the generalised force ``row``^T lambda. Vectors are in the ground's axes; see
-`eom.multibody.constrained.spots`.
+`eom.multibody.constrained.point_kinematics`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from eom.multibody.algebra.scalars import Scalar, add, mul, negative, sub, total
 from eom.multibody.algebra.spatial import Vector, cross, dot, minus, plus, scaled
-from eom.multibody.constrained.spots import Spot, Turning
+from eom.multibody.constrained.point_kinematics import AngularMotion, PointKinematics
 
 Row = Mapping[int, Scalar]
 """Coefficients by speed; what is left out is zero by structure."""
@@ -50,12 +50,12 @@ def difference(first: Row, second: Row) -> Row:
     return dict(sorted(found.items()))
 
 
-def velocity_row(spot: Spot, direction: Vector) -> Row:
+def velocity_row(spot: PointKinematics, direction: Vector) -> Row:
     """Return the coefficients of the velocity of a point along a direction."""
     return {k: dot(direction, column.linear) for k, column in spot.columns.items()}
 
 
-def turning_row(spot: Spot, direction: Vector) -> Row:
+def turning_row(spot: PointKinematics, direction: Vector) -> Row:
     """Return the coefficients of the angular velocity about a direction."""
     return {k: dot(direction, column.angular) for k, column in spot.columns.items()}
 
@@ -71,9 +71,9 @@ class Apart(Relation):
     """The distance from one point to another along a direction that a body carries is zero."""
 
     direction: Vector
-    carrier: Spot
-    first: Spot
-    second: Spot
+    carrier: PointKinematics
+    first: PointKinematics
+    second: PointKinematics
 
     @property
     def _d(self) -> Vector:
@@ -105,9 +105,9 @@ class Square(Relation):
     """The cosine between a direction of one body and one of another is constant."""
 
     g: Vector
-    first: Spot
+    first: PointKinematics
     h: Vector
-    second: Spot
+    second: PointKinematics
     cosine: Scalar = 0
     alike: tuple[Vector, Vector] | None = None
     """Two directions that coincide where the joint is as it should be, and not turned round."""
@@ -141,8 +141,8 @@ class Square(Relation):
 class Rod(Relation):
     """Two points keep their distance: (d . d - length^2) / (2 length) is zero."""
 
-    first: Spot
-    second: Spot
+    first: PointKinematics
+    second: PointKinematics
     length: Scalar
     inverse: Scalar
 
@@ -174,7 +174,7 @@ class Edge(Relation):
     """A point of a body has no velocity along a direction of the body."""
 
     direction: Vector
-    spot: Spot
+    spot: PointKinematics
 
     def row(self) -> Row:
         """Return the coefficients of the velocity along the direction."""
@@ -195,7 +195,7 @@ class Contact:
     s = |n x a|. ``inverse``: 1 / s; None for a ball, whose arm is -radius n.
     """
 
-    centre: Spot
+    centre: PointKinematics
     radius: Scalar
     normal: Vector
     axis: Vector
@@ -251,7 +251,7 @@ class Roll(Relation):
 
     def drift(self) -> Scalar:
         """Return t . (v' + alpha x arm + omega x arm')."""
-        moving: Turning = self.contact.centre.moving
+        moving: AngularMotion = self.contact.centre.moving
         turned = plus(
             cross(moving.alpha, self.contact.arm), cross(moving.omega, self.contact.arm_rate())
         )

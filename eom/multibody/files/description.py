@@ -179,17 +179,17 @@ class RollingPart(Part):
     origin: Formulas = (0, 0, 0)
 
 
-class SkatePart(Part):
-    """A knife edge under a ``body``, of ``kind`` skate: see `eom.multibody.model.constraints.Skate`."""
+class KnifeEdgePart(Part):
+    """A ``body`` on a knife edge, of ``kind`` knife_edge: see `eom.multibody.KnifeEdge`."""
 
-    kind: Literal["skate"]
+    kind: Literal["knife_edge"]
     body: str
     direction: Axis = "y"
     point: Formulas = (0, 0, 0)
 
 
 ConstraintPart = Annotated[
-    LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | SkatePart,
+    LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | KnifeEdgePart,
     Field(discriminator="kind"),
 ]
 

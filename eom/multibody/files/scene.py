@@ -26,7 +26,7 @@ import pydantic
 
 from eom.errors import InputError, unknown_name
 from eom.kinematics.coordinates import quaternion_of_sequence
-from eom.multibody.algebra.light import used
+from eom.multibody.algebra.lazy_sums import used
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
 from eom.multibody.files.formulas import numbered
@@ -34,11 +34,11 @@ from eom.multibody.files.joint_angles import JointAngles, angles_of
 from eom.multibody.files.sections import Reading, check_used, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
+from eom.multibody.recursion.operation_count import Savings, savings
 from eom.multibody.recursion.quantities import Point
-from eom.multibody.recursion.tally import Savings, savings
 from eom.multibody.system.derive import derive
+from eom.multibody.system.output_quantities import OUTPUTS
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
-from eom.multibody.system.told import OUTPUTS
 from eom.quantities import Definition
 from eom.scenes import catalogue
 from eom.scenes.description import InitialAttitude, check_end, check_initial_attitude
@@ -407,7 +407,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "momentum": tuple(f"{letter}_{k}" for letter in "pL" for k in (1, 2, 3)),
     "centre_of_mass": tuple(f"centre_{k}" for k in (1, 2, 3)),
 }
-"""Names of the outputs that a row of `eom.multibody.system.told.OUTPUTS` gives."""
+"""Names of the outputs that a row of `eom.multibody.system.output_quantities.OUTPUTS` gives."""
 
 
 FORCES, LAMBDA = "constraint_forces", "lambda_"

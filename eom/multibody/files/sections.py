@@ -24,12 +24,12 @@ from eom.multibody.files.description import (
     DistancePart,
     EquationPart,
     JointPart,
+    KnifeEdgePart,
     LoadPart,
     LoopPart,
     PointPart,
     RollingPart,
     RotorPart,
-    SkatePart,
     SpringPart,
     TreeDescription,
 )
@@ -40,9 +40,9 @@ from eom.multibody.model.constraints import (
     Coupling,
     Distance,
     Equation,
+    KnifeEdge,
     Loop,
     Rolling,
-    Skate,
     SpeedEquation,
 )
 from eom.multibody.model.joints import KINDS
@@ -115,9 +115,9 @@ def _rolling(name: str, part: RollingPart, reading: Reading) -> Rolling:
     )
 
 
-def _skate(name: str, part: SkatePart, reading: Reading) -> Skate:
+def _knife_edge(name: str, part: KnifeEdgePart, reading: Reading) -> KnifeEdge:
     where, read = f"constraint {name!r}", reading.constants
-    return Skate(
+    return KnifeEdge(
         name,
         part.body,
         axis_of(part.direction, read, f"{where}: direction"),
@@ -132,7 +132,7 @@ ROWS: dict[str, Callable[[str, Any, Reading], Constraint]] = {
     "speed_equation": _equation,
     "coupling": _coupling,
     "rolling": _rolling,
-    "skate": _skate,
+    "knife_edge": _knife_edge,
 }
 """What makes a constraint, by the word for its kind."""
 

@@ -15,13 +15,13 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError, typed
-from eom.multibody.algebra.light import Naming, plain, used
+from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import Scalar, Work, add, is_zero, mul
 from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Inertia,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -32,6 +32,7 @@ from eom.multibody.algebra.spatial import (
 )
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model.model import Body, Tree
+from eom.multibody.recursion.lumped_tree import BodyPlacement, Lift, LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import (
     STILL,
     Moving,
@@ -46,7 +47,6 @@ from eom.multibody.recursion.motion import (
     squared,
 )
 from eom.multibody.recursion.recursions import accelerated
-from eom.multibody.recursion.skeleton import Lift, Seat, Skeleton, skeleton
 from eom.quantities import TIME, Definition, Quantity
 from eom.system import System
 
@@ -222,15 +222,15 @@ def _system(
     )
 
 
-def bones_of(tree: Tree, lift: Lift, work: Work) -> Skeleton:
-    """Return a skeleton in which every body is a part that turns with it."""
+def bones_of(tree: Tree, lift: Lift, work: Work) -> LumpedTree:
+    """Return a lumped_tree in which every body is a part that turns with it."""
     every = frozenset(j.name for j in tree.joints)
-    return skeleton(tree, lift, work, [b.name for b in tree.bodies], apart=every)
+    return lumped_tree(tree, lift, work, [b.name for b in tree.bodies], apart=every)
 
 
 def entries(
     tree: Tree,
-    bones: Skeleton,
+    bones: LumpedTree,
     state: tuple[Scalars, Scalars, Scalars],
     columns: Sequence[Parameter],
     work: Work,
@@ -264,7 +264,9 @@ def _at_speed(s: int, values: Scalars) -> list[Scalar]:
     return [value if k == s else 0 for k, value in enumerate(values)]
 
 
-def _inwards(placed: Sequence[Place], k: int, force: Pair, size: int, work: Work) -> list[Scalar]:
+def _inwards(
+    placed: Sequence[Place], k: int, force: SpatialVector, size: int, work: Work
+) -> list[Scalar]:
     """Return what the joints from a part to the ground feel of a force on it."""
     tau: list[Scalar] = [0] * size
     while k >= 0:
@@ -280,8 +282,8 @@ def _inwards(placed: Sequence[Place], k: int, force: Pair, size: int, work: Work
 
 
 def _wrenches(
-    work: Work, place: Place, moving: Moving, felt: Pair, seat: Seat
-) -> dict[tuple[str, str], Pair]:
+    work: Work, place: Place, moving: Moving, felt: SpatialVector, seat: BodyPlacement
+) -> dict[tuple[str, str], SpatialVector]:
     """Return what accelerates a body of each unit parameter: at the part's origin, in its axes."""
     C, name = seat.rotation, place.part.name
     plainly = C == IDENTITY
@@ -291,18 +293,20 @@ def _wrenches(
     a = keep_vector(work, "wrench", name, times(C, origin))
     alpha = keep_vector(work, "wrench", name, times(C, felt.angular))
     square = moving.square if plainly else squared(work, name, times(C, moving.omega))
-    found = {("m", ""): Pair(ZERO, a)}
+    found = {("m", ""): SpatialVector(ZERO, a)}
     for k, e in enumerate(IDENTITY):
         pull = plus(cross(alpha, e), square.times(e))
-        found["h", str(k + 1)] = Pair(cross(e, a), pull)
+        found["h", str(k + 1)] = SpatialVector(cross(e, a), pull)
     for i, j in MOMENTS:
-        found["J", f"{i + 1}{j + 1}"] = Pair(_turning(work, place, square, alpha, i, j), ZERO)
+        found["J", f"{i + 1}{j + 1}"] = SpatialVector(
+            _turning(work, place, square, alpha, i, j), ZERO
+        )
     back = transposed(C)
 
-    def at_part(wrench: Pair) -> Pair:
+    def at_part(wrench: SpatialVector) -> SpatialVector:
         f = times(back, wrench.linear)
         moment = plus(times(back, wrench.angular), cross(seat.origin, f))
-        return keep_pair(work, ("wrench", "wrench"), name, Pair(moment, f))
+        return keep_pair(work, ("wrench", "wrench"), name, SpatialVector(moment, f))
 
     return {key: at_part(wrench) for key, wrench in found.items()}
 

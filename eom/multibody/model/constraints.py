@@ -335,7 +335,7 @@ class Rolling(Constraint):
 
 @typed_fields
 @dataclass(frozen=True)
-class Skate(Constraint):
+class KnifeEdge(Constraint):
     """A knife edge: a point of a body has no velocity along a direction of the body.
 
     ``point``: from the origin of the ``body`` (m), and ``direction``, across the edge, in the body's axes.

@@ -23,8 +23,8 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     General,
-    Pair,
     Rotation,
+    SpatialVector,
     Turn,
     Vector,
     back,
@@ -34,7 +34,7 @@ from eom.multibody.algebra.spatial import (
 )
 
 QUATERNION = "quaternion"
-COLUMNS = (*(Pair(e, ZERO) for e in IDENTITY), *(Pair(ZERO, e) for e in IDENTITY))
+COLUMNS = (*(SpatialVector(e, ZERO) for e in IDENTITY), *(SpatialVector(ZERO, e) for e in IDENTITY))
 """The six unit motions."""
 
 
@@ -64,13 +64,13 @@ class Relative(NamedTuple):
 
     position: Vector
     rotation: Rotation
-    subspace: tuple[Pair, ...]
+    subspace: tuple[SpatialVector, ...]
     trigonometry: tuple[tuple[Scalar, Scalar], ...] = ()
 
 
-def no_drift(subspace: Sequence[Pair], u: Sequence[Scalar]) -> Pair:  # noqa: ARG001
+def no_drift(subspace: Sequence[SpatialVector], u: Sequence[Scalar]) -> SpatialVector:  # noqa: ARG001
     """Return the drift of a constant S."""
-    return Pair(ZERO, ZERO)
+    return SpatialVector(ZERO, ZERO)
 
 
 def same_rates(
@@ -99,7 +99,7 @@ class Kind:
     rates: Callable[[Setting, Sequence[Scalar], Sequence[Scalar], Relative], list[Scalar]] = (
         same_rates
     )
-    drift: Callable[[Sequence[Pair], Sequence[Scalar]], Pair] = no_drift
+    drift: Callable[[Sequence[SpatialVector], Sequence[Scalar]], SpatialVector] = no_drift
     axes: int = 0
     pitch: bool = False
     attitude: bool = False
@@ -148,25 +148,27 @@ def _fixed(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:  # no
 def _revolute(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:
     (axis,) = setting.axes
     trig = _angle(work, setting.name, q[0])
-    return Relative(ZERO, (turn(work, setting.name, axis, *trig),), (Pair(axis, ZERO),), (trig,))
+    return Relative(
+        ZERO, (turn(work, setting.name, axis, *trig),), (SpatialVector(axis, ZERO),), (trig,)
+    )
 
 
 def _prismatic(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:  # noqa: ARG001
     (axis,) = setting.axes
-    return Relative(scaled(q[0], axis), (), (Pair(ZERO, axis),))
+    return Relative(scaled(q[0], axis), (), (SpatialVector(ZERO, axis),))
 
 
 def _cylindrical(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:
     (axis,) = setting.axes
     trig = _angle(work, setting.name, q[0])
-    columns = (Pair(axis, ZERO), Pair(ZERO, axis))
+    columns = (SpatialVector(axis, ZERO), SpatialVector(ZERO, axis))
     return Relative(scaled(q[1], axis), (turn(work, setting.name, axis, *trig),), columns, (trig,))
 
 
 def _helical(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:
     (axis,) = setting.axes
     trig = _angle(work, setting.name, q[0])
-    column = Pair(axis, scaled(setting.pitch, axis))
+    column = SpatialVector(axis, scaled(setting.pitch, axis))
     return Relative(
         scaled(mul(setting.pitch, q[0]), axis),
         (turn(work, setting.name, axis, *trig),),
@@ -181,14 +183,14 @@ def _universal(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:
     turns = tuple(
         turn(work, setting.name, axis, *t) for axis, t in zip(setting.axes, trig, strict=True)
     )
-    columns = (Pair(turns[1].forward(first), ZERO), Pair(second, ZERO))
+    columns = (SpatialVector(turns[1].forward(first), ZERO), SpatialVector(second, ZERO))
     return Relative(ZERO, turns, columns, trig)
 
 
-def _universal_drift(subspace: Sequence[Pair], u: Sequence[Scalar]) -> Pair:
+def _universal_drift(subspace: Sequence[SpatialVector], u: Sequence[Scalar]) -> SpatialVector:
     """Return u1 times the rate of the first column, C e1 by the second turn: u2 (C e1) x e2."""
     first, second = (column.angular for column in subspace)
-    return Pair(scaled(mul(u[0], u[1]), cross(first, second)), ZERO)
+    return SpatialVector(scaled(mul(u[0], u[1]), cross(first, second)), ZERO)
 
 
 def _planar(setting: Setting, q: Sequence[Scalar], work: Work) -> Relative:

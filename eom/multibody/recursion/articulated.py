@@ -16,7 +16,7 @@ from eom.multibody.algebra.scalars import Scalar, Work, add, is_zero, mul, recip
 from eom.multibody.algebra.spatial import (
     Inertia,
     Matrix,
-    Pair,
+    SpatialVector,
     cross,
     dot,
     forward,
@@ -25,7 +25,7 @@ from eom.multibody.algebra.spatial import (
     scaled,
     symmetric,
 )
-from eom.multibody.recursion.links import applied
+from eom.multibody.recursion.lumped_tree import LumpedTree, Part
 from eom.multibody.recursion.motion import (
     Place,
     Scalars,
@@ -40,7 +40,7 @@ from eom.multibody.recursion.motion import (
     places,
     zeta,
 )
-from eom.multibody.recursion.skeleton import Part, Skeleton
+from eom.multibody.recursion.springs import applied
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,14 @@ class Step:
     """One speed eliminated: number, column of S, U = I s, the reciprocal of s^T I s, what drives it."""
 
     speed: int
-    column: Pair
+    column: SpatialVector
     U: list[Scalar]
     inverse: Scalar
     drive: Scalar
 
 
 def forward_dynamics(
-    tree: Skeleton,
+    tree: LumpedTree,
     q: Scalars,
     u: Scalars,
     tau: Scalars,
@@ -79,8 +79,8 @@ def forward_dynamics(
 
 def _inwards(
     placed: Sequence[Place],
-    known: list[Pair],
-    forces: list[Pair],
+    known: list[SpatialVector],
+    forces: list[SpatialVector],
     tau: Scalars,
     given: Mapping[int, Scalar],
     work: Work,
@@ -99,22 +99,24 @@ def _inwards(
             A, force = _eliminated(place, A, force, tau, steps[k], work)
         if part.parent >= 0:
             carried = A.times(known[k])
-            force = Pair(plus(force.angular, carried.angular), plus(force.linear, carried.linear))
+            force = SpatialVector(
+                plus(force.angular, carried.angular), plus(force.linear, carried.linear)
+            )
             force = keep_pair(work, ("n_free", "f_free"), part.name, force)
             forces[part.parent] = handed(work, place, force, forces[part.parent])
             inertias[part.parent] = joined(inertias[part.parent], inward(work, place, A))
     return steps
 
 
-def _driven(place: Place, known: Pair, given: Mapping[int, Scalar]) -> Pair:
+def _driven(place: Place, known: SpatialVector, given: Mapping[int, Scalar]) -> SpatialVector:
     first = place.part.speeds.start
     joint = combined(place.subspace, [given[first + n] for n in range(len(place.subspace))])
-    return Pair(plus(known.angular, joint.angular), plus(known.linear, joint.linear))
+    return SpatialVector(plus(known.angular, joint.angular), plus(known.linear, joint.linear))
 
 
 def _eliminated(
-    place: Place, A: Inertia, force: Pair, tau: Scalars, steps: list[Step], work: Work
-) -> tuple[Inertia, Pair]:
+    place: Place, A: Inertia, force: SpatialVector, tau: Scalars, steps: list[Step], work: Work
+) -> tuple[Inertia, SpatialVector]:
     """Free an inertia and a force of a joint, one speed after the other, the last of them first."""
     part = place.part
     for n in range(len(place.subspace) - 1, -1, -1):
@@ -135,8 +137,8 @@ def _eliminated(
 
 
 def _freed(
-    work: Work, part: Part, A: Inertia, force: Pair, step: Step, tau: Scalar
-) -> tuple[Inertia, Pair]:
+    work: Work, part: Part, A: Inertia, force: SpatialVector, step: Step, tau: Scalar
+) -> tuple[Inertia, SpatialVector]:
     """Return A - U U^T / D and p + U drive / D: along a free axis, zero and the applied force."""
     armed = not is_zero(part.armature[step.speed - part.speeds.start])
     unit = None if armed else _unit(step.column)
@@ -145,11 +147,11 @@ def _freed(
     freed = [add(x, mul(step.drive, k)) for x, k in zip(force.six, K, strict=True)]
     if unit is not None:
         freed[unit] = mul(step.column.six[unit], tau)
-    force = keep_pair(work, ("n_bias", "f_bias"), part.name, Pair(freed[:3], freed[3:]))
+    force = keep_pair(work, ("n_bias", "f_bias"), part.name, SpatialVector(freed[:3], freed[3:]))
     return keep_inertia(work, "", part.name, _less(A, step.U, K, unit)), force
 
 
-def _unit(column: Pair) -> int | None:
+def _unit(column: SpatialVector) -> int | None:
     """Return the number of the component of a column along one axis, if it is that."""
     rest = [k for k, x in enumerate(column.six) if not is_zero(x)]
     return rest[0] if len(rest) == 1 and column.six[rest[0]] in {1, -1} else None
@@ -172,9 +174,9 @@ def _less(A: Inertia, U: list[Scalar], K: list[Scalar], unit: int | None) -> Ine
 
 
 def _outwards(
-    tree: Skeleton,
+    tree: LumpedTree,
     placed: Sequence[Place],
-    known: Sequence[Pair],
+    known: Sequence[SpatialVector],
     steps: Sequence[Sequence[Step]],
     given: Mapping[int, Scalar],
     work: Work,
@@ -183,12 +185,12 @@ def _outwards(
     found: list[Scalar] = [0] * tree.speeds
     for s, value in given.items():
         found[s] = value
-    accelerations: list[Pair] = []
+    accelerations: list[SpatialVector] = []
     for place, velocity, eliminated in zip(placed, known, steps, strict=True):
         name = place.part.name
         carrier = carrier_of(tree, place, accelerations)
         linear = plus(carrier.linear, cross(carrier.angular, place.position))
-        here = Pair(
+        here = SpatialVector(
             plus(forward(place.rotation, carrier.angular), velocity.angular),
             plus(forward(place.rotation, linear), velocity.linear),
         )
@@ -198,7 +200,7 @@ def _outwards(
             value = work.keep("acceleration", name, "", mul(step.inverse, free))
             found[step.speed] = value
             joint = combined((step.column,), (value,))
-            here = Pair(plus(here.angular, joint.angular), plus(here.linear, joint.linear))
+            here = SpatialVector(plus(here.angular, joint.angular), plus(here.linear, joint.linear))
             here = keep_pair(work, ("alpha", "a"), name, here)
         accelerations.append(here)
     return found

@@ -17,8 +17,8 @@ from eom.multibody.algebra.spatial import (
     ZERO,
     Inertia,
     Matrix,
-    Pair,
     Rotation,
+    SpatialVector,
     Vector,
     back,
     cross,
@@ -36,10 +36,10 @@ from eom.multibody.algebra.spatial import (
     times,
     turned_back,
 )
-from eom.multibody.recursion.skeleton import Part, Skeleton, last_turn_left_out
+from eom.multibody.recursion.lumped_tree import LumpedTree, Part, last_turn_left_out
 
 Scalars = Sequence[Scalar]
-STILL = Pair(ZERO, ZERO)
+STILL = SpatialVector(ZERO, ZERO)
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Place:
     part: Part
     position: Vector
     rotation: Rotation
-    subspace: tuple[Pair, ...]
+    subspace: tuple[SpatialVector, ...]
 
 
 @dataclass(frozen=True)
@@ -93,14 +93,14 @@ class Moving:
     """
 
     before: Vector
-    relative: Pair
+    relative: SpatialVector
     omega: Vector
     square: Square
     centripetal: Vector
-    drift: Pair
+    drift: SpatialVector
 
 
-def places(tree: Skeleton, q: Scalars, work: Work) -> list[Place]:
+def places(tree: LumpedTree, q: Scalars, work: Work) -> list[Place]:
     """Return where the parts are for given coordinates."""
     found = []
     for part in tree.parts:
@@ -118,7 +118,7 @@ def places(tree: Skeleton, q: Scalars, work: Work) -> list[Place]:
     return found
 
 
-def coordinate_rates(tree: Skeleton, q: Scalars, u: Scalars, work: Work) -> list[Scalar]:
+def coordinate_rates(tree: LumpedTree, q: Scalars, u: Scalars, work: Work) -> list[Scalar]:
     """Return q' = N(q) u of all joints."""
     rates: list[Scalar] = []
     for part in tree.parts:
@@ -153,11 +153,11 @@ def motion(placed: Sequence[Place], u: Scalars, work: Work) -> list[Moving]:
     return found
 
 
-def combined(subspace: Sequence[Pair], u: Scalars) -> Pair:
+def combined(subspace: Sequence[SpatialVector], u: Scalars) -> SpatialVector:
     """Return S u."""
     result = STILL
     for column, speed in zip(subspace, u, strict=True):
-        result = Pair(
+        result = SpatialVector(
             plus(result.angular, scaled(speed, column.angular)),
             plus(result.linear, scaled(speed, column.linear)),
         )
@@ -175,7 +175,7 @@ def squared(work: Work, name: str, w: Vector) -> Square:
     )  # fmt: skip
 
 
-def zeta(place: Place, moving: Moving, turned: Vector | None = None) -> Pair:
+def zeta(place: Place, moving: Moving, turned: Vector | None = None) -> SpatialVector:
     """Return the acceleration by velocities: angular, and linear beside ``turned``.
 
     Angular: before x relative + drift. Linear: centripetal + (before + omega) x relative velocity +
@@ -186,7 +186,7 @@ def zeta(place: Place, moving: Moving, turned: Vector | None = None) -> Pair:
     w, v = moving.relative
     angular = plus(cross(moving.before, w), moving.drift.angular)
     sideways = ZERO if all(map(is_zero, v)) else cross(plus(moving.before, moving.omega), v)
-    return Pair(angular, plus(plus(turned, sideways), moving.drift.linear))
+    return SpatialVector(angular, plus(plus(turned, sideways), moving.drift.linear))
 
 
 def poses(placed: Sequence[Place], work: Work) -> list[tuple[Matrix, Vector]]:
@@ -201,18 +201,18 @@ def poses(placed: Sequence[Place], work: Work) -> list[tuple[Matrix, Vector]]:
     return found
 
 
-def velocities(placed: Sequence[Place], moved: Sequence[Moving], work: Work) -> list[Pair]:
+def velocities(placed: Sequence[Place], moved: Sequence[Moving], work: Work) -> list[SpatialVector]:
     """Return angular velocities, and velocities of origins, in the axes of the parts."""
-    found: list[Pair] = []
+    found: list[SpatialVector] = []
     for place, moving in zip(placed, moved, strict=True):
-        w, v = found[place.part.parent] if place.part.parent >= 0 else Pair(ZERO, ZERO)
+        w, v = found[place.part.parent] if place.part.parent >= 0 else SpatialVector(ZERO, ZERO)
         carried = forward(place.rotation, plus(v, cross(w, place.position)))
         here = plus(carried, moving.relative.linear)
-        found.append(Pair(moving.omega, keep_vector(work, "v", place.part.name, here)))
+        found.append(SpatialVector(moving.omega, keep_vector(work, "v", place.part.name, here)))
     return found
 
 
-def loads(placed: Sequence[Place], work: Work) -> list[Pair]:
+def loads(placed: Sequence[Place], work: Work) -> list[SpatialVector]:
     """Return moment about its origin and force, by applied loads, on each part."""
     pulled = [place.part.pulls for place in placed]
     turned = any(pull.grounded for pulls in pulled for pull in pulls)
@@ -226,13 +226,13 @@ def loads(placed: Sequence[Place], work: Work) -> list[Pair]:
                 force, torque = times(rotations[k], force), times(rotations[k], torque)
             force = keep_vector(work, "f", placed[k].part.name, force)
             n, f = plus(n, plus(torque, cross(pull.point, force))), plus(f, force)
-        found.append(Pair(n, f))
+        found.append(SpatialVector(n, f))
     return found
 
 
 def biases(
-    placed: Sequence[Place], moved: Sequence[Moving], applied: Sequence[Pair], work: Work
-) -> list[Pair]:
+    placed: Sequence[Place], moved: Sequence[Moving], applied: Sequence[SpatialVector], work: Work
+) -> list[SpatialVector]:
     """Return moments and forces that each part alone takes by velocities, less the loads on it."""
     found = []
     for place, moving, load in zip(placed, moved, applied, strict=True):
@@ -241,29 +241,37 @@ def biases(
             n = plus(n, spin.moment(moving.omega))
         f = moving.square.times(place.part.first_moment)
         found.append(
-            Pair(plus(n, negative_vector(load.angular)), plus(f, negative_vector(load.linear)))
+            SpatialVector(
+                plus(n, negative_vector(load.angular)), plus(f, negative_vector(load.linear))
+            )
         )
     return found
 
 
-def carrier_of(tree: Skeleton, place: Place, accelerations: Sequence[Pair]) -> Pair:
+def carrier_of(
+    tree: LumpedTree, place: Place, accelerations: Sequence[SpatialVector]
+) -> SpatialVector:
     """Return the acceleration of the parent; the ground's is gravity's, upwards."""
     if place.part.parent >= 0:
         return accelerations[place.part.parent]
-    return Pair(ZERO, negative_vector(tree.gravity))
+    return SpatialVector(ZERO, negative_vector(tree.gravity))
 
 
-def keep_pair(work: Work, letters: tuple[str, str], name: str, pair: Pair) -> Pair:
+def keep_pair(
+    work: Work, letters: tuple[str, str], name: str, pair: SpatialVector
+) -> SpatialVector:
     """Name the components of both vectors."""
-    return Pair(*(keep_vector(work, a, name, v) for a, v in zip(letters, pair, strict=True)))
+    return SpatialVector(
+        *(keep_vector(work, a, name, v) for a, v in zip(letters, pair, strict=True))
+    )
 
 
-def handed(work: Work, place: Place, force: Pair, onto: Pair) -> Pair:
+def handed(work: Work, place: Place, force: SpatialVector, onto: SpatialVector) -> SpatialVector:
     """Return a force on the parent with that of a part added, turned and shifted to the parent."""
     name = place.part.name
     f = keep_vector(work, "turned_f", name, back(place.rotation, force.linear))
     n = plus(back(place.rotation, force.angular), cross(place.position, f))
-    return Pair(plus(onto.angular, n), plus(onto.linear, f))
+    return SpatialVector(plus(onto.angular, n), plus(onto.linear, f))
 
 
 def keep_inertia(work: Work, letters: str, name: str, A: Inertia) -> Inertia:

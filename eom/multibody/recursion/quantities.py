@@ -19,7 +19,7 @@ from eom.multibody.algebra.scalars import Scalar, Work, add, mul, negative, tota
 from eom.multibody.algebra.spatial import (
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -31,6 +31,7 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.model import checks
+from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
     Place,
     Scalars,
@@ -41,7 +42,6 @@ from eom.multibody.recursion.motion import (
     velocities,
 )
 from eom.multibody.recursion.recursions import accelerated
-from eom.multibody.recursion.skeleton import Skeleton
 
 HALF = Fraction(1, 2)
 
@@ -56,11 +56,11 @@ class Flow:
 
     placed: Sequence[Place]
     poses: Sequence[tuple[Matrix, Vector]]
-    velocities: Sequence[Pair]
-    momenta: Sequence[Pair]
+    velocities: Sequence[SpatialVector]
+    momenta: Sequence[SpatialVector]
 
 
-def flow(tree: Skeleton, q: Scalars, u: Scalars, work: Work) -> Flow:
+def flow(tree: LumpedTree, q: Scalars, u: Scalars, work: Work) -> Flow:
     """Return the motion of all parts for coordinates and speeds."""
     placed = places(tree, q, work)
     moved = motion(placed, u, work)
@@ -72,7 +72,7 @@ def flow(tree: Skeleton, q: Scalars, u: Scalars, work: Work) -> Flow:
         for spin in part.rotors:
             L = plus(L, scaled(spin.momentum, spin.axis))
         p = plus(scaled(part.mass, v), cross(w, part.first_moment))
-        momenta.append(keep_pair(work, ("L", "p"), part.name, Pair(L, p)))
+        momenta.append(keep_pair(work, ("L", "p"), part.name, SpatialVector(L, p)))
     return Flow(placed, poses(placed, work), speeds, momenta)
 
 
@@ -101,12 +101,12 @@ def mass(flow: Flow) -> Scalar:
     return total(place.part.mass for place in flow.placed)
 
 
-def gravity_potential(tree: Skeleton, flow: Flow) -> Scalar:
+def gravity_potential(tree: LumpedTree, flow: Flow) -> Scalar:
     """Return the potential energy in gravity, zero at the ground's origin."""
     return negative(dot(tree.gravity, first_moments(flow)))
 
 
-def momentum(flow: Flow) -> Pair:
+def momentum(flow: Flow) -> SpatialVector:
     """Return angular momentum about the ground's origin and momentum, in the ground's axes."""
     L: Vector = ZERO
     p: Vector = ZERO
@@ -115,22 +115,22 @@ def momentum(flow: Flow) -> Pair:
         linear = times(back, own.linear)
         L = plus(L, plus(times(back, own.angular), cross(x, linear)))
         p = plus(p, linear)
-    return Pair(L, p)
+    return SpatialVector(L, p)
 
 
-def about_centre(flow: Flow, whole: Pair) -> Vector:
+def about_centre(flow: Flow, whole: SpatialVector) -> Vector:
     """Return the angular momentum about the centre of mass."""
     c = scaled(1 / mass(flow), first_moments(flow))
     return minus(whole.angular, cross(c, whole.linear))
 
 
 def jacobian(
-    tree: Skeleton, q: Scalars, body: str, point: Vector, work: Work
+    tree: LumpedTree, q: Scalars, body: str, point: Vector, work: Work
 ) -> tuple[list[Vector], list[Vector]]:
     """Return the columns, one a speed, of angular velocity and of a point's velocity by the speeds.
 
     ``point``: of the body, from its origin, in its axes. Columns are in the ground's axes; those of
-    speeds that do not move the body are zero by structure. The skeleton must turn with its parts.
+    speeds that do not move the body are zero by structure. The lumped_tree must turn with its parts.
     """
     placed = places(tree, q, work)
     posed = poses(placed, work)
@@ -196,7 +196,7 @@ class Point:
 
 def point(
     given: Point,
-    tree: Skeleton,
+    tree: LumpedTree,
     flow: Flow,
     speeds: tuple[Scalars, Scalars],
     lift: Callable[[Any], Scalar],

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eom.multibody.algebra.scalars import Scalar, Work, add, mul
-from eom.multibody.algebra.spatial import Inertia, Pair, cross, dot, forward, joined, plus
-from eom.multibody.recursion.links import applied
+from eom.multibody.algebra.spatial import Inertia, SpatialVector, cross, dot, forward, joined, plus
+from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
     STILL,
     Moving,
@@ -27,11 +27,11 @@ from eom.multibody.recursion.motion import (
     places,
     zeta,
 )
-from eom.multibody.recursion.skeleton import Skeleton
+from eom.multibody.recursion.springs import applied
 
 
 def inverse_dynamics(
-    tree: Skeleton, q: Scalars, u: Scalars, udot: Scalars, work: Work
+    tree: LumpedTree, q: Scalars, u: Scalars, udot: Scalars, work: Work
 ) -> list[Scalar]:
     """Return the generalised forces that accelerations take, loads and gravity acting.
 
@@ -41,7 +41,9 @@ def inverse_dynamics(
     return along_joints(placed, transmitted(tree, placed, u, udot, work), udot)
 
 
-def along_joints(placed: Sequence[Place], forces: Sequence[Pair], udot: Scalars) -> list[Scalar]:
+def along_joints(
+    placed: Sequence[Place], forces: Sequence[SpatialVector], udot: Scalars
+) -> list[Scalar]:
     """Return S^T f of each joint, and what accelerates the rotors in it."""
     tau: list[Scalar] = [0] * len(udot)
     for place, force in zip(placed, forces, strict=True):
@@ -52,13 +54,13 @@ def along_joints(placed: Sequence[Place], forces: Sequence[Pair], udot: Scalars)
 
 
 def transmitted(
-    tree: Skeleton,
+    tree: LumpedTree,
     placed: Sequence[Place],
     u: Scalars,
     udot: Scalars,
     work: Work,
-    further: Sequence[Pair] | None = None,
-) -> list[Pair]:
+    further: Sequence[SpatialVector] | None = None,
+) -> list[SpatialVector]:
     """Return what each part takes through its joint: moment about its origin, and force.
 
     In the axes of the part; whatever acts in the joint, and what its constraint takes. ``further``: loads
@@ -68,12 +70,12 @@ def transmitted(
     moved = motion(placed, u, work)
     acting = applied(tree, placed, moved, work)
     if further is not None:
-        acting = [Pair(plus(a.angular, b.angular), plus(a.linear, b.linear))
+        acting = [SpatialVector(plus(a.angular, b.angular), plus(a.linear, b.linear))
                   for a, b in zip(acting, further, strict=True)]  # fmt: skip
     forces = biases(placed, moved, acting, work)
     for k, here in enumerate(accelerated(tree, placed, moved, udot, work)):
         needed = placed[k].part.inertia.times(here)
-        forces[k] = Pair(
+        forces[k] = SpatialVector(
             plus(forces[k].angular, needed.angular), plus(forces[k].linear, needed.linear)
         )
     for k in range(len(placed) - 1, -1, -1):
@@ -85,10 +87,10 @@ def transmitted(
 
 
 def accelerated(
-    tree: Skeleton, placed: Sequence[Place], moved: Sequence[Moving], udot: Scalars, work: Work
-) -> list[Pair]:
+    tree: LumpedTree, placed: Sequence[Place], moved: Sequence[Moving], udot: Scalars, work: Work
+) -> list[SpatialVector]:
     """Return angular accelerations, and accelerations of origins less gravity's, of the parts."""
-    found: list[Pair] = []
+    found: list[SpatialVector] = []
     for place, moving in zip(placed, moved, strict=True):
         carrier = carrier_of(tree, place, found)
         carried = plus(
@@ -98,7 +100,9 @@ def accelerated(
         joint = combined(place.subspace, udot[place.part.speeds])
         angular = plus(plus(forward(place.rotation, carrier.angular), known.angular), joint.angular)
         linear = plus(known.linear, joint.linear)
-        found.append(keep_pair(work, ("alpha", "a"), place.part.name, Pair(angular, linear)))
+        found.append(
+            keep_pair(work, ("alpha", "a"), place.part.name, SpatialVector(angular, linear))
+        )
     return found
 
 
@@ -113,7 +117,7 @@ def composites(placed: Sequence[Place], work: Work) -> list[Inertia]:
     return whole
 
 
-def mass_matrix(tree: Skeleton, q: Scalars, work: Work) -> list[list[Scalar]]:
+def mass_matrix(tree: LumpedTree, q: Scalars, work: Work) -> list[list[Scalar]]:
     """Return the symmetric mass matrix over the speeds; composite bodies, Featherstone 2008, table 6.2.
 
     Entries of speeds that do not share a path to the ground are zero by structure.
@@ -132,7 +136,7 @@ def mass_matrix(tree: Skeleton, q: Scalars, work: Work) -> list[list[Scalar]]:
 
 
 def _fill(
-    placed: Sequence[Place], k: int, s: int, force: Pair, M: list[list[Scalar]], work: Work
+    placed: Sequence[Place], k: int, s: int, force: SpatialVector, M: list[list[Scalar]], work: Work
 ) -> None:
     """Fill row and column ``s``: what each speed from part ``k`` to the ground feels of a force."""
     first = True

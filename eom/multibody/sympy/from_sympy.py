@@ -1,8 +1,9 @@
 """A mechanics System of SymPy, with its joints and bodies, as a tree.
 
 SymPy's functions of time become symbols: coordinates and speeds those of the tree's joints, others
-inputs. `codegen.frontend.elsewhere.as_system` takes equations that SymPy has formed; here the bodies
-themselves are taken over. In SymPy ``B.dcm(A)`` takes components in A to components in B, as ``C_BA`` here.
+inputs. `codegen.frontend.from_sympy_mechanics.as_system` takes equations that SymPy has formed; here the
+bodies themselves are taken over. In SymPy ``B.dcm(A)`` takes components in A to components in B, as
+``C_BA`` here.
 
 How the kinds of joints of SymPy's mechanics are read: a row a class.
 

@@ -9,11 +9,11 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import typed
-from eom.multibody.algebra.light import Naming, plain, used
+from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import add, is_zero, mul, sub
 from eom.multibody.algebra.spatial import cross, forward, plus
 from eom.multibody.algebra.values import is_number
-from eom.multibody.constrained.binding import Plan, bind, plan
+from eom.multibody.constrained.constraint_plan import Plan, bind, plan
 from eom.multibody.model import possible
 from eom.multibody.model.model import Joint, Tree
 from eom.multibody.model.names import (
@@ -25,12 +25,12 @@ from eom.multibody.model.names import (
     states_of,
 )
 from eom.multibody.recursion.articulated import forward_dynamics
-from eom.multibody.recursion.links import applied
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates, motion, places
 from eom.multibody.recursion.quantities import Point
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
+from eom.multibody.recursion.springs import applied
+from eom.multibody.system.output_quantities import Told, Variables, check, invariants_of, told_of
 from eom.multibody.system.reactions import Reaction, of_all
-from eom.multibody.system.told import Told, Variables, check, invariants_of, told_of
 from eom.quantities import Definition, Quantity
 from eom.system import BodyAttitude, Expr, System
 
@@ -73,7 +73,7 @@ def derive(
     for one in wanted:
         check(tree, one)
     work = Naming(q.name for q in named_of(tree))
-    bones = skeleton(tree, work.atom, work, [w.body for w in wanted if isinstance(w, Point)])
+    bones = lumped_tree(tree, work.atom, work, [w.body for w in wanted if isinstance(w, Point)])
     treated = plan(tree, start, independent, multipliers)
     variables = variables_of(tree, bones, treated, work)
     rates = coordinate_rates(bones, variables.q, variables.u, work)
@@ -91,7 +91,7 @@ def derive(
     return _system(told, [plain(r) for r in kept], named, constant)
 
 
-def _accelerations(bones: Skeleton, given: Variables, work: Naming) -> list[Any]:
+def _accelerations(bones: LumpedTree, given: Variables, work: Naming) -> list[Any]:
     if given.binding.tree.constraints:
         return given.binding.accelerations(given.tau, given.prescribed)
     return forward_dynamics(bones, given.q, given.u, given.tau, work, given.prescribed)
@@ -113,7 +113,7 @@ def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) 
     return found
 
 
-def _of_rotors(tree: Tree, bones: Skeleton, variables: Variables, work: Naming) -> list[Any]:
+def _of_rotors(tree: Tree, bones: LumpedTree, variables: Variables, work: Naming) -> list[Any]:
     """Return the rates of the rotors' states."""
     if not tree.rotors:
         return []
@@ -126,7 +126,7 @@ def _of_rotors(tree: Tree, bones: Skeleton, variables: Variables, work: Naming) 
     return found
 
 
-def variables_of(tree: Tree, bones: Skeleton, treated: Plan, work: Naming) -> Variables:
+def variables_of(tree: Tree, bones: LumpedTree, treated: Plan, work: Naming) -> Variables:
     """Return coordinates, speeds (those that follow from others among them) and applied forces."""
     q: list[Any] = []
     u: list[Any] = []

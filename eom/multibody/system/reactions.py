@@ -17,12 +17,12 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches, typed, typed_fields, unknown_name
 from eom.multibody.algebra import values
-from eom.multibody.algebra.light import plain
+from eom.multibody.algebra.lazy_sums import plain
 from eom.multibody.algebra.scalars import Work, sub
 from eom.multibody.algebra.spatial import (
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     back,
     cross,
@@ -33,9 +33,9 @@ from eom.multibody.algebra.spatial import (
 )
 from eom.multibody.model import checks
 from eom.multibody.model.model import CENTRE, GROUND, ORIGIN, Joint, Tree
+from eom.multibody.recursion.lumped_tree import BodyPlacement, Lift, LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import Scalars, places, poses
 from eom.multibody.recursion.recursions import along_joints, transmitted
-from eom.multibody.recursion.skeleton import Lift, Seat, Skeleton, skeleton
 from eom.quantities import Definition, Quantity
 
 JOINT = "joint"
@@ -116,7 +116,7 @@ class Wrenches:
 
     ``udot``: all accelerations, those of prescribed motions among them. ``apart``: joints that may
     be asked for beside those that move. ``further``: see `eom.multibody.recursion.recursions.transmitted`;
-    its parts are those of ``skeleton``.
+    its parts are those of ``lumped_tree``.
     """
 
     def __init__(
@@ -126,17 +126,17 @@ class Wrenches:
         work: Work,
         motion: tuple[Scalars, Scalars, Scalars],
         apart: Iterable[str] = (),
-        further: Callable[[Skeleton], Sequence[Pair]] | None = None,
+        further: Callable[[LumpedTree], Sequence[SpatialVector]] | None = None,
     ) -> None:
         q, u, udot = motion
         self.tree, self.lift, self.work = tree, lift, work
-        self.skeleton = skeleton(
+        self.lumped_tree = lumped_tree(
             tree, lift, work, [b.name for b in tree.bodies], apart=frozenset(apart)
         )
-        self.placed = places(self.skeleton, q, work)
-        loads = None if further is None else further(self.skeleton)
-        self.through = transmitted(self.skeleton, self.placed, u, udot, work, loads)
-        self.number = {p.joint: k for k, p in enumerate(self.skeleton.parts)}
+        self.placed = places(self.lumped_tree, q, work)
+        loads = None if further is None else further(self.lumped_tree)
+        self.through = transmitted(self.lumped_tree, self.placed, u, udot, work, loads)
+        self.number = {p.joint: k for k, p in enumerate(self.lumped_tree.parts)}
         self._udot = udot
 
     @cached_property
@@ -148,7 +148,7 @@ class Wrenches:
         """Return the generalised forces, one a speed, that the motion takes."""
         return along_joints(self.placed, self.through, self._udot)
 
-    def of(self, wanted: Reaction) -> Pair:
+    def of(self, wanted: Reaction) -> SpatialVector:
         """Return torque about the point, and force, in the axes that are asked for.
 
         Raises `InputError` for an unknown joint or body.
@@ -159,23 +159,23 @@ class Wrenches:
         torque, force = self.through[k]
         torque = plus(torque, cross(self._arm(wanted, joint, k, where), force))
         turn = AXES[wanted.axes]
-        return Pair(turn(self, joint, k, torque), turn(self, joint, k, force))
+        return SpatialVector(turn(self, joint, k, torque), turn(self, joint, k, force))
 
     def _arm(self, wanted: Reaction, joint: Joint, k: int, where: str) -> Vector:
         """Return the joint's origin from the point, in the axes of the part."""
         if wanted.point == JOINT:
             return ZERO
         name = wanted.body or joint.child
-        if name not in self.skeleton.seats:
-            raise unknown_name("body", name, self.skeleton.seats, where)
-        seat = self.skeleton.seats[name]
+        if name not in self.lumped_tree.seats:
+            raise unknown_name("body", name, self.lumped_tree.seats, where)
+        seat = self.lumped_tree.seats[name]
         point = seat.point([self.lift(x) for x in self._on_body(wanted, name, where)])
         if seat.part == k:
             return minus(ZERO, point)
         R, x = self.poses[k]
         return times(R, minus(x, self._in_ground(seat, point)))
 
-    def _in_ground(self, seat: Seat, point: Vector) -> Vector:
+    def _in_ground(self, seat: BodyPlacement, point: Vector) -> Vector:
         if seat.part < 0:
             return point
         R, x = self.poses[seat.part]
@@ -197,12 +197,12 @@ def _ground(forces: Wrenches, joint: Joint, k: int, v: Vector) -> Vector:  # noq
 
 
 def _parent(forces: Wrenches, joint: Joint, k: int, v: Vector) -> Vector:
-    seat: Seat = forces.skeleton.seats[joint.parent]
+    seat: BodyPlacement = forces.lumped_tree.seats[joint.parent]
     return times(seat.rotation, back(forces.placed[k].rotation, v))
 
 
 def _child(forces: Wrenches, joint: Joint, k: int, v: Vector) -> Vector:  # noqa: ARG001
-    seat: Seat = forces.skeleton.seats[joint.child]
+    seat: BodyPlacement = forces.lumped_tree.seats[joint.child]
     return times(seat.rotation, v)
 
 
@@ -277,7 +277,7 @@ def drives(forces: Wrenches, acting: Scalars) -> list[Definition]:
     for joint in forces.tree.ordered:
         if joint.motion is None:
             continue
-        part = forces.skeleton.parts[forces.number[joint.name]]
+        part = forces.lumped_tree.parts[forces.number[joint.name]]
         speeds = range(part.speeds.start, part.speeds.stop)
         for s, drive in zip(speeds, drives_of(joint), strict=True):
             found.append(Definition(drive, plain(sub(taken[s], acting[s]))))

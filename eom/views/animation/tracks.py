@@ -35,6 +35,7 @@ from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.model.model import Tree
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.quantities import (
     Flow,
     about_centre,
@@ -43,7 +44,6 @@ from eom.multibody.recursion.quantities import (
     mass,
     momentum,
 )
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.quantities import TIME
 
 if TYPE_CHECKING:
@@ -270,10 +270,10 @@ class Moving:
         return np.array([float(given.subs(row)) for row in rows])
 
     @cached_property
-    def bones(self) -> Skeleton:
+    def bones(self) -> LumpedTree:
         """The parts, whose frames all turn with them."""
         tree = without_forces(self.scene.tree)
-        return skeleton(tree, self.lift, ARRAYS, [b.name for b in tree.bodies])
+        return lumped_tree(tree, self.lift, ARRAYS, [b.name for b in tree.bodies])
 
     @cached_property
     def flow(self) -> Flow:

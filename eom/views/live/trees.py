@@ -18,8 +18,8 @@ from eom.errors import InputError
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.model.model import Tree
+from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
-from eom.multibody.recursion.tally import savings
 from eom.multibody.system.derive import derive
 from eom.quantities import Definition, Quantity
 from eom.scenes.reduce import cost

@@ -20,10 +20,10 @@ from eom.multibody.algebra.scalars import Numbers, is_zero
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene, start_values
 from eom.multibody.files.sections import Reading
-from eom.multibody.model.constraints import Distance, Loop, Rolling, Skate
+from eom.multibody.model.constraints import Distance, KnifeEdge, Loop, Rolling
 from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import places, poses
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
 from eom.views.animation.equivalents import equivalent
 from eom.views.animation.tracks import STRUCTURE, from_third, matrices, without_forces
 from eom.views.body.body_sketch import (
@@ -90,11 +90,11 @@ class Posture:
         return number(given, self.known)
 
     @cached_property
-    def bones(self) -> Skeleton:
+    def bones(self) -> LumpedTree:
         """The parts, whose frames all turn with them; every joint leads to one."""
         bare, names = without_forces(self.tree), [b.name for b in self.tree.bodies]
         fixed = [j.name for j in self.tree.joints if j.kind == "fixed"]
-        return skeleton(bare, self.lift, FLOATS, names, apart=fixed)
+        return lumped_tree(bare, self.lift, FLOATS, names, apart=fixed)
 
     @cached_property
     def joints(self) -> dict[str, tuple[Place, tuple[Floats, ...]]]:
@@ -319,7 +319,7 @@ def _constraint(s: TreeSketch, c: Constraint) -> Iterator[Item]:
         yield Curve(np.stack(ends), "green", 1.8, "dashed", plain(c.name))
     elif isinstance(c, Rolling):
         yield from _contact(s, c)
-    elif isinstance(c, Skate):
+    elif isinstance(c, KnifeEdge):
         point, across = s.on_body(c.body, c.point), numbers(c.direction, s.known)
         way = across @ s.bodies[c.body].C
         yield from push(point, way, 0.4 * s.size, f"$R_{{{name(c.name).strip('$')}}}$")

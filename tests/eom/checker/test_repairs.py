@@ -2,9 +2,9 @@
 
 import pytest
 
+from eom.checker.read.damage import abbreviated_functions, apply, cross_before_column, variants
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.places import Source
-from eom.checker.read.repairs import abbreviated_functions, apply, cross_before_column, variants
 from eom.checker.read.tokens import tokenize
 from tests.eom.checker.formulas import GOLDSTEIN, KANE, SCHAUB
 from tests.eom.checker.shape import shape

@@ -2,7 +2,18 @@
 
 import sympy as sp
 
-from eom.multibody import GROUND, Body, Distance, Joint, Load, Loop, Placement, Rolling, Skate, Tree
+from eom.multibody import (
+    GROUND,
+    Body,
+    Distance,
+    Joint,
+    KnifeEdge,
+    Load,
+    Loop,
+    Placement,
+    Rolling,
+    Tree,
+)
 
 L1, L2, L3, d, g = sp.symbols("L1 L2 L3 d g", positive=True)
 ROTATION = ((2 / 3, 2 / 3, 1 / 3), (-2 / 3, 1 / 3, 2 / 3), (1 / 3, -2 / 3, 2 / 3))
@@ -77,7 +88,7 @@ def sleigh():
         "sleigh",
         [Body("sleigh", m, (b, 0, 0), (J / 2, J / 2, J))],
         [Joint("j", "planar", GROUND, "sleigh")],
-        constraints=[Skate("edge", "sleigh")],
+        constraints=[KnifeEdge("edge", "sleigh")],
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import codegen
-from eom.multibody import Body, Distance, Joint, Skate, Tree, derive, reaction
+from eom.multibody import Body, Distance, Joint, KnifeEdge, Tree, derive, reaction
 from tests.eom.multibody.test_bicycle import bicycle
 
 
@@ -47,7 +47,7 @@ def test_a_rod_takes_what_a_pin_takes():
 def test_a_sleigh_on_its_knife():
     joint = Joint("base", "planar", "ground", "sleigh")
     body = Body("sleigh", 2, (0.25, 0, 0), (1, 1, 0.5))
-    given = Tree("sleigh", [body], [joint], constraints=[Skate("knife", "sleigh")])
+    given = Tree("sleigh", [body], [joint], constraints=[KnifeEdge("knife", "sleigh")])
     system = derive(given, [reaction("base", axes="child")])
     names = [n for n in system.state_names if n.startswith(("u_", "v_"))]
     found = outputs(system, dict.fromkeys(names, 2.0))

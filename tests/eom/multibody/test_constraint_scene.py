@@ -10,10 +10,10 @@ from eom.multibody import (
     Coupling,
     Distance,
     Equation,
+    KnifeEdge,
     Loop,
     Placement,
     Rolling,
-    Skate,
     SpeedEquation,
 )
 from eom.multibody.files.scene import TreeScene
@@ -57,9 +57,9 @@ KINDS = {
         {"kind": "rolling", "body": "three", "radius": "r", "ball": True},
         Rolling("c1", "three", R, None),
     ),
-    "skate": (
-        {"kind": "skate", "body": "three", "point": ["r", 0, 0]},
-        Skate("c1", "three", point=(R, 0, 0)),
+    "knife_edge": (
+        {"kind": "knife_edge", "body": "three", "point": ["r", 0, 0]},
+        KnifeEdge("c1", "three", point=(R, 0, 0)),
     ),
     "equation": (
         {"kind": "equation", "expression": "x_c - r*cos(t)"},
@@ -84,7 +84,7 @@ def test_every_kind_is_the_one_of_python(kind):
 
 
 MISTAKES = {
-    "unknown body 'four'": {"kind": "skate", "body": "four"},
+    "unknown body 'four'": {"kind": "knife_edge", "body": "four"},
     "no joint of kind 'free'": {"kind": "loop", "joint": "free", "first": "one", "second": "two"},
     "unknown name": {"kind": "equation", "expression": "x_q - r"},
     "the equation has speeds": {"kind": "equation", "expression": "x_c - r*u_a"},

@@ -27,9 +27,9 @@ from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, de
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.model.joints import KINDS
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.recursions import inverse_dynamics
-from eom.multibody.recursion.skeleton import skeleton
 from tests.clock import growth_in_calls
 from tests.eom.multibody import peer
 from tests.eom.multibody.trees import state, tree
@@ -53,7 +53,7 @@ def evaluated(system, x, p=(), u=(), t=0.0):
 def test_a_system_is_the_recursion_on_numbers(seed):
     given = tree(seed, 4)
     q, u = ([float(x) for x in group] for group in state(given, seed))
-    bones = skeleton(given, floats, FLOATS)
+    bones = lumped_tree(given, floats, FLOATS)
     expected = [
         *coordinate_rates(bones, q, u, FLOATS),
         *forward_dynamics(bones, q, u, [0.0] * len(u), FLOATS),
@@ -313,7 +313,7 @@ def test_derivatives_of_trees_with_universal_joints_by_complex_steps(recursion):
     last = np.linspace(-1.0, 2.0, len(u))
     step, state = 1e-40, [*q, *u]
     work = Numbers(cmath.sin, cmath.cos)
-    bones = skeleton(given, floats, work)
+    bones = lumped_tree(given, floats, work)
     columns = []
     for k in range(len(state)):
         x = [complex(v, step * (n == k)) for n, v in enumerate(state)]

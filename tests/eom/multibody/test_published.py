@@ -12,8 +12,8 @@ from eom.errors import InputError
 from eom.multibody import GROUND, Body, Joint, Load, Placement, Tree, derive
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.recursion.skeleton import skeleton
 
 FLOATS = Numbers(math.sin, math.cos)
 
@@ -73,7 +73,7 @@ def puma():
 
 
 def torques(u, udot, g=9.81):
-    bones = skeleton(Tree("puma", *puma(), gravity=(0, 0, -g)), floats, FLOATS)
+    bones = lumped_tree(Tree("puma", *puma(), gravity=(0, 0, -g)), floats, FLOATS)
     return np.array(inverse_dynamics(bones, NOMINAL, u, udot, FLOATS), float)
 
 
@@ -93,7 +93,7 @@ def test_mass_matrix_of_the_puma_560():
         [0, 0.0024, 0.0015, 0, 0.1713, 0],
         [0, 0, 0, 0, 0, 0.1941],
     ]
-    bones = skeleton(Tree("puma", *puma()), floats, FLOATS)
+    bones = lumped_tree(Tree("puma", *puma()), floats, FLOATS)
     M = np.array(mass_matrix(bones, NOMINAL, FLOATS), float)
     assert np.abs(M - printed).max() < PRINTED
 
@@ -166,7 +166,7 @@ THREE_DECIMALS = 1e-3
 def motoman(g=9.81, pushed=True):
     push = Load("link7", (10, -20, 30), (3, -4, 5), (0, 0, 0.155), "body")
     tree = Tree("sia10", *arm(SIA10, "I"), gravity=(0, 0, -g), loads=[push] if pushed else [])
-    return skeleton(tree, floats, FLOATS)
+    return lumped_tree(tree, floats, FLOATS)
 
 
 def test_torques_and_mass_matrix_of_the_motoman_sia10():

@@ -28,9 +28,9 @@ from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import cross, minus, plus, scaled, times, transposed
 from eom.multibody.model.joints import KINDS
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.quantities import flow
-from eom.multibody.recursion.skeleton import skeleton
 from eom.multibody.system.reactions import Wrenches
 from eom.quantities import TIME
 from tests.draws import examples
@@ -85,7 +85,7 @@ RATES = Numbers(
 
 def moving(given, seed):
     """Coordinates, speeds and accelerations under random forces, exact."""
-    bones = skeleton(given, lambda x: x, EXACT)
+    bones = lumped_tree(given, lambda x: x, EXACT)
     draw = random.Random(seed)
     q, u = state(given, seed)
     tau = [number(draw) for _ in u]
@@ -99,8 +99,8 @@ def wrenches(given, q, u, udot):
 def momenta(given, q, u, udot):
     """Rates of momentum, and of angular momentum about the ground's origin, of the single bodies."""
     every = [j.name for j in given.joints]
-    bones = skeleton(given, lambda x: x, RATES, names(given), apart=every)
-    rates = coordinate_rates(skeleton(given, lambda x: x, EXACT), q, u, EXACT)
+    bones = lumped_tree(given, lambda x: x, RATES, names(given), apart=every)
+    rates = coordinate_rates(lumped_tree(given, lambda x: x, EXACT), q, u, EXACT)
     moved = flow(bones, [*map(Rate, q, rates)], [*map(Rate, u, udot)], RATES)
     found = {}
     for part, (R, x), own in zip(bones.parts, moved.poses, moved.momenta, strict=True):
@@ -113,7 +113,7 @@ def momenta(given, q, u, udot):
 def acting(given, q, body):
     """Gravity and loads on a body, and where its origin is: force, moment about the ground's origin."""
     every = [j.name for j in given.joints]
-    bones = skeleton(given, lambda x: x, EXACT, names(given), apart=every)
+    bones = lumped_tree(given, lambda x: x, EXACT, names(given), apart=every)
     poses = flow(bones, q, [0] * bones.speeds, EXACT).poses
     seat = bones.seats[body.name]
     R, x = poses[seat.part]
@@ -156,7 +156,9 @@ def test_newton_and_euler_hold_for_every_single_body_exactly(seed, count):
 
 
 def bones_of(given):
-    return skeleton(given, lambda x: x, EXACT, names(given), apart=[j.name for j in given.joints])
+    return lumped_tree(
+        given, lambda x: x, EXACT, names(given), apart=[j.name for j in given.joints]
+    )
 
 
 def pose(given, q, name):
@@ -318,7 +320,7 @@ def test_systems_compute_what_the_recursion_on_fractions_does(seed):
     given = tree(seed, 4, kinds)
     q, u = state(given, seed)
     angles = [x.unit == "rad" for j in given.ordered for x in j.coordinates]
-    bones = skeleton(given, lambda x: x, EXACT)
+    bones = lumped_tree(given, lambda x: x, EXACT)
     udot = forward_dynamics(bones, q, u, [0] * len(u), EXACT)
     through = wrenches(given, q, u, udot)
     asked = [
@@ -349,7 +351,7 @@ def test_loads_that_are_added_from_outside_are_carried():
     def further(bones):
         from eom.multibody.recursion.motion import loads, places
 
-        whole = skeleton(given, lambda x: x, EXACT, names(given), apart=every)
+        whole = lumped_tree(given, lambda x: x, EXACT, names(given), apart=every)
         assert [p.name for p in whole.parts] == [p.name for p in bones.parts]
         return loads(places(whole, q, EXACT), EXACT)
 

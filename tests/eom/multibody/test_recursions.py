@@ -19,10 +19,10 @@ from eom.multibody.algebra.spatial import cross, matrix_of, plus, times, transpo
 from eom.multibody.model.joints import KINDS, QUATERNION
 from eom.multibody.model.model import Body, Joint, Placement, Tree
 from eom.multibody.recursion.articulated import forward_dynamics
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates, places, poses
 from eom.multibody.recursion.quantities import flow, jacobian, kinetic_energy, momentum
 from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
-from eom.multibody.recursion.skeleton import skeleton
 from tests.eom.multibody import trees
 from tests.eom.multibody.trees import EXACT, MOVING, state, tree
 
@@ -30,7 +30,7 @@ seeds = st.integers(0, 10**6)
 
 
 def exact(given):
-    return skeleton(given, lambda x: x, EXACT)
+    return lumped_tree(given, lambda x: x, EXACT)
 
 
 def forces(given, seed):
@@ -100,7 +100,7 @@ def test_velocities_are_derivatives_of_places(kind, attitude):
     joint = Joint("j", kind, "ground", "b", axis=(1, 2, 2), second_axis=(2, 1, -2), pitch=Fraction(1, 3),
                   attitude=attitude)  # fmt: skip
     with mpmath.workdps(50):
-        bones = skeleton(Tree("t", [Body("b", 1, (0, 0, 0), (1, 2, 2.5))], [joint]),
+        bones = lumped_tree(Tree("t", [Body("b", 1, (0, 0, 0), (1, 2, 2.5))], [joint]),
                          lambda x: mpmath.mpf(x.numerator) / x.denominator if x not in (0, 1, -1) else x,
                          work)  # fmt: skip
         q = [mpmath.mpf(n) / 10 for n in (3, -5, 7, 2, 8, 4, 1)[: bones.coordinates]]
@@ -161,7 +161,7 @@ def test_a_body_of_revolution_stays_behind_its_last_turn():
         [Fraction(3), Fraction(-2), Fraction(5)],
     )
     tau = [Fraction(1), Fraction(4), Fraction(-1)]
-    whole = skeleton(wheel((2, 2, 3)), lambda x: x, EXACT)
+    whole = lumped_tree(wheel((2, 2, 3)), lambda x: x, EXACT)
     turning = type(whole)(
         tuple(trees.unspun(p) for p in whole.parts), whole.seats, whole.gravity,
         whole.coordinates, whole.speeds,
@@ -176,7 +176,7 @@ def test_a_body_of_revolution_stays_behind_its_last_turn():
 def operations(given):
     b = Builder()
     work = Numbers(scalars.sin, scalars.cos)
-    bones = skeleton(given, lambda x: x, work)
+    bones = lumped_tree(given, lambda x: x, work)
     x = scalars.scalars(b, "state", bones.coordinates + bones.speeds)
     q, u = x[: bones.coordinates], x[bones.coordinates :]
     tau = scalars.scalars(b, "input", bones.speeds)
@@ -270,7 +270,7 @@ def test_massless_links_between_heavy_ones():
 def test_zero_state_and_straight_configuration(seed):
     given = tree(seed, 4, attitudes=(QUATERNION, "3-2-1"))
     work = Numbers(math.sin, math.cos)
-    bones = skeleton(given, lambda x: x if x in {0, 1, -1} else float(x), work)
+    bones = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
     names = [c.name for j in given.ordered for c in j.coordinates]
     q = [float(n.startswith("e_") and n.endswith("_0")) for n in names]
     u = [0.0] * bones.speeds

@@ -20,8 +20,8 @@ from eom.multibody.identify.base import PRIME, Residue, residue
 from eom.multibody.identify.regressor import bones_of, entries, parameters_of, values_of
 from eom.multibody.model.joints import KINDS
 from eom.multibody.recursion.geometry import orthonormal, rotation, unit
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.recursions import inverse_dynamics
-from eom.multibody.recursion.skeleton import skeleton
 from tests.draws import examples
 from tests.eom.multibody.trees import EXACT, number, state, tree
 from tests.eom.rows import only
@@ -40,7 +40,7 @@ def times(Y, pi):
 @given(seeds, st.integers(1, 4))
 def test_the_regressor_times_the_parameters_is_inverse_dynamics_exactly(seed, count):
     given = tree(seed, count, kinds=tuple(KINDS), loads=False)
-    bones = skeleton(given, lambda x: x, EXACT)
+    bones = lumped_tree(given, lambda x: x, EXACT)
     if not bones.speeds:
         return
     (q, u), draw = state(given, seed), random.Random(seed)
@@ -65,7 +65,7 @@ def test_the_compiled_regressor(seed):
     for (row, column), y in zip(found.places, values, strict=True):
         Y[row, column] = y
     work = Numbers(math.sin, math.cos)
-    bones = skeleton(given, lambda x: x if x in {0, 1, -1} else float(x), work)
+    bones = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
     expected = [
         t + 2 * v for t, v in zip(inverse_dynamics(bones, q, u, udot, work), u, strict=True)
     ]

@@ -15,20 +15,20 @@ from eom.multibody import (
     Distance,
     Equation,
     Joint,
+    KnifeEdge,
     Loop,
     Placement,
     Rolling,
-    Skate,
     SpeedEquation,
     Tree,
 )
 from eom.multibody.algebra.dual import Dual, DualWork, parts
 from eom.multibody.constrained.configurations import FLOATS
 from eom.multibody.constrained.equations import components, plane_directions
-from eom.multibody.constrained.spots import Arithmetic, scene
+from eom.multibody.constrained.point_kinematics import Arithmetic, scene
 from eom.multibody.model.constraints import CLOSING
+from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
-from eom.multibody.recursion.skeleton import skeleton
 from tests.eom.multibody.trees import MOVING, axis, state, tree, turned
 from tests.eom.rows import every
 
@@ -70,7 +70,7 @@ KINDS = {
         "c", names[1], 2, axis=axis(draw), centre=points(draw)[0], normal=(1, 2, 2)
     ),
     "ball": lambda draw, names: Rolling("c", names[1], 2, axis=None, centre=points(draw)[0]),
-    "skate": lambda draw, names: Skate("c", names[1], axis(draw), points(draw)[0]),
+    "knife_edge": lambda draw, names: KnifeEdge("c", names[1], axis(draw), points(draw)[0]),
 }
 
 
@@ -88,7 +88,7 @@ def test_rows_and_drifts_are_derivatives(kind, seed):
     given = replace(tree(seed, 5), loads=())
     given = replace(given, constraints=(KINDS[kind](draw, two_bodies(given, draw)),))
     q, u = ([float(x) for x in group] for group in state(given, seed))
-    bones = skeleton(given, floats, FLOATS)
+    bones = lumped_tree(given, floats, FLOATS)
     rates = coordinate_rates(bones, q, u, FLOATS)
     moving = [Dual(x, rate) for x, rate in zip(q, rates, strict=True)]
     at = components(given, scene(bones, q, u, Arithmetic(floats, FLOATS, root)))
@@ -117,7 +117,7 @@ def test_equations_of_the_user_have_the_derivatives_of_what_they_say(kind):
     given = Tree("t", [Body("b1", 1)], [joint], constraints=[Equation("c", phi)])
     draw = random.Random(3)
     q, u = ([draw.uniform(0.2, 1) for _ in group] for group in (joint.coordinates, joint.speeds))
-    bones = skeleton(given, floats, FLOATS)
+    bones = lumped_tree(given, floats, FLOATS)
 
     def at(h):
         """Value and rate after h seconds with the speeds held, by small steps of fourth order."""
@@ -178,7 +178,7 @@ ERRORS = {
     "no joint of kind 'free' closes a loop": lambda: bound(Loop("c", "free", "b", "c")),
     "the distance is not positive": lambda: bound(Distance("c", "b", "c", 0)),
     "the radius is not positive": lambda: bound(Rolling("c", "b", -1)),
-    "the axis is zero": lambda: bound(Skate("c", "b", (0, 0, 0))),
+    "the axis is zero": lambda: bound(KnifeEdge("c", "b", (0, 0, 0))),
     "the two axes are parallel": lambda: bound(
         Loop("c", "universal", "b", "c", axis="z", second_axis="z")
     ),
@@ -189,7 +189,7 @@ ERRORS = {
     "unknown joint 'x'": lambda: bound(Coupling("c", {"j": 1, "x": 2})),
     "a coupling needs joints of one speed": lambda: bound(Coupling("c", {"j": 1, "k": 2})),
     "a coupling needs at least two joints": lambda: bound(Coupling("c", {"j": 1})),
-    "repeated name of a constraint": lambda: bound(Skate("c", "b"), Skate("c", "c")),
+    "repeated name of a constraint": lambda: bound(KnifeEdge("c", "b"), KnifeEdge("c", "c")),
     "a length or direction of a constraint is not constant": lambda: bound(
         Distance("c", "b", "c", 2 + u**2)
     ),
@@ -197,7 +197,7 @@ ERRORS = {
         Rolling("c", "b", 1, normal=(
             sp.sin(w) * sp.cos(u), sp.sin(w) * sp.sin(u), sp.cos(w)))
     ),
-    "not a name": lambda: bound(Skate("a b", "b")),
+    "not a name": lambda: bound(KnifeEdge("a b", "b")),
 }  # fmt: skip
 
 

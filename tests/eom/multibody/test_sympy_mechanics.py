@@ -5,7 +5,7 @@ import sympy as sp
 from sympy.physics import mechanics as me
 
 import codegen
-from codegen.frontend.elsewhere import as_system
+from codegen.frontend.from_sympy_mechanics import as_system
 from eom.errors import InputError
 from eom.exact.identity import equal, vanishes
 from eom.kinematics.coordinates import rotation_sequence
@@ -68,7 +68,7 @@ def test_a_mechanics_system_is_ready_to_be_asked():
 
 
 def test_sympy_s_equations_of_a_tree_compile_to_the_same_rates():
-    """By way of `codegen.frontend.elsewhere`, which takes SymPy's methods."""
+    """By way of `codegen.frontend.from_sympy_mechanics`, which takes SymPy's methods."""
     given = pendulum(2)
     theirs, ours = as_system(to_sympy(given).kane()), derive(given, invariants=False)
     assert theirs.state_names == ours.state_names

@@ -7,8 +7,8 @@ from codegen.ir.program import Builder
 from eom.multibody import Body, Joint, Placement, Tree
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.recursion.articulated import forward_dynamics
-from eom.multibody.recursion.skeleton import skeleton
-from eom.multibody.recursion.tally import savings
+from eom.multibody.recursion.lumped_tree import lumped_tree
+from eom.multibody.recursion.operation_count import savings
 from tests.eom.multibody.trees import tree
 
 
@@ -33,7 +33,7 @@ def test_nothing_is_counted_that_is_not_done(seed):
     """Programs share equal values and leave out what no result needs: they are shorter."""
     given = tree(seed, 4, loads=False)
     b = Builder()
-    bones = skeleton(given, lambda x: x, Numbers(scalars.sin, scalars.cos))
+    bones = lumped_tree(given, lambda x: x, Numbers(scalars.sin, scalars.cos))
     x = scalars.scalars(b, "state", bones.coordinates + bones.speeds)
     tau = scalars.scalars(b, "input", bones.speeds)
     q, u = x[: bones.coordinates], x[bones.coordinates :]

@@ -13,7 +13,7 @@ from eom.multibody.algebra.scalars import Scalar, Work, add, is_zero, mul, negat
 from eom.multibody.algebra.spatial import (
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     dot,
@@ -25,8 +25,8 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
+from eom.multibody.recursion.lumped_tree import LumpedTree, SpringDamper
 from eom.multibody.recursion.motion import Moving, Place, loads, poses, velocities
-from eom.multibody.recursion.skeleton import Link, Skeleton
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class End:
 
 
 def applied(
-    tree: Skeleton, placed: Sequence[Place], moved: Sequence[Moving], work: Work
-) -> list[Pair]:
+    tree: LumpedTree, placed: Sequence[Place], moved: Sequence[Moving], work: Work
+) -> list[SpatialVector]:
     """Return moment about its origin and force, by loads and links, on each part."""
     found = loads(placed, work)
     if not tree.links:
@@ -54,15 +54,15 @@ def applied(
             if own.rotation is not None:
                 here = times(own.rotation, force)
                 n_old, f_old = found[part]
-                found[part] = Pair(plus(n_old, cross(point, here)), plus(f_old, here))
+                found[part] = SpatialVector(plus(n_old, cross(point, here)), plus(f_old, here))
     return found
 
 
 def end(
-    link: Link,
+    link: SpringDamper,
     n: int,
     posed: Sequence[tuple[Matrix, Vector]],
-    speeds: Sequence[Pair],
+    speeds: Sequence[SpatialVector],
     work: Work,
 ) -> End:
     """Return the first (0) or second (1) end of a link."""
@@ -76,17 +76,17 @@ def end(
     return End(position, times(back, plus(v, cross(w, point))), R)
 
 
-def distance(link: Link, first: End, second: End, work: Work) -> Scalar:
+def distance(link: SpringDamper, first: End, second: End, work: Work) -> Scalar:
     """Return the distance of the points."""
     d = _line(link, first, second, work)
     return work.keep("distance", link.name, "", work.sqrt(dot(d, d)))
 
 
-def _line(link: Link, first: End, second: End, work: Work) -> Vector:
+def _line(link: SpringDamper, first: End, second: End, work: Work) -> Vector:
     return keep_vector(work, "line", link.name, minus(second.position, first.position))
 
 
-def _pull(link: Link, first: End, second: End, work: Work) -> Vector:
+def _pull(link: SpringDamper, first: End, second: End, work: Work) -> Vector:
     """Return the force on the first point, in the ground's axes."""
     d = _line(link, first, second, work)
     if link.plain:
@@ -100,7 +100,7 @@ def _pull(link: Link, first: End, second: End, work: Work) -> Vector:
     return scaled(work.keep("tension", link.name, "", mul(inverse, tension)), d)
 
 
-def twice_potential(link: Link, first: End, second: End, work: Work) -> Scalar:
+def twice_potential(link: SpringDamper, first: End, second: End, work: Work) -> Scalar:
     """Return twice the energy of the spring, zero where it is slack."""
     if link.plain:
         d = _line(link, first, second, work)

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eom.multibody.algebra.scalars import Scalar, Work
-from eom.multibody.algebra.spatial import General, Matrix, Pair, Vector, matrix_of
+from eom.multibody.algebra.spatial import General, Matrix, SpatialVector, Vector, matrix_of
 from eom.multibody.model.joints import Kind, Relative, Setting
 from eom.multibody.model.model import Tree, moves_nothing
 from eom.multibody.recursion.articulated import forward_dynamics
-from eom.multibody.recursion.skeleton import Skeleton, skeleton
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 
 
 @dataclass(frozen=True)
@@ -95,14 +95,14 @@ def savings(tree: Tree) -> Savings:
     counter = _Counter()
     work = _Counting(counter)
     known = _Tally(counter, known=True)
-    bones = skeleton(tree, lambda x: x if x in (0, 1, -1) else known, work)
+    bones = lumped_tree(tree, lambda x: x if x in (0, 1, -1) else known, work)
     done = _count(bones, counter, work)
     counter.operations = 0
     generic = _generic(bones, counter)
     return Savings(done, _count(generic, counter, work), tuple(_reasons(tree, bones)))
 
 
-def _count(bones: Skeleton, counter: _Counter, work: Work) -> int:
+def _count(bones: LumpedTree, counter: _Counter, work: Work) -> int:
     counter.operations = 0
 
     def values(count: int) -> list[Scalar]:
@@ -114,8 +114,8 @@ def _count(bones: Skeleton, counter: _Counter, work: Work) -> int:
     return counter.operations
 
 
-def _generic(bones: Skeleton, counter: _Counter) -> Skeleton:
-    """Return a skeleton in which no zero or one is known to be one."""
+def _generic(bones: LumpedTree, counter: _Counter) -> LumpedTree:
+    """Return a lumped_tree in which no zero or one is known to be one."""
 
     def scalar(x: Scalar) -> Scalar:
         return x if isinstance(x, _Tally) else _Tally(counter, known=True)
@@ -129,7 +129,7 @@ def _generic(bones: Skeleton, counter: _Counter) -> Skeleton:
     def placed(kind: Kind) -> Callable[[Setting, Any, Work], Relative]:
         def place(setting: Setting, q: Any, work: Work) -> Relative:
             found = kind.place(setting, q, work)
-            columns = tuple(Pair(vector(a), vector(b)) for a, b in found.subspace)
+            columns = tuple(SpatialVector(vector(a), vector(b)) for a, b in found.subspace)
             rotation = (General(matrix(matrix_of(found.rotation))),)
             return Relative(vector(found.position), rotation, columns, found.trigonometry)
 
@@ -150,7 +150,7 @@ def _generic(bones: Skeleton, counter: _Counter) -> Skeleton:
     return replace(bones, parts=parts, gravity=vector(bones.gravity))
 
 
-def _reasons(tree: Tree, bones: Skeleton) -> list[str]:
+def _reasons(tree: Tree, bones: LumpedTree) -> list[str]:
     """Name what of the structure is used beyond zeros and ones."""
     found = ["zeros and ones of placements, axes and inertias"]
     fixed = [j.name for j in tree.joints if j.kind == "fixed"]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled, batch
 from codegen.ensembles.samples import Population, check
-from codegen.ensembles.tallies import (
+from codegen.ensembles.statistics import (
     BLOCK,
     Bins,
     Counts,

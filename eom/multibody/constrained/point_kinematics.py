@@ -16,7 +16,7 @@ from eom.multibody.algebra.spatial import (
     IDENTITY,
     ZERO,
     Matrix,
-    Pair,
+    SpatialVector,
     Vector,
     cross,
     keep_matrix,
@@ -29,12 +29,12 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.model.model import GROUND
+from eom.multibody.recursion.lumped_tree import BodyPlacement, LumpedTree
 from eom.multibody.recursion.motion import Place, Scalars, combined, places
-from eom.multibody.recursion.skeleton import Seat, Skeleton
 
 
 @dataclass(frozen=True)
-class Turning:
+class AngularMotion:
     """Angular velocity and acceleration, velocity and acceleration of a point; see the module."""
 
     omega: Vector = ZERO
@@ -44,7 +44,7 @@ class Turning:
 
 
 @dataclass(frozen=True)
-class Spot:
+class PointKinematics:
     """A point of a body.
 
     ``position`` from the ground's origin. ``rotation``: from the ground's axes to the body's.
@@ -54,11 +54,11 @@ class Spot:
 
     position: Vector
     rotation: Matrix
-    columns: dict[int, Pair]
-    motion: Turning | None
+    columns: dict[int, SpatialVector]
+    motion: AngularMotion | None
 
     @property
-    def moving(self) -> Turning:
+    def moving(self) -> AngularMotion:
         """The motion, which is known."""
         assert self.motion is not None
         return self.motion
@@ -80,13 +80,13 @@ class Arithmetic(NamedTuple):
 class Scene:
     """All parts of a tree for given coordinates; with speeds, their motion too."""
 
-    bones: Skeleton
+    bones: LumpedTree
     arithmetic: Arithmetic
     q: Scalars
     u: Scalars | None
     placed: Sequence[Place]
     poses: Sequence[tuple[Matrix, Vector]]
-    motions: Sequence[Turning]
+    motions: Sequence[AngularMotion]
 
     def vector(self, given: Any) -> Vector:
         """Return components of a description as scalars."""
@@ -97,12 +97,12 @@ class Scene:
         """What gives names."""
         return self.arithmetic.work
 
-    def spot(self, body: str, point: Any = ZERO) -> Spot:
+    def spot(self, body: str, point: Any = ZERO) -> PointKinematics:
         """Return a point of a body, given from its origin in its axes."""
         seat = self.bones.seats[body]
-        still = Turning() if self.u is not None else None
+        still = AngularMotion() if self.u is not None else None
         if seat.part < 0:
-            return Spot(seat.point(self.vector(point)), seat.rotation, {}, still)
+            return PointKinematics(seat.point(self.vector(point)), seat.rotation, {}, still)
         R, x = self.poses[seat.part]
         arm = times(transposed(R), seat.point(self.vector(point)))
         position = keep_vector(self.work, "spot", body, plus(x, arm))
@@ -110,15 +110,15 @@ class Scene:
         if self.u is not None:
             moved = _named(self.work, body, _at(self.motions[seat.part], arm))
         columns = self._columns(seat, position)
-        return Spot(position, product(seat.rotation, R), columns, moved)
+        return PointKinematics(position, product(seat.rotation, R), columns, moved)
 
-    def ground(self) -> Spot:
+    def ground(self) -> PointKinematics:
         """Return the ground's origin."""
         return self.spot(GROUND)
 
-    def _columns(self, seat: Seat, position: Vector) -> dict[int, Pair]:
+    def _columns(self, seat: BodyPlacement, position: Vector) -> dict[int, SpatialVector]:
         """Walk from a part to the ground: a turn moves the point by the arm from the joint."""
-        found: dict[int, Pair] = {}
+        found: dict[int, SpatialVector] = {}
         k = seat.part
         while k >= 0:
             place, (R, x) = self.placed[k], self.poses[k]
@@ -127,7 +127,7 @@ class Scene:
                 angular, linear = (times(transposed(R), v) for v in column)
                 name = place.part.name
                 angular = keep_vector(self.work, "ground_axis", name, angular)
-                found[place.part.speeds.start + n] = Pair(
+                found[place.part.speeds.start + n] = SpatialVector(
                     angular, plus(linear, cross(angular, arm))
                 )
             k = place.part.parent
@@ -135,7 +135,7 @@ class Scene:
 
 
 def scene(
-    bones: Skeleton,
+    bones: LumpedTree,
     q: Scalars,
     u: Scalars | None,
     arithmetic: Arithmetic,
@@ -144,7 +144,7 @@ def scene(
     work = arithmetic.work
     placed = places(bones, q, work)
     found: list[tuple[Matrix, Vector]] = []
-    motions: list[Turning] = []
+    motions: list[AngularMotion] = []
     for place in placed:
         name, parent = place.part.name, place.part.parent
         C, x = found[parent] if parent >= 0 else (IDENTITY, ZERO)
@@ -152,14 +152,14 @@ def scene(
         arm = times(transposed(C), place.position)
         found.append((R, keep_vector(work, "position", name, plus(x, arm))))
         if u is not None:
-            carrier = motions[parent] if parent >= 0 else Turning()
+            carrier = motions[parent] if parent >= 0 else AngularMotion()
             motions.append(_moved(place, R, arm, carrier, u, work))
     return Scene(bones, arithmetic, q, u, placed, found, motions)
 
 
 def _moved(
-    place: Place, R: Matrix, arm: Vector, carrier: Turning, u: Scalars, work: Work
-) -> Turning:
+    place: Place, R: Matrix, arm: Vector, carrier: AngularMotion, u: Scalars, work: Work
+) -> AngularMotion:
     """Return the motion of a part's origin, from that of its parent."""
     part = place.part
     own = u[part.speeds]
@@ -170,7 +170,7 @@ def _moved(
     omega = keep_vector(work, "ground_omega", part.name, plus(carrier.omega, w))
     alpha = plus(plus(carrier.alpha, cross(carrier.omega, w)), drift[0])
     sideways = plus(cross(plus(carrier.omega, omega), v), drift[1])
-    return Turning(
+    return AngularMotion(
         omega,
         keep_vector(work, "ground_alpha", part.name, alpha),
         keep_vector(work, "ground_v", part.name, plus(before.velocity, v)),
@@ -178,7 +178,7 @@ def _moved(
     )
 
 
-def _named(work: Work, name: str, moved: Turning) -> Turning:
+def _named(work: Work, name: str, moved: AngularMotion) -> AngularMotion:
     """Return the motion of a point under names."""
     return replace(
         moved,
@@ -187,11 +187,11 @@ def _named(work: Work, name: str, moved: Turning) -> Turning:
     )
 
 
-def _at(carrier: Turning, arm: Vector) -> Turning:
+def _at(carrier: AngularMotion, arm: Vector) -> AngularMotion:
     """Return the motion of another point of the same body."""
     turned = cross(carrier.omega, arm)
     fall = plus(cross(carrier.alpha, arm), cross(carrier.omega, turned))
-    return Turning(
+    return AngularMotion(
         carrier.omega,
         carrier.alpha,
         plus(carrier.velocity, turned),

@@ -62,7 +62,7 @@ Lift = Callable[[Any], Scalar]
 
 
 @dataclass(frozen=True)
-class Seat:
+class BodyPlacement:
     """Where a body is on the part that it belongs to.
 
     ``part``: its number, -1 for the ground. ``rotation``: C takes components in the part's axes to
@@ -79,7 +79,7 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class Pull:
+class AppliedLoad:
     """A load on a part: force and torque, either in the part's axes or in the ground's, and a point."""
 
     force: Vector
@@ -89,7 +89,7 @@ class Pull:
 
 
 @dataclass(frozen=True)
-class Link:
+class SpringDamper:
     """A spring and damper between two points: parts (-1 for the ground), points from their origins."""
 
     name: str
@@ -127,9 +127,9 @@ class Part:
     armature: Vector
     driven: bool
     inertia: Inertia = NOTHING
-    pulls: tuple[Pull, ...] = ()
+    pulls: tuple[AppliedLoad, ...] = ()
     spins: bool = False
-    rotors: tuple[Spin, ...] = ()
+    rotors: tuple[RotorSpin, ...] = ()
 
     @property
     def mass(self) -> Scalar:
@@ -144,17 +144,17 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Skeleton:
+class LumpedTree:
     """The parts of a tree, where its bodies are on them, and gravity's acceleration in the ground."""
 
     parts: tuple[Part, ...]
-    seats: dict[str, Seat]
+    seats: dict[str, BodyPlacement]
     gravity: Vector
     coordinates: int = 0
     speeds: int = 0
-    rotors: tuple[tuple[int, Spin], ...] = ()
+    rotors: tuple[tuple[int, RotorSpin], ...] = ()
     """All rotors, with the numbers of their parts."""
-    links: tuple[Link, ...] = ()
+    links: tuple[SpringDamper, ...] = ()
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -164,14 +164,14 @@ class Skeleton:
         )
 
 
-def skeleton(
+def lumped_tree(
     tree: Tree,
     lift: Lift,
     work: Work,
     turning: Iterable[str] = (),
     *,
     apart: Collection[str] = (),
-) -> Skeleton:
+) -> LumpedTree:
     """Return a tree over the scalars that ``lift`` makes of its values.
 
     ``turning``: bodies whose frames turn with them, even if they are bodies of revolution; those that
@@ -192,7 +192,7 @@ def skeleton(
     gravity = [lift(g) for g in tree.gravity]
     sizes = builder.coordinates, builder.speeds
     links = tuple(builder.link(spring) for spring in tree.springs)
-    return Skeleton(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links)
+    return LumpedTree(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links)
 
 
 @dataclass
@@ -202,10 +202,10 @@ class _Growing:
     work: Work
     apart: Collection[str] = ()
     parts: list[Part] = field(default_factory=list)
-    seats: dict[str, Seat] = field(default_factory=lambda: {GROUND: Seat(-1)})
+    seats: dict[str, BodyPlacement] = field(default_factory=lambda: {GROUND: BodyPlacement(-1)})
     coordinates: int = 0
     speeds: int = 0
-    rotors: list[tuple[int, Spin]] = field(default_factory=list)
+    rotors: list[tuple[int, RotorSpin]] = field(default_factory=list)
 
     def vector(self, v: Vector) -> Vector:
         return [self.lift(x) for x in v]
@@ -220,10 +220,10 @@ class _Growing:
         position = before.point(self.vector(joint.on_parent.position))
         F = self.matrix(joint.on_child.rotation)
         origin = [negative(x) for x in times(F, self.vector(joint.on_child.position))]
-        here = Seat(len(self.parts), transposed(F), origin)
+        here = BodyPlacement(len(self.parts), transposed(F), origin)
         if joint.kind == "fixed" and joint.name not in self.apart:
             where = plus(position, times(transposed(C), origin))
-            here = Seat(before.part, product(transposed(F), C), where)
+            here = BodyPlacement(before.part, product(transposed(F), C), where)
         else:
             self.parts.append(self._part(joint, before.part, position, C))
         self.seats[joint.child] = here
@@ -248,7 +248,7 @@ class _Growing:
             driven=joint.motion is not None,
         )
 
-    def _weigh(self, body: Body, seat: Seat) -> None:
+    def _weigh(self, body: Body, seat: BodyPlacement) -> None:
         """Add the mass of a body to its part; what is fixed to the ground does not matter."""
         if seat.part < 0:
             return
@@ -257,7 +257,7 @@ class _Growing:
         whole = joined(part.inertia, rigid) if part.inertia is not NOTHING else rigid
         self.parts[seat.part] = replace(part, inertia=self._kept(part.name, whole))
 
-    def _inertia(self, body: Body, seat: Seat) -> Inertia:
+    def _inertia(self, body: Body, seat: BodyPlacement) -> Inertia:
         m, C = self.lift(body.mass), seat.rotation
         x = seat.point(self.vector(body.centre))
         turned = product(transposed(C), product(self.matrix(body.central_inertia), C))
@@ -286,16 +286,18 @@ class _Growing:
         if not grounded:
             back = transposed(seat.rotation)
             force, torque = times(back, force), times(back, torque)
-        pull = Pull(force, torque, seat.point(self.vector(load.point)), grounded)
+        pull = AppliedLoad(force, torque, seat.point(self.vector(load.point)), grounded)
         part = self.parts[seat.part]
         self.parts[seat.part] = replace(part, pulls=(*part.pulls, pull))
 
-    def link(self, spring: Spring) -> Link:
+    def link(self, spring: Spring) -> SpringDamper:
         """Return a spring on its parts."""
         seats = [self.seats[name] for name in spring.bodies]
         points = [s.point(self.vector(p)) for s, p in zip(seats, spring.points, strict=True)]
         values = map(self.lift, (spring.stiffness, spring.length, spring.damping))
-        return Link(spring.name, (seats[0].part, seats[1].part), (points[0], points[1]), *values)
+        return SpringDamper(
+            spring.name, (seats[0].part, seats[1].part), (points[0], points[1]), *values
+        )
 
     def rotor(self, rotor: Rotor) -> None:
         """Add a rotor to its part, whose inertia keeps its axial moment if its speed is given."""
@@ -307,7 +309,7 @@ class _Growing:
             )
         free = rotor.speed is None
         motors = [self.lift(m.symbol) for m in rotor.motors]
-        spin = Spin(
+        spin = RotorSpin(
             axis=times(transposed(seat.rotation), self.vector(rotor.axis)),
             inertia=self.lift(rotor.inertia),
             speed=self.lift(rotor.states[-1].symbol if free else rotor.speed),
@@ -360,7 +362,7 @@ def last_turn_left_out(rotation: Rotation) -> Rotation:
 
 
 @dataclass(frozen=True)
-class Spin:
+class RotorSpin:
     """A rotor over scalars: axis in its part's axes, axial moment, speed and what drives it.
 
     ``free``: whether ``speed`` is Omega; ``torque`` is then that of the motor, and ``damping`` brakes the
@@ -406,7 +408,7 @@ class Spin:
         return mul(self.momentum, beyond)
 
 
-def without_axial(J: Matrix, spins: Sequence[Spin]) -> Matrix:
+def without_axial(J: Matrix, spins: Sequence[RotorSpin]) -> Matrix:
     """Return an inertia without the axial moments of the rotors that have speeds of their own."""
     for spin in (s for s in spins if s.free):
         a = spin.axis

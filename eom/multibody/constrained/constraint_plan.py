@@ -15,9 +15,9 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.multibody.algebra.light import Naming, plain, used
+from eom.multibody.algebra.lazy_sums import Naming, plain, used
 from eom.multibody.algebra.scalars import Scalar, add, mul, total
-from eom.multibody.algebra.spatial import IDENTITY, ZERO, Pair, Vector, cross, minus, times
+from eom.multibody.algebra.spatial import IDENTITY, ZERO, SpatialVector, Vector, cross, minus, times
 from eom.multibody.algebra.values import is_number, same, value
 from eom.multibody.constrained.dependence import dependents, examine
 from eom.multibody.constrained.equations import Component, components, sine_square
@@ -35,13 +35,20 @@ from eom.multibody.constrained.multipliers import (
     follow,
     followed,
 )
-from eom.multibody.constrained.spots import Arithmetic, Scene, scene
-from eom.multibody.model.constraints import Coupling, Distance, Loop, Rolling, Skate, SpeedEquation
+from eom.multibody.constrained.point_kinematics import Arithmetic, Scene, scene
+from eom.multibody.model.constraints import (
+    Coupling,
+    Distance,
+    KnifeEdge,
+    Loop,
+    Rolling,
+    SpeedEquation,
+)
 from eom.multibody.model.model import GROUND, Tree, moves_nothing
-from eom.multibody.recursion.skeleton import Seat, Skeleton
+from eom.multibody.recursion.lumped_tree import BodyPlacement, LumpedTree
 from eom.quantities import TIME, Assumption, Definition, Quantity, Singularity
 
-OF_SPEEDS = (Coupling, Rolling, Skate, SpeedEquation)
+OF_SPEEDS = (Coupling, Rolling, KnifeEdge, SpeedEquation)
 """Constraints whose dependent speeds are eliminated unless one asks for multipliers."""
 LONGEST = 20_000
 """Size up to which constraints are written out, so that start values are tested against them."""
@@ -90,7 +97,7 @@ class Binding:
 
     tree: Tree
     plan: Plan
-    bones: Skeleton
+    bones: LumpedTree
     q: Sequence[Any]
     u: list[Any]
     work: Naming
@@ -216,7 +223,7 @@ class Binding:
 
 
 def bind(
-    given: Plan, tree: Tree, bones: Skeleton, q: Sequence[Any], u: list[Any], work: Naming
+    given: Plan, tree: Tree, bones: LumpedTree, q: Sequence[Any], u: list[Any], work: Naming
 ) -> Binding:
     """Carry a plan out: speeds that follow are defined by the others."""
     found = Binding(tree, given, bones, q, list(u), work)
@@ -269,7 +276,7 @@ def inner(tree: Tree) -> bool:
                for c in tree.constraints)  # fmt: skip
 
 
-BETWEEN_POINTS = (Loop, Distance, Rolling, Skate)
+BETWEEN_POINTS = (Loop, Distance, Rolling, KnifeEdge)
 """Constraints that act on bodies; the others act within joints, along their speeds."""
 
 
@@ -277,18 +284,18 @@ BETWEEN_POINTS = (Loop, Distance, Rolling, Skate)
 class _Loose(Scene):
     """A tree whose parts all move by themselves: six unit motions each, in the ground's axes."""
 
-    def _columns(self, seat: Seat, position: Vector) -> dict[int, Pair]:
+    def _columns(self, seat: BodyPlacement, position: Vector) -> dict[int, SpatialVector]:
         k = seat.part
         arm = minus(position, self.poses[k][1])
-        turns = [Pair(e, cross(e, arm)) for e in IDENTITY]
-        return dict(enumerate([*turns, *(Pair(ZERO, e) for e in IDENTITY)], 6 * k))
+        turns = [SpatialVector(e, cross(e, arm)) for e in IDENTITY]
+        return dict(enumerate([*turns, *(SpatialVector(ZERO, e) for e in IDENTITY)], 6 * k))
 
 
-def constraint_loads(binding: Binding) -> Callable[[Skeleton], list[Pair]]:
-    """Return what gives the loads on the parts of a skeleton: moments about origins, and forces."""
+def constraint_loads(binding: Binding) -> Callable[[LumpedTree], list[SpatialVector]]:
+    """Return what gives the loads on the parts of a lumped_tree: moments about origins, and forces."""
     values = binding.multipliers()
 
-    def loads(bones: Skeleton) -> list[Pair]:
+    def loads(bones: LumpedTree) -> list[SpatialVector]:
         still = scene(bones, binding.q, None, binding.arithmetic)
         loose = _Loose(bones, still.arithmetic, still.q, None, still.placed, still.poses, ())
         kinds = {c.name: type(c) for c in binding.tree.constraints}
@@ -303,5 +310,5 @@ def constraint_loads(binding: Binding) -> Callable[[Skeleton], list[Pair]]:
     return loads
 
 
-def _turned(R: Sequence[Sequence[Scalar]], six: Sequence[Scalar]) -> Pair:
-    return Pair(times(R, six[:3]), times(R, six[3:]))
+def _turned(R: Sequence[Sequence[Scalar]], six: Sequence[Scalar]) -> SpatialVector:
+    return SpatialVector(times(R, six[:3]), times(R, six[3:]))

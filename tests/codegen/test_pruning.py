@@ -10,7 +10,7 @@ import eom
 from codegen import compile as compile_system
 from codegen import simulate
 from codegen.native import native
-from codegen.runs import requested
+from codegen.runs import pruning
 from eom.errors import InputError
 from eom.quantities import Singularity
 from eom.system import System
@@ -65,9 +65,9 @@ def test_invariants_stay_where_all_their_states_do(wheel, values):
 
 def test_everything_asked_for_is_the_same_object(wheel):
     names = [*WHEEL.state_names, *WHEEL.output_names]
-    part = requested.part(wheel, names)
+    part = pruning.part(wheel, names)
     assert part.compiled is wheel
-    assert requested.part(wheel, ["theta"]).compiled is requested.part(wheel, ["theta"]).compiled
+    assert pruning.part(wheel, ["theta"]).compiled is pruning.part(wheel, ["theta"]).compiled
 
 
 def test_initial_values_may_be_in_order_or_without_what_is_left_out(wheel, values):
@@ -111,7 +111,7 @@ def test_outputs_of_parameters_alone_keep_one_state():
 def test_a_part_is_pickled_by_what_it_is_a_part_of():
     a, b = sp.symbols("a b", real=True)
     whole = compile_system(System.from_rates("pair", {a: -a, b: a}), "numpy")
-    part = requested.part(whole, ["a"]).compiled
+    part = pruning.part(whole, ["a"]).compiled
     again = pickle.loads(pickle.dumps(part))
     assert again.layout == part.layout
     assert again.rhs(0.0, [2.0]) == pytest.approx([-2.0])

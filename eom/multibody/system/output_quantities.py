@@ -10,13 +10,13 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import unknown_name
-from eom.multibody.algebra.light import Naming, plain
+from eom.multibody.algebra.lazy_sums import Naming, plain
 from eom.multibody.algebra.scalars import add, is_zero, mul, reciprocal, sub
-from eom.multibody.constrained.binding import Binding, constraint_loads, inner, lossless
+from eom.multibody.constrained.constraint_plan import Binding, constraint_loads, inner, lossless
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Tree
 from eom.multibody.model.names import symbols_in, values_of
-from eom.multibody.recursion.links import end, twice_potential
+from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.quantities import (
     HALF,
     QUANTITIES,
@@ -30,7 +30,7 @@ from eom.multibody.recursion.quantities import (
     momentum,
     point,
 )
-from eom.multibody.recursion.skeleton import Skeleton
+from eom.multibody.recursion.springs import end, twice_potential
 from eom.multibody.system import reactions
 from eom.multibody.system.reactions import Reaction, joint_named, of_all
 from eom.quantities import TIME, Definition, Quantity
@@ -53,7 +53,7 @@ class Told:
     def __init__(
         self,
         tree: Tree,
-        bones: Skeleton,
+        bones: LumpedTree,
         variables: Variables,
         work: Naming,
         accelerations: Sequence[Any],
