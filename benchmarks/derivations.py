@@ -28,7 +28,7 @@ for name in names():
 _SOLIDS = """
 import time
 from sympy.core.cache import clear_cache
-from eom import solids
+from eom.mass import solids
 for name in solids.SOLIDS:
     clear_cache()
     start = time.process_time()

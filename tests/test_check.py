@@ -121,7 +121,7 @@ def test_standard_input_is_a_note(check, note):
 
 def test_json_is_that_of_the_schema(check, note):
     jsonschema = pytest.importorskip("jsonschema")
-    file = resources.files("eom.checker") / "report.schema.json"
+    file = resources.files("eom.checker.report") / "report.schema.json"
     schema = json.loads(file.read_text(encoding="utf-8"))
     done = check(note, *ARROWS, "--json")
     assert done.exit_code == 1

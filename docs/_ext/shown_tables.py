@@ -65,7 +65,7 @@ def _targets() -> Rows:
 def _presets() -> Rows:
     from importlib import resources
 
-    folder = resources.files("eom.checker") / "presets"
+    folder = resources.files("eom.checker.mean") / "presets"
     files = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
     texts = [(p.name.removesuffix(".toml"), p.read_text(encoding="utf-8")) for p in files]
     return [(f"`{name}`", _first_sentence(text)) for name, text in texts]

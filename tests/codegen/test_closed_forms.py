@@ -28,7 +28,7 @@ from codegen.closed import closed_c
 from codegen.closed.closed_forms import find
 from codegen.closed.exact import CHUNK
 from codegen.closed.heavy_top import Top, roots_of
-from codegen.closed.phases import SpatialVector, parity, reduced
+from codegen.closed.phases import Pair, parity, reduced
 from codegen.frontend.layout import Layout, names_of, to_array
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.tracing import traced
@@ -838,9 +838,7 @@ def test_times_out_of_range_are_refused(t):
 
 def test_traced_functions_are_the_same_functions():
     def function(t):
-        u, count = reduced(
-            t, SpatialVector(0.75, 1e-18, 3), SpatialVector(0.1, 0.0), SpatialVector(3.25, 1e-17)
-        )
+        u, count = reduced(t, Pair(0.75, 1e-18, 3), Pair(0.1, 0.0), Pair(3.25, 1e-17))
         return [u, count, parity(count), np.where(u < 0, np.ldexp(u, -1100), np.sqrt(np.abs(u)))]
 
     program = traced(function, "y")

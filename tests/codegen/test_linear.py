@@ -119,7 +119,7 @@ def test_what_was_compiled_once_is_kept(compiled, monkeypatch):
     def never(*_):
         raise AssertionError("derived again")
 
-    monkeypatch.setattr("codegen.compiling.linear.derive", never)
+    monkeypatch.setattr("codegen.compiling.jacobians.derive", never)
     assert compiled.jacobian("states", "rates") is J is compiled_jacobian(compiled)
     assert compiled.jacobian("states", "rates").function is J.function
     again = linearise(compiled, (0.5, -1.0), P, (7.0,))

@@ -21,9 +21,7 @@ def test_every_ready_scene_has_a_file_and_a_title():
 
 
 def test_titles_are_read_without_sympy():
-    code = (
-        "import sys; from eom import catalogue; catalogue.titles(); print('sympy' in sys.modules)"
-    )
+    code = "import sys; from eom.scenes import catalogue; catalogue.titles(); print('sympy' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "False"
 

@@ -41,7 +41,7 @@ PRESETS = (
     "hughes",
     "physics-bold",
 )
-"""Presets by name, each a file of `eom/checker/presets`."""
+"""Presets by name, each a file of `eom/checker/mean/presets`."""
 
 MAX_LEXICON = 1_000_000
 _TABLES = ("notation", "frames", "points", "marks", "symbols")
@@ -265,7 +265,7 @@ def preset(name: str) -> Lexicon:
     """Return a preset by name. Raises `InputError` for unknown ones."""
     if name not in PRESETS:
         raise unknown_name("preset", name, PRESETS)
-    file = resources.files("eom.checker") / "presets" / f"{name}.toml"
+    file = resources.files("eom.checker.mean") / "presets" / f"{name}.toml"
     return parse_lexicon(file.read_text(encoding="utf-8"), f"preset {name}")
 
 

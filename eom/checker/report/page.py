@@ -133,7 +133,7 @@ def _outcome(graded: Graded) -> str:
 
 @cache
 def _style() -> str:
-    return resources.files("eom.checker").joinpath("page.css").read_text(encoding="utf-8")
+    return resources.files("eom.checker.report").joinpath("page.css").read_text(encoding="utf-8")
 
 
 # -- summary ---------------------------------------------------------------------------------------

@@ -141,7 +141,7 @@ NOTES = (Graded("n.md", REPORT), Graded("=cmd|x.md", None, "the file is binary")
 
 def validate(data):
     jsonschema = pytest.importorskip("jsonschema")
-    file = resources.files("eom.checker") / "report.schema.json"
+    file = resources.files("eom.checker.report") / "report.schema.json"
     schema = json.loads(file.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     jsonschema.Draft202012Validator(schema).validate(data)
