@@ -16,6 +16,7 @@ version = release = eom.__version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "accessible",
     "command_line",
     "docstrings",
@@ -34,6 +35,7 @@ myst_heading_anchors = 3
 html_math_renderer = "mathml"
 
 default_role = "py:obj"  # names in single backticks, as docstrings have them
+autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_format = "short"

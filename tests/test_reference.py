@@ -18,9 +18,12 @@ from __future__ import annotations
 import inspect
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
+import codegen
+import eom
 from codegen.compiling.checked import Array
 from eom.errors import InputError
 from tests.facts import COLUMNS, FACTS, INNER, NEVER, NONE
@@ -262,3 +265,10 @@ def test_each_public_name_states_its_facts():
 def test_what_is_inner_is_reached():
     """A class that users come to follows the rules, or is listed as one that they need not know."""
     assert set(INNER) <= set(reached(INNER))
+
+
+def test_one_page_lists_the_names_of_both_packages():
+    page = (Path(__file__).parents[1] / "docs" / "reference" / "names.md").read_text("utf-8")
+    listed = re.findall(r"^   ((?:eom|codegen)\.\w+)$", page, re.MULTILINE)
+    named = {f"{p.__name__}.{n}" for p in (eom, codegen) for n in p.__all__}
+    assert sorted(listed) == sorted(named - {"eom.__version__"})
