@@ -38,7 +38,7 @@ INNER = frozenset(
         "codegen.ensembles.statistics.Bins",
         "codegen.ensembles.statistics.Moments",
         "eom.exercises.slips.Around",
-        "eom.typeset.notation.Notation",
+        "eom.typeset.letters.Notation",
         "eom.multibody.closed.readable.Writer",
         "eom.multibody.constrained.dependence.Sample",
         "eom.multibody.model.joints.Kind",

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from codegen.measure.workprecision.measuring import Diagram, Plan
     from codegen.measure.workprecision.programs import Program
     from eom.problems import Problem
-from codegen.measure.workprecision.measuring import comparison_lines, data, notes, table
 
 FIRST_SECONDS = 600.0
 """For a first result, in a process of its own."""
@@ -119,7 +118,7 @@ def _bench(
 ) -> Any:
     """Measure a problem, print or write what was found, and return it as data."""
     from codegen.measure.workprecision.case import Case
-    from codegen.measure.workprecision.measuring import measure
+    from codegen.measure.workprecision.measuring import data, measure
 
     numbers = (problem.start, problem.parameters, problem.inputs)
     case = Case(problem.name, problem.title, problem.system, *numbers, problem.end, problem.stiff)
@@ -160,6 +159,8 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
     """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
+    from codegen.measure.workprecision.measuring import comparison_lines, notes, table
+
     file = io.StringIO() if quiet else None
     console = Console(record=True, width=max(WIDTH, Console().width), file=file)
     console.print(table(diagram))
@@ -174,6 +175,7 @@ def _print(diagram: Diagram, first: Mapping[str, Mapping[str, float]], quiet: bo
 
 def _write(diagram: Diagram, text: str, about: Mapping[str, Any], folder: Path) -> list[Path]:
     from codegen.compiling.compiled import write_files
+    from codegen.measure.workprecision.measuring import data
     from eom.views.draw.saving import can_write, save
     from eom.views.time.work_precision import work_precision
 

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eom.checker.read.inputs import Note
-    from eom.checker.report.findings import Graded, Line, Settings
+    from eom.checker.report.findings import Graded, Line
+    from eom.checker.report.settings import Settings
 
 WRONG, UNUSABLE = 1, 2
 """Exit status where something is wrong, and where a note cannot be used."""
@@ -173,7 +174,7 @@ def _settings(
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
     from eom.checker.read.inputs import TEXT_KINDS
-    from eom.checker.report.findings import GIVEN, Settings
+    from eom.checker.report.settings import GIVEN, Settings
     from eom.worlds.worlds import closure
 
     if kind and kind not in TEXT_KINDS:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.shared import compiling, scene_argument, scene_of, target_option, waiting_for
+from eom.commands.shared import (
+    as_stated,
+    compiling,
+    scene_argument,
+    scene_of,
+    target_option,
+    waiting_for,
+)
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,7 +60,7 @@ def linearise(
     """Find an equilibrium or steady motion of SCENE near its initial values; linearise about it."""
     import codegen
 
-    opened = scene_of(scene)
+    opened = as_stated(scene_of(scene))
     guess, parameters = opened.initial_values(), opened.parameter_values()
     fixed = dict(_value(given, parameters) for given in held)
     with waiting_for("deriving") as show:

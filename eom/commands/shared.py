@@ -6,27 +6,20 @@ Events of `eom simulate`: how they are spelt, and how what was found is told.
 from __future__ import annotations
 
 import math
+import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.errors import printable
+from eom.errors import InputError, printable
 
 if TYPE_CHECKING:
-    from codegen import Compiled
+    from codegen import Compiled, Event, Result
     from eom.opening import AnyScene
-import re
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
-
-from eom.errors import InputError
-
-if TYPE_CHECKING:
-    from codegen import Event, Result
     from eom.system import System
 
 Rows = list[tuple[str, str]]
@@ -82,10 +75,20 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene
+    return _with(scene, changed)
+
+
+def as_stated(scene: AnyScene) -> AnyScene:
+    """Return a scene over its own coordinates: angles, also where they are integrated in a quaternion."""
+    return _with(scene, {"integrate": None}) if getattr(scene, "integrate", None) else scene
+
+
+def _with(scene: AnyScene, changed: Mapping[str, Any]) -> AnyScene:
     data = scene.model_dump(exclude_unset=True)
-    whole = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
-    data["integration"] = {**data.get("integration", {}), **changed}
-    return type(scene)(**{**data, **whole})
+    own = {k: v for k, v in changed.items() if k in _OF_THE_SCENE}
+    others = {k: v for k, v in changed.items() if k not in own}
+    integration = {**data.get("integration", {}), **others}
+    return type(scene)(**{**data, **({"integration": integration} if integration else {}), **own})
 
 
 _OF_THE_SCENE = ("integrate",)

@@ -11,9 +11,12 @@ from __future__ import annotations
 
 import datetime
 import io
+import math
+import random
 import sys
 import time
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,14 +32,6 @@ if TYPE_CHECKING:
     from codegen.measure.stress.showing import Outcome
     from codegen.measure.workprecision.case import Case
     from eom.problems import Problem
-import math
-import random
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from codegen.measure.workprecision.case import Case
 
 FAILED = 1
 """Exit status where a check fails or cannot be measured."""

@@ -15,9 +15,11 @@ from __future__ import annotations
 import html
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
+
+import sympy as sp
 
 from eom.errors import typed
 from eom.exercises.lessons import line_latex, steps
@@ -38,9 +40,6 @@ from eom.typeset.notation import notation_named
 
 if TYPE_CHECKING:
     from eom.exercises.lessons import Exercise
-from collections.abc import Callable, Mapping
-
-import sympy as sp
 
 CATEGORY = "$course$/top/Mechanics: find the false line"
 STACK_VERSION = "2023010400"

@@ -94,7 +94,7 @@ def test_every_tableau_takes_its_coefficients_from_the_one_table(tmp_path):
 
 @needs
 def test_a_run_stops_where_angles_are_singular_as_in_c(tmp_path):
-    scene = eom.Scene.ready("t-handle-in-angles")
+    scene = eom.Scene(**eom.Scene.ready("t-handle-in-angles").model_dump(exclude={"integrate"}))
     system, values = scene.derive(), scene.initial_values()
     numbers = scene.parameter_values()
     options = {"rtol": 1e-9, "margin": 0.2}

@@ -12,10 +12,12 @@ Contexts: what a world must hold so that the quantities of a claim have values.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
 
 from eom.checker.judge import systems
 from eom.checker.judge.inequalities import (
@@ -33,20 +35,13 @@ from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.limits import Overdue
-from eom.terms.terms import Equation, Term, nodes, zero
+from eom.terms.terms import SCALAR, Equation, Term, expr, nodes, zero
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import worlds
-from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure
+from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure, sequence_of
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
-from collections.abc import Iterator, Sequence
-from typing import Any
-
-import sympy as sp
-
-from eom.terms.terms import SCALAR, expr
-from eom.worlds.worlds import sequence_of
 
 WORLDS = 3
 TRIALS = 12

@@ -22,35 +22,39 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom import limits
+from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.operations import overdot
-from eom.checker.mean.values import ROW, UNDECIDED, Finding, Refusal, Value, same
+from eom.checker.mean.symbols import TRANSPOSED
+from eom.checker.mean.values import ANY, ROW, UNDECIDED, Finding, Refusal, Value, basis, same
 from eom.checker.read.places import NOWHERE, Span
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, labels, seen
-from eom.checker.read.syntax import Braced, Group, Node, Sequence, Sign, Symbol, Words, walk
-from eom.terms.terms import COLUMN, Term, expr
-from eom.terms.vocabulary import position
-
-if TYPE_CHECKING:
-    from eom.checker.mean.model import Model
-from eom.checker.mean.dimensions import NONE
-from eom.checker.mean.symbols import TRANSPOSED
-from eom.checker.mean.values import ANY, basis
 from eom.checker.read.syntax import (
     Addition,
+    Braced,
     Fraction,
+    Group,
     Marks,
     Matrix,
+    Node,
     Number,
     Product,
     Quotient,
     Scripts,
+    Sequence,
+    Sign,
+    Symbol,
+    Words,
+    walk,
 )
-from eom.terms.terms import SCALAR, VECTOR, dot, inner
-from eom.terms.vocabulary import unit
+from eom.terms.terms import COLUMN, SCALAR, VECTOR, Term, dot, expr, inner
+from eom.terms.vocabulary import position, unit
+
+if TYPE_CHECKING:
+    from eom.checker.mean.model import Model
 
 Expr = Any  # SymPy has no usable annotations
 

@@ -21,16 +21,14 @@ from eom.checker.mean.lexicon import Entry, Lexicon, Notation, Scope
 from eom.checker.mean.meanings import SLOT, meaning
 from eom.checker.read.front import yaml_table
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.symbol_shape import Labels
+from eom.checker.read.symbol_shape import Labels, Look, labels, seen
+from eom.checker.read.syntax import Group, Node, Product, Scripts
 from eom.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from eom.checker.mean.model import Model
     from eom.opening import AnyScene
     from eom.system import System
-
-from eom.checker.read.symbol_shape import Look, labels, seen
-from eom.checker.read.syntax import Group, Node, Product, Scripts
 
 PRESETS = (
     "arrow-tilde",

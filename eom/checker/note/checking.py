@@ -26,15 +26,8 @@ from eom.checker.read.documents import Document
 from eom.checker.read.inputs import Note, document_of, name_of, note_of
 from eom.checker.read.places import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
-from eom.checker.report.findings import (
-    FORMULA_SECONDS,
-    GIVEN,
-    Finding,
-    Graded,
-    Remark,
-    Report,
-    Settings,
-)
+from eom.checker.report.findings import Finding, Graded, Remark, Report
+from eom.checker.report.settings import FORMULA_SECONDS, GIVEN, Settings
 from eom.errors import InputError, typed
 from eom.limits import Overdue, deadline, seldom_collected
 from eom.worlds.worlds import closure

@@ -18,7 +18,8 @@ from typing import Any
 
 from eom.checker.read.inputs import Note, name_of, note_of, notes_of
 from eom.checker.read.places import printable
-from eom.checker.report.findings import Graded, Settings
+from eom.checker.report.findings import Graded
+from eom.checker.report.settings import Settings
 from eom.errors import InputError, typed
 from eom.interrupts import not_interrupted
 from eom.worlds.worlds import closure

@@ -14,23 +14,27 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
 from eom.multibody.model.constraints import Rolling
 from eom.opening import AnyScene
 from eom.scenes.scene import Scene
-from eom.views.animation.equivalents import Shape
-from eom.views.animation.figures import Figures, figures_of
-from eom.views.animation.tracks import Floats, Track, Tracks, matrices, tracks_of, with_attitude
+from eom.views.animation.equivalents import Shape, equivalent
+from eom.views.animation.figures import Figure, Figures, figures_of
+from eom.views.animation.tracks import (
+    Floats,
+    Track,
+    Tracks,
+    continuous,
+    matrices,
+    tracks_of,
+    turned,
+    with_attitude,
+)
 
 if TYPE_CHECKING:
     from codegen import Result
-from numpy.typing import ArrayLike
-
-from eom.views.animation.equivalents import equivalent
-from eom.views.animation.figures import Figure
-from eom.views.animation.tracks import continuous, turned
 
 COARSE = 301
 """Stored times at least."""

@@ -9,8 +9,9 @@ The same animation gives the same bytes with the same versions of Matplotlib and
 
 from __future__ import annotations
 
+import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -18,18 +19,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from eom.errors import InputError
 from eom.views.animation.animation import Animation, at
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
 from eom.views.draw.picture import COLOURS
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
-import io
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
-from eom.errors import InputError
 
 if TYPE_CHECKING:
     from PIL.Image import Image

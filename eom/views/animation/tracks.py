@@ -9,8 +9,9 @@ Where the bodies of a tree are: its recursions over arrays of all stored times a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,19 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from eom.errors import InputError
 from eom.kinematics.coordinates import quaternion_of_sequence
-from eom.opening import AnyScene
-from eom.rotations import cosines, quaternion_of_matrix, quaternion_product
-from eom.scenes.description import principal_values
-from eom.scenes.scene import Scene
-from eom.structure import DCM, QUATERNION, BodyAttitude
-
-if TYPE_CHECKING:
-    from codegen import Result
-from collections.abc import Mapping
-from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING
-
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
@@ -44,7 +32,12 @@ from eom.multibody.recursion.quantities import (
     mass,
     momentum,
 )
+from eom.opening import AnyScene
 from eom.quantities import TIME
+from eom.rotations import cosines, quaternion_of_matrix, quaternion_product
+from eom.scenes.description import principal_values
+from eom.scenes.scene import Scene
+from eom.structure import DCM, QUATERNION, BodyAttitude
 
 if TYPE_CHECKING:
     from codegen import Result

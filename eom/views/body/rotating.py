@@ -14,17 +14,15 @@ import numpy as np
 from eom.errors import InputError
 from eom.views.animation.tracks import matrices, sequence_matrices
 from eom.views.body.free import FreeBody, free_body, not_free
-from eom.views.draw.picture import Floats
+from eom.views.draw.formulas import plain
+from eom.views.draw.meshes import ellipsoid
+from eom.views.draw.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture
 from eom.views.time.histories import integrated
 
 if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
     from eom.scenes.scene import Scene
-
-from eom.views.draw.formulas import plain
-from eom.views.draw.meshes import ellipsoid
-from eom.views.draw.picture import Arrow, Axis, Curve, Item, Marks, Panel, Picture
 
 RATES = ("omega_1", "omega_2", "omega_3")
 QUATERNION = ("q0", "q1", "q2", "q3")

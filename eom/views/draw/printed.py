@@ -14,7 +14,12 @@ A picture in a notebook: an image with the words for those who do not see it.
 
 from __future__ import annotations
 
+import base64
 import contextlib
+import importlib.util
+import io
+import itertools
+import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,14 +27,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eom.errors import InputError
 from eom.views.draw import formulas
 from eom.views.draw.depth import Drawn, View, bounds, diagonal, in_space
+from eom.views.draw.formulas import as_text
+from eom.views.draw.meshes import Faces
 from eom.views.draw.picture import (
     COLOURS,
     Arrow,
     Axis,
     Curve,
     Floats,
+    Item,
     Marks,
     Panel,
     Picture,
@@ -37,20 +46,10 @@ from eom.views.draw.picture import (
     Words,
     check,
 )
+from eom.views.draw.solid_meshes import Mesh
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-import base64
-import importlib.util
-import io
-import itertools
-import tempfile
-
-from eom.errors import InputError
-from eom.views.draw.formulas import as_text
-from eom.views.draw.meshes import Faces
-from eom.views.draw.picture import Item
-from eom.views.draw.solid_meshes import Mesh
 
 STYLE: Any = {
     "font.size": 9.0,

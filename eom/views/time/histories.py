@@ -23,12 +23,6 @@ if TYPE_CHECKING:
     from eom.opening import AnyScene
     from eom.quantities import Quantity
     from eom.system import System
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from codegen import Result
-    from eom.opening import AnyScene
-    from eom.system import System
     from eom.views.draw.picture import Floats
 
 MOST = 8

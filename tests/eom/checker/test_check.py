@@ -17,7 +17,8 @@ from eom.checker.note.checking import Found, check_note, one_by_one
 from eom.checker.read.documents import read_document
 from eom.checker.read.inputs import Text, is_file, looks_like, note_of, notes_of
 from eom.checker.read.places import NOWHERE
-from eom.checker.report.findings import FAULTS, ORDER, Explanation, Settings
+from eom.checker.report.findings import FAULTS, ORDER, Explanation
+from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
 from tests.clock import growth_in_calls

@@ -25,13 +25,13 @@ from eom.checker.report.findings import (
     Graded,
     Remark,
     Report,
-    Settings,
     shown,
     text,
     told,
     total,
 )
 from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
+from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from tests.eom.rows import only
 
