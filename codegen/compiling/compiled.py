@@ -3,12 +3,9 @@
 Arrays are ``(n,)`` for one point or ``(n, N)`` for N points, in double precision; time is a number
 or ``(N,)``. Whatever has no column axis is the same at every point.
 
-The table of targets: what `generate` and the command line know of languages.
-
-Functions of many points: in vector lanes, divided among threads.
-
-Points are independent, and no point's result depends on its neighbours or its place: the results are
-the same to the last bit for any number of threads.
+`ROWS` is the table of targets. Batches are functions of many points, in vector lanes, divided among
+threads: points are independent, and no point's result depends on its neighbours or its place: the results
+are the same to the last bit for any number of threads.
 """
 
 from __future__ import annotations

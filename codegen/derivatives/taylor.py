@@ -7,11 +7,7 @@ Mathematics 14 (2005), sect. 2; Griewank and Walther, Evaluating Derivatives, 2n
 13.2). Some rules need a further value, their partner: the cosine for a sine, 1 + v^2 for a tangent.
 
 Rules are written over an `Order`, which gives coefficients and sums of products of them;
-`codegen.derivatives.taylor` makes a program of all orders, `codegen.loops.jets` a loop.
-
-How much work Taylor coefficients take.
-
-Programs of all Taylor coefficients up to an order: the rules of `taylor` as instructions.
+the rules as instructions make a program of all orders, `codegen.loops.jets` a loop.
 """
 
 from __future__ import annotations

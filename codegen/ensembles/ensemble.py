@@ -3,12 +3,10 @@
 Every trajectory's result is the same to the last bit for any chunking, any number of threads and any
 cluster of equal machines, and so are the statistics.
 
-Who does the chunks of an ensemble: threads of this process, or a Dask cluster.
+Threads of this process, or a Dask cluster, do the chunks. These are given out through a window of a few
+for each worker, so that memory does not grow with the number of trajectories.
 
-Chunks are given out through a window of a few for each worker, so that memory does not grow with the
-number of trajectories.
-
-What an ensemble comes to: pieces put together as they arrive, in any order.
+Pieces are put together as they arrive, in any order.
 """
 
 from __future__ import annotations

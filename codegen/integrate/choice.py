@@ -9,7 +9,7 @@ Stiffness is looked for three times. At the start the norm of the Jacobian, from
 a state, excludes it for most problems (10 us for four states; all in all `auto` costs 30 us a run, see
 `benchmarks/auto.py`). Where it does not, DOP853 makes `TRIAL` steps, and what limits the last of them
 decides. A run that goes on looks again every
-`WATCH` steps, and is continued by a stiff method from where it is. See `codegen.integrate.choice`.
+`WATCH` steps, and is continued by a stiff method from where it is.
 
 A Taylor series that stops early since its coefficients overflow (those of 1/cosh(a)^2 far from its
 pulse), or since its steps vanish, is continued by DOP853 from there (`NEXT`), events and all.
@@ -18,13 +18,11 @@ Rates with branches (sign, abs, select) go to DOP853, which finds a kink by reje
 evaluations, where a series makes a new one or halves it many times: dry friction to 1e-9 takes 0.12 ms,
 and 0.21 ms by Taylor; a spring with |x| takes 0.10 and 0.18 ms with 4e-8 and 6e-7 of error.
 
-Whether explicit steps are limited by stability, and for so long that implicit ones cost less.
-
-The step h of an explicit method on y' = lambda y is bounded by h |lambda| <= S, the length of its
-stability region along the negative axis: where h |lambda| is near S, for lambda an eigenvalue of the
-Jacobian with negative real part, stability and not accuracy decides the step (Hairer and Wanner,
-Solving Ordinary Differential Equations II, 2nd ed. (1996), sect. IV.2, where |lambda| is estimated by
-the last stages). Here the eigenvalues are those of a Jacobian by differences, one call of the rates a
+Steps limited by stability: the step h of an explicit method on y' = lambda y is bounded by h |lambda| <=
+S, the length of its stability region along the negative axis: where h |lambda| is near S, for lambda an
+eigenvalue of the Jacobian with negative real part, stability and not accuracy decides the step (Hairer and
+Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996), sect. IV.2, where |lambda| is estimated
+by the last stages). Here the eigenvalues are those of a Jacobian by differences, one call of the rates a
 column: that needs nothing compiled and sees every eigenvalue, not the largest alone.
 """
 

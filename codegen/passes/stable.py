@@ -1,6 +1,4 @@
-"""Rewrite sums and functions that cancel to stable forms, by the table of `codegen.passes.stable`.
-
-Identities that replace a form that cancels by one that does not: a table of rules.
+"""Rewrite sums and functions that cancel to stable forms, by a table of identities.
 
 Sources: Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. 2002, sect. 1.7, 1.8 and
 problems 1.1 to 1.5; Hamming, Numerical Methods for Scientists and Engineers, 2nd ed. 1973, ch. 4;

@@ -3,8 +3,8 @@
 The text is C99 with the vector extensions of gcc and clang, for any processor: `LANES_` doubles a
 vector, 8 where the compiler may use AVX-512, 2 where SSE2 is all there is and 4 elsewhere, or what the
 user defines (gcc -Wno-psabi, if those are wider than the registers). It computes what the C target
-computes, in the same order; only the functions of `lanes_math` are its own. The others, tables and
-linear systems are computed lane by lane. Every point has the same result in any lane, beside any
+computes, in the same order; only sine, cosine, exponential and logarithm are its own. The others, tables
+and linear systems are computed lane by lane. Every point has the same result in any lane, beside any
 neighbours: results do not depend on how points are divided among threads.
 
 Functions over vectors of lanes that generated C defines for itself, without a branch a lane.

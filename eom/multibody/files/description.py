@@ -2,9 +2,8 @@
 
 Wherever a number is wanted a formula in quotes may stand, over the scene's parameters.
 
-The data of rotors, springs between points, and points that are told, in a scene file.
-
-Constraints in a scene file, as data: a kind a row of `eom.multibody.files.sections.ROWS`.
+Rotors, springs between points, points that are asked for, and constraints, of these a kind a row of
+`eom.multibody.files.sections.ROWS`.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """From the sections of a scene to a `Tree`: one row of `SECTIONS` a section of the file.
 
-From the rotors, springs and points of a scene file to those of a tree.
-
-From the constraints of a scene file to those of a tree: one row of `ROWS` a kind.
+Of constraints there is one row of `ROWS` a kind.
 """
 
 from __future__ import annotations

@@ -3,13 +3,8 @@
 The settings of whoever uses Matplotlib are left alone and have no effect. Space is drawn without
 perspective; see `eom.views.draw.depth` for what hides what.
 
-Fewer points of a long curve, none of its extremes lost.
-
-Solids in sketches: a translucent surface and its sharp edges.
-
-Packages that pictures need and that are optional extras of this one.
-
-A picture in a notebook: an image with the words for those who do not see it.
+Of a long curve fewer points are drawn, none of its extremes lost; a solid is a translucent surface with
+its sharp edges. In a notebook a picture is an image with the words for those who do not see it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
-"""One HTML page with a picture to turn by hand, that needs no network.
+"""A picture to turn by hand, by Plotly: for notebooks, and as one HTML page that needs no network.
 
-It holds plotly.js itself (some 4.8 MB); the data of the picture are small beside it. Its two scripts are
-allowed by their hashes alone; the library writes its own styles and images. The page follows the
+The page holds plotly.js itself (some 4.8 MB); the data of the picture are small beside it. Its two scripts
+are allowed by their hashes alone; the library writes its own styles and images. The page follows the
 reader's choice of a light or dark theme.
-
-A picture to turn by hand, by Plotly: for notebooks, and the data of `eom.views.draw.turned`.
 """
 
 from __future__ import annotations
