@@ -29,7 +29,7 @@ LIMITS = {
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,
-    "lines of functions, ninth decile": 19,
+    "lines of functions, ninth decile": 17,
 }
 """What no change may make worse; a change that makes one better lowers it."""
 
@@ -159,10 +159,10 @@ def circles(edges: Graph) -> list[list[str]]:
 
 
 def function_lengths(found: Iterable[Module]) -> list[int]:
-    """Return the lines of each function, docstring and all, in order."""
+    """Return the lines of each function, its docstring left out, in order."""
     kinds = (ast.FunctionDef, ast.AsyncFunctionDef)
     nodes = (n for m in found for n in m.nodes if isinstance(n, kinds))
-    return sorted((n.end_lineno or n.lineno) - n.lineno + 1 for n in nodes)
+    return sorted((n.end_lineno or n.lineno) - n.lineno + 1 - len(_text(n.body[0])) for n in nodes)
 
 
 def figures(root: Path = ROOT) -> dict[str, int]:
