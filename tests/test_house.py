@@ -48,7 +48,7 @@ def test_every_import_counts_and_texts_do_not(tmp_path):
     assert house.circles(edges) == [["eom.a", "eom.b", "eom.c.d"]]
     assert house.circles(house.of_folders(found, edges)) == [["eom.a", "eom.b", "eom.c"]]
     assert [m.code for m in found] == [0, 2, 3, 0, 2]
-    assert house.function_lengths(found) == [3]
+    assert house.function_lengths(found) == [2]
 
 
 def test_packages_show_their_public_names_alone():
