@@ -135,17 +135,22 @@ def states_of(compiled: Compiled, events: Sequence[Event]) -> list[str]:
 def _expanded(system: System, event: Event) -> Expr:
     """Return the expression without outputs and definitions; in sines angles go on without jumps.
 
-    Law: sin(n Mod(x, 2 pi) + y) = sin(n x + y) for whole n, and so for cos.
+    Law: sin(x + 2 pi n) = sin(x) for whole n, and so for cos.
     """
     outputs = {d.symbol: d.expression for d in system.outputs}
     whole = system.expand(as_expression(event.expression).xreplace(outputs))
-    jumps = [m for m in whole.atoms(sp.Mod) if m.args[1] == 2 * sp.pi]
+    turns = {n: sp.Integer(0) for n in whole.atoms(sp.floor)}
     smooth = {
-        f: f.xreplace({m: m.args[0] for m in jumps if f.args[0].coeff(m).is_Integer})
+        f: f.xreplace({n: zero for n, zero in turns.items() if _is_turns(f.args[0], n)})
         for f in whole.atoms(sp.sin, sp.cos)
-        if jumps
+        if turns
     }
     return whole.xreplace(smooth)
+
+
+def _is_turns(angle: Expr, n: Expr) -> bool:
+    """Tell whether a whole number stands in an angle as a factor of whole turns alone."""
+    return bool((sp.expand(angle).coeff(n) / (2 * sp.pi)).is_Integer)
 
 
 def extended(

@@ -20,6 +20,10 @@ from eom.quantities import Quantity, Singularity
 from eom.rotations import cosines, quaternion_product
 
 Expr = Any
+Pair = tuple[Any, Any]  # real and imaginary part
+
+TINY = sp.Rational(1, 2**120)
+"""Less than the rounding of what is not zero in a unit quaternion, and more than the least float."""
 
 SEQUENCES = (
     "1-2-1", "1-2-3", "1-3-1", "1-3-2", "2-1-2", "2-1-3",
@@ -161,15 +165,39 @@ class RotationSequence:
         singular: it gets the argument 0, and the angles are those of the attitude all the same.
         Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 2.3, by `quaternion_product`.
         """
+        first, second, sign = self._halves(q)
+        one, other = (sp.atan2(y, x) for x, y in (first, second))
+        large, small = (sp.sqrt(x**2 + y**2) for x, y in (first, second))
+        theta = 2 * sp.atan2(small, large) - (0 if self.axes[0] == self.axes[2] else sp.pi / 2)
+        return one + other, theta, sign * (one - other)
+
+    def principal_of_quaternion(self, q: Sequence[Expr]) -> tuple[Expr, Expr, Expr]:
+        """Return the three angles (rad) as `of_quaternion`, all between -pi and pi.
+
+        They lose no digits that the quaternion has, also where two arguments nearly cancel: the sum of
+        arguments is that of a product, and twice an argument less a quarter turn that of a square. To the
+        real parts a number is added that is nothing beside what is not zero, so that the argument of zero
+        is 0 here, too.
+        """
+        first, second, sign = self._halves(q)
+        large, small = (x**2 + y**2 for x, y in (first, second))
+        theta = 2 * sp.atan2(sp.sqrt(small), sp.sqrt(large))
+        if self.axes[0] != self.axes[2]:
+            theta = sp.atan2(sp.expand(small - large) / 2, sp.sqrt(small) * sp.sqrt(large))
+        (a, b), (c, d) = ((x + TINY, y) for x, y in (first, second))
+        sum_, difference = (
+            sp.atan2(b * c + a * d, a * c - b * d),
+            sp.atan2(b * c - a * d, a * c + b * d),
+        )
+        return sum_, theta, sign * difference
+
+    def _halves(self, q: Sequence[Expr]) -> tuple[Pair, Pair, int]:
+        """Return real and imaginary parts of the two numbers of `of_quaternion`, and the sign of phi."""
         i, j, k = self.axes
         m = 6 - i - j
         quarter = [sp.Integer(int(n in {0, j})) for n in range(4)]
         p, sign = (tuple(q), 1) if k == i else (quaternion_product(q, quarter), -self.sense)
-        pairs = ((p[0], p[i]), (p[j], self.sense * p[m]))
-        one, other = (sp.atan2(y, x) for x, y in pairs)
-        large, small = (sp.sqrt(x**2 + y**2) for x, y in pairs)
-        theta = 2 * sp.atan2(small, large) - (0 if k == i else sp.pi / 2)
-        return one + other, theta, sign * (one - other)
+        return (p[0], p[i]), (p[j], self.sense * p[m]), sign
 
     @property
     def singularities(self) -> tuple[Singularity, ...]:

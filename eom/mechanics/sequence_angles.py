@@ -31,18 +31,18 @@ def with_angles(
 
     ``named``: what the outputs are called, by default as the angles are.
     """
-    first, second, third = angles.of_quaternion(quaternion)
     quantities = tuple(named) or angles.coordinates
-    values = (wrapped(first), second, wrapped(third))
+    first, second, third = angles.principal_of_quaternion(quaternion)
+    values = (jumping(first), second, jumping(third))
     outputs = tuple(Definition(q, v) for q, v in zip(quantities, values, strict=True))
     (a, b, c), (d, e, f, g) = (q.name for q in quantities), (str(q) for q in quaternion)
     stated = SequenceAngles((a, b, c), angles.name, (d, e, f, g))
     return replace(system, outputs=(*system.outputs, *outputs), angles=(*system.angles, stated))
 
 
-def wrapped(angle: Expr) -> Expr:
-    """Return an angle less whole turns, from -pi on below pi."""
-    return sp.Mod(angle + sp.pi, 2 * sp.pi) - sp.pi
+def jumping(angle: Expr) -> Expr:
+    """Return an angle from -pi on below pi as such: the floor tells that it jumps by whole turns."""
+    return angle - 2 * sp.pi * sp.floor((angle + sp.pi) / (2 * sp.pi))
 
 
 def over_quaternion(

@@ -15,7 +15,7 @@ from eom.kinematics.coordinates import (
     quaternion_of_sequence,
     rotation_sequence,
 )
-from eom.mechanics.sequence_angles import over_quaternion, wrapped
+from eom.mechanics.sequence_angles import over_quaternion
 from eom.rotations import matrix_of_quaternion
 from eom.scenes.scene import Scene
 
@@ -39,8 +39,8 @@ def turned(sequence, angles):
 def functions():
     made = {}
     for name in SEQUENCES:
-        found = rotation_sequence(name).of_quaternion(Q)
-        made[name] = sp.lambdify(Q, [wrapped(found[0]), found[1], wrapped(found[2])], "math")
+        found = rotation_sequence(name).principal_of_quaternion(Q)
+        made[name] = sp.lambdify(Q, found, "math")
     return made
 
 
