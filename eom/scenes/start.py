@@ -26,7 +26,8 @@ def constants(scene: Description) -> dict[str, float]:
     if matrix is not None:
         values |= {f"J{i + 1}{j + 1}": matrix[i][j] for i in range(3) for j in range(i, 3)}
     else:
-        values |= {f"I{k}": v for k, v in enumerate(principal_values(scene), 1)}
+        moments = principal_values(scene)[: 2 if scene.model == "spinner" else 3]
+        values |= {f"I{k}": v for k, v in enumerate(moments, 1)}
     if scene.torque.weight is not None:
         weight = scene.torque.weight
         values |= {"m": weight.mass, "g": weight.gravity}

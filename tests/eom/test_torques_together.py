@@ -132,6 +132,8 @@ def test_a_spinner_speaks_of_its_moments():
     assert {"I2", "M"} <= set(given.full_system.parameter_names)
     with pytest.raises(InputError, match="unknown name 'I3'"):
         Scene(model="spinner", body={"moments": [0.06, 0.12]}, torque={"components": [0, "I3", 0]})
+    with pytest.raises(InputError, match="unknown name 'I3'"):
+        Scene(model="spinner", body={"moments": [0.06, 0.12]}, initial={"Omega": "I3"})
 
 
 def test_a_start_that_is_no_number_is_told():
