@@ -274,8 +274,9 @@ def _momentum_quantity(k: int) -> Quantity:
 
 
 def _assumptions(J: Expr, law: Torque) -> tuple[Assumption, ...]:
-    about = f"J, h and torque are about the {law.reference_point}"
-    point = Assumption(law.reference_point.replace(" ", "_"), about)
+    reference = law.reference_point or "centre of mass"
+    about = f"J, h and torque are about the {reference}"
+    point = Assumption(reference.replace(" ", "_"), about)
     rigid = Assumption("rigid", "the distance of any two points of the body is constant")
     principal: tuple[Assumption, ...] = ()
     if sp.Matrix(J).is_diagonal():

@@ -6,12 +6,13 @@ frame B; ``C`` takes components in the reference frame A to B.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
+from eom.errors import InputError
 from eom.kinematics.frames import Vector, unit_vector, vector
 from eom.mass.inertia import integrate_over_mass, second_moments_of_inertia
 from eom.quantities import Assumption, Definition, Quantity
@@ -31,7 +32,14 @@ class Torque:
     torque, or zero. ``frame_rate``: angular velocity (rad/s) in inertial space of the frame A that
     attitude is measured from, in B; ``frame_rate_in_A``: the same in A. ``parameters``, ``inputs``: the
     quantities in it. ``directions``: components in B of the axes of A that matter, as definitions.
-    ``assumptions``: under which it holds. ``reference_point``: what momentum and torque are about.
+    ``assumptions``: under which it holds. ``reference_point``: what momentum and torque are about; empty
+    for a couple, which is the same about every point.
+
+    Torques about one point add up. Raises `InputError` where they are about different points, or their
+    frames A turn differently.
+
+    >>> (weight(sp.eye(3)) + applied((0, 0, -sp.Symbol("M")))).components.components[2]
+    -M
     """
 
     components: Vector
@@ -41,8 +49,48 @@ class Torque:
     inputs: tuple[Quantity, ...] = ()
     directions: tuple[Definition, ...] = ()
     assumptions: tuple[Assumption, ...] = ()
-    reference_point: str = "centre of mass"
+    reference_point: str = ""
     frame_rate_in_A: Vector | None = None
+
+    def __add__(self, other: Torque) -> Torque:
+        """Return the sum: components and potentials are added, what comes with each is kept."""
+        if not isinstance(other, Torque):
+            return NotImplemented
+        based = [t for t in (self, other) if t.reference_point or t.frame_rate != AT_REST]
+        point = _only("torques about different points", [t.reference_point for t in based], "")
+        turning = _only("frames A turn differently", map(_rates, based), (AT_REST, None))
+        return Torque(
+            self.components + other.components,
+            self.potential + other.potential,
+            turning[0],
+            _each(self.parameters, other.parameters),
+            _each(self.inputs, other.inputs),
+            _each(self.directions, other.directions),
+            _each(self.assumptions, other.assumptions),
+            point,
+            turning[1],
+        )
+
+
+def _rates(torque: Torque) -> tuple[Vector, Vector | None]:
+    return torque.frame_rate, torque.frame_rate_in_A
+
+
+def _each(first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(dict.fromkeys((*first, *second)))
+
+
+def _only(what: str, given: Iterable[Any], default: Any) -> Any:
+    """Return what is the same of all torques, or the default. Raises `InputError` if it is not."""
+    found = list(dict.fromkeys(given)) or [default]
+    if len(found) > 1:
+        raise InputError(
+            what,
+            where="torque",
+            got=" and ".join(map(str, found)),
+            hint="weight is about a fixed point, gravity gradient about the centre of mass on an orbit",
+        )
+    return found[0]
 
 
 def applied(
@@ -141,6 +189,7 @@ def gravity_gradient(C: Expr, J: Expr) -> Torque:
         frame_rate=normal.scaled(n.symbol),
         frame_rate_in_A=unit_vector("A", 3).scaled(n.symbol),
         parameters=(n,),
+        reference_point="centre of mass",
         directions=(*named_radial, *named_normal),
         assumptions=(
             Assumption("circular_orbit", "the orbit is circular and not disturbed by the attitude"),

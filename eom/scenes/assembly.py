@@ -2,22 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import reduce as reduce_by
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import InputError
-from eom.kinematics.coordinates import RotationSequence, attitude, quaternion, rotation_sequence
+from eom.kinematics.coordinates import (
+    Attitude,
+    RotationSequence,
+    attitude,
+    quaternion,
+    rotation_sequence,
+)
 from eom.mechanics import sequence_angles, torques
 from eom.mechanics.rigidbody import OMEGA, full_inertia, principal_inertia, rigid_body
+from eom.mechanics.spinning import (
+    I1,
+    I2,
+    PHI,
+    PSI,
+    PSI_DOT,
+    SPIN,
+    THETA,
+    THETA_DOT,
+    SpinningSymmetricBody,
+)
 from eom.mechanics.spinning import OMEGA as SPIN_RATE
-from eom.mechanics.spinning import PHI, PSI, PSI_DOT, SPIN, THETA, THETA_DOT, SpinningSymmetricBody
 from eom.quantities import TIME, Assumption, Quantity
 from eom.scenes import parse, reduce
 from eom.scenes.description import Description, inertia_values, principal_values
 from eom.scenes.reduce import Explanation, Reduction
+from eom.scenes.start import initial_names, sizes
 from eom.system import System
 
 Expr = Any
@@ -48,32 +67,78 @@ def full_system(scene: Description, *, general_torque: bool = False) -> System:
 
 
 def _spinner(scene: Description, general_torque: bool) -> System:
-    states = {s.name: s for s in _SPINNER_STATES}
-    torque, parameters, inputs = components(scene, states, ("M1", "M2", "M3"), general_torque)
-    body = SpinningSymmetricBody(torque, parameters, inputs)
+    torque = _torques(scene, general_torque)[0]["components"]
+    body = SpinningSymmetricBody(torque.components.components, torque.parameters, torque.inputs)
     return _through_singular(body.system(scene.name, scene.title), UNSPUN)
 
 
 def _rigid_body(scene: Description, general_torque: bool) -> System:
-    chosen = None if scene.coordinates == "none" else attitude(scene.coordinates)
-    angles = rotation_sequence(scene.sequence) if scene.sequence else None
-    named = (*(chosen.coordinates if chosen else ()), *(angles.coordinates if angles else ()))
-    states = {s.name: s for s in (*OMEGA.components, *(q.symbol for q in named))}
-    weight = scene.torque.weight
-    given = components(scene, states, ("tau_1", "tau_2", "tau_3"), general_torque)
-
-    def law(C: Expr, J: Expr) -> torques.Torque:
-        if weight is not None:
-            return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
-        if scene.torque.gravity_gradient is not None:
-            return torques.gravity_gradient(C, J)
-        return torques.applied(_over_states(given[0], angles), *given[1:])
-
-    inertia = principal_inertia() if inertia_values(scene) is None else full_inertia()
-    system = rigid_body(inertia, law, chosen, name=scene.name, title=scene.title)
-    if angles is None:
+    named, formulas = _torques(scene, general_torque)
+    whole = reduce_by(operator.add, named.values())
+    chosen = _attitude(scene)
+    system = rigid_body(
+        _inertia(scene), lambda C, J: whole, chosen, name=scene.name, title=scene.title
+    )
+    if not scene.sequence:
         return _through_singular(system, WAY_OUT)
-    return _with_angles(system, angles, given[0])
+    return _with_angles(system, rotation_sequence(scene.sequence), formulas)
+
+
+def _attitude(scene: Description) -> Attitude | None:
+    return None if scene.coordinates == "none" else attitude(scene.coordinates)
+
+
+def _inertia(scene: Description) -> tuple[Expr, tuple[Quantity, ...]]:
+    return principal_inertia() if inertia_values(scene) is None else full_inertia()
+
+
+def torques_of(scene: Description) -> dict[str, torques.Torque]:
+    """Return the torques that act, by their fields of `eom.scenes.description.Torque`; they add up."""
+    return _torques(scene, general_torque=False)[0]
+
+
+def _torques(scene: Description, general_torque: bool) -> tuple[dict[str, torques.Torque], Triple]:
+    """Return the torques, components always among them, and the formulas of components as read."""
+    if scene.model == "spinner":
+        given = components(
+            scene, _names((*_SPINNER_STATES, I1, I2)), ("M1", "M2", "M3"), general_torque
+        )
+        return {"components": torques.applied(*given)}, given[0]
+    chosen, (J, moments) = _attitude(scene), _inertia(scene)
+    laws = {n: law for n, law in LAWS.items() if getattr(scene.torque, n) is not None}
+    found = {n: law(scene, chosen.matrix, J) for n, law in laws.items()} if chosen else {}
+    angles = rotation_sequence(scene.sequence) if scene.sequence else None
+    known = (
+        *(chosen.coordinates if chosen else ()),
+        *(angles.coordinates if angles else ()),
+        *moments,
+        *(q for torque in found.values() for q in torque.parameters),
+    )
+    names = _names((*OMEGA.components, *(q.symbol for q in known)))
+    given = components(scene, names, ("tau_1", "tau_2", "tau_3"), general_torque and not found)
+    found["components"] = torques.applied(_over_states(given[0], angles), *given[1:])
+    return found, given[0]
+
+
+def _names(symbols: Iterable[Expr]) -> dict[str, Expr]:
+    return {s.name: s for s in symbols}
+
+
+def _weight(scene: Description, C: Expr, J: Expr) -> torques.Torque:  # noqa: ARG001
+    weight = scene.torque.weight
+    assert weight is not None
+    return torques.weight(C, [c != 0 for c in weight.centre_of_mass])
+
+
+def _gravity_gradient(scene: Description, C: Expr, J: Expr) -> torques.Torque:  # noqa: ARG001
+    return torques.gravity_gradient(C, J)
+
+
+LAWS: dict[str, Callable[[Description, Expr, Expr], torques.Torque]] = {
+    "weight": _weight,
+    "gravity_gradient": _gravity_gradient,
+}
+"""Torques that are derived from forces, by their fields of `eom.scenes.description.Torque`."""
 
 
 WAY_OUT = 'integrate = "quaternion" in the scene goes through it, and shows the same angles'
@@ -107,11 +172,12 @@ def _over_states(parts: Triple, angles: RotationSequence | None) -> Triple:
 
 
 def components(
-    scene: Description, states: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
+    scene: Description, known: dict[str, Expr], general: tuple[str, str, str], general_torque: bool
 ) -> tuple[tuple[Expr, Expr, Expr], tuple[Quantity, ...], tuple[Quantity, ...]]:
-    """Parse the torque components; return them with the scene's own parameters and inputs.
+    """Parse the torque components; return them with the scene's own parameters and inputs in them.
 
-    With ``general_torque`` each component that is zero is an input instead, of a name in ``general``.
+    ``known``: symbols of states and of what the body and the other torques define, by name. With
+    ``general_torque`` each component that is zero is an input instead, of a name in ``general``.
     """
     groups = [
         tuple(
@@ -121,21 +187,23 @@ def components(
         for group in (scene.parameters, scene.inputs)
     ]
     own = {q.name: q.symbol for group in groups for q in group}
-    _check_clash(scene, own, states)
-    names = {**states, **own, "t": TIME}
+    _check_clash(scene, own, {**known, **sizes(scene)})
+    names = {**known, **sizes(scene), **own, "t": TIME}
     parsed = [
         parse.parse(c, names, f"[torque] components, number {k}")
         if isinstance(c, str)
         else sp.Rational(str(c))
         for k, c in enumerate(scene.torque.components or (0, 0, 0), 1)
     ]
-    used = set().union(*(c.free_symbols for c in parsed))
-    unused = [n for n, symbol in own.items() if symbol not in used]
+    acting = set().union(*(c.free_symbols for c in parsed))
+    groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
+    used = {str(s.name) for s in acting} | initial_names(scene)
+    unused = [n for n in own if n not in used]
     if unused:
         raise InputError(
             f"no formula uses {unused[0]!r}",
             where="[parameters] or [inputs]",
-            hint="use it in [torque] components, or remove it",
+            hint="use it in [torque] components or [initial], or remove it",
         )
     inputs = groups[1]
     if general_torque:
@@ -147,14 +215,15 @@ def components(
     return (a, b, c), groups[0], inputs
 
 
-def _check_clash(scene: Description, own: dict[str, Expr], states: dict[str, Expr]) -> None:
+def _check_clash(scene: Description, own: dict[str, Expr], known: dict[str, Expr]) -> None:
     both = [n for n in scene.parameters if n in scene.inputs]
-    taken = [n for n in own if n in states or n in MODEL_NAMES] + both
+    taken = [n for n in own if n in known or n in MODEL_NAMES] + both
     if taken:
         raise InputError(
             f"name {taken[0]!r} is used twice",
             where="[parameters] or [inputs]",
-            expected="names that are not states, outputs, moments of inertia or each other's",
+            expected="names that are not states, outputs, moments of inertia, each other's, or those that "
+            "the scene's body and torque define",
         )
 
 

@@ -81,10 +81,12 @@ class GravityGradient(Part):
 
 
 class Torque(Part):
-    """At most one of: components in B, weight, gravity gradient; torque-free if none is given.
+    """Components in B, weight, gravity gradient; what is given adds up, torque-free if nothing is.
 
-    ``components``: along b1, b2, b3 (N m), numbers, or formulas over parameters, inputs, states and t.
-    ``weight``, ``gravity_gradient``: see their types.
+    ``components``: along b1, b2, b3 (N m), numbers, or formulas over parameters, inputs, states, t and
+    what the scene defines: I1, I2, I3 (or J11 to J33), a weight's m, g and r1, r2, r3 where they are not
+    zero, the orbital rate n, a solid's mass and sizes.
+    ``weight``, ``gravity_gradient``: see their types; about different points, and never both.
     """
 
     components: tuple[Formula, Formula, Formula] | None = None
@@ -184,9 +186,9 @@ class Description(Request):
     scene in quaternions the sequence whose angles psi, theta, phi are outputs. ``integrate``: where it is
     ``quaternion``, a scene in angles is integrated in one, which is nowhere singular, and shown in its
     angles. Both count whole turns of angles (`codegen.runs.turns`). ``initial``: values of states at
-    t = 0 (rad, rad/s), or of outputs that determine a missing state. ``initial_attitude``: in place of the
-    coordinates' values. ``body``, ``torque``: see their types. SI
-    units.
+    t = 0 (rad, rad/s), or of outputs that determine a missing state; numbers, or formulas over parameters
+    and what the scene defines (see ``torque``). ``initial_attitude``: in place of the coordinates' values.
+    ``body``, ``torque``: see their types. SI units.
     """
 
     model: Literal["rigid body", "spinner"] = "rigid body"
@@ -195,7 +197,7 @@ class Description(Request):
     angles: str = ""
     integrate: Literal["quaternion"] | None = None
     torque: Torque = Torque()
-    initial: dict[str, Number] = Field(default_factory=dict)
+    initial: dict[str, Formula] = Field(default_factory=dict)
     initial_attitude: InitialAttitude | None = None
 
     @property
@@ -394,26 +396,14 @@ def _check_solid(scene: Description) -> None:
 
 def _check_torque(scene: Description) -> None:
     torque = scene.torque
-    given = [
-        k for k in ("components", "weight", "gravity_gradient") if getattr(torque, k) is not None
-    ]
-    unused = [*scene.parameters, *scene.inputs]
-    if unused and torque.components is None:
-        raise InputError(
-            f"no formula uses {unused[0]!r}",
-            where="[parameters] or [inputs]",
-            hint="use it in [torque] components, or remove it",
-        )
-    if len(given) > 1:
-        raise InputError(
-            "more than one torque", where="[torque]", got=", ".join(given), expected="at most one"
-        )
-    if given and given[0] != "components":
+    for name in ("weight", "gravity_gradient"):
+        if getattr(torque, name) is None:
+            continue
         if scene.model == "spinner":
-            raise InputError("a spinner takes torque components", where="[torque]", got=given[0])
+            raise InputError("a spinner takes torque components", where="[torque]", got=name)
         if scene.attitude == "none":
             raise InputError(
-                f"torque by {given[0]} depends on attitude",
+                f"torque by {name} depends on attitude",
                 where="attitude",
                 got="none",
                 hint='for example attitude = "quaternion"',

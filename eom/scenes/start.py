@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import sympy as sp
 
@@ -11,8 +12,11 @@ from eom.errors import InputError, near_matches
 from eom.kinematics.coordinates import attitude, constraint_value, quaternion_of_sequence
 from eom.kinematics.coordinates import quaternion as quaternion_coordinates
 from eom.quantities import Definition
+from eom.scenes import parse
 from eom.scenes.description import Description, inertia_values, principal_values
 from eom.system import System
+
+Expr = Any
 
 
 def constants(scene: Description) -> dict[str, float]:
@@ -22,14 +26,54 @@ def constants(scene: Description) -> dict[str, float]:
     if matrix is not None:
         values |= {f"J{i + 1}{j + 1}": matrix[i][j] for i in range(3) for j in range(i, 3)}
     else:
-        values |= {f"I{k}": v for k, v in enumerate(principal_values(scene), 1)}
+        moments = principal_values(scene)[: 2 if scene.model == "spinner" else 3]
+        values |= {f"I{k}": v for k, v in enumerate(moments, 1)}
     if scene.torque.weight is not None:
         weight = scene.torque.weight
         values |= {"m": weight.mass, "g": weight.gravity}
-        values |= {f"r{k}": v for k, v in enumerate(weight.centre_of_mass, 1)}
+        values |= {f"r{k}": v for k, v in enumerate(weight.centre_of_mass, 1) if v}
     if scene.torque.gravity_gradient is not None:
         values["n"] = scene.torque.gravity_gradient.orbital_rate
     return values
+
+
+def sizes(scene: Description) -> dict[str, Expr]:
+    """Return the mass and the sizes of a solid as exact numbers, by the names that formulas use."""
+    body = scene.body
+    given = {**body.size, **({} if body.mass is None else {"mass": body.mass})}
+    return {n: sp.Rational(str(v)) for n, v in given.items()}
+
+
+def initial_names(scene: Description) -> set[str]:
+    """Return the names that formulas of initial values use."""
+    return {str(s.name) for e in _formulas(scene).values() for s in e.free_symbols}
+
+
+def initial(scene: Description) -> dict[str, float]:
+    """Return the given initial values as numbers. Raises `InputError` for formulas that have none."""
+    values = constants(scene)
+    formulas = _formulas(scene)
+    return {
+        name: _number(formulas[name], values, f"[initial] {name}")
+        if name in formulas
+        else float(value)
+        for name, value in scene.initial.items()
+    }
+
+
+def _formulas(scene: Description) -> dict[str, Expr]:
+    """Return the initial values that are formulas, over parameters and what the scene defines."""
+    names = {n: sp.Symbol(n, real=True) for n in constants(scene)} | sizes(scene)
+    texts = {n: v for n, v in scene.initial.items() if isinstance(v, str)}
+    return {n: parse.parse(text, names, f"[initial] {n}") for n, text in texts.items()}
+
+
+def _number(expression: Expr, values: Mapping[str, float], where: str) -> float:
+    numbers = {s: sp.Float(values[s.name]) for s in expression.free_symbols}
+    value = sp.N(expression.xreplace(numbers))
+    if not value.is_real or not math.isfinite(value):
+        raise InputError("no finite number", where=where, got=f"{expression} = {value}")
+    return float(value)
 
 
 def states(scene: Description, full: System) -> dict[str, float]:
@@ -37,8 +81,8 @@ def states(scene: Description, full: System) -> dict[str, float]:
 
     An output that is given must determine one missing state; it must be linear in it.
     """
-    states = full.state_names
-    values = {n: v for n, v in scene.initial.items() if n in states}
+    states, given = full.state_names, initial(scene)
+    values = {n: v for n, v in given.items() if n in states}
     for name, value in {**_turned(scene), **_initial_attitude(scene)}.items():
         if name in values:
             raise InputError(
@@ -47,7 +91,7 @@ def states(scene: Description, full: System) -> dict[str, float]:
         values[name] = value
     angles = {n for a in full.angles for n in a.names}
     for output in full.outputs:
-        if output.name in scene.initial and output.name not in angles:
+        if output.name in given and output.name not in angles:
             name, value = _state_of_output(scene, full, output, values)
             values[name] = value
     _check_constraints(scene, values)
@@ -77,7 +121,7 @@ def _state_of_output(
             hint="give the states themselves",
         )
     offset = rest.xreplace({missing[0]: sp.Integer(0)})
-    return missing[0].name, float((scene.initial[output.name] - offset) / slope)
+    return missing[0].name, float((initial(scene)[output.name] - offset) / slope)
 
 
 def _turned(scene: Description) -> dict[str, float]:
@@ -85,7 +129,8 @@ def _turned(scene: Description) -> dict[str, float]:
     if not scene.sequence:
         return {}
     names = [q.name for q in attitude(scene.sequence).coordinates]
-    given = [n for n in names if n in scene.initial]
+    values = initial(scene)
+    given = [n for n in names if n in values]
     if not given:
         return {}
     if len(given) < len(names) or scene.initial_attitude is not None:
@@ -95,7 +140,7 @@ def _turned(scene: Description) -> dict[str, float]:
             got=", ".join(given) + (" and [initial_attitude]" if scene.initial_attitude else ""),
             expected=", ".join(names),
         )
-    q = quaternion_of_sequence(scene.sequence, [scene.initial[n] for n in names])
+    q = quaternion_of_sequence(scene.sequence, [values[n] for n in names])
     return {f"q{k}": v for k, v in enumerate(q)}
 
 

@@ -515,11 +515,50 @@ BAD = {
         "",
     ),
     "mass beside moments": ({"body": {**MOMENTS, "mass": 1}}, "belong to a solid", "[body]", ""),
-    "two torques": (
-        {**QUATERNION, "torque": {"components": [1, 0, 0], "weight": TOP}},
-        "more than one torque",
-        "[torque]",
+    "torques about two points": (
+        {**QUATERNION, "torque": {"gravity_gradient": {"orbital_rate": 1}, "weight": TOP}},
+        "about different points",
+        "torque",
+        "on an orbit",
+    ),
+    "parameter called like one of the weight": (
+        {
+            **QUATERNION,
+            "torque": {"weight": TOP, "components": ["g", 0, 0]},
+            "parameters": {"g": 1},
+        },
+        "'g' is used twice",
+        "[parameters]",
         "",
+    ),
+    "parameter called like a size": (
+        {
+            **QUATERNION,
+            "body": {"solid": "sphere", "mass": 2.0, "size": {"radius": 0.1}},
+            "torque": {"components": ["radius", 0, 0]},
+            "parameters": {"radius": 1},
+        },
+        "'radius' is used twice",
+        "[parameters]",
+        "",
+    ),
+    "weight's offset that is zero in a formula": (
+        {**QUATERNION, "torque": {"weight": TOP, "components": ["r1", 0, 0]}},
+        "unknown name 'r1'",
+        "[torque] components, number 1",
+        "r3",
+    ),
+    "unknown name at the start": (
+        {**RIGID, "initial": {"omega_1": "2*I4"}},
+        "unknown name 'I4'",
+        "[initial] omega_1",
+        "I1",
+    ),
+    "parameter that nothing uses": (
+        {**RIGID, "initial": {"omega_1": "1/I2"}, "parameters": {"k": 1}},
+        "no formula uses 'k'",
+        "[parameters]",
+        "[initial]",
     ),
     "masses of a solid and its weight": (
         {

@@ -1,6 +1,7 @@
 """The data of a scene with many bodies: what a scene file may say of bodies, joints and loads.
 
-Wherever a number is wanted a formula in quotes may stand, over the scene's parameters.
+Wherever a number is wanted a formula in quotes may stand, over the scene's parameters; but for those of
+bodies also over masses, moments and sizes that bodies state: mass_BODY, I1_BODY, radius_BODY.
 
 Rotors, springs between points, points that are asked for, and constraints, of these a kind a row of
 `eom.multibody.files.sections.ROWS`.
@@ -198,10 +199,11 @@ class TreeDescription(Request):
 
     ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
     ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
-    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters; what is not given is
-    zero, the attitude of a joint no turn. ``initial_attitude``: by joint. Under constraints the start is
-    the nearest that meets them; ``keep``: names of speeds, and of coordinates whose rate is a speed,
-    that it does not change. ``outputs``: names of states, of outputs, or of groups of outputs
+    coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters, and over masses,
+    moments and sizes of bodies, as mass_BODY, I1_BODY; what is not given is zero, the attitude of a joint
+    no turn. ``initial_attitude``: by joint. Under constraints the start is the nearest that meets them;
+    ``keep``: names of speeds, and of coordinates whose rate is a speed, that it does not change.
+    ``outputs``: names of states, of outputs, or of groups of outputs
     (`eom.multibody.files.scene.Choice`); all states and points where none are named.
     """
 

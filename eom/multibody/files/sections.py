@@ -5,7 +5,7 @@ Of constraints there is one row of `ROWS` a kind.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -195,7 +195,8 @@ def point(name: str, part: PointPart, reading: Reading) -> Point:
 class Reading:
     """What formulas of a scene may speak of.
 
-    ``constants``: parameters; ``moving``: time too; ``acting``: inputs, coordinates and speeds too.
+    ``plain``: parameters, for bodies; ``constants``: also what bodies define; ``moving``: time too;
+    ``acting``: inputs, coordinates and speeds too.
     """
 
     scene: TreeDescription
@@ -234,9 +235,25 @@ class Reading:
         return _quantities(own)
 
     @cached_property
-    def constants(self) -> Formulas:
+    def plain(self) -> Formulas:
         """Over parameters."""
         return Formulas({q.name: q.symbol for q in self.parameters})
+
+    @cached_property
+    def defined(self) -> dict[str, Any]:
+        """Masses, moments and sizes of bodies that the scene states, under KEY_BODY, as I1_hub."""
+        return {
+            f"{key}_{name}": sp.sympify(
+                self.plain.value(given, f"body {name!r}: {key}"), strict=True
+            )
+            for name, part in self.scene.bodies.items()
+            for key, given in _stated(part)
+        }
+
+    @cached_property
+    def constants(self) -> Formulas:
+        """Over parameters, and masses, moments and sizes of bodies."""
+        return Formulas({**self.defined, **self.plain.names})
 
     @cached_property
     def moving(self) -> Formulas:
@@ -259,7 +276,15 @@ class Reading:
     @property
     def used(self) -> set[str]:
         """The names that formulas used so far."""
-        return self.constants.used | self.moving.used | self.acting.used
+        return self.plain.used | self.constants.used | self.moving.used | self.acting.used
+
+
+def _stated(part: BodyPart) -> Iterator[tuple[str, Any]]:
+    """Yield the mass, moments and sizes that a body states, by the names that formulas begin with."""
+    if "mass" in part.model_fields_set:
+        yield "mass", part.mass
+    yield from ((f"I{k}", given) for k, given in enumerate(part.moments or (), 1))
+    yield from part.size.items()
 
 
 def _quantities(group: Mapping[str, Any]) -> tuple[Quantity, ...]:
@@ -274,7 +299,7 @@ def _bare(name: str, part: JointPart) -> Joint:
 
 
 def _body(name: str, part: BodyPart, reading: Reading) -> Body:
-    where, read = f"body {name!r}", reading.constants
+    where, read = f"body {name!r}", reading.plain
     mass = read.value(part.mass, f"{where}: mass")
     about = part.about
     return Body(
@@ -430,6 +455,8 @@ def _check_clash(reading: Reading) -> None:
         for quantity in quantities:
             if quantity.name in taken:
                 raise InputError("a joint or rotor has this name", where=where, got=quantity.name)
+            if reading.defined.get(quantity.name, quantity.symbol) != quantity.symbol:
+                raise InputError("a body defines this name", where=where, got=quantity.name)
 
 
 def check_used(reading: Reading) -> None:

@@ -1,17 +1,20 @@
 """What the structure of a tree saves: operations of forward dynamics with and without it.
 
-The recursion runs on scalars that only count. Once zeros and ones are what they are, and skipped; once
-they are values like any others, every rotation is a matrix, and every body turns with its joint.
+The recursion runs on scalars that only count. Once numbers are what they are, so that zeros and ones are
+skipped and equal values cancel as in the derivation; once they are values like any others, every rotation
+is a matrix, and every body turns with its joint.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 from eom.multibody.algebra.scalars import Scalar, Work
 from eom.multibody.algebra.spatial import General, Matrix, SpatialVector, Vector, matrix_of
+from eom.multibody.algebra.values import is_number
 from eom.multibody.model.joints import Kind, Relative, Setting
 from eom.multibody.model.model import Tree, moves_nothing
 from eom.multibody.recursion.articulated import forward_dynamics
@@ -94,8 +97,12 @@ def savings(tree: Tree) -> Savings:
         return Savings(0, 0, (reason,))
     counter = _Counter()
     work = _Counting(counter)
-    known = _Tally(counter, known=True)
-    bones = lumped_tree(tree, lambda x: x if x in (0, 1, -1) else known, work)
+
+    @cache
+    def atom(value: Any) -> Scalar:
+        return value if is_number(value) else _Tally(counter, known=True)
+
+    bones = lumped_tree(tree, atom, work)
     done = _count(bones, counter, work)
     counter.operations = 0
     generic = _generic(bones, counter)

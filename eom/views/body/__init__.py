@@ -2,6 +2,5 @@
 
 In: scenes, histories, moments of inertia. Out: pictures.
 Imports: `codegen.closed`, `eom.errors`, `eom.kinematics`, `eom.mechanics`, `eom.multibody.algebra`,
-`eom.opening`, `eom.quantities`, `eom.rotations`, `eom.scenes`, `eom.views.animation`, `eom.views.draw`,
-`eom.views.time`.
+`eom.opening`, `eom.rotations`, `eom.scenes`, `eom.views.animation`, `eom.views.draw`, `eom.views.time`.
 """

@@ -18,9 +18,10 @@ import numpy as np
 import sympy as sp
 
 from eom.errors import InputError
+from eom.mechanics.torques import Torque
 from eom.multibody.algebra.values import is_number
-from eom.quantities import Definition
 from eom.scenes import start
+from eom.scenes.assembly import torques_of
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene
 from eom.views.animation.equivalents import central, equivalent
@@ -36,6 +37,7 @@ from eom.views.draw.viewpoint import CROWDED, best_view
 REACH = 1.0
 """Where the body ends in the sketch; other lengths are in proportion."""
 SPIN = "3-1-2"
+GRADIENT = "gravity_gradient"
 
 
 @dataclass(frozen=True)
@@ -100,15 +102,15 @@ class _Sketch:
             return [self.C[1]]
         return [self.centre @ self.C] if self.weight is not None else []
 
-    @property
-    def torques(self) -> list[Definition]:
-        """The components of the torque in the body's axes, those that are not zero."""
-        outputs = {d.name: d for d in self.scene.full_system.outputs}
-        return [d for k in (1, 2, 3) if (d := outputs[f"torque_{k}"]).expression != 0]
+    @cached_property
+    def torques(self) -> dict[str, tuple[Any, ...]]:
+        """The components of each torque in the body's axes, by the field that states it."""
+        return {name: _expanded(torque) for name, torque in torques_of(self.scene).items()}
 
-    def value(self, torque: Definition) -> float:
-        """Return a component of the torque at the start."""
-        return number(self.scene.full_system.expand(torque.expression), self.known)
+    @property
+    def applied(self) -> list[tuple[int, Any]]:
+        """The components that are stated and not zero, with the numbers of their axes."""
+        return [(k, c) for k, c in enumerate(self.torques["components"]) if c != 0]
 
 
 def body_sketch(scene: Scene) -> Picture:
@@ -117,7 +119,8 @@ def body_sketch(scene: Scene) -> Picture:
     The reference frame has the axes a, the body (a spinner's frame that does not spin) the axes b. The
     body is drawn as a uniform solid of the same inertia, and nothing is to scale. Weight acts at the
     centre of mass G along -a3, with the reaction of the fixed point O; torque by components has an arrow
-    along each of them, its sense that at the start; a gravity gradient one along the torque at the start.
+    along each of them, its sense that at the start; a gravity gradient one along its torque at the start.
+    What acts together is drawn together.
     Raises `InputError` as the scene does whose numbers make no body.
 
     >>> import eom
@@ -140,14 +143,20 @@ def body_sketch(scene: Scene) -> Picture:
     return check(Picture(((panel,),), plain(scene.title or scene.name), _told(s)))
 
 
+def _expanded(torque: Torque) -> tuple[Any, ...]:
+    directions = {d.symbol: d.expression for d in torque.directions}
+    return tuple(sp.sympify(c).xreplace(directions) for c in torque.components.components)
+
+
 def _told(s: _Sketch) -> str:
+    acts = []
     if s.weight is not None:
-        acts = "Its weight acts at the centre of mass G, a reaction at the fixed point O."
-    elif s.scene.torque.gravity_gradient is not None:
-        acts = "The torque of the gravity gradient acts on it, at the start along the arrow."
-    else:
-        acts = f"{len(s.torques) or 'No'} components of torque act on it."
-    return f"Free-body sketch at the start, not to scale. {acts}"
+        acts.append("Its weight acts at the centre of mass G, a reaction at the fixed point O.")
+    if GRADIENT in s.torques:
+        acts.append("The torque of the gravity gradient acts on it, at the start along the arrow.")
+    if s.applied or not acts:
+        acts.append(f"{len(s.applied) or 'No'} components of torque act on it.")
+    return f"Free-body sketch at the start, not to scale. {' '.join(acts)}"
 
 
 def _points(s: _Sketch) -> Iterator[Item]:
@@ -162,27 +171,22 @@ def _loads(s: _Sketch) -> Iterator[Item]:
         down = np.array([0.0, 0.0, -1.0])
         yield from force(s.centre @ s.C, down, 0.8, "$m g$")
         yield from push(np.zeros(3), -down, 0.8, "$R$")
-    elif s.scene.torque.gravity_gradient is not None:
-        way = np.zeros(3)
-        for d in s.torques:
-            way[int(d.name[-1]) - 1] = s.value(d)
+    if GRADIENT in s.torques:
+        way = numbers(s.torques[GRADIENT], s.known)
         yield from torque(np.zeros(3), way @ s.C, 1.25, r"$\mathbf{M}$")
         yield Arrow(
             np.zeros(3), np.array([-1.75, 0.0, 0.0]), "grey", 1.6, "to the attracting centre"
         )
-    else:
-        for d in s.torques:
-            yield from _component(s, d)
+    for k, component in s.applied:
+        yield from _component(s, k, component)
 
 
-def _component(s: _Sketch, torque_k: Definition) -> Iterator[Item]:
+def _component(s: _Sketch, k: int, component: Any) -> Iterator[Item]:
     """Yield one component of the torque along its axis; its sense is that at the start."""
-    k = int(torque_k.name[-1])
-    sense = -1.0 if s.value(torque_k) < 0 else 1.0
-    expression = s.scene.full_system.expand(torque_k.expression)
-    shown = formula(expression, f"$M_{k}$").strip("$")
-    bracketed = f"({shown})" if expression.is_Add else shown
-    yield from torque(np.zeros(3), sense * s.C[k - 1], 1.2, rf"${bracketed}\,\mathbf{{b}}_{k}$")
+    sense = -1.0 if number(component, s.known) < 0 else 1.0
+    shown = formula(component, f"$M_{k + 1}$").strip("$")
+    bracketed = f"({shown})" if component.is_Add else shown
+    yield from torque(np.zeros(3), sense * s.C[k], 1.2, rf"${bracketed}\,\mathbf{{b}}_{k + 1}$")
 
 
 FORCE, TORQUE, REACTION = "red", "purple", "green"

@@ -126,28 +126,36 @@ def _is_torque(output: Definition) -> bool:
     return output.name.startswith("torque_")
 
 
+def _laws(scene: Scene) -> set[str]:
+    return {n for n, law in scene.torque if law is not None}
+
+
 def _parameter_switch(scene: Scene, name: str) -> Switch | None:
     """Return the switch that leaves out a parameter of the torque, if some torque is left then."""
     try:
         left = _without(scene, (name,))
     except InputError:  # the formula divides by it
         return None
-    if all(c in {0, "0"} for c in left["torque"]["components"]):
+    if _laws(scene) == {"components"} and all(c in {0, "0"} for c in left["torque"]["components"]):
         return None
     meaning = scene.parameters[name].meaning
     return Switch(f"{WITHOUT}{name}", f"{name} = 0{f': no {meaning}' if meaning else ''}", False)
 
 
 def _without(scene: Scene, names: tuple[str, ...]) -> Data:
-    """Return torque, parameters and inputs of a scene with some parameters zero."""
-    known = {s.name: s for s in [q.symbol for q in scene.full_system.states]}
-    known |= {n: sp.Symbol(n, real=True) for n in (*scene.parameters, *scene.inputs)}
-    known["t"] = TIME
+    """Return torque, parameters and inputs of a scene with some parameters zero.
+
+    Sizes of a solid are put in as numbers: the page's body has its moments alone.
+    """
+    full = scene.full_system
+    known = {q.name: q.symbol for q in (*full.states, *full.parameters, *full.inputs)}
+    known |= {n: sp.Symbol(n, real=True) for a in full.angles for n in a.names} | {"t": TIME}
+    put = {n: f"({v})" for n, v in start.sizes(scene).items()} | dict.fromkeys(names, "0")
     written, used = [], set()
     for component in scene.torque.components or ():
         text = str(component)
-        for name in names:
-            text = re.sub(rf"\b{re.escape(name)}\b", "0", text)
+        for name, number in put.items():
+            text = re.sub(rf"\b{re.escape(name)}\b", number, text)
         value = (
             parse.parse(text, known, "torque")
             if isinstance(component, str)
@@ -157,7 +165,7 @@ def _without(scene: Scene, names: tuple[str, ...]) -> Data:
         used |= {s.name for s in value.free_symbols}
     data = scene.model_dump(exclude_unset=True)
     return {
-        "torque": {"components": written},
+        "torque": {**data["torque"], "components": written},
         "parameters": {n: v for n, v in data.get("parameters", {}).items() if n in used},
         "inputs": {n: v for n, v in data.get("inputs", {}).items() if n in used},
     }
@@ -291,7 +299,8 @@ def _torque_knobs(scene: Scene) -> Iterator[Knob]:
     if _is_free(scene):
         values = start.constants(scene)
         speed = max(
-            [abs(v) for n, v in scene.initial.items() if n.startswith("omega") or n == "C"] or [1.0]
+            [abs(v) for n, v in start.initial(scene).items() if n.startswith("omega") or n == "C"]
+            or [1.0]
         )
         size = float(
             f"{0.02 * max(values[n] for n in ('I1', 'I2', 'J11') if n in values) * (speed or 1.0) ** 2:.1g}"

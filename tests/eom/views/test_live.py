@@ -366,6 +366,34 @@ def test_a_full_inertia_matrix_moves_as_in_c():
 
 @pytest.mark.slow
 @needs_both
+def test_torques_that_act_together_move_as_in_c():
+    """A formula of the scene's own names beside a weight, and sizes that the page's body has not."""
+    scene = Scene(
+        name="driven top",
+        attitude="3-1-2",
+        integrate="quaternion",
+        body={"solid": "cylinder", "mass": 2.0, "size": {"radius": 0.1, "length": 0.2}},
+        torque={
+            "weight": {"mass": 2.0, "centre_of_mass": (0, 0, 0.1)},
+            "components": ("-k*omega_1", "-k*omega_2*cos(psi)", "0.1*m*g*r3*radius"),
+        },
+        parameters={"k": 0.01},
+        initial={
+            "omega_1": 0,
+            "omega_2": "k/I1",
+            "omega_3": 2,
+            "psi": 0.1,
+            "theta": 0.4,
+            "phi": 0,
+        },
+    )
+    about = subject_of(scene)
+    got = run(written(about), PLAY)
+    assert difference(got, in_c(about.variants[about.choice].drawn, got)) < 1e-9
+
+
+@pytest.mark.slow
+@needs_both
 def test_narrow_torques_move_the_page_as_they_do_in_c():
     """A pulse and sharp friction: neither is passed over between two frames, and both show."""
     torque = ("100*exp(-((t - 2)/0.0001)^2)", "-0.1*tanh(200*omega_2)", 0)
