@@ -47,7 +47,7 @@ ACCENTS: dict[str, tuple[str, str, str]] = {
     "ddot": (r"\ddot", "\u0308", "¨"),
     "tilde": (r"\tilde", "\u0303", "~"),
     "widetilde": (r"\widetilde", "\u0303", "~"),
-    "underline": (r"\underline", "\u0332", "_"),
+    "underline": (r"\underline", "\u0332", "―"),
     "bar": (r"\bar", "\u0304", "¯"),
     "check": (r"\check", "\u030c", "ˇ"),
     "breve": (r"\breve", "\u0306", "˘"),
@@ -128,14 +128,13 @@ _AROUND = {"b": "[]", "p": "()", "v": "||", "V": "‖‖", "B": "{}", "c": "{.",
 """Brackets of an environment by its first letter: matrices, cases."""
 
 
-def _brackets(box: Fence | Grid, column: int) -> tuple[str, str]:
+def _brackets(box: Fence | Grid, column: int) -> tuple[str, ...]:
     """Return opening and closing bracket in a ``column`` of `DELIMITERS`."""
     if isinstance(box, Grid):
-        opening, closing = _AROUND.get(box.environment[:1], "..")
+        opening, closing = tuple(_AROUND.get(box.environment[:1], ".."))
     else:
         opening, closing = box.opening, box.closing or _CLOSING[box.opening]
-    first, second = (DELIMITERS.get(d, (d, d))[column] for d in (opening, closing))
-    return first, second
+    return tuple(DELIMITERS.get(d, (d, d))[column] for d in (opening, closing))
 
 
 _LATIN_CAPITALS = dict(
@@ -487,20 +486,21 @@ def _mathml_scripts(box: Scripts, inner: Render) -> str:
 
 
 def _mathml_accent(box: Accent, inner: Render) -> str:
-    below = "under" in box.mark
-    tag, kind = ("munder", "accentunder") if below else ("mover", "accent")
-    return f'<{tag} {kind}="true">{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>'
+    tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
+    return f"<{tag}{kind}>{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>"
 
 
 def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
     brackets = _brackets(box, 1)
-    opening, closing = (f"<mo>{html.escape(d)}</mo>" if d else "" for d in brackets)
+    tall = re.search("<mfrac|<mtable|<munder(over)?>", middle)
+    flat = "" if tall else ' stretchy="false"'
+    opening, closing = (f"<mo{flat}>{html.escape(d)}</mo>" if d else "" for d in brackets)
     return f"<mrow>{opening}{middle}{closing}</mrow>"
 
 
 def _mathml_grid(box: Grid, inner: Render) -> str:
     cells = ("".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows)
-    kind = ' columnalign="right left"' if box.environment in ALIGNED else ""
+    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else ""
     table = f"<mtable{kind}>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
     return _mathml_fenced(box, table)
 

@@ -47,7 +47,7 @@ def box(node: s.Node) -> Box:
     return _write(node, ROWS)
 
 
-def blamed(node: s.Node, spans: Iterable[Span]) -> s.Node:
+def at_fault(node: s.Node, spans: Iterable[Span]) -> s.Node:
     """Return a tree in which the largest parts within the ``spans`` are `Blamed`."""
     places = tuple(spans)
     found = {id(n) for n in _within(node, places)} if places else set()
@@ -149,9 +149,12 @@ def _sign(node: s.Sign) -> Box:
 
 
 def _sequence(node: s.Sequence) -> Box:
-    return _joined(
-        node.items, [_mark(rf"\{p}" if p == "quad" else p) for p in node.separators], RELATION
-    )
+    room = "\u2003" if any(isinstance(n, s.Relation) for n in node.items) else "\u2009"
+    signs = (Sign(p, p + room, "mtext") if p != "quad" else _QUAD for p in node.separators)
+    return _joined(node.items, signs, RELATION)
+
+
+_QUAD = _mark(r"\quad")
 
 
 def _aligned(node: s.Rows) -> Grid:

@@ -30,12 +30,10 @@ from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
 from eom.checker.read import masks
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Source, Span
+from eom.checker.read.places import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
-from eom.checker.read.writing import blamed as at_fault
-from eom.checker.read.writing import box
+from eom.checker.read.writing import at_fault, box
 from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
-from eom.errors import InputError
 from eom.typeset.markup import render
 from eom.worlds.worlds import ASSUMPTIONS
 
@@ -337,7 +335,7 @@ def mathml(
         return code
     try:
         reading = read_formula(latex, macros=macros)
-    except InputError:
+    except ReadingError:
         return code
     spans = [b for b in blamed if latex.count("{", *b) == latex.count("}", *b)]
     inner = render(box(at_fault(reading.tree, spans)), "mathml")

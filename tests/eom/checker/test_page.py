@@ -268,8 +268,8 @@ ELEMENTS = {
     "mi": ("mathvariant",),
     "mo": ("form", "stretchy"),
     "mover": ("accent",),
-    "munder": ("accentunder",),
-    "mtable": ("columnalign",),
+    "munder": (),
+    "mtable": ("columnalign", "displaystyle"),
     "menclose": ("notation",),
     "mrow": ("class",),
 }
