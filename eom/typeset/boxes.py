@@ -23,6 +23,18 @@ class Symbol:
 
 
 @dataclass(frozen=True)
+class Sign:
+    """What is written as it stands: its ``latex``, its Unicode ``text``, its element ``tag`` of MathML.
+
+    ``tag``: "mo" of an operator, "mi" of a letter, "normal" of an upright one, "mn", "mtext".
+    """
+
+    latex: str
+    text: str
+    tag: str = "mo"
+
+
+@dataclass(frozen=True)
 class Accent:
     """A ``mark``, a row of `eom.typeset.markup.ACCENTS`, on the box ``base``."""
 
@@ -32,27 +44,45 @@ class Accent:
 
 @dataclass(frozen=True)
 class Scripts:
-    """The box ``base`` with what is below (``sub``), above (``sup``) and to the upper ``left`` of it."""
+    """The box ``base`` with what is below (``sub``), above (``sup``) and to the upper ``left`` of it.
+
+    ``left_sub``: what is to its lower left; ``stacked``: right under and over it, as limits of a sum.
+    """
 
     base: Box
     sub: Box | None = None
     sup: Box | None = None
     left: Box | None = None
+    left_sub: Box | None = None
+    stacked: bool = False
 
 
 @dataclass(frozen=True)
 class Row:
-    """Boxes side by side, the ``items``."""
+    """Boxes side by side, the ``items``, with a ``gap`` between those that are not empty."""
 
     items: tuple[Box, ...]
+    gap: str = ""
 
 
 @dataclass(frozen=True)
 class Fence:
-    """The box ``inner`` in round or square brackets, as ``opening`` says."""
+    """The box ``inner`` in brackets, rows of `eom.typeset.markup.DELIMITERS` or as they stand.
+
+    Without ``closing`` in the bracket that belongs to ``opening``; "." is none.
+    """
 
     inner: Box
     opening: str = "("
+    closing: str = ""
+
+
+@dataclass(frozen=True)
+class Form:
+    """What is built of its ``parts`` as a row of `eom.typeset.markup.FORMS` says: a root, a frame."""
+
+    name: str
+    parts: tuple[Box, ...]
 
 
 @dataclass(frozen=True)
@@ -65,18 +95,14 @@ class Fraction:
 
 @dataclass(frozen=True)
 class Grid:
-    """A matrix of boxes, its ``rows`` from the top."""
+    """A table of boxes, its ``rows`` from the top; ``columns`` as the ``environment`` of LaTeX takes them.
+
+    Environments "" and "aligned": rows of a left side and the rest.
+    """
 
     rows: tuple[tuple[Box, ...], ...]
-
-
-@dataclass(frozen=True)
-class Big:
-    """A ``sign``, of a sum or an integral, with its ``lower`` and ``upper`` limits."""
-
-    sign: str
-    lower: Box
-    upper: Box | None = None
+    environment: str = "bmatrix"
+    columns: str = ""
 
 
 @dataclass(frozen=True)
@@ -110,13 +136,14 @@ class Unseen:
 
 Box = (
     Symbol
+    | Sign
     | Accent
     | Scripts
     | Row
     | Fence
+    | Form
     | Fraction
     | Grid
-    | Big
     | Operator
     | Formula
     | Words

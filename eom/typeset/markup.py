@@ -21,15 +21,16 @@ from eom.errors import unknown_name
 from eom.typeset.boxes import (
     GREEK_NAMES,
     Accent,
-    Big,
     Box,
     Fence,
+    Form,
     Formula,
     Fraction,
     Grid,
     Operator,
     Row,
     Scripts,
+    Sign,
     Symbol,
     Unseen,
     Words,
@@ -46,7 +47,19 @@ ACCENTS: dict[str, tuple[str, str, str]] = {
     "ddot": (r"\ddot", "\u0308", "¨"),
     "tilde": (r"\tilde", "\u0303", "~"),
     "widetilde": (r"\widetilde", "\u0303", "~"),
-    "underline": (r"\underline", "\u0332", "_"),
+    "underline": (r"\underline", "\u0332", "―"),
+    "bar": (r"\bar", "\u0304", "¯"),
+    "check": (r"\check", "\u030c", "ˇ"),
+    "breve": (r"\breve", "\u0306", "˘"),
+    "acute": (r"\acute", "\u0301", "´"),
+    "grave": (r"\grave", "\u0300", "`"),
+    "ring": (r"\mathring", "\u030a", "˚"),
+    "dddot": (r"\dddot", "\u20db", "⃛"),
+    "ddddot": (r"\ddddot", "\u20dc", "⃜"),
+    "harpoon": (r"\overrightharpoon", "\u20d1", "⇀"),
+    "double_bar": (r"\overleftrightarrow", "\u20e1", "↔"),
+    "underarrow": (r"\underrightarrow", "\u20ef", "→"),
+    "undertilde": (r"\utilde", "\u0330", "~"),
 }
 """A mark in LaTeX, as a combining character, and as a MathML operator."""
 
@@ -72,14 +85,56 @@ OPERATORS: dict[str, tuple[str, str, str]] = {
     "star": ("*", "*", "*"),
     "d": (r"\mathrm{d}", "d", "d"),
     "partial": (r"\partial ", "∂", "d"),
-}
-"""An operator in LaTeX, in Unicode and in ASCII, with the space around it."""
-
-SIGNS: dict[str, tuple[str, str, str]] = {
     "sum": (r"\sum", "Σ", "sum"),
     "integral": (r"\int", "∫", "integral"),
 }
+"""An operator in LaTeX, in Unicode and in ASCII, with the space around it."""
+
+_STRUCK = '<menclose notation="updiagonalstrike">'
+FORMS: dict[str, tuple[str, str, str]] = {
+    "braces": ("{{{0}}}", "{0}", "<mrow>{0}</mrow>"),
+    "blamed": ("{0}", "{0}", '<mrow class="blamed">{0}</mrow>'),
+    "root": (r"\sqrt{{{0}}}", "sqrt({0})", "<msqrt>{0}</msqrt>"),
+    "degree": (r"\sqrt[{1}]{{{0}}}", "root({0}, {1})", "<mroot>{0}{1}</mroot>"),
+    "over": (r"\overset{{{1}}}{{{0}}}", "{0}^({1})", "<mover>{0}{1}</mover>"),
+    "under": (r"\underset{{{1}}}{{{0}}}", "{0}_({1})", "<munder>{0}{1}</munder>"),
+    "overbrace": (r"\overbrace{{{0}}}", "{0}", "<mover>{0}<mo>⏞</mo></mover>"),
+    "underbrace": (r"\underbrace{{{0}}}", "{0}", "<munder>{0}<mo>⏟</mo></munder>"),
+    "boxed": (r"\boxed{{{0}}}", "{0}", '<menclose notation="box">{0}</menclose>'),
+    "cancel": (r"\cancel{{{0}}}", "{0}", f"{_STRUCK}{{0}}</menclose>"),
+    "cancelto": (r"\cancelto{{{1}}}{{{0}}}", "{1}", f"<msup>{_STRUCK}{{0}}</menclose>{{1}}</msup>"),
+}
+"""What is built of parts, in LaTeX, in text and in MathML; nothing is seen of braces.
+
+Blamed is what a page shows as being at fault.
+"""
+DELIMITERS: dict[str, tuple[str, str]] = {
+    "{": (r"\{", "{"),
+    "}": (r"\}", "}"),
+    "||": (r"\|", "‖"),
+    "<": (r"\langle", "⟨"),
+    ">": (r"\rangle", "⟩"),
+    "⌊": (r"\lfloor", "⌊"),
+    "⌋": (r"\rfloor", "⌋"),
+    "⌈": (r"\lceil", "⌈"),
+    "⌉": (r"\rceil", "⌉"),
+    ".": (".", ""),
+}
+"""A bracket in LaTeX and as it is seen."""
 _CLOSING = {"(": ")", "[": "]"}
+ALIGNED = ("", "aligned")
+"""Environments of rows that stand below one another with their relations."""
+_AROUND = {"b": "[]", "p": "()", "v": "||", "V": "‖‖", "B": "{}", "c": "{.", "r": ".}"}
+"""Brackets of an environment by its first letter: matrices, cases."""
+
+
+def _brackets(box: Fence | Grid, column: int) -> tuple[str, ...]:
+    """Return opening and closing bracket in a ``column`` of `DELIMITERS`."""
+    if isinstance(box, Grid):
+        opening, closing = tuple(_AROUND.get(box.environment[:1], ".."))
+    else:
+        opening, closing = box.opening, box.closing or _CLOSING[box.opening]
+    return tuple(DELIMITERS.get(d, (d, d))[column] for d in (opening, closing))
 
 
 _LATIN_CAPITALS = dict(
@@ -107,7 +162,7 @@ def width(box: Box) -> int:
     if isinstance(box, Fraction):
         return max(width(box.above), width(box.below))
     if isinstance(box, Row):
-        return sum(width(i) for i in box.items)
+        return sum(width(i) for i in box.items) + len(box.gap) * max(0, len(box.items) - 1)
     if isinstance(box, Fence):
         return 2 + width(box.inner)
     if isinstance(box, Grid):
@@ -203,20 +258,23 @@ def _latex_symbol(box: Symbol, _: Render) -> str:
 
 
 def _latex_scripts(box: Scripts, inner: Render) -> str:
-    left = f"{{}}^{{{inner(box.left).strip()}}}" if box.left else ""
-    sub = f"_{{{inner(box.sub).strip()}}}" if box.sub else ""
-    sup = f"^{{{inner(box.sup).strip()}}}" if box.sup else ""
-    return f"{left}{inner(box.base)}{sub}{sup}"
+    signs = ((box.left_sub, "_"), (box.left, "^"), (box.sub, "_"), (box.sup, "^"))
+    parts = [f"{sign}{{{inner(b).strip()}}}" if b else "" for b, sign in signs]
+    left = "{}" * bool(box.left or box.left_sub) + "".join(parts[:2])
+    return f"{left}{inner(box.base)}{''.join(parts[2:])}"
+
+
+def _joined(box: Row, inner: Render) -> str:
+    """Return the items of a row; a gap stands between those that are not empty."""
+    return box.gap.join(filter(None, (inner(i) for i in box.items)))
 
 
 def _latex_grid(box: Grid, inner: Render) -> str:
-    rows = r" \\ ".join(" & ".join(inner(b) for b in line) for line in box.rows)
-    return f"\\begin{{bmatrix}} {rows} \\end{{bmatrix}}"
-
-
-def _latex_big(box: Big, inner: Render) -> str:
-    upper = f"^{{{inner(box.upper)}}}" if box.upper else ""
-    return f"{SIGNS[box.sign][0]}_{{{inner(box.lower)}}}{upper} "
+    name, aligned = box.environment, box.environment in ALIGNED
+    lines = ([inner(b) for b in line] for line in box.rows)
+    rows = r" \\ ".join(" ".join(filter(None, c)) if aligned else " & ".join(c) for c in lines)
+    columns = f"{{{box.columns}}}" if box.columns else ""
+    return f"\\begin{{{name}}}{columns} {rows} \\end{{{name}}}" if name else rows
 
 
 def _latex_formula(box: Formula, _: Render) -> str:
@@ -229,15 +287,16 @@ def _latex_formula(box: Formula, _: Render) -> str:
 
 _LATEX: dict[type, Callable[[Any, Render], str]] = {
     Symbol: _latex_symbol,
+    Sign: lambda b, _: b.latex,
+    Form: lambda b, inner: FORMS[b.name][0].format(*map(inner, b.parts)),
     Accent: lambda b, inner: f"{ACCENTS[b.mark][0]}{{{inner(b.base)}}}",
     Scripts: _latex_scripts,
-    Row: lambda b, inner: "".join(inner(i) for i in b.items),
-    Fence: lambda b, inner: (
-        f"\\left{b.opening} {inner(b.inner).strip()} \\right{_CLOSING[b.opening]}"
+    Row: _joined,
+    Fence: lambda b, inner: "\\left{1} {0} \\right{2}".format(
+        inner(b.inner).strip(), *_brackets(b, 0)
     ),
     Fraction: lambda b, inner: f"\\frac{{{inner(b.above)}}}{{{inner(b.below)}}}",
     Grid: _latex_grid,
-    Big: _latex_big,
     Operator: lambda b, _: OPERATORS[b.name][0],
     Formula: _latex_formula,
     Words: lambda b, _: f"\\text{{{escape_latex(b.text)}}}",
@@ -260,6 +319,9 @@ _ALPHABETS = {
     "bold": "MATHEMATICAL BOLD",
     "calligraphic": "MATHEMATICAL SCRIPT",
     "blackboard": "MATHEMATICAL DOUBLE-STRUCK",
+    "sans": "MATHEMATICAL SANS-SERIF",
+    "fraktur": "MATHEMATICAL FRAKTUR",
+    "typewriter": "MATHEMATICAL MONOSPACE",
 }
 
 
@@ -283,16 +345,17 @@ def _script(words: str, mark: str, letters: Mapping[str, str]) -> str:
     return f"{mark}{words}" if bare else f"{mark}({words})"
 
 
-def _index(lower: str) -> str:
-    """Return the index of a sum without where it starts."""
-    return lower.partition(" = ")[0]
+def _index(box: Scripts, inner: Render) -> str:
+    """Return what is below, of limits without where they start."""
+    return inner(box.sub).partition(" = ")[0] if box.stacked else inner(box.sub)
 
 
 def _text_scripts(box: Scripts, inner: Render) -> str:
-    left = _script(inner(box.left), "^", _RAISED) if box.left else ""
-    left = f"{left} " if left.startswith("^") else left
-    sub = _script(inner(box.sub), "_", _LOWERED) if box.sub else ""
-    sup = _script(inner(box.sup), "^", _RAISED) if box.sup else ""
+    left = _script(inner(box.left_sub), "_", _LOWERED) if box.left_sub else ""
+    left += _script(inner(box.left), "^", _RAISED) if box.left else ""
+    left = f"{left} " if left.startswith(("^", "_")) else left
+    sub = _script(_index(box, inner), "_", _LOWERED) if box.sub else ""
+    sup = _script(inner(box.sup), "^", _RAISED) if box.sup and not box.stacked else ""
     return f"{left}{inner(box.base)}{sub}{sup}"
 
 
@@ -304,6 +367,8 @@ def _text_accent(box: Accent, inner: Render) -> str:
 
 
 def _text_grid(box: Grid, inner: Render) -> str:
+    if box.environment in ALIGNED:
+        return "; ".join(" ".join(inner(b) for b in line) for line in box.rows)
     return f"[{', '.join('[' + ', '.join(inner(b) for b in line) + ']' for line in box.rows)}]"
 
 
@@ -328,13 +393,14 @@ def _text_formula(box: Formula, _: Render) -> str:
 
 _TEXT: dict[type, Callable[[Any, Render], str]] = {
     Symbol: lambda b, _: styled(b.name, b.style if b.style == "blackboard" else ""),
+    Sign: lambda b, _: b.text,
+    Form: lambda b, inner: FORMS[b.name][1].format(*map(inner, b.parts)),
     Accent: _text_accent,
     Scripts: _text_scripts,
-    Row: lambda b, inner: "".join(inner(i) for i in b.items),
-    Fence: lambda b, inner: f"{b.opening}{inner(b.inner).strip()}{_CLOSING[b.opening]}",
+    Row: _joined,
+    Fence: lambda b, inner: "{1}{0}{2}".format(inner(b.inner).strip(), *_brackets(b, 1)),
     Fraction: _text_fraction,
     Grid: _text_grid,
-    Big: lambda b, inner: f"{SIGNS[b.sign][1]}{_script(_index(inner(b.lower)), '_', _LOWERED)} ",
     Operator: lambda b, _: OPERATORS[b.name][1],
     Formula: _text_formula,
     Words: lambda b, _: b.text,
@@ -343,21 +409,30 @@ _TEXT: dict[type, Callable[[Any, Render], str]] = {
 
 
 def _ascii_scripts(box: Scripts, inner: Render) -> str:
-    parts = [("_", box.sub), ("^", box.sup)]
-    after = "".join(m + _ascii_group(inner(b)) for m, b in parts if b)
-    return f"{inner(box.left) + ' ' if box.left else ''}{inner(box.base)}{after}"
+    before = "".join(inner(b) + " " for b in (box.left_sub, box.left) if b)
+    sub = f"_{_ascii_group(_index(box, inner))}" if box.sub else ""
+    sup = f"^{_ascii_group(inner(box.sup))}" if box.sup and not box.stacked else ""
+    return f"{before}{inner(box.base)}{sub}{sup}"
 
 
 def _ascii_group(words: str) -> str:
     return words if words.isalnum() else f"({words})"
 
 
+def _ascii_sign(box: Sign, _: Render) -> str:
+    words = re.findall("[A-Za-z0-9]+", box.latex)
+    return box.text if box.text.isascii() else words[-1] if words else " "
+
+
 _ASCII: dict[type, Callable[[Any, Render], str]] = {
     **_TEXT,
     Symbol: lambda b, _: b.name,
+    Sign: _ascii_sign,
+    Fence: lambda b, inner: (
+        f"{b.opening}{inner(b.inner).strip()}{b.closing or _CLOSING[b.opening]}"
+    ),
     Accent: lambda b, inner: f"{inner(b.base)}_{b.mark}",
     Scripts: _ascii_scripts,
-    Big: lambda b, inner: f"{SIGNS[b.sign][2]}_{_index(inner(b.lower))} ",
     Operator: lambda b, _: OPERATORS[b.name][2],
     Formula: lambda b, _: _plain_text(b.value),
 }
@@ -389,33 +464,45 @@ def _mathml_symbol(box: Symbol, _: Render) -> str:
     return f'<mi mathvariant="normal">{letter}</mi>' if upright else f"<mi>{letter}</mi>"
 
 
+def _mathml_sign(box: Sign, _: Render) -> str:
+    words = html.escape(box.text)
+    if box.tag == "normal":
+        kind = ' mathvariant="normal"' if len(box.text) == 1 else ""
+        return f"<mi{kind}>{words}</mi>"
+    words = words.replace(" ", "\u00a0") if box.tag == "mtext" else words
+    return f"<{box.tag}>{words}</{box.tag}>"
+
+
 def _mathml_scripts(box: Scripts, inner: Render) -> str:
-    sub, sup, left = (inner(b) if b else "" for b in (box.sub, box.sup, box.left))
-    if left:
-        below, above = sub or "<mrow/>", sup or "<mrow/>"
-        base = f"{inner(box.base)}{below}{above}<mprescripts/><mrow/>{left}"
-        return f"<mmultiscripts>{base}</mmultiscripts>"
-    tag = f"m{'sub' * bool(sub)}{'sup' * bool(sup)}"
-    return f"<{tag}>{inner(box.base)}{sub}{sup}</{tag}>" if sub or sup else inner(box.base)
+    sub, sup = (inner(b) if b else "" for b in (box.sub, box.sup))
+    base = inner(box.base)
+    if box.left or box.left_sub:
+        before = (inner(b) if b else "<mrow/>" for b in (box.left_sub, box.left))
+        behind = f"{sub or '<mrow/>'}{sup or '<mrow/>'}"
+        return f"<mmultiscripts>{base}{behind}<mprescripts/>{''.join(before)}</mmultiscripts>"
+    under, over = ("under", "over") if box.stacked else ("sub", "sup")
+    tag = f"m{under * bool(sub)}{over * bool(sup)}"
+    return f"<{tag}>{base}{sub}{sup}</{tag}>" if sub or sup else base
 
 
 def _mathml_accent(box: Accent, inner: Render) -> str:
-    tag, kind = ("munder", "accentunder") if box.mark == "underline" else ("mover", "accent")
-    return f'<{tag} {kind}="true">{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>'
+    tag, kind = ("munder", "") if "under" in box.mark else ("mover", ' accent="true"')
+    return f"<{tag}{kind}>{inner(box.base)}<mo>{ACCENTS[box.mark][2]}</mo></{tag}>"
+
+
+def _mathml_fenced(box: Fence | Grid, middle: str) -> str:
+    brackets = _brackets(box, 1)
+    tall = re.search("<mfrac|<mtable|<munder(over)?>", middle)
+    flat = "" if tall else ' stretchy="false"'
+    opening, closing = (f"<mo{flat}>{html.escape(d)}</mo>" if d else "" for d in brackets)
+    return f"<mrow>{opening}{middle}{closing}</mrow>"
 
 
 def _mathml_grid(box: Grid, inner: Render) -> str:
     cells = ("".join(f"<mtd>{inner(b)}</mtd>" for b in line) for line in box.rows)
-    table = f"<mtable>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
-    return f"<mrow><mo>[</mo>{table}<mo>]</mo></mrow>"
-
-
-def _mathml_big(box: Big, inner: Render) -> str:
-    sign = {"sum": "∑"}.get(box.sign, SIGNS[box.sign][1])
-    tags = ("munder", "munderover") if box.sign == "sum" else ("msub", "msubsup")
-    tag = tags[box.upper is not None]
-    upper = inner(box.upper) if box.upper else ""
-    return f"<{tag}><mo>{sign}</mo>{inner(box.lower)}{upper}</{tag}>"
+    kind = ' columnalign="right left" displaystyle="true"' if box.environment in ALIGNED else ""
+    table = f"<mtable{kind}>{''.join(f'<mtr>{c}</mtr>' for c in cells)}</mtable>"
+    return _mathml_fenced(box, table)
 
 
 _MATHML_FORMS = {
@@ -429,22 +516,21 @@ def _mathml_operator(box: Operator, _: Render) -> str:
     if box.name == "d":
         return '<mi mathvariant="normal">d</mi>'
     words = html.escape(OPERATORS[box.name][1].strip())
-    words = {"times": "\u2062", "thin": "\u2062", ":=": "≜"}.get(box.name, words)
+    words = {"times": "\u2062", "thin": "\u2062", ":=": "≜", "sum": "∑"}.get(box.name, words)
     form = _MATHML_FORMS.get(box.name, "")
     return f"<mo{form}>{words}</mo>"
 
 
 _MATHML: dict[type, Callable[[Any, Render], str]] = {
     Symbol: _mathml_symbol,
+    Sign: _mathml_sign,
+    Form: lambda b, inner: FORMS[b.name][2].format(*map(inner, b.parts)),
     Accent: _mathml_accent,
     Scripts: _mathml_scripts,
     Row: lambda b, inner: f"<mrow>{''.join(inner(i) for i in b.items)}</mrow>",
-    Fence: lambda b, inner: (
-        f"<mrow><mo>{b.opening}</mo>{inner(b.inner)}<mo>{_CLOSING[b.opening]}</mo></mrow>"
-    ),
+    Fence: lambda b, inner: _mathml_fenced(b, inner(b.inner)),
     Fraction: lambda b, inner: f"<mfrac>{inner(b.above)}{inner(b.below)}</mfrac>",
     Grid: _mathml_grid,
-    Big: _mathml_big,
     Operator: _mathml_operator,
     Formula: _mathml_formula,
     Words: lambda b, _: f"<mtext>{html.escape(b.text)}</mtext>",

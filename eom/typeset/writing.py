@@ -16,7 +16,6 @@ import sympy as sp
 
 from eom.terms.terms import DYADIC, INERTIAL, SCALAR, VECTOR, Equation, Term, nodes
 from eom.typeset.boxes import (
-    Big,
     Box,
     Fence,
     Formula,
@@ -315,10 +314,14 @@ def _sum(writer: Writer, term: Term) -> Written:
     """A sum over elements of mass is an integral whose element the summand holds."""
     index, over = term.data
     if over == "elements":
-        return Row((Big("integral", writer.notation.domain), writer.box(term.args[0], OPEN))), OPEN
+        return _integrated(writer, writer.box(term.args[0], OPEN)), OPEN
     lower = Row((Symbol(index), Operator("="), Symbol("1")))
-    sign = Big("sum", lower, Symbol(_COUNTS.get(over, "N")))
-    return Row((sign, writer.box(term.args[0], OPEN))), OPEN
+    sign = Scripts(Operator("sum"), lower, Symbol(_COUNTS.get(over, "N")), stacked=True)
+    return Row((sign, writer.box(term.args[0], OPEN)), " "), OPEN
+
+
+def _integrated(writer: Writer, box: Box) -> Box:
+    return Row((Scripts(Operator("integral"), writer.notation.domain), box), " ")
 
 
 def _integral(writer: Writer, term: Term) -> Written:
@@ -326,7 +329,7 @@ def _integral(writer: Writer, term: Term) -> Written:
     one = inside.head == "expr" and inside.data[0] == 1
     body = None if one else row(writer.box(inside, OPEN), Operator("thin"))
     element = Row((Operator("d"), Symbol("m")))
-    return row(Big("integral", writer.notation.domain), body, element), OPEN
+    return _integrated(writer, row(body, element)), OPEN
 
 
 def _grid(writer: Writer, term: Term) -> Written:

@@ -10,8 +10,8 @@ from eom.typeset.boxes import (
     GREEK,
     STYLES,
     Accent,
-    Big,
     Fence,
+    Form,
     Formula,
     Fraction,
     Grid,
@@ -26,9 +26,9 @@ from eom.typeset.boxes import (
 )
 from eom.typeset.markup import (
     ACCENTS,
+    FORMS,
     OPERATORS,
     RENDERERS,
-    SIGNS,
     escape_latex,
     render,
     symbol_latex,
@@ -73,9 +73,14 @@ BOXES = {
         r"\begin{bmatrix} 1 & 0 \\ 0 & 1 \end{bmatrix}",
         "[[1, 0], [0, 1]]",
     ),
-    "integral": (Big("integral", Symbol("B")), r"\int_{B}", "∫_B"),
+    "integral": (Scripts(Operator("integral"), Symbol("B")), r"\int_{B}", "∫_B"),
     "sum": (
-        Big("sum", Row((Symbol("i"), Operator("="), Symbol("1"))), Symbol("N")),
+        Scripts(
+            Operator("sum"),
+            Row((Symbol("i"), Operator("="), Symbol("1"))),
+            Symbol("N"),
+            stacked=True,
+        ),
         r"\sum_{i = 1}^{N}",
         "Σᵢ ",
     ),
@@ -109,7 +114,7 @@ def test_boxes_in_every_language(name):
 
 def test_every_renderer_has_every_kind_of_box():
     kinds = set(RENDERERS["latex"])
-    assert len(kinds) == 12
+    assert len(kinds) == 13
     assert all(set(table) == kinds for table in RENDERERS.values())
 
 
@@ -117,7 +122,7 @@ def test_every_renderer_has_every_kind_of_box():
 def test_every_row_of_the_tables_renders(markup):
     boxes = [Accent(mark, R) for mark in ACCENTS]
     boxes += [Operator(name) for name in OPERATORS]
-    boxes += [Big(sign, R, R) for sign in SIGNS]
+    boxes += [Form(name, (R, R)) for name in FORMS]
     boxes += [Symbol(letter, style) for style in STYLES for letter in (*GREEK, "Omega", "B", "1")]
     for box in boxes:
         written = render(box, markup)

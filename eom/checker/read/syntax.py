@@ -408,7 +408,7 @@ PRODUCTS: dict[str, str] = {
 
 MARKS = frozenset(
     "vec hat bar tilde dot ddot dddot ddddot underline ring check breve acute grave "
-    "harpoon bullet circle double_bar double_underline undertilde underarrow prime_over".split()
+    "harpoon bullet circle double_bar undertilde underarrow prime_over".split()
 )
 """Names of accents; wide forms are the same as narrow ones."""
 

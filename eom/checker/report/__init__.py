@@ -2,5 +2,5 @@
 
 In: findings. Out: lines for a terminal, a file by `report.schema.json`, one page of HTML.
 Imports: `eom.checker.judge`, `eom.checker.mean`, `eom.checker.read`, `eom.opening`, `eom.system`,
-`eom.worlds`.
+`eom.typeset`, `eom.worlds`.
 """

@@ -3,10 +3,8 @@ r"""The report as one page of HTML: the note with a verdict at every equation, a
 The page holds no script and asks for nothing: formulas are MathML, styles are in the page, and what a note
 brings along is escaped. Details open by click or key.
 
-Formulas as MathML for a page: converted by latex2mathml, then rebuilt from elements that are allowed.
-
-The converter passes on what stands in ``\text`` and knows commands that set attributes; nothing of its
-output is trusted. What cannot be converted is shown as it stands, as code.
+Formulas are MathML of the tree that the checker reads, `eom.checker.read.writing`; what cannot be read is
+shown as it stands, as code.
 
 The words of a note as HTML, with its formulas in their places.
 
@@ -18,7 +16,6 @@ from __future__ import annotations
 
 import html
 import re
-import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -32,8 +29,12 @@ from eom.checker.mean.roles import ASSUMPTION, DEFINITION
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
 from eom.checker.read import masks
 from eom.checker.read.documents import Document, Piece
-from eom.checker.read.places import Source, Span
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.places import ReadingError, Source, Span
+from eom.checker.read.tokens import Macro
+from eom.checker.read.writing import at_fault, box
 from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
+from eom.typeset.markup import render
 from eom.worlds.worlds import ASSUMPTIONS
 
 if TYPE_CHECKING:
@@ -210,23 +211,23 @@ def _formula(piece: Piece, finding: Finding | None) -> str:
     """Return a formula in its place, with a sign that leads to its card."""
     display = piece.kind == "display"
     if finding is None:
-        return _display(piece.body, "formula") if display else mathml(piece.body)
+        math = mathml(piece.body, display=display, macros=piece.macros)
+        return _display(math, "formula") if display else math
     lead = len(piece.body) - len(piece.body.lstrip())
     blamed = finding.explanation.blamed or ((finding.place,) if finding.place.start >= 0 else ())
     spans = [Span(s.start - piece.span.start, s.stop - piece.span.start) for s in blamed]
     inside = [s for s in spans if lead <= s.start < s.stop <= len(piece.body)]
     tone, sign = SIGNS[finding.verdict]
+    math = mathml(piece.body, display=display, blamed=inside, macros=piece.macros)
     if display:
-        return _display(piece.body, _title(finding), inside)
-    math = mathml(piece.body, blamed=inside)
+        return _display(math, _title(finding))
     label = html.escape(f"{finding.verdict}: {_title(finding)}")
     link = f'<a class="sign" href="#{_name(finding)}" aria-label="{label}">{sign}</a>'
     return f'<span class="formula inline {tone}">{math}{link}</span>'
 
 
-def _display(latex: str, label: str, blamed: Iterable[Span] = ()) -> str:
+def _display(math: str, label: str) -> str:
     """Return a displayed formula; one that is too wide scrolls by itself, by keys as well."""
-    math = mathml(latex, display=True, blamed=blamed)
     return f'<span class="display" tabindex="0" role="group" aria-label="{label}">{math}</span>'
 
 
@@ -280,7 +281,8 @@ def _list(items: Iterable[str], tag: str) -> str:
 
 def _correction(correction: Correction) -> str:
     under = f" It then holds under: {_sets(correction.sets)}" if correction.sets else ""
-    return f"{_worded(correction.change)}{_display(correction.latex, 'corrected')}{under}"
+    shown = _display(mathml(correction.latex, display=True), "corrected")
+    return f"{_worded(correction.change)}{shown}{under}"
 
 
 def _worded(words: str) -> str:
@@ -316,169 +318,32 @@ def _meaning(name: str) -> str:
 MAX_LENGTH = 20_000
 """Longer formulas are shown as code."""
 
-ELEMENTS: dict[str, tuple[str, ...]] = {
-    **dict.fromkeys(
-        "math mrow mfrac msqrt mroot mstyle msub msup msubsup munder mover munderover mmultiscripts "
-        "mprescripts none mtable mtr mtd menclose mpadded mphantom mi mn mtext mspace".split(),
-        (),
-    ),
-    "math": ("display",),
-    "mi": ("mathvariant",),
-    "mn": ("mathvariant",),
-    "mo": (
-        "stretchy",
-        "fence",
-        "separator",
-        "accent",
-        "form",
-        "movablelimits",
-        "minsize",
-        "maxsize",
-    ),
-    "mover": ("accent",),
-    "munder": ("accentunder",),
-    "mfrac": ("linethickness",),
-    "mstyle": ("displaystyle", "scriptlevel"),
-    "mspace": ("width",),
-    "mtable": ("columnalign", "rowspacing", "columnspacing"),
-    "mtd": ("columnalign",),
-    "menclose": ("notation",),
-}
-"""Elements of MathML that a page may hold, and their attributes."""
-
-PARTS = {
-    **dict.fromkeys(("mfrac", "msub", "msup", "munder", "mover", "mroot"), 2),
-    **dict.fromkeys(("msubsup", "munderover"), 3),
-}
-"""Number of parts of an element that must have all of them."""
-
-MARK = "blamed"
-"""Class of what is at fault; the only class that is let through."""
-
-THIN = "\u2009"
-"""Space around the name of a function."""
-
-_PLAIN = re.compile(r"[A-Za-z0-9 .,%#()-]*")
-_SAFE = {"<": "\ue010", ">": "\ue011", "&": "\ue012"}
-"""Characters that the converter does not escape, and what stands for them while it works."""
-_BRACE = re.compile(r"\\.|[{}]", re.DOTALL)
-_ROWS = re.compile(r"\\begin\{(\w+\*?)\}")
-_SPELLINGS: tuple[tuple[re.Pattern[str], str], ...] = tuple(
-    (re.compile(pattern), text)
-    for pattern, text in (
-        (r"\\prescript\s*\{([^{}]*)\}\s*\{([^{}]*)\}", r"{}^{\1}_{\2}"),
-        (r"\\(?:label|ref|eqref)\s*\{[^{}]*\}", ""),
-        (r"\\tag\*?\s*\{([^{}]*)\}", r"\\qquad\\text{(\1)}"),
-        (r"\\(begin|end)\{(?:aligned|align\*?|alignat\*?|gathered|eqnarray\*?)\}", r"\\\1{split}"),
-        (r"\\(?:notag|nonumber|displaystyle|limits|nolimits)(?![A-Za-z])", ""),
-        (r"\\(?:href|style|cssId|class|unicode|require)\s*\{[^{}]*\}", ""),
-        (r"\\begin\{(\w*matrix)\}", r"{\\begin{\1}"),
-        (r"\\end\{(\w*matrix)\}", r"\\end{\1}}"),
-        (r"\\bm(?![A-Za-z])", r"\\boldsymbol"),
-        (r"\\coloneqq(?![A-Za-z])", ":="),
-    )
-)
-"""Commands that the converter does not know, or that have no business on the page."""
-
 
 def mathml(
-    latex: str, *, display: bool = False, blamed: Iterable[Span] = (), marked: bool = False
+    latex: str,
+    *,
+    display: bool = False,
+    blamed: Iterable[Span] = (),
+    macros: Mapping[str, Macro] | None = None,
 ) -> str:
-    """Return a formula as an element of HTML: MathML, or its source as code where that fails.
+    """Return a formula as an element of HTML: MathML, or its source as code where it cannot be read.
 
     ``blamed``: places in ``latex`` to mark; a place that is no term of its own is left unmarked.
-    ``marked``: whether to mark all of it.
     """
-    if marked:
-        blamed = [Span(0, len(latex))]
-    for spans in (sorted(blamed), []):
-        converted = None
-        if len(latex) <= MAX_LENGTH and all(map(_balanced, _parts(latex, spans))):
-            converted = _converted(_with_marks(latex, spans), display)
-        if converted is not None and converted.count(f'class="{MARK}">') >= len(spans):
-            return converted
-    return f"<code>{html.escape(latex.strip())}</code>"
-
-
-def _parts(latex: str, spans: Iterable[Span]) -> Iterator[str]:
-    """Yield the formula and what is to be marked in it."""
-    yield latex
-    yield from (latex[s.start : s.stop] for s in spans)
-
-
-def _balanced(latex: str) -> bool:
-    """Tell whether every brace has its partner."""
-    depth = 0
-    for brace in _BRACE.findall(latex):
-        depth += {"{": 1, "}": -1}.get(brace, 0)
-        if depth < 0:
-            return False
-    return depth == 0
-
-
-def _with_marks(latex: str, spans: Sequence[Span]) -> str:
-    r"""Return the formula with ``\class`` around the places."""
-    kept = "&" if "&" in latex and (r"\\" in latex or r"\begin" in latex) else ""
-    pieces, place = [], 0
-    for span in spans:
-        start, stop = max(span.start, place), min(span.stop, len(latex))
-        inner = _safe(latex[start:stop], kept)
-        pieces += [_safe(latex[place:start], kept), rf"{{\class{{{MARK}}}{{{inner}}}}}"]
-        place = stop
-    return "".join([*pieces, _safe(latex[place:], kept)])
-
-
-def _safe(latex: str, kept: str) -> str:
-    for pattern, text in _SPELLINGS:
-        latex = pattern.sub(text, latex)
-    return "".join(c if c in kept else _SAFE.get(c, c) for c in latex)
-
-
-def _converted(latex: str, display: bool) -> str | None:
-    from latex2mathml.converter import convert
-
+    code = f"<code>{html.escape(latex.strip())}</code>"
+    if len(latex) > MAX_LENGTH:
+        return code
     try:
-        text = convert(_aligned(latex), display="block" if display else "inline")
-        root = ET.fromstring(text)  # noqa: S314 - no "<" of the note is left in it
-    except Exception:  # whatever a note makes the converter raise, the source is shown
-        return None
-    built = _built(root)
-    return None if built is None or "\\" in built else built
-
-
-def _aligned(latex: str) -> str:
-    """Return the body of an environment of rows with a beginning and an end."""
-    bare = "&" in latex or r"\\" in latex
-    return rf"\begin{{split}}{latex}\end{{split}}" if bare and not _ROWS.search(latex) else latex
-
-
-def _built(root: ET.Element) -> str | None:
-    """Return the text of an element, with what is allowed alone; None for one that is not."""
-    names = [e.tag.rpartition("}")[2] for e in root.iter()]
-    if any(name not in ELEMENTS for name in names):
-        return None
-    if any(len(e) != PARTS.get(n, len(e)) for e, n in zip(root.iter(), names, strict=True)):
-        return None
-    for element, name in zip(root.iter(), names, strict=True):
-        element.tag = name
-        kept = ELEMENTS.get(name, ())
-        wanted = {k: v for k, v in element.attrib.items() if k in kept and _PLAIN.fullmatch(v)}
-        if name == "mrow" and element.get("class") == MARK:
-            wanted["class"] = MARK
-        element.attrib.clear()
-        element.attrib.update(wanted)
-        element.text, element.tail = _restored(element.text), _restored(element.tail)
-        if name == "mi" and element.text in _SAFE:
-            element.tag = "mo"
-        elif name == "mi" and element.text and len(element.text) > 1 and element.text.isalpha():
-            element.text = f"{THIN}{element.text}{THIN}"
-    return ET.tostring(root, encoding="unicode")
-
-
-def _restored(text: str | None) -> str | None:
-    for sign, stand_in in _SAFE.items():
-        text = text.replace(stand_in, sign) if text else text
-    return text
+        reading = read_formula(latex, macros=macros)
+    except ReadingError:
+        return code
+    spans = [b for b in blamed if latex.count("{", *b) == latex.count("}", *b)]
+    inner = render(box(at_fault(reading.tree, spans)), "mathml")
+    stop = latex.rstrip()[-1:]
+    stop = f"<mtext>{stop}</mtext>" if stop in {".", ",", ";"} else ""
+    tags = "".join(f"<mtext>\u2003({html.escape(t)})</mtext>" for t, _ in reading.tags)
+    kind = "block" if display else "inline"
+    return f'<math display="{kind}"><mrow>{inner}</mrow>{stop}{tags}</math>'
 
 
 _MARK = "\ue020{}\ue021"

@@ -6,7 +6,8 @@ from hypothesis import strategies as st
 from eom.checker.read import syntax as s
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.syntax import depth, transform, walk
-from eom.checker.read.writing import latex
+from eom.checker.read.writing import box, latex
+from eom.typeset.markup import render
 from tests.eom.checker.shape import shape
 
 LETTERS = [*"abcefghijklmnpqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", "omega", "theta", "rho", "Phi"]
@@ -188,6 +189,13 @@ def normal(tree):
 def test_drawn_trees_are_written_and_read(tree):
     assert shape(read_formula(latex(tree)).tree) == shape(tree)
     assert read_formula(latex(tree)).tree == tree
+
+
+def test_every_mark_is_written_and_read():
+    for mark in s.MARKS:
+        tree = s.Accent(mark, s.Symbol("x"))
+        assert read_formula(latex(tree)).tree == tree
+        assert render(box(tree), "mathml").count("<mo>") == 1
 
 
 def without_brackets(node):
