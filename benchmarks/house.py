@@ -24,8 +24,8 @@ Graph = Mapping[str, set[str]]
 
 LIMITS = {
     "modules": 512,
-    "lines of code": 77_600,
-    "modules in the fullest folder": 25,
+    "lines of code": 77_800,
+    "modules in the fullest folder": 23,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,
