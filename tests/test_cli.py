@@ -80,11 +80,12 @@ def test_derived_latex_has_balanced_braces_and_environments(run):
 
 @pytest.mark.parametrize("style", ["text", "latex", "markdown", "html"])
 def test_derive_prints_a_derivation_in_every_format(run, style):
-    done = run("derive", "point-mass", "--as", style, "--notation", "underline")
+    words = ["derive", "point-mass", "--as", style, "--notation", "underline"]
+    done = run(*words)
     assert done.exit_code == 0
     assert "Dynamics of a point mass" in done.output
     assert "002:E1" in done.output
-    assert len(run("derive", "point-mass", "--as", style, "--no-steps").output) < len(done.output)
+    assert len(run(*words, "--no-steps").output) < len(done.output)
 
 
 def test_notations_differ(run):
