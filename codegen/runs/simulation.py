@@ -357,7 +357,8 @@ def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
     problem, events = task.problem, task.events
     integrator, used = integrator_of(task, method)
     began = time.perf_counter()
-    trajectory = integrator(problem)
+    winding = any(a.winding for a in task.compiled.system.angles)
+    trajectory = integrator(replace(problem, dense_output=problem.dense_output or winding))
     seconds = time.perf_counter() - began if trajectory.seconds is None else trajectory.seconds
     problem.report(trajectory.stop.t)
     return replace(
@@ -367,6 +368,7 @@ def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
         why=trajectory.why,
         left_out=left_out,
         seconds=seconds,
+        sol=trajectory.solution if problem.dense_output else NotKept(),
         origin=Origin(
             task.compiled,
             replace(problem, progress=None),

@@ -3,10 +3,10 @@
 Of the angles of a sequence (`eom.system.SequenceAngles`) a state tells the first and the third up to whole
 turns. Here they become continuous functions of time, from values between -pi and pi at the first sample.
 Between two samples the change of each is known but for a multiple of 2 pi: it is that nearest to zero,
-where the body turns little and the angles by less than a right angle. Else what is known between the
-samples decides: dense output, or the cubic through states and rates at both (Hairer, Norsett and Wanner,
-Solving Ordinary Differential Equations I (1993), sect. II.6), at `PARTS` points, and at as many between two
-of these, where an angle still changes by more.
+where the body turns little and the angles by less than a right angle. Else dense output is looked at at
+`PARTS` points, and at as many between two of these, where an angle still changes by more. The ends of its
+steps are samples too: how fast the body turned on the way cannot be seen from times that are stored. Where
+there is no dense output, or no end of looking closer, turns are not known, and the run's notice says so.
 
 Next to a singular configuration the two angles change by half a turn in no time, and on it they are
 not defined one by one, but the one plus or less the other is: with a, b the axes of the first and the third
@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +38,6 @@ FAR = math.pi / 2
 PARTS = 16
 LEVELS = 3
 """How often a stretch is cut into `PARTS` at most."""
-WIDEST = 4.0
-"""Turn of the body (rad) between two samples that a cubic through states and rates follows."""
 BLOCK = 1024
 """Stretches that are looked at together."""
 
@@ -62,26 +60,49 @@ class Sampled:
 def counted(run: Sampled, outputs: Mapping[str, Array]) -> tuple[dict[str, Array], str]:
     """Return outputs with angles that are continuous in time, and a notice where turns are not known."""
     found, notices = dict(outputs), []
-    for angles in run.compiled.system.angles:
-        if len(run.trajectory.t) > 1 and any(n in outputs for n in angles.winding):
-            with np.errstate(all="ignore"):  # of states that are not finite
-                turned, notice = _continuous(_Wound.of(run, angles), outputs)
-            found |= turned
+    wanted = [a for a in run.compiled.system.angles if any(n in outputs for n in a.winding)]
+    if len(run.trajectory.t) < 2 or not wanted:
+        return found, ""
+    with np.errstate(all="ignore"):  # of states that are not finite
+        steps, own = _at_steps(run)
+        names = run.compiled.layout.results[OUTPUTS]
+        values = dict(
+            zip(names, steps.evaluate(OUTPUTS, steps.trajectory.t, steps.trajectory.y), strict=True)
+        )
+        for angles in wanted:
+            turned, notice = _continuous(_Wound.of(steps, angles), values)
+            found |= {n: v[own] for n, v in turned.items()}
             notices += [notice] if notice else []
     return found, "; ".join(notices)
+
+
+def _at_steps(run: Sampled) -> tuple[Sampled, NDArray[np.intp]]:
+    """Return a run with the ends of its steps as further samples, and where its own samples are."""
+    made = run.trajectory
+    nodes = np.asarray(getattr(made.solution, "ts", ()), dtype=np.float64)
+    low, high = min(made.t[0], made.t[-1]), max(made.t[0], made.t[-1])
+    further = np.setdiff1d(nodes[(nodes > low) & (nodes < high)], made.t)
+    if not len(further):
+        return run, np.arange(len(made.t))
+    sign = math.copysign(1.0, made.t[-1] - made.t[0])
+    t, y = np.concatenate([made.t, further]), np.column_stack([made.y, made.solution(further)])
+    order = np.argsort(sign * t, kind="stable")
+    own = np.flatnonzero(order < len(made.t))
+    return replace(
+        run, trajectory=replace(made, t=t[order], y=np.ascontiguousarray(y[:, order]))
+    ), own
 
 
 @dataclass(frozen=True)
 class _Wound:
     """The angles of one sequence that were asked for, by name, and how much the body turns between samples.
 
-    ``rates`` (n, N): of the states; ``turn`` (N - 1,): in rad, at least about that.
+    ``turn`` (N - 1,): in rad, by how fast the body turns at both ends.
     """
 
     run: Sampled
     angles: SequenceAngles
     names: tuple[str, ...]
-    rates: Array
     turn: Array
 
     @classmethod
@@ -94,22 +115,15 @@ class _Wound:
         speed = 2 * np.linalg.norm(rates[places], axis=0) / size
         turn = np.abs(np.diff(made.t)) * np.fmax(speed[1:], speed[:-1])
         names = tuple(n for n in angles.names if n in layout.results[OUTPUTS])
-        return cls(run, angles, names, rates, turn)
+        return cls(run, angles, names, turn)
 
     def between(self, k: NDArray[np.intp], part: Array) -> Array:
         """Return the angles (a, K) at parts, 0 to 1, of the stretches behind the samples ``k``."""
         made = self.run.trajectory
         h = made.t[k + 1] - made.t[k]
         t = np.where(part < 1, made.t[k] + part * h, made.t[k + 1])
-        states = self._cubic(k, part, h) if made.solution is None else made.solution(t)
-        values = self.run.evaluate(OUTPUTS, t, np.ascontiguousarray(states))
+        values = self.run.evaluate(OUTPUTS, t, np.ascontiguousarray(made.solution(t)))
         return values[[self.run.compiled.layout.results[OUTPUTS].index(n) for n in self.names]]
-
-    def _cubic(self, k: NDArray[np.intp], part: Array, h: Array) -> Array:
-        y, f, s = self.run.trajectory.y, self.rates, part
-        slopes = s * (1 - s) * h * ((1 - s) * f[:, k] - s * f[:, k + 1])
-        blend = s * s * (3 - 2 * s)
-        return np.asarray(y[:, k] + blend * (y[:, k + 1] - y[:, k]) + slopes)
 
     def changes(self, before: Array, after: Array) -> Array:
         """Return how the angles change by the shorter way; the third as the sum does, if all are there."""
@@ -123,18 +137,24 @@ class _Wound:
             change[2] = sign * (total - TURN * np.floor(total / TURN + 0.5) - change[0])
         return change
 
-    def looked(self, k: NDArray[np.intp], low: Array, high: Array, level: int) -> Array:
-        """Return the changes (a, K) over stretches from ``low`` to ``high``, by what is between."""
+    def looked(
+        self, k: NDArray[np.intp], low: Array, high: Array, level: int
+    ) -> tuple[Array, float]:
+        """Return the changes (a, K) over stretches from ``low`` to ``high``, by what is between.
+
+        And the largest turn (rad) between two points that could not be looked at more closely.
+        """
         parts = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, PARTS + 1)
         values = self.between(np.repeat(k, PARTS + 1), parts.ravel())
         values = values.reshape(len(values), *parts.shape)
         change = self.changes(values[..., :-1], values[..., 1:])
         turn = self.turn[k] * (high - low) / PARTS
         far = self.far(change, turn[:, None])
+        widest = float(turn.max())
         if level < LEVELS and far.any():
             i, j = np.nonzero(far)
-            change[:, i, j] = self.looked(k[i], parts[i, j], parts[i, j + 1], level + 1)
-        return np.asarray(change.sum(axis=-1))
+            change[:, i, j], widest = self.looked(k[i], parts[i, j], parts[i, j + 1], level + 1)
+        return np.asarray(change.sum(axis=-1)), widest
 
     def far(self, change: Array, turn: Array) -> NDArray[np.bool_]:
         """Return whether stretches are too long to be sure: by the changes, and the turn of the body."""
@@ -145,24 +165,28 @@ def _continuous(wound: _Wound, outputs: Mapping[str, Array]) -> tuple[dict[str, 
     """Return the outputs that jump without their jumps, from the first sample on."""
     values = np.array([outputs[n] for n in wound.names])
     change = wound.changes(values[:, :-1], values[:, 1:])
-    far = np.flatnonzero(wound.far(change, wound.turn))
-    for some in np.split(far, range(BLOCK, len(far), BLOCK)):
+    far, left = np.flatnonzero(wound.far(change, wound.turn)), 0.0
+    if wound.run.trajectory.solution is None:
+        far, left = far[:0], float(wound.turn.max())
+    for first in range(0, len(far), BLOCK):
+        some = far[first : first + BLOCK]
         zero = np.zeros(len(some))
-        change[:, some] = wound.looked(some, zero, zero + 1, 1)
+        change[:, some], closer = wound.looked(some, zero, zero + 1, 1)
+        left = max(left, closer)
     path = values[:, :1] + np.concatenate(
         [np.zeros((len(values), 1)), change.cumsum(axis=1)], axis=1
     )
     exact = values + TURN * np.round((path - values) / TURN)
-    widest, solution = np.max(wound.turn), wound.run.trajectory.solution
     return (
         {n: exact[k] for k, n in enumerate(wound.names) if n in wound.angles.winding},
-        _told(wound, float(widest)) if solution is None and widest > WIDEST else "",
+        _told(wound, left),
     )
 
 
-def _told(wound: _Wound, widest: float) -> str:
+def _told(wound: _Wound, left: float) -> str:
+    """Return that whole turns are not known; nothing where they are."""
     asked = " and ".join(n for n in wound.names if n in wound.angles.winding)
-    return (
-        f"whole turns of {asked} are not known: the body turns by {widest:.3g} rad between stored times, "
-        f"more than {WIDEST:g}; store more, or dense_output=True"
-    )
+    if left <= SMALL:
+        return ""
+    why = f"the body turns by {left:.3g} rad unseen; store more times"
+    return f"whole turns of {asked} are not known: {why}"

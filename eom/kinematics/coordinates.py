@@ -172,7 +172,7 @@ class RotationSequence:
         return one + other, theta, sign * (one - other)
 
     def principal_of_quaternion(self, q: Sequence[Expr]) -> tuple[Expr, Expr, Expr]:
-        """Return the three angles (rad) as `of_quaternion`, all between -pi and pi.
+        """Return the three angles (rad) of a unit quaternion as `of_quaternion`, all between -pi and pi.
 
         They lose no digits that the quaternion has, also where two arguments nearly cancel: the sum of
         arguments is that of a product, and twice an argument less a quarter turn that of a square. To the

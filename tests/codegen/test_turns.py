@@ -3,6 +3,7 @@
 import math
 import re
 import subprocess
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -90,33 +91,61 @@ def test_a_steady_turn_through_the_singular_angles_is_continuous_where_it_can_be
 
 
 @cache
-def spun(count, rate=20.0, **options):
+def spun(count, method="DOP853", rate=20.0, **options):
     """About b3, whose angle psi of the sequence 3-2-1 grows without end."""
     scene = scene_of(omega=(0.0, 0.0, rate), start=(0.5, 0.0, 0.0), integrate="quaternion",
                      body={"moments": (1, 2, 3)}, torque={"components": ("k*omega_1", 0, 0)},
                      parameters={"k": 0.0}, outputs=(*NAMES, "omega_1"))  # fmt: skip
-    run = run_of(scene, np.linspace(0, 10, count), "DOP853", **options)
+    run = run_of(scene, np.linspace(0, 10, count), method, **options)
     return run.t, run["psi"], run.notice
 
 
-@pytest.mark.parametrize("count", [52, 101, 1001])
-def test_turns_are_counted_up_to_four_radians_between_samples(count):
-    t, psi, notice = spun(count)
+@pytest.mark.parametrize("dense", [False, True])
+@pytest.mark.parametrize("count", [2, 30, 52, 101, 1001])
+def test_turns_are_counted_however_few_times_are_stored(count, dense):
+    t, psi, notice = spun(count, dense_output=dense)
     np.testing.assert_allclose(psi, 0.5 + 20 * t, rtol=0, atol=1e-8)
     assert notice == ""
 
 
-def test_turns_that_nobody_knows_are_told_and_the_attitude_is_right():
-    t, psi, notice = spun(30)
+@pytest.mark.parametrize("method", ["rkmk", "taylor", "auto", "scipy:LSODA"])
+def test_every_method_counts_turns(method):
+    t, psi, notice = spun(2, method)
+    np.testing.assert_allclose(psi, 0.5 + 20 * t, rtol=0, atol=1e-8)
+    assert notice == ""
+
+
+def test_turns_that_nobody_knows_are_told_and_the_attitude_is_right(monkeypatch):
+    """Without dense output nothing is known between stored times."""
+    known = turns.counted
+
+    def blind(run, outputs):
+        return known(replace(run, trajectory=replace(run.trajectory, solution=None)), outputs)
+
+    monkeypatch.setattr("codegen.runs.simulation.counted", blind)
+    t, psi, notice = spun.__wrapped__(30)
     assert "whole turns of psi and phi are not known" in notice
-    assert "dense_output=True" in notice
     np.testing.assert_allclose(np.cos(psi), np.cos(0.5 + 20 * t), rtol=0, atol=1e-8)
 
 
-def test_dense_output_counts_all_turns():
-    t, psi, notice = spun(30, dense_output=True)
-    np.testing.assert_allclose(psi, 0.5 + 20 * t, rtol=0, atol=1e-8)
-    assert notice == ""
+@pytest.mark.parametrize("dense", [False, True])
+@pytest.mark.parametrize("count", [6, 501])
+def test_turns_between_two_rests_are_counted(count, dense):
+    """Each second the body is spun up and stopped again, so that it rests at all times of six."""
+    scene = scene_of(
+        omega=(0.0, 0.0, 0.0), start=(0.0, 0.0, 0.0), integrate="quaternion",
+        body={"moments": (1, 1.1, 1.2)}, torque={"components": (0, 0, "M")},
+        inputs={"M": {"value": 0.0}},
+    )  # fmt: skip
+
+    def pulses(t):
+        return 100.0 * (int(0.2 <= t % 1 < 0.5) - int(0.5 <= t % 1 < 0.8))
+
+    pushed = codegen.Signal(pulses, knots=[k + x for k in range(5) for x in (0.2, 0.5, 0.8)])
+    t = np.linspace(0, 5, count)
+    run = run_of(scene, t, "DOP853", inputs={"M": pushed}, dense_output=dense)
+    assert run["psi"][-1] == pytest.approx(5 * 100 / 1.2 * 0.3**2, abs=1e-6)
+    assert bool(run.sol) == dense
 
 
 def test_turns_are_counted_backwards():

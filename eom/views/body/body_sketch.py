@@ -145,7 +145,9 @@ def body_sketch(scene: Scene) -> Picture:
 
 def _expanded(torque: Torque) -> tuple[Any, ...]:
     directions = {d.symbol: d.expression for d in torque.directions}
-    return tuple(sp.sympify(c).xreplace(directions) for c in torque.components.components)
+    return tuple(
+        sp.sympify(c, strict=True).xreplace(directions) for c in torque.components.components
+    )
 
 
 def _told(s: _Sketch) -> str:
