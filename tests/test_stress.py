@@ -27,7 +27,9 @@ from eom.mechanics.rigidbody import free_rigid_body
 from eom.rotations import cosines
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")
-SHORT = Size("quick", 100, 4, (1e-4, 1e-8, 2.0**-52), 0.05, 0.5, 4, 2, 10_000, 10)
+SHORT = Size(
+    "quick", 100, 4, (1e-4, 1e-8, 2.0**-52), 0.05, 0.5, 4, 2, 10_000, trials=10, apart=20, forms=40
+)
 BOTH = ("--method", "taylor", "--method", "DOP853")
 FEW = ("forced-rigid-body", "damped-body")
 

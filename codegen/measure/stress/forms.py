@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -20,7 +20,6 @@ from codegen.passes.pipeline import specialised
 from eom.system import System
 
 Expr = Any
-COUNTS: Mapping[str, int] = {"quick": 200, "default": 2000, "full": 10_000}
 LARGEST = 300
 """Amplitudes are 10^-LARGEST to 10^LARGEST."""
 
@@ -69,7 +68,7 @@ def perturbed_forms(material: Material, plan: Plan) -> Findings:
     systems = list(known(material))
     lost = [k.name for k in systems if not taken(k.held(k.system))]
     draw = random.Random(plan.seed)  # noqa: S311 - reproducible perturbations
-    count, wrong = COUNTS.get(plan.size.name, COUNTS["quick"]), []
+    count, wrong = plan.size.forms, []
     for n in range(count):
         chosen = draw.choice(systems)
         system, words = perturbed(chosen, draw)

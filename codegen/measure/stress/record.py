@@ -70,7 +70,8 @@ class Size:
     """How much is measured. ``share``: of the end times of the problems that are swept.
 
     ``limit``: seconds of processor time after which one run is given up. ``trials``: of the estimate.
-    ``apart``: of the hostile systems every so-many-th of each family is taken.
+    ``apart``: of the hostile systems every so-many-th of each family is taken. ``forms``: systems that
+    are nearly one with a closed form.
     """
 
     name: str
@@ -84,15 +85,16 @@ class Size:
     steps: int
     trials: int = 30
     apart: int = 5
+    forms: int = 2000
 
 
 SIZES: Mapping[str, Size] = {
     size.name: size
     for size in (
-        Size("quick", 1e3, 24, (1e-3, 1e-6, 1e-9, EPSILON), 0.05, 0.2, 20, 3, 20_000, 10, 20),
+        Size("quick", 1e3, 24, (1e-3, 1e-6, 1e-9, EPSILON), 0.05, 0.2, 20, 3, 20_000, 10, 20, 200),
         Size("default", 3e4, 24, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, EPSILON), 0.25, 0.5, 100, 10, 30_000),
         Size("full", 1e6, 12, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, EPSILON),
-             1.0, 2.0, 1000, 30, 100_000, 30, 1),
+             1.0, 2.0, 1000, 30, 100_000, 30, 1, 10_000),
     )
 }  # fmt: skip
 Progress = Callable[[float], None]
