@@ -183,17 +183,17 @@ def _in_words(
     """Yield the results of the claims in words of a note; they share the time."""
     start = perf_counter()
     stated = [r.stated for r in placed]
-    told = in_words(document, [r.understood for r in placed], stated, GIVEN, SECONDS)
+    found = in_words(document, [r.understood for r in placed], stated, GIVEN, SECONDS)
     seconds = (perf_counter() - start) / len(said)
-    yield from (_of_claim(entry, told, accepted, seconds) for entry in said)
+    yield from (_of_claim(entry, found, accepted, seconds) for entry in said)
 
 
 def _of_claim(
-    entry: Entry, told: Sequence[Finding], accepted: Iterable[str], seconds: float
+    entry: Entry, found: Sequence[Finding], accepted: Iterable[str], seconds: float
 ) -> Result:
     """Return the result of a claim in words: of the finding in its line with most of its words."""
     words = _words(entry.latex)
-    near = [f for f in told if abs(f.line - entry.line) <= 1]
+    near = [f for f in found if abs(f.line - entry.line) <= 1]
     best = max(near, key=lambda f: len(words & _words(f.latex)), default=None)
     if best is None or 2 * len(words & _words(best.latex)) < len(words):
         return Result(entry, PROSE, NOT_READ, NOT_READ, "", seconds)

@@ -41,7 +41,7 @@ SHOWN = 3
 
 
 def same(understood: Understood, one: str, other: str) -> bool:
-    """Tell whether two lines in the place of a formula are equal: as trees, or by members in worlds."""
+    """Return whether two lines in the place of a formula are equal: as trees, or by members in worlds."""
     try:
         macros = understood.formula.piece.macros
         trees = [apply(read_formula(t, macros=macros).tree)[0] for t in (one, other)]
@@ -72,7 +72,7 @@ def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
 
 
 def _proportional(rows: Sequence[Sequence[int | None]]) -> bool:
-    """Tell whether two rows of numbers are equal up to one number that is not zero."""
+    """Return whether two rows of numbers are equal up to one number that is not zero."""
     pairs = [(x, y) for x, y in zip(*rows, strict=True) if x is not None and y is not None]
     if len(pairs) < len(rows[0]):
         return False

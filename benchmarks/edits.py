@@ -263,7 +263,7 @@ def _of_note(
 
 
 def is_true(found: tuple[Claim, ...], original: Original) -> bool:
-    """Tell whether claims are true by the oracle, under what the original ones needed.
+    """Return whether claims are true by the oracle, under what the original ones needed.
 
     Raises `oracle.Undefined` and `InputError` where it cannot tell.
     """
@@ -301,7 +301,7 @@ def outcome(original: Original, tree: Node) -> tuple[str, Verdict | None, Unders
 
 
 def _true_elsewhere(ours: Verdict) -> bool:
-    """Tell whether the oracle agrees with every set that the checker names."""
+    """Return whether the oracle agrees with every set that the checker names."""
     return all(
         _true_under(j.claim, _needed(j.judgement, k))
         for j in ours.claims
@@ -313,7 +313,7 @@ def _true_elsewhere(ours: Verdict) -> bool:
 
 
 def undone(original: Original, tree: Node) -> bool:
-    """Tell whether the formula before the edit is among the first corrections, or one equal to it.
+    """Return whether the formula before the edit is among the first corrections, or one equal to it.
 
     The edit is written out and read again, so that its places are those of its own text.
     """

@@ -178,7 +178,7 @@ def _correctly_rounded(tree: Tree) -> bool:
 
 
 def _compared(value: float, bound: Bounded) -> tuple[bool, str]:
-    """Tell whether a number is within its bound, and say what was expected."""
+    """Return whether a number is within its bound, and say what was expected."""
     good = bool(abs(bound.value - mpmath.mpf(value)) <= bound.error)
     return good, f"{value!r}, exactly {float(bound.value)!r}, bound {float(bound.error):.2g}"
 

@@ -19,7 +19,7 @@ KNOWN = {"x86_64": ("-mno-avx512f",), "AMD64": ("-mno-avx512f",)}
 
 
 def available() -> bool:
-    """Tell whether instructions can be counted here."""
+    """Return whether instructions can be counted here."""
     return shutil.which("valgrind") is not None
 
 

@@ -40,10 +40,10 @@ def _row(name: str, settings: Settings) -> Row:
     if settings.instructions:
         mine += f", {instructions.text(ours)}"
         other += f", {instructions.text(theirs)}"
-    told = name, mine, other, f"{pairs.ratio:.3f}"
+    row = name, mine, other, f"{pairs.ratio:.3f}"
     if settings.quick and instructions.available():
-        return Row(*told, "see the counts")
-    return Row(*told, f"<= {limit}", pairs.ratio <= limit)
+        return Row(*row, "see the counts")
+    return Row(*row, f"<= {limit}", pairs.ratio <= limit)
 
 
 def _timed(ours: Rates, theirs: Rates, points: Points, count: int) -> Pairs:

@@ -159,7 +159,7 @@ MOST_ENTRIES = 10**6
 def _held(value: Any, hint: Any) -> Any:
     """Return an argument as the function gets it: a tuple of what can be gone through once, whole numbers.
 
-    One entry more than `MOST_ENTRIES` tells that there are too many.
+    One entry more than `MOST_ENTRIES` shows that there are too many.
     """
     kinds = typing.get_args(hint) if typing.get_origin(hint) in _UNIONS else (hint,)
     if int in kinds and not isinstance(value, int) and _is_whole(value):
@@ -300,7 +300,7 @@ def _hints(function: Callable[..., Any]) -> dict[str, Any]:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Tell whether a value is what an annotation says, as far as that can be told."""
+    """Return whether a value is what an annotation says, as far as that can be known."""
     kind = typing.get_origin(hint) or hint
     rule = _RULES.get(kind)
     if rule is not None:
@@ -315,7 +315,7 @@ def _fits(value: Any, hint: Any) -> bool:
 
 
 def _has_members(value: Any, protocol: type) -> bool:
-    """Tell whether a value has what a protocol names, but for names with underscores."""
+    """Return whether a value has what a protocol names, but for names with underscores."""
     names = [n for c in protocol.__mro__ for n in (*vars(c), *vars(c).get("__annotations__", ()))]
     return all(hasattr(value, n) for n in names if not n.startswith("_"))
 
@@ -330,7 +330,7 @@ def _is_number(value: Any, _: Any = ()) -> bool:
 
 
 def _is_whole(value: Any, _: Any = ()) -> bool:
-    """Tell whether a value is a whole number: a count, a seed, none of more than 64 bits."""
+    """Return whether a value is a whole number: a count, a seed, none of more than 64 bits."""
     is_single = not isinstance(value, type) and getattr(value, "shape", ()) == ()
     if not (is_single and hasattr(value, "__index__")):
         return False
@@ -345,7 +345,7 @@ def _is_flag(value: Any, _: Any = ()) -> bool:
 
 
 def is_text(value: Any, _: Any = ()) -> bool:
-    """Tell whether a value is a text that can be written: one without lone surrogates."""
+    """Return whether a value is a text that can be written: one without lone surrogates."""
     return isinstance(value, str) and not any("\ud800" <= c <= "\udfff" for c in value)
 
 
@@ -364,7 +364,7 @@ def _is_list(value: Any) -> bool:
 
 
 def _is_long(value: Any) -> bool:
-    """Tell whether a sequence that is no list has more than `MOST_ENTRIES`: it may have any number."""
+    """Return whether a sequence that is no list has more than `MOST_ENTRIES`: it may have any number."""
     if not isinstance(value, Sequence) or isinstance(value, list | str | bytes | bytearray):
         return False
     try:
@@ -374,7 +374,7 @@ def _is_long(value: Any) -> bool:
 
 
 def _is_sequence(value: Any, kinds: Any) -> bool:
-    """Tell whether a value is a list; one whose entries cannot be had, or too many, is none."""
+    """Return whether a value is a list; one whose entries cannot be had, or too many, is none."""
     if not _is_list(value) or _is_long(value):
         return False
     try:
@@ -384,7 +384,7 @@ def _is_sequence(value: Any, kinds: Any) -> bool:
 
 
 def _is_iterable(value: Any, kinds: Any) -> bool:
-    """Tell whether a value can be gone through; of what is neither a list nor a set, alone that."""
+    """Return whether a value can be gone through; of what is neither a list nor a set, alone that."""
     if isinstance(value, AbstractSet):
         return all(_fits(v, kinds[0] if kinds else Any) for v in value)
     if _is_list(value):
@@ -402,7 +402,7 @@ def _is_tuple(value: Any, kinds: Any) -> bool:
 
 
 def _is_function(value: Any, kinds: Any) -> bool:
-    """Tell whether a value can be called with as many arguments as it will be, as far as it says."""
+    """Return whether a value can be called with as many arguments as it will be, as far as it says."""
     if not callable(value):
         return False
     given = kinds[0] if kinds and isinstance(kinds[0], list) else None
@@ -418,7 +418,7 @@ def _is_function(value: Any, kinds: Any) -> bool:
 
 
 def _is_one_of(value: Any, kinds: Any) -> bool:
-    """Tell whether a value is of one kind; the name of a file may hold bytes that are no text."""
+    """Return whether a value is of one kind; the name of a file may hold bytes that are no text."""
     is_name = Path in kinds and isinstance(value, str)
     return is_name or any(_fits(value, kind) for kind in kinds)
 

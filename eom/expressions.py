@@ -46,7 +46,7 @@ UNUSABLE = (sp.Derivative, sp.core.function.AppliedUndef)
 
 
 def is_over(expression: Expr, known: set[Expr]) -> bool:
-    """Tell quickly whether an expression is one, over known symbols, with no function of time in it."""
+    """Return quickly whether an expression is one, over known symbols, with no function of time in it."""
     return isinstance(expression, sp.Basic) and not any(
         isinstance(e, UNUSABLE) or (e.is_Symbol and e not in known) for e in nodes((expression,))
     )
@@ -74,7 +74,7 @@ def free_symbols(expressions: Iterable[Expr]) -> set[Expr]:
 
 @cache
 def _binds(kind: type) -> bool:
-    """Tell whether expressions of a type have a rule of their own for their free symbols."""
+    """Return whether expressions of a type have a rule of their own for their free symbols."""
     own = next(vars(c)["free_symbols"] for c in kind.__mro__ if "free_symbols" in vars(c))
     return own is not vars(sp.Basic)["free_symbols"]
 

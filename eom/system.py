@@ -47,7 +47,7 @@ class System:
     ``rates``: one expression a state. ``mass_matrix``: symmetric SymPy matrix, or None for identity.
     ``outputs``, ``invariants``: named expressions; invariants are constant along every solution.
     ``singularities``, ``assumptions``: see their types. ``maintained``: names of invariants onto which
-    integration brings the state back unless told otherwise. ``attitudes``: bodies among the states, see
+    integration brings the state back unless asked not to. ``attitudes``: bodies among the states, see
     `BodyAttitude`; each is proved. ``angles``: outputs that jump by whole turns, see `SequenceAngles`.
     ``time``: the symbol of time. Units are SI; angles are in radians.
 

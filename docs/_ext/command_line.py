@@ -36,7 +36,7 @@ def _command(name: str, command: click.Command, above: click.Context | None) -> 
     made += table(("option", "meaning"), _options(context)) if _options(context) else []
     if isinstance(command, WithTable):
         made += nodes.rubric("", command.title)
-        made += table(("name", "meaning"), [(f"`{n}`", told) for n, told in command.rows()])
+        made += table(("name", "meaning"), [(f"`{n}`", meaning) for n, meaning in command.rows()])
     return made
 
 

@@ -67,9 +67,9 @@ def sections(model: type[pydantic.BaseModel], name: str = "") -> Iterator[tuple[
             below.append((part, f"{name}.{key}".strip(".") + (".NAME" if by_name else "")))
             continue
         default = field.get_default(call_default_factory=True)
-        told = "" if default in (None, "", (), {}) else f"`{_toml(default)}`"
+        usual = "" if default in (None, "", (), {}) else f"`{_toml(default)}`"
         rows.append(
-            (f"`{key}`", _words(field.annotation), "required" if field.is_required() else told)
+            (f"`{key}`", _words(field.annotation), "required" if field.is_required() else usual)
         )
     yield name, model, rows
     for part, inner in below:

@@ -37,8 +37,8 @@ def _choices() -> Rows:
 def _methods() -> Rows:
     from codegen.integrate.methods import ROWS
 
-    told = {True: "yes", False: "no"}
-    return [(f"`{m.name}`", m.meaning, told[m.projects], told[m.finds]) for m in ROWS]
+    words = {True: "yes", False: "no"}
+    return [(f"`{m.name}`", m.meaning, words[m.projects], words[m.finds]) for m in ROWS]
 
 
 def _assumptions() -> Rows:
@@ -80,9 +80,9 @@ def _first_sentence(text: str) -> str:
 def _tree_outputs() -> Rows:
     from eom.multibody.files.scene import GROUPS
 
-    told = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
+    groups = [(f"`{word}`", ", ".join(f"`{n}`" for n in names)) for word, names in GROUPS.items()]
     return [
-        *told,
+        *groups,
         ("`reactions`", "forces and torques through joints: `F_JOINT_1`, ..., `M_JOINT_3`"),
         ("`drives`", "what moves prescribed joints: `tau_JOINT`"),
         ("`points`", "points of bodies: `x_POINT_1`, `v_POINT_1`, `a_POINT_1`, ..."),

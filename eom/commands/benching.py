@@ -64,7 +64,7 @@ def bench(
     """Measure run time against error of every method, beside SciPy and heyoka.
 
     Times are those of the integration alone, the least of repeated runs in shuffled order; +30% says
-    that their median is so much more. The time to a first result is told apart. Errors are those
+    that their median is so much more. The time to a first result is listed on its own. Errors are those
     at the end, against a solution with many digits.
     """
     from codegen.compiling.compiled import write_files

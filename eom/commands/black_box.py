@@ -55,7 +55,7 @@ def limit(seconds: int, memory: int) -> None:
 
 
 def _called(function: str, *arguments: int) -> bool:
-    """Call a function of the C library; tell whether there is one and it succeeds."""
+    """Call a function of the C library; return whether there is one and it succeeds."""
     found = getattr(ctypes.CDLL(None), function, None)
     return found is not None and found(*arguments) == 0
 
@@ -173,7 +173,7 @@ def _signal(numbers: list[int], number: int) -> None:
 
 
 def _has_children() -> bool:
-    """Tell whether this process has children; those that have ended are waited for."""
+    """Return whether this process has children; those that have ended are waited for."""
     try:
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass

@@ -72,9 +72,9 @@ def _assumptions() -> Rows:
     "--only",
     multiple=True,
     metavar="VERDICT",
-    help="Tell these alone: wrong, ill-formed, undecided, ...; repeatable.",
+    help="Print these alone: wrong, ill-formed, undecided, ...; repeatable.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Tell what is wrong or ill-formed alone.")
+@click.option("-q", "--quiet", is_flag=True, help="Print what is wrong or ill-formed alone.")
 @click.option("--json", "as_json", is_flag=True, help="Print all reports as JSON.")
 @click.option(
     "--table",
@@ -187,7 +187,7 @@ def _settings(
 
 
 def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the verdicts that are told; words may be joined by hyphens or blanks."""
+    """Return the verdicts that are printed; words may be joined by hyphens or blanks."""
     from eom.checker.report.findings import ORDER
 
     known = {v.replace(" ", "-"): v for v in ORDER}

@@ -34,7 +34,7 @@ SECONDS = 20
 PLACE = "namespace"
 """Where the warden of foreign code stands, where the system allows it: see `black_box`."""
 GRACE, END_SECONDS = 10, 0.4
-"""Seconds that the warden may take beyond those of the code; what it gets to end all when it is told to."""
+"""Seconds that the warden may take beyond those of the code; how long it may take to end all when asked."""
 MEMORY, COMPILER_MEMORY = 4_000_000_000, 1_500_000_000
 """Bytes of a process of the code, and of one of the compiler."""
 MAX_SOURCE, MAX_RESULT = 1_000_000, 16_000_000
@@ -273,19 +273,19 @@ def _guarded(
     )
     with process:
         try:
-            told, _ = process.communicate(timeout=seconds + GRACE)
+            answer, _ = process.communicate(timeout=seconds + GRACE)
         except BaseException as error:
             _end(process)
             if not isinstance(error, subprocess.TimeoutExpired):
                 raise
             return "", 0
-    return _verdict(told)
+    return _verdict(answer)
 
 
-def _verdict(told: bytes) -> tuple[str, int]:
+def _verdict(answer: bytes) -> tuple[str, int]:
     """Return the word and the number of a verdict; no word where it is none."""
     try:
-        ((kind, value),) = json.loads(told[:100]).items()
+        ((kind, value),) = json.loads(answer[:100]).items()
     except (ValueError, AttributeError, RecursionError):
         return "", 0
     is_one = kind in _VERDICT and type(value) is int and 0 <= value < 256

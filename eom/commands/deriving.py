@@ -110,7 +110,7 @@ def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
 
 
 def _is_derivation(name: str) -> bool:
-    """Tell derivations from scenes and files. Raises `InputError` for names of neither."""
+    """Separate derivations from scenes and files. Raises `InputError` for names of neither."""
     from eom import derivations
 
     if catalogue.is_file(name) or name in catalogue.names():

@@ -1,6 +1,6 @@
 """What several commands have in common: their arguments, scenes with options, progress.
 
-Events of `eom simulate`: how they are spelt, and how what was found is told.
+Events of `eom simulate`: how they are spelt, and how what was found is printed.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def print_equations(scene: AnyScene, style: str, explain: bool) -> None:
 
 
 def news(notice: str, noted: str) -> str:
-    """Return the part of a notice that was not told before."""
+    """Return the part of a notice that was not printed before."""
     return notice.replace(noted, "", 1).removeprefix("; ") if noted else notice
 
 
@@ -131,7 +131,7 @@ def compiled_of(scene: AnyScene, target: str, stable: bool = False) -> Compiled:
 
 
 def compiling(show: Callable[[str], None]) -> Callable[[str, float], None]:
-    """Return what `codegen.compile` tells its progress to, for the line that `waiting_for` shows."""
+    """Return what `codegen.compile` reports its progress to, for the line that `waiting_for` shows."""
     return lambda stage, share: show(f"compiling: {stage} {share:.0%}")
 
 
@@ -209,7 +209,7 @@ event_option = click.option(
     multiple=True,
     metavar='"EXPR [rising|falling] [stop [N]]"',
     help=(
-        "Tell when EXPR, over states, parameters, outputs and t, is zero: where it rises or falls "
+        "Print when EXPR, over states, parameters, outputs and t, is zero: where it rises or falls "
         'alone, with stop also end the run there, or at the Nth.  As: --event "theta - 0.5 rising stop".'
     ),
 )
@@ -219,7 +219,7 @@ _END = re.compile(
     re.DOTALL,
 )
 MOST_TIMES = 6
-"""Times of an event that are told in the closing table."""
+"""Times of an event that are listed in the closing table."""
 
 
 def events_of(texts: Sequence[str], system: System) -> tuple[Event, ...]:

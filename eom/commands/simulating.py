@@ -41,7 +41,7 @@ STOPPED = 1
 REACHED, AT_EVENT = 0, 2
 """Of `codegen.Result.status`: what counts as done."""
 CANCELS = 2.0
-"""Size of the terms of a constant of the motion over its value from which on it is told."""
+"""Size of the terms of a constant of the motion over its value from which on it is printed."""
 ALARM, NOTE = "bold red", "yellow"
 """Colours of what is printed where no digit is left, and of other notices."""
 LONGEST = 30.0
@@ -99,7 +99,7 @@ accuracy_option = click.option(
 )
 @accuracy_option
 @click.option(
-    "--json", "as_json", is_flag=True, help="Print the trajectory and all that is told as JSON."
+    "--json", "as_json", is_flag=True, help="Print the trajectory and all that is printed as JSON."
 )
 def simulate(
     scene: str,
@@ -208,7 +208,7 @@ def _save(
 
 
 def _draw(job: Job, result: Result, file: Path) -> list[Path]:
-    """Draw histories; a run that stopped before there is anything to draw is told of, and not drawn."""
+    """Draw histories; a run that stopped before there is anything to draw is reported, and not drawn."""
     from eom.views.draw.saving import save
     from eom.views.time.histories import histories_asked
 
@@ -275,7 +275,7 @@ def _add_accuracy(table: Table, accuracy: Accuracy | str) -> None:
 
 
 def data(job: Job, result: Result, accuracy: Accuracy | str = "") -> dict[str, Any]:
-    """Return a trajectory and what is told of it as JSON has it; what is not finite is null."""
+    """Return a trajectory and its notices as JSON has it; what is not finite is null."""
     rows = zip(result.names, result.y.tolist(), strict=True)
     return {
         "scene": job.scene.name,

@@ -483,8 +483,8 @@ def _derived(
     """Yield one block a chain, of the chosen steps; of all where none are chosen."""
     before: tuple[str, ...] = ()
     number = 0
-    told = (s for s in derivation.steps if not only_names(s, notation))
-    for chain in chains(told):
+    spoken = (s for s in derivation.steps if not only_names(s, notation))
+    for chain in chains(spoken):
         lines: list[tuple[Line, ...]] = []
         notes: list[Note] = []
         for step in chain:
@@ -511,7 +511,7 @@ def separate(derivation: Derivation, notation: Notation) -> Iterator[Steps]:
 
 
 def only_names(step: Step, notation: Notation) -> bool:
-    """Tell whether a definition has the same letter on both sides; the symbols list it."""
+    """Return whether a definition has the same letter on both sides; the symbols list it."""
     sides = [write(t, notation) for t in (step.statement.left, step.statement.right)]
     return step.statement.relation == ":=" and sides[0] == sides[1]
 
@@ -611,8 +611,8 @@ def _assumed(now: tuple[str, ...], before: tuple[str, ...]) -> str:
 
 def _statements(derivation: Derivation, notation: Notation) -> Block:
     """Return the last statement of every chain, with its equations of the lectures."""
-    told = (s for s in derivation.steps if not only_names(s, notation))
-    finals = [chain[-1] for chain in chains(told)]
+    spoken = (s for s in derivation.steps if not only_names(s, notation))
+    finals = [chain[-1] for chain in chains(spoken)]
     return Display(tuple(line for s in finals for line in _lines(s.statement, notation)))
 
 

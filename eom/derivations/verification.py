@@ -74,7 +74,7 @@ def verify(
 def decide(
     equation: Equation, assumptions: Iterable[str], scalars: Scalars, count: int = WORLDS
 ) -> bool:
-    """Tell whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
+    """Return whether an equation holds in ``count`` worlds; worlds where it is undefined are skipped."""
     found = 0
     for world in worlds(assumptions, 4 * count):
         try:
@@ -89,7 +89,7 @@ def decide(
 
 
 def is_plain(equation: Equation) -> bool:
-    """Tell whether both sides are made of SymPy expressions alone."""
+    """Return whether both sides are made of SymPy expressions alone."""
     parts = [n for side in (equation.left, equation.right) for n in nodes(side)]
     return all(n.args or n.head in {"expr", "zero"} for n in parts) and not any(
         n.head in {"der", "sum", "integral", "column"} for n in parts
@@ -97,13 +97,13 @@ def is_plain(equation: Equation) -> bool:
 
 
 def _has_meaning(equation: Equation, scalars: Scalars) -> bool:
-    """Tell whether every symbol stands for a quantity of the worlds."""
+    """Return whether every symbol stands for a quantity of the worlds."""
     parts = (*nodes(equation.left), *nodes(equation.right))
     return all(n.data[0].free_symbols <= set(scalars) for n in parts if n.head == "expr")
 
 
 def _is_identity(equation: Equation, scalars: Scalars) -> bool:
-    """Tell whether both sides are equal for all values; named expressions are put in."""
+    """Return whether both sides are equal for all values; named expressions are put in."""
     known = {s: m.data[0] for s, m in scalars.items() if m.head == "expr"}
     pairs = zip(_entries(equation.left), _entries(equation.right), strict=True)
     return all(
@@ -173,7 +173,7 @@ def _verify_sign(equation: Equation, scalars: Scalars, assumptions: Names, where
 
 
 def not_negative(term: Term, scalars: Scalars) -> bool:
-    """Tell whether the form of ``term`` shows that it cannot be negative.
+    """Return whether the form of ``term`` shows that it cannot be negative.
 
     A symbol that stands for a quantity counts for nothing, whatever its own assumptions say.
     """

@@ -1,4 +1,4 @@
-"""Exact randomised equality: tell whether an expression vanishes for all values of its symbols.
+"""Exact randomised equality: whether an expression vanishes for all values of its symbols.
 
 Expressions are evaluated in the integers modulo the prime 2**61 - 1 at random points. Sine and
 cosine of integer combinations of angles are rational functions of the half-angle tangents
@@ -26,7 +26,7 @@ MAX_COUNT = 64
 
 
 def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
-    """Tell whether ``expression`` is zero for all values of its symbols.
+    """Return whether ``expression`` is zero for all values of its symbols.
 
     True is certain up to the bound of the module's text. False is certain for rational
     functions of symbols, sines and cosines; for others it may also mean "not decided".
@@ -40,7 +40,7 @@ def vanishes(expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
 
 
 def zero_at_random_points(residual: Callable[[RandomPoint], int], points: int, seed: int) -> bool:
-    """Tell whether a residual is zero modulo `PRIME` at random points; it raises `Singular` at others."""
+    """Return whether a residual is zero modulo `PRIME` at random points; it raises `Singular` at others."""
     generator = random.Random(seed)  # noqa: S311 - reproducible points, no secrets
     found = 0
     for _ in range(20 * points):
@@ -56,7 +56,7 @@ def zero_at_random_points(residual: Callable[[RandomPoint], int], points: int, s
 
 
 def equal(left: Expr, right: Expr, *, seed: int = 0) -> bool:
-    """Tell whether two expressions, or two matrices entry by entry, are equal everywhere.
+    """Return whether two expressions, or two matrices entry by entry, are equal everywhere.
 
     >>> t = sp.Symbol("t")
     >>> equal(sp.cos(t) ** 2, 1 - sp.sin(t) ** 2)

@@ -122,7 +122,7 @@ def principal_axes(J: Iterable[Iterable[Expr]], digits: int = DIGITS) -> Princip
 
 
 def definiteness(J: Iterable[Iterable[Expr]]) -> Definiteness:
-    """Tell whether an inertia matrix is positive definite, semi-definite, or that of no body.
+    """Return whether an inertia matrix is positive definite, semi-definite, or that of no body.
 
     Returns also why, and the axis that shows it. ``J``: as of `principal_axes`, of numbers only (kg
     m^2), as are tolerances, errors (`InputError`) and source; an impossible matrix is no error.
@@ -233,7 +233,7 @@ class PrincipalAxes:
 
 
 def is_zero(value: Expr, slack: Expr = 0) -> bool:
-    """Tell whether ``value`` is zero: exactly for numbers, identically for symbols."""
+    """Return whether ``value`` is zero: exactly for numbers, identically for symbols."""
     return vanishes(value) if value.free_symbols else sign(number(value), slack) == 0
 
 

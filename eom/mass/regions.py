@@ -187,7 +187,7 @@ def _square_root(square: Expr) -> Expr:
 
 
 def _sign_halfway(root: Expr, bounds: tuple[Bound, ...]) -> int:
-    """The sign of ``root`` at an inner point of the bounds; 1 where it cannot be told."""
+    """The sign of ``root`` at an inner point of the bounds; 1 where it cannot be known."""
     free = sorted(root.free_symbols.union(*(e.free_symbols for b in bounds for e in b)), key=str)
     values = {s: sp.Float(1 + k / 7) for k, s in enumerate(free)}
     for parameter, start, end in reversed(bounds):

@@ -206,7 +206,7 @@ def damped_spin(axis: int) -> DampedSpin:
 def damped_stability(
     moments: Sequence[Expr], axis: int, slug: Expr = 1, damping: Expr = 1, rate: Expr = 1
 ) -> str:
-    """Tell whether the body with its slug is stable, unstable or neutral in spin about ``axis``.
+    """Return whether the body with its slug is stable, unstable or neutral in spin about ``axis``.
 
     ``moments`` of the body without the slug and ``slug`` J_s in kg m^2, ``damping`` c in N m s,
     ``rate`` in rad/s. Neutral: a root at zero, none to the right of the imaginary axis. Raises
@@ -245,7 +245,7 @@ def nutation_rate() -> Expr:
 
 
 def nutation_trend(transverse: Expr, axial: Expr) -> str:
-    """Tell whether spin about the axis of symmetry is stable under an energy sink.
+    """Return whether spin about the axis of symmetry is stable under an energy sink.
 
     The sign of d(theta)/dt for 0 < theta < 90 degrees: oblate bodies are stable, prolate ones end
     in flat spin. Arguments: moments of inertia (kg m^2). Raises as `eom.mechanics.freebody.classify` does.

@@ -61,7 +61,7 @@ def remainders(
 
 
 def is_equilibrium(system: System, values: Mapping[Any, Expr], cyclic: Iterable[Any] = ()) -> bool:
-    """Tell whether all rates but those of cyclic states vanish at a point; see `remainders`."""
+    """Return whether all rates but those of cyclic states vanish at a point; see `remainders`."""
     return not remainders(system, values, cyclic)
 
 

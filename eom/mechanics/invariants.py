@@ -12,7 +12,7 @@ Expr = Any
 
 
 def is_invariant(system: System, expression: Expr, *, points: int = 3, seed: int = 0) -> bool:
-    """Tell whether ``expression`` stays constant along every solution of ``system``.
+    """Return whether ``expression`` stays constant along every solution of ``system``.
 
     The time derivative is formed by the chain rule; where the system has a mass matrix, the
     accelerations come from solving it at each point modulo the prime. Inputs may change with time,

@@ -174,7 +174,7 @@ def _shown(angle: Any) -> str:
 
 
 def _is_rotation(matrix: Any) -> bool:
-    """Tell whether the rows are orthonormal and right-handed for all values of the symbols."""
+    """Return whether the rows are orthonormal and right-handed for all values of the symbols."""
     gram = matrix * matrix.T - sp.eye(3)
     handed = matrix.row(0).cross(matrix.row(1)) - matrix.row(2)
     return all(vanishes(e) for e in (*gram, *handed))
@@ -205,7 +205,7 @@ def _symbolic(angle: float, values: dict[Any, float]) -> Any:
 
 
 def _turns(name: str, angles: Sequence[Any], transposed: bool) -> Turns:
-    """Leave out turns by zero; of one turn, and none, the transpose is told by the sign."""
+    """Leave out turns by zero; of one turn, and none, the sign says which is the transpose."""
     kept = [(int(n), a) for n, a in zip(name.split("-"), angles, strict=True) if a != 0]
     return Turns(tuple(n for n, _ in kept), tuple(a for _, a in kept), transposed and bool(kept))
 
@@ -237,7 +237,7 @@ def _of_parameters(matrix: Any, symbols: Sequence[Any]) -> Iterator[Reading]:
 
 
 def _same_on_sphere(matrix: Any, components: Sequence[Any], symbols: Sequence[Any]) -> bool:
-    """Tell whether two matrices of polynomials agree at random rational points of the unit sphere."""
+    """Return whether two matrices of polynomials agree at random rational points of the unit sphere."""
     a, b, c, d = components
     difference = matrix - UnitQuaternion((a, b, c, d)).matrix
     draw = _draw()

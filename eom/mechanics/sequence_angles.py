@@ -41,7 +41,7 @@ def with_angles(
 
 
 def jumping(angle: Expr) -> Expr:
-    """Return an angle from -pi on below pi as such: the floor tells that it jumps by whole turns."""
+    """Return an angle from -pi on below pi as such: the floor shows that it jumps by whole turns."""
     return angle - 2 * sp.pi * sp.floor((angle + sp.pi) / (2 * sp.pi))
 
 

@@ -128,7 +128,7 @@ VERDICTS = {-1: "stable", 0: "neutral", 1: "unstable"}
 
 
 def spin_stability(moments: Sequence[Expr], axis: int, rate: Expr = 1) -> Verdict:
-    """Tell whether the free rigid body's spin about ``axis`` at ``rate`` (rad/s) is stable.
+    """Return whether the free rigid body's spin about ``axis`` at ``rate`` (rad/s) is stable.
 
     A stable one is so in the sense of Lyapunov too: T and H confine the polhode. Numbers are
     compared exactly. Raises `InputError` for moments that no body has and a rate of zero.

@@ -129,7 +129,7 @@ def _direction(
 def weight(C: Expr, offset: Sequence[bool] = (False, False, True)) -> Torque:
     """Return the torque of weight about a fixed point: integral of r x (-g a3) dm = m r_C x (-g a3).
 
-    ``C``: C_BA, 3 x 3, takes components in A to components in B. ``offset`` tells along which body axes the
+    ``C``: C_BA, 3 x 3, takes components in A to components in B. ``offset`` says along which body axes the
     centre of mass lies off the fixed point (parameters ``r1``, ``r2``, ``r3`` in metres, mass m in kg, g in
     m/s^2). Gravity acts along -a3. The integrand is linear in r, so that the first moment m r_C replaces
     the integral of r dm. Source: lecture 002 eq. 3.20.

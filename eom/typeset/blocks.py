@@ -102,7 +102,7 @@ EQUALS = Operator("=")
 
 
 def is_wide(left: Box) -> bool:
-    """Tell whether a left side stands on lines of its own."""
+    """Return whether a left side stands on lines of its own."""
     return width(left) > WIDTH // 2
 
 

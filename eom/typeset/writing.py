@@ -366,7 +366,7 @@ def rate(writer: Writer, inner: Term, frame: str, times: int) -> Written:
 
 
 def is_inertial(frame: str) -> bool:
-    """Tell whether a derivative is the plain one: of scalars and columns, or in the frame I."""
+    """Return whether a derivative is the plain one: of scalars and columns, or in the frame I."""
     return frame in {"", INERTIAL}
 
 

@@ -37,7 +37,7 @@ class Evaluator:
     memo: dict[Any, Value] = field(default_factory=dict)
 
     def holds(self, equation: Equation) -> bool:
-        """Tell whether both sides agree in every known coefficient, for all free indices."""
+        """Return whether both sides agree in every known coefficient, for all free indices."""
         both = self.labels(equation.left) | self.labels(equation.right)
         return all(self._agree(equation, env) for env in self.numberings(both))
 

@@ -98,7 +98,7 @@ def specials() -> Iterator[Special]:
 
 
 def telling(names: frozenset[str]) -> Iterator[Special]:
-    """Yield motions in which some assumptions hold and little vanishes: those that tell most first."""
+    """Yield motions in which some assumptions hold and little vanishes: those that reveal most first."""
     for case in _telling():
         _, assumed = _assumed(*case)
         if names <= assumed:
@@ -142,7 +142,7 @@ def _telling() -> tuple[Case, ...]:
 
 
 def _possible(body: str, rates: Numbers, kind: str) -> bool:
-    """Tell whether a motion differs from others and is determined: a free rod is not."""
+    """Return whether a motion differs from others and is determined: a free rod is not."""
     rod = not all(BODIES[body][0])
     return not (kind == FREE and rod) and not (kind in {STEADY, GROWING} and not any(rates))
 
@@ -365,9 +365,9 @@ def _data(world: World) -> tuple[tuple[str, str], ...]:
     inertia = [[_second(world, arms, i, j) for j in range(3)] for i in range(3)]
     torque = tuple(sum(t[k].coefficients[0] for t in turns) for k in range(3))
     diagonal = not any(inertia[i][j] for i in range(3) for j in range(3) if i != j)
-    told = _row(tuple(inertia[k][k] for k in range(3))) if diagonal else _matrix(inertia)
+    written = _row(tuple(inertia[k][k] for k in range(3))) if diagonal else _matrix(inertia)
     return (
-        (NAMES["inertia"], rf"\mathrm{{diag}}{told}" if diagonal else told),
+        (NAMES["inertia"], rf"\mathrm{{diag}}{written}" if diagonal else written),
         (NAMES["rates"], _row(tuple(s.coefficients[0] for s in omega))),
         (NAMES["growth"], _row(growth)),
         (NAMES["torque"], _row(torque)),

@@ -127,7 +127,7 @@ differentiate_under = until_stable(_under_the_sum)
 
 
 def _depends(term: Term, index: str) -> bool:
-    """Tell whether a term may depend on an index; a symbol may stand for what does."""
+    """Return whether a term may depend on an index; a symbol may stand for what does."""
     named = any(n.head == "expr" and n.data[0].free_symbols for n in nodes(term))
     return named or index in term.labels
 
