@@ -356,7 +356,7 @@ def test_pulses_and_kinks_of_the_torque_shorten_the_steps_and_poles_end_the_run(
     }
     for name, torque in torques.items():
         compiled = compile_system(driven((torque, 0, 0), name), "c")
-        end = run(compiled, x0, (0, 2), p, rtol=1e-6)
+        end = run(compiled, x0, (0, 2), p, rtol=1e-6, max_steps=100_000)
         if name == "pole":
             assert end.status == -1
             assert end.t_stop <= 1
