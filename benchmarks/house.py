@@ -1,7 +1,8 @@
 """``python -m benchmarks.house [--check]``: how large the product is, and how it hangs together.
 
 Modules and lines of both packages (Python), the fullest folder, circles of imports between files and
-between folders, and lengths of functions. All imports count, also late ones and those for types alone.
+between folders, private names that other modules use, and lengths of functions. All imports count, also
+late ones and those for types alone.
 ``--check`` fails where a figure is worse than `LIMITS`, as a test does.
 """
 
@@ -29,6 +30,7 @@ LIMITS = {
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,
+    "private names of other modules": 9,
     "lines of functions, ninth decile": 17,
 }
 """What no change may make worse; a change that makes one better lowers it."""
@@ -69,6 +71,20 @@ class Module:
         nodes = [n for n in self.nodes if isinstance(n, ast.Import | ast.ImportFrom)]
         return {t for n in nodes for t in self._targets(n, names)} - {self.name}
 
+    def private_names(self) -> list[str]:
+        """Return the private names of other modules of the product that it uses: ``module._name``."""
+        nodes = [n for n in self.nodes if isinstance(n, ast.ImportFrom)]
+        own = [n for n in nodes if n.level or (n.module or "").partition(".")[0] in PACKAGES]
+        taken = {a.asname or a.name: f"{n.module}.{a.name}" for n in own for a in n.names}
+        reached = (
+            f"{taken[n.value.id]}.{n.attr}"
+            for n in self.nodes
+            if isinstance(n, ast.Attribute)
+            and isinstance(n.value, ast.Name)
+            and n.value.id in taken
+        )
+        return [name for name in (*taken.values(), *reached) if _is_private(name)]
+
     def _targets(self, node: ast.Import | ast.ImportFrom, known: set[str]) -> set[str]:
         if isinstance(node, ast.Import):
             return {a.name for a in node.names} & known
@@ -77,6 +93,11 @@ class Module:
         base = ".".join([*parts, *([node.module] if node.module else [])])
         children = {f"{base}.{a.name}" for a in node.names}
         return (children & known) | ({base} & known if children - known else set())
+
+
+def _is_private(name: str) -> bool:
+    last = name.rpartition(".")[2]
+    return last.startswith("_") and not last.startswith("__")
 
 
 def _text(node: ast.AST) -> range:
@@ -181,6 +202,7 @@ def figures(root: Path = ROOT) -> dict[str, int]:
         "circles of files": len(of_files),
         "files in circles": sum(map(len, of_files)),
         "circles of folders": len(circles(of_folders(found, edges))),
+        "private names of other modules": sum(len(m.private_names()) for m in found),
         "lines of functions, ninth decile": lengths[int(NINTH_DECILE * len(lengths))],
     }
 

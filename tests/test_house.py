@@ -51,6 +51,13 @@ def test_every_import_counts_and_texts_do_not(tmp_path):
     assert house.function_lengths(found) == [2]
 
 
+def test_private_names_of_other_modules_are_found_by_import_and_as_attributes():
+    text = "from eom import a\nfrom eom.b import _c, d as e\nfrom os import _exit\n"
+    text += "a._f()\ne._g\na.__doc__\nself._h\n"
+    module = house.Module("eom.x", False, text)
+    assert sorted(module.private_names()) == ["eom.a._f", "eom.b._c", "eom.b.d._g"]
+
+
 def test_packages_show_their_public_names_alone():
     for package in (codegen, eom):
         assert dir(package) == sorted(package.__all__)
