@@ -6,10 +6,10 @@ import pytest
 import sympy as sp
 
 from eom.checker.note.checking import check
-from eom.checker.prose_claims.proposition_words import Formulas, clause
+from eom.checker.prose_claims.in_words import decided
+from eom.checker.prose_claims.phrases import Formulas, clause
 from eom.checker.prose_claims.propositions import truth
 from eom.checker.prose_claims.quantified import quantified
-from eom.checker.prose_claims.stability import stability
 from eom.worlds.special import specials
 from tests.eom.rows import every, only
 
@@ -171,19 +171,35 @@ STABILITY = {
     "spin of an oblate body about its symmetry axis is unstable": "wrong",
     "the torque-free precession of an oblate body is retrograde": "holds under",
     "precession of a prolate body is retrograde": "wrong",
+    "note that pure spin about the axes of least and greatest inertia is always stable": "holds under",
+    "in general, rotation about the middle axis is stable": "wrong",
+    "this implies that rotation about the middle axis is stable": "undecided",
+    "for a rigid body, spin about the minor axis is unstable": "wrong",
+    "the free precession of an oblate spacecraft is prograde": "wrong",
 }
 
 
 @pytest.mark.parametrize("text", every(3, STABILITY))
 def test_stability_by_the_linearised_equations(text):
-    assert stability(text).verdict == STABILITY[text]
+    assert decided(text).verdict == STABILITY[text]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "rotation about the intermediate axis is stable on tuesdays",
+        "spin of a prolate body about its minor axis is stable",
+        "rotation about its axis of symmetry is stable",
+    ],
+)
+def test_spins_of_bodies_that_are_not_known_are_left_alone(text):
+    assert decided(text) is None
 
 
 def test_stability_of_other_bodies_is_not_judged():
     claim = "Rotation about the intermediate axis is stable."
     assert verdicts(claim) == ["wrong"]
     assert verdicts(f"A fast wheel is mounted in it. {claim}") == ["undecided"]
-    assert stability("rotation about the intermediate axis is stable on tuesdays") is None
 
 
 def test_reports_tell_claims_apart_from_equations():
