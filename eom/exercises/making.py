@@ -17,7 +17,7 @@ from eom.checker.report.findings import FAULTS, Finding
 from eom.derivations.derivation import Derivation, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
-from eom.exercises import page, slips
+from eom.exercises import lessons, slips
 from eom.exercises.lessons import LINES, Asked, Exercise, Lesson, Sheet, lesson, line_latex
 from eom.exercises.slips import Planted
 from eom.terms.terms import Equation
@@ -191,7 +191,7 @@ def judged(sheet: Sheet) -> Finding | None:
 
     It reads the page as the student gets it.
     """
-    report = checker.check(page.student(sheet))
+    report = checker.check(lessons.student(sheet))
     displays = [f for f in report.findings if f.kind == "display"]
     blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
     if len(displays) != len(sheet.right.steps):

@@ -26,9 +26,18 @@ from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.elaborator import Elaborator
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.operations import overdot
 from eom.checker.mean.symbols import TRANSPOSED
-from eom.checker.mean.values import ANY, ROW, UNDECIDED, Finding, Refusal, Value, basis, same
+from eom.checker.mean.values import (
+    ANY,
+    ROW,
+    UNDECIDED,
+    Finding,
+    Refusal,
+    Value,
+    basis,
+    overdot,
+    same,
+)
 from eom.checker.read.places import NOWHERE, Span
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, labels, seen

@@ -10,9 +10,7 @@ import sympy as sp
 
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
-from eom.checker.mean.lexicon import Found
-from eom.checker.mean.meanings import Meaning
-from eom.checker.mean.operations import overdot, rate, skew, transpose_of
+from eom.checker.mean.lexicon import Found, Meaning
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,
@@ -24,7 +22,11 @@ from eom.checker.mean.values import (
     basis,
     components,
     made,
+    overdot,
+    rate,
     refuse,
+    skew,
+    transpose_of,
 )
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.places import Span

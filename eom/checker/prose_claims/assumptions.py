@@ -23,9 +23,8 @@ from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, SAME_POINT, Claim
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.operations import overdot
 from eom.checker.mean.roles import ASSUMPTION, RECALLED
-from eom.checker.mean.values import ANY, Refusal, Value
+from eom.checker.mean.values import ANY, Refusal, Value, overdot
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.places import Source
 from eom.errors import InputError

@@ -219,20 +219,9 @@ def _parts(one: Proposition) -> Iterator[Proposition]:
 # -- judging --------------------------------------------------------------------------------------
 
 KNOWN_ATOMS = frozenset(
-    {
-        *(
-            "position",
-            "angular_velocity",
-            "unit",
-            "identity",
-            "identity_matrix",
-            "rotation",
-            "inertia",
-        ),
-        *("torque", "angular_momentum", "absolute_angular_momentum", "kinetic_energy", "mass"),
-        *("rotational_energy", "linear_momentum", "first_moment", "total_mass", "force"),
-        *("external_force",),
-    }
+    "position angular_velocity unit identity identity_matrix rotation inertia torque angular_momentum "
+    "absolute_angular_momentum kinetic_energy mass rotational_energy linear_momentum first_moment "
+    "total_mass force external_force".split()
 )
 """Quantities that have a value of their own in special motions."""
 KNOWN_LABELS = frozenset({"I", "B", "O", "C", "OI", "body", "system", "dm", "i", "1", "2", "3"})

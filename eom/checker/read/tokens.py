@@ -220,7 +220,7 @@ class _Scanner:
         if c.isspace():
             self.spaced = True
         elif c in latex.CHARACTERS:
-            self.add("command", latex.CHARACTERS[c][0], first)
+            self.add("command", latex.CHARACTERS[c], first)
         elif c in latex.SUPERSCRIPTS or c in latex.SUBSCRIPTS:
             self.small_script(c, first)
         elif c in latex.COMBINING:
@@ -267,7 +267,7 @@ class _Scanner:
         if "BOLD" in unicodedata.name(c, ""):
             self.add("command", "mathbf", first)
         if letter in latex.CHARACTERS:
-            self.add("command", latex.CHARACTERS[letter][0], first)
+            self.add("command", latex.CHARACTERS[letter], first)
         else:
             self.add("letter", letter, first)
         for m in marks:

@@ -69,7 +69,7 @@ def _write(node: s.Node, layer: int) -> Box:
 
 
 _CHARACTERS = {
-    **{names[0]: c for c, names in reversed(tables.CHARACTERS.items())},
+    **{name: c for c, name in reversed(tables.CHARACTERS.items())},
     **dict(
         zip(
             "le ge notin subset cong leftrightarrow Leftarrow hookrightarrow div ominus boxtimes "

@@ -27,8 +27,7 @@ from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER
 from eom.checker.judge.verdicts import NONE
 from eom.checker.mean.roles import ASSUMPTION, DEFINITION
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
-from eom.checker.read import masks
-from eom.checker.read.documents import Document, Piece
+from eom.checker.read.documents import Document, Piece, masked_markdown
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.places import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
@@ -418,7 +417,7 @@ def _start(source: Source, is_latex: bool) -> int:
     if is_latex:
         match = re.search(r"\\begin\{document\}", source.text)
         return match.end() if match else 0
-    front = masks.markdown(source.text).front
+    front = masked_markdown(source.text).front
     return source.text.find("\n", front[1] + 1) + 1 if front else 0
 
 

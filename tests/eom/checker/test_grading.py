@@ -14,9 +14,10 @@ import pytest
 import eom
 from eom.checker.note import grading
 from eom.checker.note.checking import grade
-from eom.checker.read.inputs import Text, notes_of
+from eom.checker.read.documents import Text, notes_of
 from eom.checker.read.places import Source, Span
 from eom.checker.report.findings import (
+    COLUMNS,
     ORDER,
     Correction,
     Counterexample,
@@ -27,10 +28,12 @@ from eom.checker.report.findings import (
     Report,
     shown,
     text,
+    to_csv,
+    to_json,
+    to_table_json,
     told,
     total,
 )
-from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
 from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from tests.eom.rows import only

@@ -204,9 +204,8 @@ def test_stability_of_other_bodies_is_not_judged():
 
 def test_reports_tell_claims_apart_from_equations():
     from eom.checker.read.documents import read_document
-    from eom.checker.report.findings import Graded, text, told
+    from eom.checker.report.findings import Graded, rows, text, to_json, told
     from eom.checker.report.page import page
-    from eom.checker.report.report_data import rows, to_json
 
     note = r"""A line: $\vec H_C = I_C\vec\omega$.
 
