@@ -88,15 +88,9 @@ LEADS: dict[str, Lead] = {
 """The words that settle the role; those closest to the formula count, the longest of them."""
 
 TRAILS: dict[str, str] = {
-    "is assumed": ASSUMPTION,
-    "are assumed": ASSUMPTION,
-    "by assumption": ASSUMPTION,
-    "by hypothesis": ASSUMPTION,
-    "is used": RECALLED,
-    "was used": RECALLED,
-    "has been used": RECALLED,
-    "by definition": DEFINITION,
-    "is defined": DEFINITION,
+    **dict.fromkeys(("is assumed", "are assumed", "by assumption", "by hypothesis"), ASSUMPTION),
+    **dict.fromkeys(("is used", "was used", "has been used"), RECALLED),
+    **dict.fromkeys(("by definition", "is defined"), DEFINITION),
 }
 """Words right behind a formula that settle its role where nothing in front does."""
 

@@ -251,39 +251,17 @@ def _end(p: Stream, token: Token) -> None:
     p.take()
 
 
-def _letter(p: Stream) -> Node:
-    token = p.take()
-    return Symbol(token.text, span=token.span)
+Read = Callable[[Stream], Node]
 
 
-def _number(p: Stream) -> Node:
-    token = p.take()
-    return Number(token.text, span=token.span)
+def _leaf(made: Callable[[str, Span], Node]) -> Read:
+    """Return what reads one token."""
 
+    def read(p: Stream) -> Node:
+        token = p.take()
+        return made(token.text, token.span)
 
-def _words(p: Stream) -> Node:
-    token = p.take()
-    return Words(token.text, span=token.span)
-
-
-def _operator(p: Stream) -> Node:
-    token = p.take()
-    return Symbol(token.text, "roman", span=token.span)
-
-
-def _symbol(p: Stream) -> Node:
-    token = p.take()
-    return Symbol(latex.SYMBOL_ALIASES.get(token.text, token.text), span=token.span)
-
-
-def _dots(p: Stream) -> Node:
-    token = p.take()
-    return Dots(latex.DOTS[token.text], span=token.span)
-
-
-def _partial(p: Stream) -> Node:
-    token = p.take()
-    return Symbol("partial", span=token.span)
+    return read
 
 
 def _operation(p: Stream) -> Node:
@@ -449,14 +427,11 @@ def _differential(p: Stream) -> Node:
     return Differential(braced(argument(p)), span=p.since(token.span))
 
 
-Read = Callable[[Stream], Node]
-
-
 _KINDS: dict[str, Read] = {
-    "letter": _letter,
-    "number": _number,
-    "words": _words,
-    "operator": _operator,
+    "letter": _leaf(lambda text, span: Symbol(text, span=span)),
+    "number": _leaf(lambda text, span: Number(text, span=span)),
+    "words": _leaf(lambda text, span: Words(text, span=span)),
+    "operator": _leaf(lambda text, span: Symbol(text, "roman", span=span)),
     "begin": environment,
 }
 
@@ -469,11 +444,13 @@ _CHARACTERS: dict[str, Read] = {
 }
 
 
+_symbol = _leaf(lambda text, span: Symbol(latex.SYMBOL_ALIASES.get(text, text), span=span))
+
 COMMANDS: dict[str, Read] = {
-    **dict.fromkeys([*latex.SYMBOLS, *latex.SYMBOL_ALIASES], _symbol),
+    **dict.fromkeys([*latex.SYMBOLS, *latex.SYMBOL_ALIASES, "partial"], _symbol),
     **dict.fromkeys(latex.FONTS, _font),
     **dict.fromkeys(latex.ACCENTS, _accent),
-    **dict.fromkeys(latex.DOTS, _dots),
+    **dict.fromkeys(latex.DOTS, _leaf(lambda text, span: Dots(latex.DOTS[text], span=span))),
     **dict.fromkeys(latex.FRACTIONS, prefixes.fraction),
     **dict.fromkeys(["dv", "pdv", "derivative", "odv"], prefixes.physics_derivative),
     **dict.fromkeys(["{", "lbrace", "langle", "lbrack", "lfloor", "lceil", "lparen"], group),
@@ -491,7 +468,6 @@ COMMANDS: dict[str, Read] = {
     "sqrt": _root,
     "boxed": _boxed,
     "prescript": _prescript,
-    "partial": _partial,
     "dd": _differential,
     "substack": substack,
 }

@@ -162,12 +162,6 @@ def _stacked(p: Stream, script: Callable[[], Node]) -> Sign:
     return Sign(name, above, span=p.since(start))
 
 
-def _is_sum_sign(token: Token) -> bool:
-    if token.kind == "command":
-        return token.text in latex.SUM_COMMANDS
-    return token.kind == "char" and token.text in latex.SUM_SIGNS
-
-
 def operator_ahead(p: Stream) -> str:
     """Return the name of the product operator at the cursor, or ""."""
     token = p.token
@@ -197,7 +191,11 @@ def skip_empty(p: Stream) -> None:
     opened, inner, behind = p.ahead(font), p.ahead(font + 1), p.ahead(font + 2)
     if opened.is_char("{") and behind.is_char("}") and not inner.is_char("}"):
         saved, p.place = p.place, p.place + font + 1
-        if operator_ahead(p) or relation_ahead(p) or _is_sum_sign(inner):
+        if (
+            operator_ahead(p)
+            or relation_ahead(p)
+            or inner.stands_in(latex.SUM_COMMANDS, latex.SUM_SIGNS)
+        ):
             p.place += 1
             p.tokens[p.place] = inner
             return
@@ -542,14 +540,9 @@ def _column(tokens: list[Token], k: int) -> Token:
     """Return a token; the second of ``&&`` is wide space, behind which numbers and remarks stand."""
     token, after = tokens[k], tokens[min(k + 1, len(tokens) - 1)]
     second = token.is_char("&") and k > 0 and tokens[k - 1].is_char("&")
-    if not second or after.is_char("&") or _relates(after):
+    if not second or after.is_char("&") or after.is_relation:
         return token
     return replace(token, kind="quad")
-
-
-def _relates(token: Token) -> bool:
-    named = token.kind == "char" and token.text in latex.RELATION_CHARACTERS
-    return named or token.is_command(*latex.RELATION_COMMANDS)
 
 
 @dataclass
@@ -635,7 +628,7 @@ class _Joiner:
         while self.tokens[k].kind not in {"row", "end", "stop", "begin"}:
             token = self.tokens[k]
             depth += token.is_char("{") - token.is_char("}")
-            if depth == 0 and _relates(token):
+            if depth == 0 and token.is_relation:
                 return True
             k += 1
         return False

@@ -94,28 +94,18 @@ class Statement:
 
 
 ROLES: dict[str, str] = {
-    "if": "if",
-    "when": "if",
-    "whenever": "if",
-    "provided": "if",
-    "assuming": "if",
-    "assume": "if",
-    "given": "if",
-    "under": "if",
-    "iff": "iff",
-    "only": "only if",
-    "unless": "unless",
-    "for": "for",
-    "forall": "for",
-    "exists": "exists",
-    "where": "where",
-    "with": "where",
-    "while": "where",
-    "let": "where",
-    "since": "because",
-    "because": "because",
-    "as": "because",
-    "using": "because",
+    word: role
+    for role, words in {
+        "if": "if when whenever provided assuming assume given under",
+        "iff": "iff",
+        "only if": "only",
+        "unless": "unless",
+        "for": "for forall",
+        "exists": "exists",
+        "where": "where with while let",
+        "because": "since because as using",
+    }.items()
+    for word in words.split()
 }
 """The first word of a text, and the role of what follows it."""
 _LEADING = {"then": "implies", "so": "implies", "thus": "implies", "hence": "implies"}

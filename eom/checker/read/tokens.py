@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
@@ -52,6 +52,15 @@ class Token:
     def is_command(self, *names: str) -> bool:
         """Whether this is one of some commands."""
         return self.kind == "command" and self.text in names
+
+    def stands_in(self, commands: Container[str], characters: Container[str]) -> bool:
+        """Whether this is one of some commands or one of some characters."""
+        return self.text in {"command": commands, "char": characters}.get(self.kind, ())
+
+    @property
+    def is_relation(self) -> bool:
+        """Whether this is a relation, alone or the first character of one."""
+        return self.stands_in(latex.RELATION_COMMANDS, latex.RELATION_CHARACTERS)
 
 
 @dataclass(frozen=True)
@@ -494,6 +503,9 @@ def empty_groups(tokens: list[Token]) -> list[Token]:
     return found
 
 
+_OPERATORS = frozenset({*latex.PRODUCT_COMMANDS, *latex.RELATION_COMMANDS, *latex.SUM_COMMANDS})
+
+
 def bold_operators(tokens: list[Token]) -> list[Token]:
     r"""Leave out a font around an operator alone: ``\boldsymbol{\times}``."""
     found: list[Token] = []
@@ -502,17 +514,10 @@ def bold_operators(tokens: list[Token]) -> list[Token]:
         token = tokens[k]
         end = _group(tokens, k + 1) if token.is_command(*latex.FONTS) else k + 1
         body = _inside(tokens[k + 1 : end])
-        sign = len(body) == 1 and _is_operator(body[0])
+        sign = len(body) == 1 and body[0].stands_in(_OPERATORS, "=+-<>")
         found += body if sign else [token]
         k = end if sign else k + 1
     return found
-
-
-def _is_operator(token: Token) -> bool:
-    named = (latex.PRODUCT_COMMANDS, latex.RELATION_COMMANDS, latex.SUM_COMMANDS)
-    if token.kind == "command":
-        return any(token.text in table for table in named)
-    return token.kind == "char" and token.text in "=+-<>"
 
 
 def sizes(tokens: list[Token]) -> list[Token]:
@@ -557,16 +562,10 @@ def _relation_cell(tokens: list[Token]) -> bool:
     depth, begins = 0, False
     for token in tokens:
         depth += (token.kind == "begin") - (token.kind == "end")
-        if begins and _is_relation(token):
+        if begins and token.is_relation:
             return True
         begins = depth == 0 and token.is_char("&")
     return False
-
-
-def _is_relation(token: Token) -> bool:
-    if token.kind == "command":
-        return token.text in latex.RELATION_COMMANDS
-    return token.kind == "char" and token.text in latex.RELATION_CHARACTERS
 
 
 UNITS = frozenset({"SI", "qty", "num", "ang", "si", "unit"})

@@ -113,13 +113,8 @@ _LAYERS: dict[str, int] = {
     "Relation": RELATION,
     "Addition": SUM,
     "Section": LOOSE,
-    "Quotient": RUN,
-    "BigOperator": RUN,
-    "Integral": RUN,
-    "Derivative": RUN,
-    "Call": RUN,
-    "Differential": RUN,
-    "Operation": RUN,
+    **dict.fromkeys(("Quotient", "BigOperator", "Integral", "Derivative"), RUN),
+    **dict.fromkeys(("Call", "Differential", "Operation"), RUN),
 }
 
 

@@ -14,7 +14,7 @@ import io
 import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from eom.checker.judge.judge import UNDER
@@ -501,22 +501,23 @@ def _report(report: Report) -> Data:
 
 
 def finding(found: Finding) -> Data:
-    """Return what is told of a formula; places are lines and columns from 1, of first and last sign."""
-    return {
-        "kind": found.kind,
-        "number": found.number,
-        "in": found.source.name,
-        "place": place(found.source, found.span),
-        "latex": found.latex,
-        "verdict": found.verdict,
-        "sets": [list(s) for s in found.sets],
-        "reason": found.reason,
-        "at": place(found.source, found.place),
-        "read_as": list(found.read_as),
-        "remarks": [{"kind": r.kind, "text": r.text, "line": r.line} for r in found.remarks],
-        "carried": found.carried,
-        "explanation": _explained(found.explanation, found.source),
-    }
+    """Return what is said of a formula; places are lines and columns from 1, of first and last sign."""
+    names = "kind number in place latex verdict sets reason at read_as remarks carried explanation"
+    own = {"in": found.source.name, "place": found.span, "at": found.place}
+    values = {name: own[name] if name in own else getattr(found, name) for name in names.split()}
+    return {name: _datum(value, found.source) for name, value in values.items()}
+
+
+def _datum(value: Any, source: Source) -> Any:
+    """Return a value of a finding as data."""
+    if isinstance(value, Span):
+        return place(source, value)
+    if isinstance(value, tuple):
+        return [_datum(v, source) for v in value]
+    if isinstance(value, Remark | Correction | Counterexample | Explanation):
+        names = {f.name: "at" if f.name == "span" else f.name for f in fields(value)}
+        return {shown: _datum(getattr(value, name), source) for name, shown in names.items()}
+    return value
 
 
 def place(source: Source, span: Span) -> Data | None:
@@ -526,36 +527,6 @@ def place(source: Source, span: Span) -> Data | None:
     line, column = source.line_column(span.start)
     last_line, last_column = source.line_column(max(span.stop - 1, span.start))
     return {"line": line, "column": column, "last_line": last_line, "last_column": last_column}
-
-
-def _explained(explained: Explanation, source: Source) -> Data:
-    counter = explained.counterexample
-    return {
-        "residual": explained.residual,
-        "blamed": [place(source, s) for s in explained.blamed],
-        "corrections": [_correction(c, source) for c in explained.corrections],
-        "counterexample": None if counter is None else _counterexample(counter),
-        "convention": explained.convention,
-    }
-
-
-def _correction(correction: Correction, source: Source) -> Data:
-    return {
-        "latex": correction.latex,
-        "change": correction.change,
-        "slip": correction.slip,
-        "at": place(source, correction.span),
-        "text": correction.text,
-        "sets": [list(s) for s in correction.sets],
-    }
-
-
-def _counterexample(counter: Counterexample) -> Data:
-    return {
-        "values": [list(v) for v in counter.values],
-        "members": [list(m) for m in counter.members],
-        "assumptions": list(counter.assumptions),
-    }
 
 
 # -- tables --------------------------------------------------------------------------------------
