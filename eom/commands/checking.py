@@ -292,10 +292,10 @@ def _status(graded: Sequence[Graded]) -> int:
 
 def _print(graded: Sequence[Graded], only: Sequence[str], quiet: bool) -> None:
     """Print reports, unusable notes to standard error, and how many notes are what."""
-    from eom.checker.report.findings import told, total
+    from eom.checker.report.findings import report_lines, total
 
     for k, one in enumerate(graded):
-        for line in told(one, only, quiet):
+        for line in report_lines(one, only, quiet):
             _echo(line, err=one.report is None)
         if k + 1 < len(graded):
             click.echo()

@@ -1,6 +1,6 @@
 """What exercises are made from: the steps of a topic as lines, and what their symbols mean.
 
-A topic is a derivation. Those of the solids are told as a marker would: integrals over the mass, their
+A topic is a derivation. Those of the solids go as a marker would: integrals over the mass, their
 values, and the theorem of parallel axes; all others are the verified steps themselves. Moments of a uniform
 solid are written in the letters of books; values are those of the catalogue of solids, which integrates
 over the solid's own coordinates. A page has the lines as blocks, words with formulas for task and key.
@@ -78,7 +78,7 @@ def lesson(topic: str) -> Lesson:
         raise unknown_name("topic", topic, derivations.names())
     solid = solid_of(topic)
     if solid:
-        made = told(topic, solid)
+        made = of_solid(topic, solid)
         return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
@@ -109,7 +109,7 @@ def solid_of(topic: str) -> str:
     return next((s for s in SOLIDS if topic == PREFIX + s.replace(" ", "-")), "")
 
 
-def told(topic: str, solid: str) -> Derivation:
+def of_solid(topic: str, solid: str) -> Derivation:
     """Return the derivation of a solid's moments of inertia. Raises `InputError` for other solids."""
     title = derivations.titles()[GROUP][topic]
     return Derivation(topic, title, GROUP, tuple(_steps(solid)), {}, {})

@@ -155,7 +155,7 @@ def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 
-    ``made``: of `exercise`. At most ``count``, the planted one among them; lines are told apart by how they
+    ``made``: of `exercise`. At most ``count``, the planted one among them; lines differ by how they
     are written.
 
     >>> len(with_others(exercise("point-mass", seed=1), count=2).others)

@@ -12,7 +12,7 @@ equation follows back from it. What matches none is a premise that claims may re
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -241,32 +241,53 @@ def scope_of(before: str) -> str:
 # -- sentences and paragraphs -----------------------------------------------------------------------
 
 
+def runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
+    """Yield numbers of pieces: of prose and inline formulas that stand together, of all others alone."""
+    run: list[int] = []
+    inner = ("prose", "inline")
+    for k, piece in enumerate(pieces):
+        before = pieces[k - 1] if k else None
+        joined = before is not None and before.source is piece.source and before.kind in inner
+        if not (joined and piece.kind in inner):
+            yield from [run] if run else []
+            run = []
+        run.append(k)
+    yield from [run] if run else []
+
+
+def written(
+    pieces: Sequence[Piece],
+    run: Sequence[int],
+    prose: Callable[[str], str],
+    inline: Callable[[int], str],
+) -> tuple[str, list[Place]]:
+    """Return the text of a run and where each character comes from.
+
+    ``prose``: what is read of prose, character by character; ``inline``: what stands for a formula.
+    """
+    text, places = "", list[Place]()
+    for k in run:
+        start, wide = pieces[k].span.start, int(pieces[k].kind == "prose")
+        body = prose(pieces[k].body) if wide else f" {inline(k)} "
+        text += body
+        places += [(k, start + wide * n) for n in range(len(body))]
+    return text, places
+
+
 def sentences(pieces: Sequence[Piece]) -> Iterator[_Sentence]:
     """Yield sentences of prose with the inline formulas in them, and headings."""
-    text, places = "", list[Place]()
-    for k, piece in enumerate(pieces):
-        apart = piece.kind in {"display", "heading"} or (
-            k > 0 and piece.source is not pieces[k - 1].source
-        )
-        if apart:
-            yield from _split(text, places)
-            text, places = "", []
-        if piece.kind == "display":
-            yield from _texts(k, piece)
-        elif piece.kind == "heading":
-            body = _plain(piece.body)
-            yield _Sentence(body, tuple((k, piece.span.start + n) for n in range(len(body))), True)
+    for run in runs(pieces):
+        first = pieces[run[0]]
+        if first.kind == "display":
+            yield from _texts(run[0], first)
+        elif first.kind == "heading":
+            body, start = _plain(first.body), first.span.start
+            places = tuple((run[0], start + n) for n in range(len(body)))
+            yield _Sentence(body, places, True)
         else:
-            body = _plain(piece.body) if piece.kind == "prose" else f" {letters(piece.body)} "
-            wide = int(piece.kind == "prose")
-            for first in range(0, len(body), MAX_RUN):
-                if len(text) >= MAX_RUN:
-                    yield from _split(text, places)
-                    text, places = "", []
-                part = body[first : first + MAX_RUN]
-                text += part
-                places += [(k, piece.span.start + wide * (first + n)) for n in range(len(part))]
-    yield from _split(text, places)
+            text, found = written(pieces, run, _plain, lambda k: letters(pieces[k].body))
+            for cut in range(0, len(text), MAX_RUN):
+                yield from _split(text[cut : cut + MAX_RUN], found[cut : cut + MAX_RUN])
 
 
 _TEXT = re.compile(r"\\(?:text|textrm|textit|mbox|mathrm)\s*\{([^{}]*\s[^{}]*)\}")

@@ -461,7 +461,7 @@ def _largest(names: list[str], known: list[str]) -> Iterator[frozenset[str]]:
 
 def _failing(claim: Claim, words: str, assumed: frozenset[str], given: tuple[str, ...]) -> str:
     """Return that a claim fails about a point, and what else that needs to be."""
-    for more, told in (
+    for more, meaning in (
         ("O_fixed_in_body", "fixed in the body"),
         ("O_fixed_in_space", "fixed in space"),
     ):
@@ -470,7 +470,7 @@ def _failing(claim: Claim, words: str, assumed: frozenset[str], given: tuple[str
         except InputError:
             continue
         if more not in assumed and judge_within(claim, wider, given).verdict != WRONG:
-            return f"about {words} it fails, unless that is {told} as well"
+            return f"about {words} it fails, unless that is {meaning} as well"
     return f"about {words} it fails"
 
 

@@ -259,8 +259,8 @@ def _decided(
     if against is None or against.degenerate:
         against, tried = _against(one, names)
     if against is None:
-        told = f"no counterexample in {tried} special motions" if tried else _UNTRIED
-        return Decision(UNDECIDED, (), told)
+        reason = f"no counterexample in {tried} special motions" if tried else _UNTRIED
+        return Decision(UNDECIDED, (), reason)
     example, reason = _example(one, against), _failing(one, against)
     generic = any(isinstance(p, Not) for p in _parts(one.conclusion))
     if against.degenerate or generic or open_ or whole.rests:
@@ -417,7 +417,7 @@ def _under(
     words: dict[str, None] = {}
     for held in alternatives(premise, True):
         for denied in alternatives(conclusion, False):
-            ways = sorted(((*p, *q) for p in held for q in denied), key=_told)
+            ways = sorted(((*p, *q) for p in held for q in denied), key=_own_readings)
             chosen = next((w for w in ways if _contradictory(w, assumed)), None)
             if chosen is None:
                 return None
@@ -425,7 +425,7 @@ def _under(
     return tuple(words)
 
 
-def _told(literals: Sequence[Literal]) -> int:
+def _own_readings(literals: Sequence[Literal]) -> int:
     """Return how many literals have to be read in a way of their own."""
     return sum(bool(x.words) for x in literals)
 

@@ -17,6 +17,7 @@ from itertools import pairwise
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.values import Refusal, negative
+from eom.checker.prose_claims.assumptions import runs, written
 from eom.checker.prose_claims.phrases import Subject
 from eom.checker.read.documents import Piece
 from eom.checker.read.places import Source, Span
@@ -89,7 +90,9 @@ def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
     One that begins with a small letter goes on with the one before: its full stop is a slip.
     """
     count = 0
-    for run in _runs(pieces):
+    for run in runs(pieces):
+        if pieces[run[0]].kind not in {"prose", "inline"}:
+            continue
         parts = [p for p in _parts(pieces, run) if p.text]
         for one in _joined(parts):
             count += 1
@@ -115,43 +118,24 @@ def _beside(piece: Piece, number: int) -> Iterator[Sentence]:
         yield Sentence(text, piece.source, Span(start, start + len(match[1])), number, (number,))
 
 
-def _runs(pieces: Sequence[Piece]) -> Iterator[list[int]]:
-    """Yield the numbers of pieces of prose and inline formulas that stand together."""
-    run: list[int] = []
-    for k, piece in enumerate(pieces):
-        apart = bool(run) and piece.source is not pieces[run[-1]].source
-        if apart or piece.kind not in {"prose", "inline"}:
-            yield from [run] if run else []
-            run = []
-        if piece.kind in {"prose", "inline"}:
-            run.append(k)
-    yield from [run] if run else []
-
-
 def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
     """Yield the sentences of a run, cut at every full stop."""
-    text, places, owners = "", list[int](), list[int]()
-    for k in run:
-        piece = pieces[k]
-        inline = piece.kind == "inline"
-        body = f" {_MARK.format(k)} " if inline else _MARKUP.sub(_blank, opened(piece.body))
-        text += body
-        wide = 0 if inline else 1
-        places += [piece.span.start + wide * n for n in range(len(body))]
-        owners += [k] * len(body)
+    text, places = written(
+        pieces, run, lambda body: _MARKUP.sub(_blank, opened(body)), _MARK.format
+    )
     cuts = [0, *(m.end() for m in _END.finditer(text)), len(text)]
     for start, stop in pairwise(cuts):
         inside = text[start:stop]
         lead = len(inside) - len(inside.lstrip())
         tail = len(inside.rstrip()) - 1
         if tail >= lead:
-            first, last = start + lead, start + tail
-            end = pieces[owners[last]].span.stop if text[last] == "\x03" else places[last] + 1
+            (first, begin), (last, end) = places[start + lead], places[start + tail]
+            end = pieces[last].span.stop if text[start + tail] == "\x03" else end + 1
             yield Sentence(
                 _plain(inside),
                 pieces[run[0]].source,
-                Span(places[first], end),
-                owners[first],
+                Span(begin, end),
+                first,
                 tuple(int(n) for n in re.findall("\x02(\\d+)\x03", inside)),
             )
 

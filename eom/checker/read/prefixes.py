@@ -7,7 +7,7 @@ Derivatives by a fraction or a slash, and scripts on the left, which are their f
 
 A bare operator ``\frac{d}{dt}`` takes the brackets behind it, else the factors that stand side by side.
 
-Differentials, and how they are told from a factor d.
+Differentials, and how they differ from a factor d.
 """
 
 from __future__ import annotations

@@ -185,7 +185,7 @@ class Report:
 
     def __str__(self) -> str:
         """Return the report as text, as `eom check` prints it."""
-        return "\n".join(text(line) for line in told(Graded(self.name, self)))
+        return "\n".join(text(line) for line in report_lines(Graded(self.name, self)))
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """Print the report in a notebook."""
@@ -224,7 +224,7 @@ STYLES = {
 """Style of a verdict; others have none."""
 
 DETAILED = FAULTS | {"undecided", "ambiguous"}
-"""Verdicts that are told with the equation and the place."""
+"""Verdicts that are printed with the equation and the place."""
 
 COUNTED = {
     "wrong": "wrong",
@@ -246,7 +246,7 @@ WIDTH = 120
 MAX_WIDTH = 2000
 """Characters of a line of a formula that are shown at most."""
 CORRECTIONS = 3
-"""Corrections that are told at most."""
+"""Corrections that are printed at most."""
 UNPLACED = 12
 """Symbols without a meaning that are listed at most."""
 INDENT = "    "
@@ -257,10 +257,10 @@ def text(line: Line) -> str:
     return "".join(part for _, part in line)
 
 
-def told(graded: Graded, only: Collection[str] = (), quiet: bool = False) -> Iterator[Line]:
-    """Yield what is told of a note: where meanings come from, each formula, a summary.
+def report_lines(graded: Graded, only: Collection[str] = (), quiet: bool = False) -> Iterator[Line]:
+    """Yield the lines on a note: where meanings come from, each formula, a summary.
 
-    ``only``: verdicts of the formulas that are told, all if empty; ``quiet``: faults alone.
+    ``only``: verdicts of the formulas that are printed, all if empty; ``quiet``: faults alone.
     """
     report = graded.report
     if report is None:
@@ -483,7 +483,7 @@ def to_json(graded: Iterable[Graded]) -> str:
 
 
 def note(graded: Graded) -> Data:
-    """Return what is told of one note."""
+    """Return the report on one note as data."""
     head = {"name": graded.name, "status": graded.status, "error": graded.error}
     return head | (_report(graded.report) if graded.report is not None else {})
 

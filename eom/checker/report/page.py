@@ -76,8 +76,8 @@ DOCUMENT = """<!DOCTYPE html>
 
 def page(document: Document, report: Report) -> str:
     """Return the page of a note and its report; the same input gives the same text."""
-    told = [f for f in report.equations if f.verdict != NONE]
-    findings = {(f.source.name, f.span.start): f for f in told}
+    shown = [f for f in report.equations if f.verdict != NONE]
+    findings = {(f.source.name, f.span.start): f for f in shown}
 
     def found(piece: Piece) -> Finding | None:
         return findings.get((piece.source.name, piece.span.start))

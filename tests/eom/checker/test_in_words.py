@@ -204,7 +204,7 @@ def test_stability_of_other_bodies_is_not_judged():
 
 def test_reports_tell_claims_apart_from_equations():
     from eom.checker.read.documents import read_document
-    from eom.checker.report.findings import Graded, rows, text, to_json, told
+    from eom.checker.report.findings import Graded, report_lines, rows, text, to_json
     from eom.checker.report.page import page
 
     note = r"""A line: $\vec H_C = I_C\vec\omega$.
@@ -217,7 +217,7 @@ The angular velocity is constant only if the torque is zero <b>.
     assert claim.line == 3
     assert claim in report.faults
     graded = Graded("n.md", report)
-    printed = [text(line) for line in told(graded)]
+    printed = [text(line) for line in report_lines(graded)]
     assert printed[-1].startswith("  1 equation and 1 claim in words: 1 wrong")
     data = json.loads(to_json([graded]))
     assert [f["kind"] for f in data["notes"][0]["findings"]] == ["inline", "prose"]
