@@ -23,7 +23,7 @@ import click
 from eom.checker.read.damage import variants
 from eom.checker.read.documents import KINDS, load, read_document
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.checker.read.statements import read, split
 from eom.checker.read.tokens import spelling, tokenize
 from eom.checker.read.writing import latex

@@ -27,7 +27,7 @@ LEAST_LINES, MOST_LINES = 2, 40
 TRIES = 40
 """Slips that are shown to the checker at most."""
 OTHERS = 4
-"""False versions of the false line that are offered beside the right one."""
+"""False versions of the false line that stand beside the right one."""
 DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 
@@ -77,7 +77,7 @@ def planted_in(
 
 def _nothing(about: Lesson, slip: str) -> InputError:
     """Return the error for a topic in which no slip could be planted."""
-    kinds = dict.fromkeys(name for name, _, _ in _offers(about, ""))
+    kinds = dict.fromkeys(name for name, _, _ in _candidates(about, ""))
     if slip and slip not in kinds:
         return InputError(
             f"no line of this topic can have the slip {slip}",
@@ -100,7 +100,7 @@ def _drawn(asked: Asked) -> Iterator[Sheet]:
     derivation, lines = asked.lesson.derivation, asked.lines
     rng = _random(asked, "lines")
     kinds: dict[str, list[tuple[int, Planted]]] = {}
-    for name, k, planted in _offers(asked.lesson, asked.slip):
+    for name, k, planted in _candidates(asked.lesson, asked.slip):
         kinds.setdefault(name, []).append((k, planted))
     order = list(kinds)
     rng.shuffle(order)
@@ -121,7 +121,7 @@ def _random(asked: Asked, what: str) -> random.Random:
     return random.Random(words)  # noqa: S311 - reproducible
 
 
-def _offers(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
+def _candidates(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
     """Yield the slips of a kind, "" for all, in every line: the kind, the place of the line, the slip."""
     around = _around(about)
     for k, step in enumerate(about.derivation.steps):
@@ -161,12 +161,12 @@ def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     >>> len(with_others(exercise("point-mass", seed=1), count=2).others)
     2
     """
-    offered = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
-    _random(made.asked, "others").shuffle(offered)
+    candidates = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
+    _random(made.asked, "others").shuffle(candidates)
     alone = replace(made.right, steps=(made.step,))
     seen = {_written(made, made.step.statement)}
     found: list[Equation] = []
-    for planted in (made.planted, *offered[:TRIES]):
+    for planted in (made.planted, *candidates[:TRIES]):
         latex = _written(made, planted.equation)
         if latex in seen or not _is_false(made.right, made.step, planted):
             continue

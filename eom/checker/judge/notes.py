@@ -34,7 +34,7 @@ from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.checker.read.statements import Formula, Statement, read_piece, split
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node

@@ -40,7 +40,7 @@ from eom.checker.mean.values import (
     trace,
     transpose_of,
 )
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (
     BigOperator,

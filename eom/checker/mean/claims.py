@@ -38,7 +38,7 @@ from eom.checker.mean.values import (
     overdot,
     same,
 )
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (

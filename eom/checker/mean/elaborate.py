@@ -40,7 +40,7 @@ from eom.checker.mean.values import (
     tensored,
     total,
 )
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import DOTS, Look, labels, seen
 from eom.checker.read.syntax import (
     Accent,

@@ -12,7 +12,7 @@ from eom import limits
 from eom.checker.mean.dimensions import NONE
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import ILL_FORMED, UNDECIDED, Value, refuse, scalar
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import Look, labels
 from eom.checker.read.syntax import Node
 from eom.terms.terms import SCALAR, Term, expr

@@ -36,7 +36,7 @@ from eom.checker.mean.symbols import FUNCTIONS
 from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.latex import SCRIPT_MARKS, SYMBOLS
-from eom.checker.read.places import printable
+from eom.checker.read.spans import printable
 from eom.checker.read.statements import Formula, Statement, read
 from eom.checker.read.symbol_shape import Labels, Look, seen
 from eom.checker.read.syntax import (

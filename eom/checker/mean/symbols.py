@@ -29,7 +29,7 @@ from eom.checker.mean.values import (
     transpose_of,
 )
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import Look, Seen, labels, seen
 from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol
 from eom.errors import InputError

@@ -23,7 +23,7 @@ from typing import Any
 
 from eom.checker.mean.dimensions import NONE, RATE, Dimension
 from eom.checker.mean.lexicon import Notation
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.spans import NOWHERE, Span
 from eom.terms.terms import (
     COLUMN,
     DYADIC,

@@ -23,7 +23,7 @@ from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
 from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
-from eom.checker.read.places import NOWHERE, ReadingError, Span, printable
+from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import Finding, Graded, Remark, Report
 from eom.checker.report.settings import FORMULA_SECONDS, GIVEN, Settings

@@ -26,7 +26,7 @@ from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.roles import ASSUMPTION, RECALLED
 from eom.checker.mean.values import ANY, Refusal, Value, overdot
 from eom.checker.read.documents import Document, Piece
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.errors import InputError
 from eom.terms.terms import Term, der, dot, zero
 from eom.terms.vocabulary import omega, position, quantity, unit

@@ -20,7 +20,7 @@ from eom.checker.mean.values import Refusal, negative
 from eom.checker.prose_claims.assumptions import runs, written
 from eom.checker.prose_claims.phrases import Subject
 from eom.checker.read.documents import Piece
-from eom.checker.read.places import Source, Span
+from eom.checker.read.spans import Source, Span
 from eom.checker.read.syntax import Addition, Group, Node, Relation
 
 TERMS = 1_000_000

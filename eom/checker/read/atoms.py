@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from eom.checker.read import latex, prefixes
-from eom.checker.read.places import Span
 from eom.checker.read.scripts import (
     argument,
     braced,
@@ -20,6 +19,7 @@ from eom.checker.read.scripts import (
     with_left,
     word_of,
 )
+from eom.checker.read.spans import Span
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
     Accent,

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
 from eom.checker.read.grammar import Reading, read_tokens
-from eom.checker.read.places import ReadingError, Source, Span
 from eom.checker.read.scripts import juxtaposed, spliced
+from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.syntax import (
     Accent,
     Derivative,

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from eom.checker.read import latex
-from eom.checker.read.places import ReadingError, Source, Span, printable, reading_error
+from eom.checker.read.spans import ReadingError, Source, Span, printable, reading_error
 from eom.checker.read.tokens import Macro, Token, tokenize
 from eom.errors import InputError
 

@@ -24,9 +24,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from eom.checker.read import atoms, latex, prefixes, scripts
-from eom.checker.read.places import Source, Span, reading_error
 from eom.checker.read.prefixes import applied, differential_ahead, slash_derivative
 from eom.checker.read.scripts import juxtaposed, spliced
+from eom.checker.read.spans import Source, Span, reading_error
 from eom.checker.read.stream import Note, Stream
 from eom.checker.read.syntax import (
     Addition,

@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eom.checker.read import latex
-from eom.checker.read.places import Span
 from eom.checker.read.scripts import braced, lone_d, made, with_left
+from eom.checker.read.spans import Span
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
     Addition,

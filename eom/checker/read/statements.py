@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.grammar import Reading, read_tokens
-from eom.checker.read.places import NOWHERE, ReadingError, Span
+from eom.checker.read.spans import NOWHERE, ReadingError, Span
 from eom.checker.read.syntax import (
     Accent,
     Addition,

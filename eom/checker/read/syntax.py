@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.spans import NOWHERE, Span
 
 
 @dataclass(frozen=True)

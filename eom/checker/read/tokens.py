@@ -19,7 +19,7 @@ from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
-from eom.checker.read.places import Source, Span, reading_error
+from eom.checker.read.spans import Source, Span, reading_error
 
 MAX_FORMULA = 100_000
 """Most characters of one formula."""

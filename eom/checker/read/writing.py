@@ -12,7 +12,7 @@ from typing import Any
 
 from eom.checker.read import latex as tables
 from eom.checker.read import syntax as s
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.typeset.boxes import (
     Accent,
     Box,

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from eom.checker.judge.judge import UNDER
-from eom.checker.read.places import NOWHERE, Source, Span, printable
+from eom.checker.read.spans import NOWHERE, Source, Span, printable
 from eom.worlds.worlds import ASSUMPTIONS
 
 

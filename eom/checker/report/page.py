@@ -29,7 +29,7 @@ from eom.checker.mean.roles import ASSUMPTION, DEFINITION
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
 from eom.checker.read.documents import Document, Piece, masked_markdown
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import ReadingError, Source, Span
+from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
 from eom.checker.read.writing import at_fault, box
 from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report

@@ -14,7 +14,7 @@ from eom.checker.mean.roles import roles
 from eom.checker.note import checking
 from eom.checker.note.checking import Found, check_note, one_by_one
 from eom.checker.read.documents import Text, is_file, looks_like, note_of, notes_of, read_document
-from eom.checker.read.places import NOWHERE
+from eom.checker.read.spans import NOWHERE
 from eom.checker.report.findings import FAULTS, ORDER, Explanation
 from eom.checker.report.settings import Settings
 from eom.errors import InputError

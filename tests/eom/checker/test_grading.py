@@ -15,7 +15,7 @@ import eom
 from eom.checker.note import grading
 from eom.checker.note.checking import grade
 from eom.checker.read.documents import Text, notes_of
-from eom.checker.read.places import Source, Span
+from eom.checker.read.spans import Source, Span
 from eom.checker.report.findings import (
     COLUMNS,
     ORDER,

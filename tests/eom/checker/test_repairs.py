@@ -4,7 +4,7 @@ import pytest
 
 from eom.checker.read.damage import apply, cross_before_column, variants
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.checker.read.tokens import tokenize
 from tests.eom.checker.formulas import GOLDSTEIN, KANE, SCHAUB
 from tests.eom.checker.shape import shape

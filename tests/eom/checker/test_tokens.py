@@ -3,7 +3,7 @@
 import pytest
 
 from eom.checker.read.documents import read_document
-from eom.checker.read.places import ReadingError, Source
+from eom.checker.read.spans import ReadingError, Source
 from eom.checker.read.statements import read
 from eom.checker.read.tokens import tokenize
 from tests.eom.checker.shape import shape
