@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 from sympy.simplify.fu import TR8
 
-from eom.checker.mean.dimensions import LENGTH, MASS
+from eom.checker.mean.dimensions import LENGTH, MASS, product
 from eom.checker.mean.elaborator import Elaborator, number
 from eom.checker.mean.lexicon import Entry, Meaning
 from eom.checker.mean.symbols import powered, pure
@@ -101,9 +101,7 @@ def definite(e: Elaborator, node: Integral) -> Value:
         found = between(e.expression(inside.term), x, a, b)
     except Unknown:
         raise refuse(UNDECIDED, "no rule for this integral", node.span) from None
-    known = inside.dimension is not None and measure is not None
-    dimension = inside.dimension.times(measure) if known else None  # type: ignore[union-attr, arg-type]
-    return Value(expr(found), SCALAR, dimension, span=node.span)
+    return Value(expr(found), SCALAR, product(inside.dimension, measure), span=node.span)
 
 
 def _limits(node: Integral) -> tuple[Any, Any]:
@@ -332,7 +330,7 @@ def integral_value(e: Elaborator, node: Integral) -> Value:
         raise refuse(UNDECIDED, what, node.span)
     term = terms.total(inside.term, "dm", "elements") if by_volume else terms.integral(inside.term)
     weight = VOLUME if by_volume else MASS
-    dimension = None if inside.dimension is None else inside.dimension.times(weight)
+    dimension = product(inside.dimension, weight)
     return replace(inside, term=term, dimension=dimension, density=0, span=node.span)
 
 

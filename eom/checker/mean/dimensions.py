@@ -95,6 +95,17 @@ QUANTITY_DIMENSIONS: dict[str, str] = {
 }
 """Units of the quantities of `eom.terms.vocabulary`; those that stand for anything have none."""
 
+
+def product(a: Dimension | None, b: Dimension | None) -> Dimension | None:
+    """Return the dimension of a product, None where one is not known."""
+    return None if a is None or b is None else a.times(b)
+
+
+def power(base: Dimension | None, exponent: Fraction | int) -> Dimension | None:
+    """Return the dimension of a power, None where that of its base is not known."""
+    return None if base is None else base.power(exponent)
+
+
 _FACTOR = re.compile(
     r"\s*(?P<over>/)?\s*(?P<name>[A-Za-z]+|1)(?:\s*(?:\^|\*\*)\s*(?P<power>-?[0-9]{1,2}))?\s*[*·]?"
 )

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from eom import limits
-from eom.checker.mean.dimensions import NONE
+from eom.checker.mean.dimensions import NONE, power, product
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.values import ILL_FORMED, UNDECIDED, Value, refuse, scalar
 from eom.checker.read.spans import Span
@@ -116,8 +116,7 @@ def quotient(e: Elaborator, above: Value, below: Value, span: Span) -> Value:
     divisor = e.expression(below.term)
     if divisor == 0:
         raise refuse(ILL_FORMED, "a division by zero", below.span)
-    known = above.dimension is not None and below.dimension is not None
-    dimension = above.dimension.times(below.dimension.power(-1)) if known else None  # type: ignore[union-attr]
+    dimension = product(above.dimension, power(below.dimension, -1))
     return replace(
         above,
         term=expr(1 / divisor) * above.term,

@@ -21,8 +21,8 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
@@ -123,6 +123,14 @@ class _Reader:
     def where(self, *keys: str) -> str:
         return ", ".join(p for p in (self.name, " > ".join(keys)) if p)
 
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep the error that what is within raises, and go on behind it."""
+        try:
+            yield
+        except InputError as error:
+            self.errors.append(error)
+
     def table(self, data: Mapping[str, Any], key: str, *above: str) -> Mapping[str, Any]:
         """Return a table of a table; what is none is an error."""
         value = data.get(key, {})
@@ -137,11 +145,8 @@ class _Reader:
         """Return the entries of a table of symbols."""
         found = []
         for latex, value in self.table(data, "symbols", *above).items():
-            where = self.where(*above, "symbols", latex)
-            try:
-                found.append(_entry(latex, value, notation, where))
-            except InputError as error:
-                self.errors.append(error)
+            with self.kept():
+                found.append(_entry(latex, value, notation, self.where(*above, "symbols", latex)))
         return found
 
     def names(self, data: Mapping[str, Any], key: str, *above: str) -> dict[Labels, str]:
@@ -149,22 +154,18 @@ class _Reader:
         found = {}
         for latex, value in self.table(data, key, *above).items():
             where = self.where(*above, key, latex)
-            try:
+            with self.kept():
                 if not (isinstance(value, str) and value.isalnum()):
                     raise InputError("not a name", where=where, got=value, expected="such as B")
                 found[label_of(latex, where)] = value
-            except InputError as error:
-                self.errors.append(error)
         return found
 
     def notation(self, data: Mapping[str, Any], base: Notation) -> Notation:
         """Return the notation with what the file changes."""
         changed: dict[str, Any] = {}
         for key, value in self.table(data, "notation").items():
-            try:
+            with self.kept():
                 changed[key] = _setting(key, value, self.where("notation", key))
-            except InputError as error:
-                self.errors.append(error)
         marks = dict(base.marks)
         for mark, frame in self.table(data, "marks").items():
             where = self.where("marks", mark)
@@ -215,9 +216,8 @@ class _Reader:
 
         where = self.where("system")
         try:
-            return _entries_of(
-                model_in(data["system"], folder, where), data["system"], notation, where
-            )
+            model = model_in(data["system"], folder, where)
+            return _entries_of(model, data["system"], notation, where)
         except InputError as error:
             self.errors.append(error)
             return None, ()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
+from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
 from eom.checker.mean.elaborator import MAX_DEPTH, Elaborator, number
 from eom.checker.mean.lexicon import Found, Meaning
@@ -77,20 +79,19 @@ def symbol_value(e: Elaborator, node: Node) -> Value:
     found = seen(node)
     assert found is not None
     value, rest = _found(e, found, node.span)
-    if found.dots:
-        value = overdot(e.lexicon.notation, value, found.dots, node.span)
-    for above in rest:
-        value = raised(e, value, above, node.span)
-    return value
+    return _dressed(e, value, found.dots, rest, node.span)
 
 
 def of_meaning(e: Elaborator, found: Found, given: Seen, span: Span) -> Value:
     """Return the value of a meaning that has been found, with dots and what is raised."""
-    value = meant(e, found, span)
-    if given.dots:
-        value = overdot(e.lexicon.notation, value, given.dots, span)
-    for above in given.raised:
-        value = raised(e, value, above, span)
+    return _dressed(e, meant(e, found, span), given.dots, given.raised, span)
+
+
+def _dressed(e: Elaborator, value: Value, dots: int, above: Iterable[Node], span: Span) -> Value:
+    """Return a value with dots and what is raised."""
+    value = overdot(e.lexicon.notation, value, dots, span) if dots else value
+    for node in above:
+        value = raised(e, value, node, span)
     return value
 
 
@@ -313,14 +314,14 @@ def powered(e: Elaborator, value: Value, exponent: Fraction, span: Span) -> Valu
         power = sp.Pow(
             e.expression(value.term), sp.Rational(exponent.numerator, exponent.denominator)
         )
-        raised_to = None if value.dimension is None else value.dimension.power(exponent)
+        raised_to = dimensions.power(value.dimension, exponent)
         if value.density and exponent != 1:
             raise refuse(UNDECIDED, "a power of a density", span)
         return replace(value, term=expr(power), dimension=raised_to, span=span)
     if exponent == -1:
         return inverted(e, value, span)
     if value.shape == VECTOR and exponent == 2:
-        squared = None if value.dimension is None else value.dimension.power(2)
+        squared = dimensions.power(value.dimension, 2)
         return Value(dot(value.term, value.term), SCALAR, squared, span=span)
     if value.shape in {MATRIX, DYADIC} and exponent in {2, 3, 4}:
         return _matrix_power(value, int(exponent), span)
@@ -341,8 +342,9 @@ def _matrix_power(value: Value, exponent: int, span: Span) -> Value:
     term = value.term
     for _ in range(exponent - 1):
         term = term @ value.term if value.shape == MATRIX else dot(term, value.term)
-    powered_ = None if value.dimension is None else value.dimension.power(exponent)
-    return replace(value, term=term, dimension=powered_, span=span)
+    return replace(
+        value, term=term, dimension=dimensions.power(value.dimension, exponent), span=span
+    )
 
 
 def inverted(e: Elaborator, value: Value, span: Span) -> Value:
@@ -353,7 +355,7 @@ def inverted(e: Elaborator, value: Value, span: Span) -> Value:
         verdict = UNDECIDED if value.shape == DYADIC else ILL_FORMED
         raise refuse(verdict, "this has no inverse here", span, value.words)
     frames = (value.frames[1], value.frames[0])
-    below = None if value.dimension is None else value.dimension.power(-1)
+    below = dimensions.power(value.dimension, -1)
     return replace(value, term=inverse(value.term), frames=frames, dimension=below, span=span)
 
 

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from itertools import combinations, permutations
 from typing import Any
 
+from eom.checker.mean import dimensions
 from eom.checker.mean.dimensions import NONE, RATE, Dimension
 from eom.checker.mean.lexicon import Notation
 from eom.checker.read.spans import NOWHERE, Span
@@ -108,13 +108,14 @@ def refuse(verdict: str, what: str, span: Span, got: str = "", expected: str = "
     return Refusal(Finding(verdict, what, span, got, expected))
 
 
+def _unfit(what: str, a: Value, b: Value, sign: str) -> Refusal:
+    """Return the refusal of a product of two."""
+    return refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words}{sign}{b.words}")
+
+
 def scalar(term: Term, dimension: Dimension | None = NONE, span: Span = NOWHERE) -> Value:
     """Return a scalar."""
     return Value(term, SCALAR, dimension, span=span)
-
-
-def _times(a: Dimension | None, b: Dimension | None) -> Dimension | None:
-    return None if a is None or b is None else a.times(b)
 
 
 def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = ANY) -> Value:
@@ -122,7 +123,7 @@ def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = 
     return Value(
         term,
         shape,
-        _times(a.dimension, b.dimension),
+        dimensions.product(a.dimension, b.dimension),
         frames,
         a.density + b.density,
         a.span.join(b.span),
@@ -250,12 +251,7 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
         return _table_product(a, b)
     rule = _BESIDE.get((a.shape, b.shape))
     if rule is None:
-        raise refuse(
-            ILL_FORMED,
-            "these do not multiply side by side",
-            a.span.join(b.span),
-            f"{a.words} beside {b.words}",
-        )
+        raise _unfit("these do not multiply side by side", a, b, " beside ")
     return rule(a, b)
 
 
@@ -360,8 +356,7 @@ def dotted(notation: Notation, a: Value, b: Value) -> Value:
         return _made(inner(a.term, b.term), SCALAR, a, b)
     if (a.shape, b.shape) in _BESIDE:
         return _BESIDE[a.shape, b.shape](a, b)
-    what = "these have no dot product"
-    raise refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words} . {b.words}")
+    raise _unfit("these have no dot product", a, b, " . ")
 
 
 def crossed(notation: Notation, a: Value, b: Value) -> Value:
@@ -381,8 +376,7 @@ def crossed(notation: Notation, a: Value, b: Value) -> Value:
         return _made(dot(a.term, turner(b.term)), DYADIC, a, b)
     if a.is_zero or b.is_zero:
         return _scaled(a, b)
-    span = a.span.join(b.span)
-    raise refuse(ILL_FORMED, "these have no cross product", span, f"{a.words} x {b.words}")
+    raise _unfit("these have no cross product", a, b, " x ")
 
 
 def _is_number(value: Value) -> bool:
@@ -401,15 +395,10 @@ def tensored(a: Value, b: Value) -> Value:
         return _made(outer(a.term, b.term), DYADIC, a, b)
     if (a.shape, b.shape) == (COLUMN, COLUMN):
         return _column_row(a, b)
-    span = a.span.join(b.span)
-    raise refuse(ILL_FORMED, "these have no dyadic product", span, f"{a.words}, {b.words}")
+    raise _unfit("these have no dyadic product", a, b, ", ")
 
 
 Cells = tuple[tuple[Term, ...], ...]
-
-
-def _basis(k: int) -> Term:
-    return entries([[number(int(j == k))] for j in range(3)])
 
 
 def cells_of(term: Term) -> Cells:
@@ -438,9 +427,9 @@ def cells(value: Value) -> Cells:
         return cells_of(term)
     if value.shape == MATRIX:
         return tuple(
-            tuple(inner(_basis(r), matmul(term, _basis(c))) for c in range(3)) for r in range(3)
+            tuple(inner(basis(r), matmul(term, basis(c))) for c in (1, 2, 3)) for r in (1, 2, 3)
         )
-    line = term.args if term.head == "entries" else tuple(inner(_basis(k), term) for k in range(3))
+    line = term.args if term.head == "entries" else tuple(inner(basis(k), term) for k in (1, 2, 3))
     return tuple((c,) for c in line) if value.shape == COLUMN else (line,)
 
 
@@ -549,7 +538,7 @@ def rate(value: Value, frame: str, times: int, span: Span) -> Value:
 
     Columns are differentiated number by number, unless the frame is another than theirs.
     """
-    dimension = None if value.dimension is None else value.dimension.times(RATE.power(times))
+    dimension = dimensions.product(value.dimension, RATE.power(times))
     if value.shape in {VECTRIX, COVECTRIX}:
         raise refuse(UNDECIDED, "derivatives of unit vectors in a column", span)
     term = value.term
@@ -590,7 +579,7 @@ def determinant(value: Value, span: Span) -> Value:
         mul(number(sign), *(row[c] for row, c in zip(rows, p, strict=True)))
         for p, sign in _permutations(size)
     )
-    dimension = None if value.dimension is None else value.dimension.power(Fraction(size))
+    dimension = dimensions.power(value.dimension, size)
     return Value(add(*parts), SCALAR, dimension, density=size * value.density, span=span)
 
 

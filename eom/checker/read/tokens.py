@@ -441,19 +441,19 @@ def over(tokens: list[Token]) -> list[Token]:
 
 def _around(tokens: list[Token], place: int) -> tuple[int, int]:
     """Return where the innermost group around a place begins and ends, without its braces."""
-    depth, first = 0, place
-    while first > 0:
-        depth += tokens[first - 1].is_char("}") - tokens[first - 1].is_char("{")
+    first = place - _within(reversed(tokens[:place]), "}", "{")
+    return first, place + _within(tokens[place:], "{", "}")
+
+
+def _within(tokens: Iterable[Token], opening: str, closing: str) -> int:
+    """Return how many tokens stand before the brace that closes what is open already."""
+    depth = count = 0
+    for token in tokens:
+        depth += token.is_char(opening) - token.is_char(closing)
         if depth < 0:
             break
-        first -= 1
-    depth, last = 0, place
-    while last < len(tokens):
-        depth += tokens[last].is_char("{") - tokens[last].is_char("}")
-        if depth < 0:
-            break
-        last += 1
-    return first, last
+        count += 1
+    return count
 
 
 def differentials(tokens: list[Token]) -> list[Token]:

@@ -255,9 +255,9 @@ def _last_part(node: s.Node) -> s.Node | None:
     return node.argument if isinstance(node, s.Call) else None
 
 
-def _spans(node: s.Node | None) -> bool:
-    """Whether the operators behind a node would be read as part of it."""
-    while node is not None and not isinstance(node, s.BigOperator):
+def _spans(node: s.Node | None, ends: tuple[type[s.Node], ...] = (s.BigOperator,)) -> bool:
+    """Whether the operators behind a node would be read as part of it; ``ends``: nodes that do so."""
+    while node is not None and not isinstance(node, ends):
         if isinstance(node, s.Integral) and not node.variables:
             return True
         node = _last_part(node)
@@ -266,11 +266,7 @@ def _spans(node: s.Node | None) -> bool:
 
 def _endless(node: s.Node | None) -> bool:
     """Whether even a sum behind a node would be read as part of it."""
-    while node is not None:
-        if isinstance(node, s.Integral) and not node.variables:
-            return True
-        node = _last_part(node)
-    return False
+    return _spans(node, ())
 
 
 def _quotient(node: s.Quotient) -> Box:

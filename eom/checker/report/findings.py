@@ -76,17 +76,19 @@ UNEXPLAINED = Explanation()
 FAULTS = frozenset({"wrong", "ill-formed"})
 """Verdicts that say that something is wrong."""
 
-ORDER = (
-    "wrong",
-    "ill-formed",
-    "ambiguous",
-    "undecided",
-    "holds under",
-    "holds",
-    "definition",
-    "assumption",
-    "no claim",
-)
+VERDICTS: dict[str, tuple[str, str]] = {
+    "wrong": ("bad", "wrong"),
+    "ill-formed": ("bad", "ill-formed"),
+    "ambiguous": ("unsure", "ambiguous"),
+    "undecided": ("unsure", "undecided"),
+    "holds under": ("good", "hold under assumptions"),
+    "holds": ("good", "hold"),
+    "definition": ("", "definitions"),
+    "assumption": ("", "assumptions"),
+    "no claim": ("", "claim nothing"),
+}
+"""The style of a verdict, see `Part`, and as it is counted."""
+ORDER = tuple(VERDICTS)
 """All verdicts, the gravest first; the last one is that of a display that claims nothing."""
 
 
@@ -213,31 +215,8 @@ Part = tuple[str, str]
 """Style ("title", "good", "bad", "unsure", "faint", "") and text."""
 Line = tuple[Part, ...]
 
-STYLES = {
-    "wrong": "bad",
-    "ill-formed": "bad",
-    "ambiguous": "unsure",
-    "undecided": "unsure",
-    "holds under": "good",
-    "holds": "good",
-}
-"""Style of a verdict; others have none."""
-
 DETAILED = FAULTS | {"undecided", "ambiguous"}
 """Verdicts that are printed with the equation and the place."""
-
-COUNTED = {
-    "wrong": "wrong",
-    "ill-formed": "ill-formed",
-    "ambiguous": "ambiguous",
-    "undecided": "undecided",
-    "holds under": "hold under assumptions",
-    "holds": "hold",
-    "definition": "definitions",
-    "assumption": "assumptions",
-    "no claim": "claim nothing",
-}
-"""Verdicts as they are counted."""
 
 MAX_LINES = 24
 """Lines of one formula that are shown at most."""
@@ -349,8 +328,8 @@ def _summary(report: Report) -> Line:
     also = f" and {claims} claim{'' if claims == 1 else 's'} in words" if claims else ""
     parts: list[Part] = [("", f"  {total} equation{'' if total == 1 else 's'}{also}")]
     for verdict, count in report.counts.items():
-        words = f"{count} {COUNTED[verdict]}"
-        parts += [("", ": " if len(parts) == 1 else ", "), (STYLES.get(verdict, ""), words)]
+        style, words = VERDICTS[verdict]
+        parts += [("", ": " if len(parts) == 1 else ", "), (style, f"{count} {words}")]
     return tuple(parts)
 
 
@@ -359,7 +338,7 @@ def _summary(report: Report) -> Line:
 
 def _finding(finding: Finding) -> Iterator[Line]:
     """Yield the verdict on a formula; of a fault the formula too, with carets, and what is known."""
-    style = STYLES.get(finding.verdict, "")
+    style = VERDICTS[finding.verdict][0]
     head: list[Part] = [("", f"  {_where(finding)}: "), (style, _verdict(finding))]
     yield tuple(head)
     if finding.verdict in DETAILED:
