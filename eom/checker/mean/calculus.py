@@ -18,9 +18,8 @@ import sympy as sp
 from sympy.simplify.fu import TR8
 
 from eom.checker.mean.dimensions import LENGTH, MASS, product
-from eom.checker.mean.elaborator import Elaborator, number
+from eom.checker.mean.elaborator import Elaborator, number, powered, pure
 from eom.checker.mean.lexicon import Entry, Meaning
-from eom.checker.mean.symbols import powered, pure
 from eom.checker.mean.values import (
     ANY,
     ILL_FORMED,

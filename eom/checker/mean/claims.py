@@ -24,9 +24,8 @@ import sympy as sp
 from eom import limits
 from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import Elaborator
+from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.symbols import TRANSPOSED
 from eom.checker.mean.values import (
     ANY,
     ROW,

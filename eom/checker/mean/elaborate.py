@@ -1,7 +1,7 @@
 r"""From a syntax tree to typed values, by the lexicon of the note: sums, products, brackets, scripts.
 
 One rule a kind of node; `eom.checker.mean.calculus` has those for sums over particles, body integrals,
-derivatives, functions and tables, `eom.checker.mean.symbols` that for symbols.
+derivatives, functions and tables, `eom.checker.mean.elaborator` that for symbols.
 
 Attitude in formulas: elementary rotations ``C_3(\psi)``, and ``c\theta`` for cosines.
 """
@@ -16,9 +16,19 @@ import sympy as sp
 
 from eom.checker.mean import calculus
 from eom.checker.mean.dimensions import NONE
-from eom.checker.mean.elaborator import Elaborator, Rule, number, quotient
+from eom.checker.mean.elaborator import (
+    TRANSPOSED,
+    Elaborator,
+    Rule,
+    marked,
+    number,
+    of_meaning,
+    pure,
+    quotient,
+    raised,
+    symbol_value,
+)
 from eom.checker.mean.lexicon import Lexicon, Meaning
-from eom.checker.mean.symbols import TRANSPOSED, marked, of_meaning, pure, raised, symbol_value
 from eom.checker.mean.values import (
     AMBIGUOUS,
     ANY,

@@ -22,6 +22,7 @@ from pathlib import Path
 
 from eom.checker.mean.claims import claims
 from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import FUNCTIONS
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import (
     PRESETS,
@@ -32,7 +33,6 @@ from eom.checker.mean.lexicon_files import (
     parse_lexicon,
     preset,
 )
-from eom.checker.mean.symbols import FUNCTIONS
 from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.latex import SCRIPT_MARKS, SYMBOLS
