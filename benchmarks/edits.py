@@ -32,9 +32,8 @@ from eom.checker.judge.verdicts import GRAVE, Verdict, verdict
 from eom.checker.mean.claims import Claim, claims, defined
 from eom.checker.mean.values import Value
 from eom.checker.read.documents import load
-from eom.checker.read.places import Source, Span
-from eom.checker.read.reading import Formula, read_piece
-from eom.checker.read.statements import split
+from eom.checker.read.spans import Source, Span
+from eom.checker.read.statements import Formula, read_piece, split
 from eom.checker.read.symbol_shape import DOTS, Look
 from eom.checker.read.syntax import (
     Accent,

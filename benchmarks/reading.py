@@ -23,9 +23,8 @@ import click
 from eom.checker.read.damage import variants
 from eom.checker.read.documents import KINDS, load, read_document
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Source
-from eom.checker.read.reading import read
-from eom.checker.read.statements import split
+from eom.checker.read.spans import Source
+from eom.checker.read.statements import read, split
 from eom.checker.read.tokens import spelling, tokenize
 from eom.checker.read.writing import latex
 from eom.errors import InputError

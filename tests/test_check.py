@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from eom.__main__ import main
-from eom.checker.report.report_data import COLUMNS
+from eom.checker.report.findings import COLUMNS
 from eom.worlds.worlds import ASSUMPTIONS
 
 RIGHT, WRONG = r"\vec H_C = I_C\vec\omega", r"\vec H_C = I_C\vec\omega + \vec\omega"

@@ -15,7 +15,7 @@ from eom.errors import InputError, printable, unknown_name
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from eom.checker.read.inputs import Note
+    from eom.checker.read.documents import Note
     from eom.checker.report.findings import Graded, Line
     from eom.checker.report.settings import Settings
 
@@ -143,7 +143,7 @@ def check(notes: tuple[str, ...], code: str, propose: bool, **options: Any) -> N
     if options["table"] is not None:
         _write_table(graded, options["table"])
     if options["as_json"]:
-        from eom.checker.report.report_data import to_json
+        from eom.checker.report.findings import to_json
 
         click.echo(to_json(graded), nl=False)
     else:
@@ -173,7 +173,7 @@ def _settings(
     **_: Any,
 ) -> Settings:
     """Return the settings. Raises `InputError` for names that are none."""
-    from eom.checker.read.inputs import TEXT_KINDS
+    from eom.checker.read.documents import TEXT_KINDS
     from eom.checker.report.settings import GIVEN, Settings
     from eom.worlds.worlds import closure
 
@@ -203,8 +203,7 @@ def _verdicts(only: tuple[str, ...]) -> tuple[str, ...]:
 
 def _note(word: str) -> Note:
     """Return the note that an argument stands for; standard input is read."""
-    from eom.checker.read.documents import MAX_BYTES, decoded
-    from eom.checker.read.inputs import Text, is_file
+    from eom.checker.read.documents import MAX_BYTES, Text, decoded, is_file
 
     if word != "-":
         text = word.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
@@ -217,7 +216,7 @@ def _checked(
     words: Sequence[str], settings: Settings, jobs: int
 ) -> tuple[list[Note], tuple[Graded, ...]]:
     """Return the notes and what became of them: one alone is checked here, many in processes."""
-    from eom.checker.read.inputs import notes_of
+    from eom.checker.read.documents import notes_of
 
     notes = notes_of([_note(word) for word in words])
     if not notes:
@@ -235,8 +234,8 @@ def _checked(
 
 def _propose(words: Sequence[str], kind: str) -> None:
     """Print the draft of a lexicon. Raises `InputError` for more than one note."""
-    from eom.checker.mean.origins import proposed
-    from eom.checker.read.inputs import document_of, notes_of
+    from eom.checker.mean.propose import proposed
+    from eom.checker.read.documents import document_of, notes_of
 
     notes = notes_of([_note(word) for word in words])
     if len(notes) != 1:
@@ -246,7 +245,7 @@ def _propose(words: Sequence[str], kind: str) -> None:
 
 def _write_table(graded: Sequence[Graded], file: Path) -> None:
     """Write the table of all notes."""
-    from eom.checker.report.report_data import to_csv, to_table_json
+    from eom.checker.report.findings import to_csv, to_table_json
 
     as_json = file.suffix.lower() == ".json"
     text = to_table_json(graded) if as_json else to_csv(graded)
@@ -259,7 +258,7 @@ def _write_pages(notes: Sequence[Note], graded: Sequence[Graded], path: Path, ki
 
     Raises `InputError` where a folder is needed and there is a file, or the other way round.
     """
-    from eom.checker.read.inputs import document_of
+    from eom.checker.read.documents import document_of
     from eom.checker.report.page import index, page
 
     several = len(notes) > 1
@@ -293,10 +292,10 @@ def _status(graded: Sequence[Graded]) -> int:
 
 def _print(graded: Sequence[Graded], only: Sequence[str], quiet: bool) -> None:
     """Print reports, unusable notes to standard error, and how many notes are what."""
-    from eom.checker.report.findings import told, total
+    from eom.checker.report.findings import report_lines, total
 
     for k, one in enumerate(graded):
-        for line in told(one, only, quiet):
+        for line in report_lines(one, only, quiet):
             _echo(line, err=one.report is None)
         if k + 1 < len(graded):
             click.echo()

@@ -23,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eom.checker.read.places import printable
+from eom.checker.read.spans import printable
 from eom.errors import InputError
 
 if TYPE_CHECKING:

@@ -156,7 +156,7 @@ def _written(made: list[Exercise], style: str, lexicon: bool, out: Path) -> list
 
 
 def _print_json(made: list[Exercise]) -> None:
-    from eom.exercises.data import as_data
+    from eom.exercises.moodle import as_data
 
     click.echo(json.dumps({"exercises": [as_data(one) for one in made]}, indent=2))
 

@@ -12,10 +12,9 @@ Imports: `eom.checker.mean`, `eom.checker.note`, `eom.checker.report`, `eom.deri
 (3, 'term')
 """
 
-from eom.exercises.lessons import Exercise, Lesson, lesson, topics
+from eom.exercises.lessons import Exercise, Lesson, lesson, marker, student, topics
 from eom.exercises.making import exercise, planted_in, with_others
 from eom.exercises.moodle import moodle
-from eom.exercises.page import marker, student
 
 __all__ = [
     "Exercise",

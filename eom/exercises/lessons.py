@@ -1,12 +1,9 @@
 """What exercises are made from: the steps of a topic as lines, and what their symbols mean.
 
-A topic is a derivation. Those of the solids are told as a marker would: integrals over the mass, their
-values, and the theorem of parallel axes; all others are the verified steps themselves.
-
-Moments of inertia of a uniform solid as the lines of a derivation, in the letters of books.
-
-About the centre of mass by integration, about each named point by the theorem of parallel axes; values
-are those of the catalogue of solids, which integrates over the solid's own coordinates.
+A topic is a derivation. Those of the solids go as a marker would: integrals over the mass, their
+values, and the theorem of parallel axes; all others are the verified steps themselves. Moments of a uniform
+solid are written in the letters of books; values are those of the catalogue of solids, which integrates
+over the solid's own coordinates. A page has the lines as blocks, words with formulas for task and key.
 """
 
 from __future__ import annotations
@@ -22,19 +19,27 @@ from eom.checker.mean.solid_models import COORDINATES, SPELLINGS
 from eom.checker.note.derived import front_matter
 from eom.checker.report.findings import Counterexample, Finding
 from eom.derivations import SOLIDS
-from eom.derivations.derivation import Derivation, Item, Step, only_names, separate, symbols
+from eom.derivations.derivation import (
+    Derivation,
+    Item,
+    Step,
+    meaning_of,
+    only_names,
+    separate,
+    symbols,
+)
 from eom.errors import typed, unknown_name
 from eom.exercises.slips import Planted
 from eom.mass.properties import MassProperties
 from eom.mass.solids import MASS, mass_properties
 from eom.mass.solids import SOLIDS as CATALOGUE
-from eom.terms.terms import Equation, expr, integral
+from eom.terms.terms import Equation, Term, expr, integral
 from eom.typeset import pages
-from eom.typeset.blocks import Steps
+from eom.typeset.blocks import Block, Bullets, Heading, Paragraph, Steps
 from eom.typeset.boxes import Formula
 from eom.typeset.letters import Notation
 from eom.typeset.markup import symbol_latex
-from eom.typeset.notation import NOTATIONS, notation_named
+from eom.typeset.notation import NOTATIONS, notation_named, write
 
 RELATIONS = ("=", ":=")
 
@@ -73,7 +78,7 @@ def lesson(topic: str) -> Lesson:
         raise unknown_name("topic", topic, derivations.names())
     solid = solid_of(topic)
     if solid:
-        made = told(topic, solid)
+        made = of_solid(topic, solid)
         return Lesson(topic, made, lambda _: front_matter_of(solid), lambda *_: legend(solid))
     made = derivations.derive(topic)
     lines = tuple(s for s in made.steps if _is_line(s))
@@ -104,7 +109,7 @@ def solid_of(topic: str) -> str:
     return next((s for s in SOLIDS if topic == PREFIX + s.replace(" ", "-")), "")
 
 
-def told(topic: str, solid: str) -> Derivation:
+def of_solid(topic: str, solid: str) -> Derivation:
     """Return the derivation of a solid's moments of inertia. Raises `InputError` for other solids."""
     title = derivations.titles()[GROUP][topic]
     return Derivation(topic, title, GROUP, tuple(_steps(solid)), {}, {})
@@ -298,3 +303,155 @@ class Exercise(Sheet):
     def counterexample(self) -> Counterexample | None:
         """A state in small numbers at which the line fails."""
         return self.finding.explanation.counterexample
+
+
+WORDS, INLINE, DISPLAY = "words", "inline", "display"
+
+
+@dataclass(frozen=True)
+class Part:
+    """A piece of a paragraph: words, a formula among them, or one on a line of its own, as LaTeX."""
+
+    kind: str
+    text: str
+
+
+Said = tuple[Part, ...]
+"""A paragraph."""
+
+
+def said(*texts: str | Part) -> Said:
+    """Return a paragraph; plain texts are words."""
+    return tuple(t if isinstance(t, Part) else Part(WORDS, t) for t in texts)
+
+
+def inline(latex: str) -> Part:
+    """Return a formula among words."""
+    return Part(INLINE, latex)
+
+
+def display(latex: str) -> Part:
+    """Return a formula on a line of its own."""
+    return Part(DISPLAY, latex)
+
+
+# -- lines -------------------------------------------------------------------------------------------
+
+
+# -- what is said -------------------------------------------------------------------------------------
+
+
+def task(exercise: Sheet) -> Said:
+    """Return what the student is asked."""
+    count = len(exercise.right.steps)
+    return said(
+        f"Exactly one of the lines (1) to ({count}) is false; each of the others is right, whatever "
+        "stands in the line before it. Which line is it, which term of it, and what should stand there?"
+    )
+
+
+def key(exercise: Exercise) -> Iterator[Said]:
+    """Yield the key: the line, the term, what is right, small numbers, and what of the lines behind."""
+    notation = notation_named(exercise.asked.notation)
+    slip = exercise.planted.slip
+    wrong = exercise.wrong.steps[exercise.number - 1]
+    yield said(f"Line ({exercise.number}) is false: {slip.words}. It says")
+    yield said(display(line_latex(exercise.wrong, wrong, notation)))
+    yield said("and should say")
+    yield said(display(line_latex(exercise.right, exercise.step, notation)))
+    yield _exchanged(exercise.planted.right, exercise.planted.wrong, notation)
+    if exercise.finding.explanation.residual:
+        residual = exercise.finding.explanation.residual
+        yield said("Left side minus right side of the false line is ", inline(residual), ".")
+    yield from _numbers(exercise)
+    yield said(
+        "The slip is not carried on: every other line is what it would be without it, and is right by "
+        "itself, so that one line alone is to be blamed."
+    )
+
+
+def _exchanged(right: Term, wrong: Term, notation: Notation) -> Said:
+    was = inline(write(right, notation, "latex"))
+    if wrong.is_zero:
+        return said("The term ", was, " is missing.")
+    return said(inline(write(wrong, notation, "latex")), " stands where ", was, " should stand.")
+
+
+def _numbers(exercise: Exercise) -> Iterator[Said]:
+    """Yield a state in small numbers at which both sides of the false line differ."""
+    found = exercise.counterexample
+    if found is None:
+        return
+    under = "; ".join(meaning_of(a) for a in found.assumptions)
+    yield said("A state in small numbers that shows it", f", where {under}" if under else "", ":")
+    values = [p for latex, value in found.values for p in (", ", inline(f"{latex} = {value}"))]
+    yield said(*values[1:], ".")
+    (left, a), (right, b) = ((inline(x), inline(y)) for x, y in found.members)
+    yield said("There ", left, " is ", a, " and ", right, " is ", b, "; they should be equal.")
+
+
+# -- Markdown -----------------------------------------------------------------------------------------
+
+
+@typed
+def student(exercise: Sheet, lexicon: bool = True) -> str:
+    """Return the page of an ``exercise`` for the student as Markdown.
+
+    ``lexicon``: whether it begins with the front matter with which `eom check` can judge it.
+
+    >>> from eom.exercises import exercise
+    >>> student(exercise("point-mass", seed=1), lexicon=False).splitlines()[0]
+    '# Which line is false? Dynamics of a point mass'
+    """
+    front = exercise.asked.lesson.front(exercise.asked.notation) if lexicon else ""
+    return front + pages.markdown_page(_student(exercise))
+
+
+def _student(exercise: Sheet) -> Iterator[Block]:
+    notation = notation_named(exercise.asked.notation)
+    yield Heading(f"Which line is false? {_line(exercise.right.title)}", 1)
+    yield Paragraph(markdown(task(exercise)))
+    yield Heading("Symbols")
+    yield Bullets(exercise.legend)
+    yield Heading("Lines")
+    yield from steps(exercise.wrong, notation)
+
+
+@typed
+def marker(exercise: Exercise) -> str:
+    """Return the key of an exercise as Markdown: which line, what should stand there, and numbers.
+
+    >>> from eom.exercises import exercise
+    >>> marker(exercise("point-mass", seed=1)).splitlines()[4]
+    'Line (3) is false: a term was dropped. It says'
+    """
+    lines = [f"# Key: {_line(exercise.right.title)}", ""]
+    lines += [f"`{command(exercise)}`", ""]
+    for paragraph in key(exercise):
+        lines += [markdown(paragraph), ""]
+    return "\n".join(lines[:-1]) + "\n"
+
+
+def command(exercise: Exercise) -> str:
+    """Return the command that makes the exercise."""
+    words = [
+        exercise.asked.lesson.topic,
+        f"--seed {exercise.asked.seed}",
+        f"--notation {exercise.asked.notation}",
+    ]
+    words += [f"--lines {exercise.asked.lines}"]
+    words += [f"--slip {exercise.asked.slip}"] if exercise.asked.slip else []
+    return " ".join(["eom exercise", *words])
+
+
+def _line(words: str) -> str:
+    """Return words on one line."""
+    return " ".join(words.split())
+
+
+_MARKDOWN = {WORDS: "{}", INLINE: "${}$", DISPLAY: "$${}$$"}
+
+
+def markdown(paragraph: Iterable[Part]) -> str:
+    """Return a paragraph as Markdown."""
+    return "".join(_MARKDOWN[p.kind].format(p.text) for p in paragraph)

@@ -17,7 +17,7 @@ from eom.checker.report.findings import FAULTS, Finding
 from eom.derivations.derivation import Derivation, Step
 from eom.derivations.verification import verify
 from eom.errors import InputError, typed, unknown_name
-from eom.exercises import page, slips
+from eom.exercises import lessons, slips
 from eom.exercises.lessons import LINES, Asked, Exercise, Lesson, Sheet, lesson, line_latex
 from eom.exercises.slips import Planted
 from eom.terms.terms import Equation
@@ -27,7 +27,7 @@ LEAST_LINES, MOST_LINES = 2, 40
 TRIES = 40
 """Slips that are shown to the checker at most."""
 OTHERS = 4
-"""False versions of the false line that are offered beside the right one."""
+"""False versions of the false line that stand beside the right one."""
 DOUBTFUL = frozenset({*FAULTS, "ambiguous"})
 
 
@@ -77,7 +77,7 @@ def planted_in(
 
 def _nothing(about: Lesson, slip: str) -> InputError:
     """Return the error for a topic in which no slip could be planted."""
-    kinds = dict.fromkeys(name for name, _, _ in _offers(about, ""))
+    kinds = dict.fromkeys(name for name, _, _ in _candidates(about, ""))
     if slip and slip not in kinds:
         return InputError(
             f"no line of this topic can have the slip {slip}",
@@ -100,7 +100,7 @@ def _drawn(asked: Asked) -> Iterator[Sheet]:
     derivation, lines = asked.lesson.derivation, asked.lines
     rng = _random(asked, "lines")
     kinds: dict[str, list[tuple[int, Planted]]] = {}
-    for name, k, planted in _offers(asked.lesson, asked.slip):
+    for name, k, planted in _candidates(asked.lesson, asked.slip):
         kinds.setdefault(name, []).append((k, planted))
     order = list(kinds)
     rng.shuffle(order)
@@ -121,7 +121,7 @@ def _random(asked: Asked, what: str) -> random.Random:
     return random.Random(words)  # noqa: S311 - reproducible
 
 
-def _offers(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
+def _candidates(about: Lesson, slip: str) -> Iterator[tuple[str, int, Planted]]:
     """Yield the slips of a kind, "" for all, in every line: the kind, the place of the line, the slip."""
     around = _around(about)
     for k, step in enumerate(about.derivation.steps):
@@ -155,18 +155,18 @@ def _is_false(derivation: Derivation, step: Step, planted: Planted) -> bool:
 def with_others(made: Exercise, count: int = OTHERS) -> Exercise:
     """Return an exercise with other false versions of its false line, each proved like the first one.
 
-    ``made``: of `exercise`. At most ``count``, the planted one among them; lines are told apart by how they
+    ``made``: of `exercise`. At most ``count``, the planted one among them; lines differ by how they
     are written.
 
     >>> len(with_others(exercise("point-mass", seed=1), count=2).others)
     2
     """
-    offered = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
-    _random(made.asked, "others").shuffle(offered)
+    candidates = list(slips.planted(made.step.statement, _around(made.asked.lesson)))
+    _random(made.asked, "others").shuffle(candidates)
     alone = replace(made.right, steps=(made.step,))
     seen = {_written(made, made.step.statement)}
     found: list[Equation] = []
-    for planted in (made.planted, *offered[:TRIES]):
+    for planted in (made.planted, *candidates[:TRIES]):
         latex = _written(made, planted.equation)
         if latex in seen or not _is_false(made.right, made.step, planted):
             continue
@@ -191,7 +191,7 @@ def judged(sheet: Sheet) -> Finding | None:
 
     It reads the page as the student gets it.
     """
-    report = checker.check(page.student(sheet))
+    report = checker.check(lessons.student(sheet))
     displays = [f for f in report.findings if f.kind == "display"]
     blamed = [f for f in report.findings if f.verdict in DOUBTFUL]
     if len(displays) != len(sheet.right.steps):

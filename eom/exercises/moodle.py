@@ -5,9 +5,7 @@ tree is written by the standard library, which escapes every text; letters that 
 left out. The third question is there where the side with the slip is a scalar expression that Maxima can
 read; STACK compares what is typed with it as an expression.
 
-Scalar expressions in the language of Maxima, which STACK takes: from the tree, by a table.
-
-Operations that the table does not know have no spelling, and neither have expressions that hold them.
+`maxima` spells them in the language of Maxima, which STACK takes. `as_data` is an exercise as plain data.
 """
 
 from __future__ import annotations
@@ -15,31 +13,33 @@ from __future__ import annotations
 import html
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import sympy as sp
 
+from eom.derivations.derivation import Derivation
 from eom.errors import typed
-from eom.exercises.lessons import line_latex, steps
-from eom.exercises.page import (
+from eom.exercises.lessons import (
     DISPLAY,
     INLINE,
     WORDS,
+    Exercise,
     Said,
     command,
     display,
     inline,
     key,
+    line_latex,
+    marker,
     said,
+    steps,
+    student,
     task,
 )
 from eom.typeset.markup import render, symbol_latex
-from eom.typeset.notation import notation_named
-
-if TYPE_CHECKING:
-    from eom.exercises.lessons import Exercise
+from eom.typeset.notation import notation_named, write
 
 CATEGORY = "$course$/top/Mechanics: find the false line"
 STACK_VERSION = "2023010400"
@@ -349,14 +349,6 @@ def _test(question: ET.Element, number: int, value: str, *, right: bool) -> None
     _element(expected, "expectedanswernote", f"prt1-1-{'T' if right else 'F'}")
 
 
-Expr = Any
-
-SUM, PRODUCT, POWER, ATOM = 1, 2, 3, 4
-"""How firmly a text holds together."""
-
-Spelt = tuple[str, int]
-Names = Mapping[Any, str]
-
 RESERVED = frozenset(
     "and array beta break catch cons define delta diff do e else elseif enhance error eval exp false "
     "first float for from gamma i if ind inf infinity int integrate j kronecker lambda last length "
@@ -366,16 +358,10 @@ RESERVED = frozenset(
 )
 """Words that Maxima or STACK keep for themselves, or read as a number or a function."""
 
-FUNCTIONS: dict[Any, str] = {
-    sp.sin: "sin",
-    sp.cos: "cos",
-    sp.tan: "tan",
-    sp.atan: "atan",
-    sp.asin: "asin",
-    sp.acos: "acos",
-    sp.exp: "exp",
-    sp.Abs: "abs",
-}
+_KNOWN = frozenset(
+    {sp.Add, sp.Mul, sp.Pow, sp.sin, sp.cos, sp.tan, sp.atan, sp.asin, sp.acos, sp.exp, sp.Abs}
+)
+"""Operations that Maxima spells as SymPy does, but for powers and magnitudes."""
 
 
 def names_for(symbols: Iterable[Any]) -> dict[Any, str]:
@@ -394,74 +380,69 @@ def names_for(symbols: Iterable[Any]) -> dict[Any, str]:
     return found
 
 
-def maxima(expression: Expr, names: Names) -> str | None:
-    """Return an expression as Maxima reads it, None where it holds what the table does not know."""
-    try:
-        return _spelt(expression, names)[0]
-    except LookupError:
-        return None
+def maxima(expression: Any, names: Mapping[Any, str]) -> str | None:
+    """Return an expression as Maxima reads it, None where it holds an operation that is not known here."""
+    for part in sp.preorder_traversal(expression):
+        if not (part.is_Symbol or part.is_Rational or part == sp.pi or part.func in _KNOWN):
+            return None
+    spelt = {s: sp.Symbol(name) for s, name in names.items()} | {sp.pi: sp.Symbol("%pi")}
+    text: str = sp.sstr(expression.xreplace(spelt)).replace(" ", "")
+    return text.replace("**", "^").replace("Abs(", "abs(")
 
 
-def _spelt(value: Expr, names: Names) -> Spelt:
-    if value.is_Symbol:
-        return names[value], ATOM
-    rule = _RULES.get(value.func) or (_number if value.is_Rational else None)
-    if rule is None:
-        raise LookupError(value.func)
-    return rule(value, names)
+def as_data(made: Exercise) -> dict[str, Any]:
+    """Return an exercise as data for JSON: its lines, its key, both pages; formulas are LaTeX.
+
+    ``maxima``: the side with the slip as it is right, null where it is no scalar expression.
+    """
+    notation = notation_named(made.asked.notation)
+    typed = typed_answer(made)
+    return {
+        "topic": made.asked.lesson.topic,
+        "title": made.right.title,
+        "group": made.right.group,
+        "seed": made.asked.seed,
+        "notation": made.asked.notation,
+        "lines": _numbered(made.wrong, made.asked.notation),
+        "key": {
+            "line": made.number,
+            "slip": made.planted.slip.name,
+            "words": made.planted.slip.words,
+            "verdict": made.finding.verdict,
+            "is": line_latex(made.wrong, made.wrong.steps[made.number - 1], notation),
+            "should_be": line_latex(made.right, made.step, notation),
+            "part": write(made.planted.wrong, notation, "latex"),
+            "part_should_be": write(made.planted.right, notation, "latex"),
+            "left_minus_right": made.finding.explanation.residual,
+            "counterexample": _numbers(made),
+            "maxima": typed and {"side": typed.side, "expression": typed.right},
+        },
+        "page": student(made),
+        "key_page": marker(made),
+    }
 
 
-def _inside(value: Expr, names: Names, least: int) -> str:
-    text, firm = _spelt(value, names)
-    return text if firm >= least else f"({text})"
-
-
-def _number(value: Expr, _: Names) -> Spelt:
-    if value.is_Integer:
-        return str(value.p), ATOM if value.p >= 0 else SUM
-    return f"{value.p}/{value.q}", PRODUCT if value.p > 0 else SUM
-
-
-def _sum(value: Expr, names: Names) -> Spelt:
-    first, *others = value.as_ordered_terms()
-    text = _inside(first, names, SUM)
-    for term in others:
-        negative = term.could_extract_minus_sign()
-        text += (
-            f"-{_inside(-term, names, PRODUCT)}"
-            if negative
-            else f"+{_inside(term, names, PRODUCT)}"
+def _numbered(lines: Derivation, notation: str) -> list[dict[str, Any]]:
+    chosen = notation_named(notation)
+    return [
+        {
+            "number": number,
+            "reason": block.notes[0].reason,
+            "assumptions": list(step.assumptions),
+            "latex": line_latex(lines, step, chosen),
+        }
+        for number, (step, block) in enumerate(
+            zip(lines.steps, steps(lines, chosen), strict=True), 1
         )
-    return text, SUM
+    ]
 
 
-def _product(value: Expr, names: Names) -> Spelt:
-    number = value.as_coeff_Mul()[0]
-    if number.is_Rational and number < 0:
-        return f"-{_inside(-value, names, PRODUCT)}", SUM
-    above, below = value.as_numer_denom()
-    if below != 1:
-        return f"{_inside(above, names, PRODUCT)}/{_inside(below, names, POWER)}", PRODUCT
-    return "*".join(_inside(f, names, POWER) for f in value.as_ordered_factors()), PRODUCT
-
-
-def _power(value: Expr, names: Names) -> Spelt:
-    base, exponent = value.as_base_exp()
-    if value.exp.could_extract_minus_sign():
-        return f"1/{_inside(1 / value, names, POWER)}", PRODUCT
-    if exponent == sp.Rational(1, 2):
-        return f"sqrt({_spelt(base, names)[0]})", ATOM
-    return f"{_inside(base, names, ATOM)}^{_inside(exponent, names, ATOM)}", POWER
-
-
-def _called(word: str) -> Callable[[Expr, Names], Spelt]:
-    return lambda value, names: (f"{word}({_spelt(value.args[0], names)[0]})", ATOM)
-
-
-_RULES: dict[Any, Callable[[Expr, Names], Spelt]] = {
-    sp.Add: _sum,
-    sp.Mul: _product,
-    sp.Pow: _power,
-    type(sp.pi): lambda *_: ("%pi", ATOM),
-    **{function: _called(word) for function, word in FUNCTIONS.items()},
-}
+def _numbers(made: Exercise) -> dict[str, Any] | None:
+    found = made.counterexample
+    if found is None:
+        return None
+    return {
+        "assumptions": list(found.assumptions),
+        "values": dict(found.values),
+        "sides": dict(found.members),
+    }

@@ -33,7 +33,7 @@ class Around:
 
 
 Rule = Callable[[Term, Around], Iterator[tuple[Term, Term, Term]]]
-"""From a node: what stands there anew, then what is told of it: the part as it was, as it is now."""
+"""From a node: what stands there anew, then the part as it was, and as it is now."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,13 @@ class Planted:
 
 
 def whole(rule: Callable[[Term, Around], Iterator[Term]]) -> Rule:
-    """Return the rule that tells of the whole node."""
+    """Return the rule whose part is the whole node."""
 
-    def told(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
+    def slipped(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
         for new in rule(node, around):
             yield new, node, new
 
-    return told
+    return slipped
 
 
 # -- sums -------------------------------------------------------------------------------------------
@@ -176,9 +176,9 @@ def _numbers(node: Term, _: Around) -> Iterator[Term]:
 
 
 def _inside(rule: Callable[[Expr, Around], Iterator[Expr]]) -> Rule:
-    """Return the rule that edits one place of a SymPy expression, told of the summand around it."""
+    """Return the rule that edits one place of a SymPy expression; its part is the summand around it."""
 
-    def told(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
+    def slipped(node: Term, around: Around) -> Iterator[tuple[Term, Term, Term]]:
         if node.head != "expr":
             return
         terms = node.data[0].as_ordered_terms()
@@ -187,7 +187,7 @@ def _inside(rule: Callable[[Expr, Around], Iterator[Expr]]) -> Rule:
                 value = sp.Add(*terms[:k], new, *terms[k + 1 :])
                 yield expr(value), expr(term), expr(new)
 
-    return told
+    return slipped
 
 
 def _everywhere(value: Expr, rule: Callable[[Expr, Around], Iterator[Expr]], around: Around) -> Any:

@@ -3,7 +3,7 @@
 import pytest
 
 import eom
-from eom.checker.report.findings import Graded, text, told
+from eom.checker.report.findings import Graded, report_lines, text
 
 
 def labels(excerpt):
@@ -71,4 +71,6 @@ def test_a_report_prints_itself_as_the_command_line_does():
     printer = Printer()
     report._repr_pretty_(printer, False)
     assert printer.words == str(report)
-    assert str(report) == "\n".join(text(line) for line in told(Graded(report.name, report)))
+    assert str(report) == "\n".join(
+        text(line) for line in report_lines(Graded(report.name, report))
+    )

@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom.checker.mean.claims import Claim
-from eom.checker.mean.symbols import ALIKE
+from eom.checker.mean.elaborator import ALIKE
 from eom.derivations.verification import not_negative
 from eom.errors import InputError
 from eom.exact import series

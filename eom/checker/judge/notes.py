@@ -14,19 +14,28 @@ from math import inf
 
 from eom.checker.judge.laws import firsts
 from eom.checker.judge.systems import covered
-from eom.checker.mean.axes import labelled, listed, running, unnamed
 from eom.checker.mean.claims import Claim, Relation, claims, defined
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.naming import Named, brings, first, says
 from eom.checker.mean.parameters import Known, limited, named, read
-from eom.checker.mean.roles import CLAIM, LAW, roles
+from eom.checker.mean.roles import (
+    CLAIM,
+    LAW,
+    Named,
+    brings,
+    first,
+    labelled,
+    listed,
+    roles,
+    running,
+    says,
+    unnamed,
+)
 from eom.checker.mean.values import UNDECIDED, WRONG, Finding, Value
 from eom.checker.read.damage import Repair, Variant, apply, cross_before_column, variants
 from eom.checker.read.documents import Document
 from eom.checker.read.grammar import Reading
-from eom.checker.read.places import Source
-from eom.checker.read.reading import Formula, read_piece
-from eom.checker.read.statements import Statement, split
+from eom.checker.read.spans import Source
+from eom.checker.read.statements import Formula, Statement, read_piece, split
 from eom.checker.read.symbol_shape import Look
 from eom.checker.read.syntax import Node
 from eom.checker.read.tokens import tokenize

@@ -18,7 +18,7 @@ from eom.checker.judge.notes import Understood
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, nodes
 from eom.worlds.worlds import closure

@@ -22,14 +22,22 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from eom import limits
-from eom.checker.mean.dimensions import NONE
+from eom.checker.mean.dimensions import NONE, power
 from eom.checker.mean.elaborate import elaborator
-from eom.checker.mean.elaborator import Elaborator
+from eom.checker.mean.elaborator import TRANSPOSED, Elaborator
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.operations import overdot
-from eom.checker.mean.symbols import TRANSPOSED
-from eom.checker.mean.values import ANY, ROW, UNDECIDED, Finding, Refusal, Value, basis, same
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.mean.values import (
+    ANY,
+    ROW,
+    UNDECIDED,
+    Finding,
+    Refusal,
+    Value,
+    basis,
+    overdot,
+    same,
+)
+from eom.checker.read.spans import NOWHERE, Span
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, labels, seen
 from eom.checker.read.syntax import (
@@ -401,8 +409,7 @@ def _square(value: Value) -> Value:
     expression = value.term.data[0] if value.term.head == "expr" else None
     if expression is None or not (expression.is_Pow and expression.exp == sp.Rational(1, 2)):
         return value
-    squared = None if value.dimension is None else value.dimension.power(2)
-    return replace(value, term=expr(expression.base), dimension=squared)
+    return replace(value, term=expr(expression.base), dimension=power(value.dimension, 2))
 
 
 def _datum(s: Statement, e: Elaborator) -> Claim | None:

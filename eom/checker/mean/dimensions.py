@@ -73,51 +73,38 @@ UNITS: dict[str, Dimension] = {
 """Units that a lexicon may use."""
 
 QUANTITY_DIMENSIONS: dict[str, str] = {
-    "mass": "kg",
-    "position": "m",
-    "force": "N",
-    "internal_force": "N",
-    "angular_velocity": "1/s",
-    "unit": "1",
-    "identity": "1",
-    "identity_matrix": "1",
-    "rotation": "1",
-    "eigenvectors": "1",
-    "angle": "1",
-    "turn_angle": "1",
-    "free_angle": "1",
-    "principal_angle": "1",
-    "principal_axis": "1",
-    "euler_parameter": "1",
-    "euler_vector": "1",
-    "rodrigues": "1",
-    "modified_rodrigues": "1",
-    "shadow_rodrigues": "1",
-    "gravity_parameter": "m^3/s^2",
-    "orbit_radius": "m",
-    "orbit_direction": "1",
-    "orbit_position": "m",
-    "gravity_torque": "N m",
-    "gravity_energy": "J",
-    "rotor_axis": "1",
-    "rotor_speed": "1/s",
-    "rotor_momentum": "kg m^2/s",
-    "rotor_inertia": "kg m^2",
-    "slug_momentum": "kg m^2/s",
-    "slug_inertia": "kg m^2",
-    "slug_damping": "kg m^2/s",
-    "total_mass": "kg",
-    "linear_momentum": "kg m/s",
-    "external_force": "N",
-    "first_moment": "kg m",
-    "absolute_angular_momentum": "kg m^2/s",
-    "angular_momentum": "kg m^2/s",
-    "torque": "N m",
-    "kinetic_energy": "J",
-    "rotational_energy": "J",
-    "inertia": "kg m^2",
+    name: unit
+    for unit, names in {
+        "1": "unit identity identity_matrix rotation eigenvectors angle turn_angle free_angle "
+        "principal_angle principal_axis euler_parameter euler_vector rodrigues modified_rodrigues "
+        "shadow_rodrigues orbit_direction rotor_axis",
+        "kg": "mass total_mass",
+        "m": "position orbit_radius orbit_position",
+        "1/s": "angular_velocity rotor_speed",
+        "m^3/s^2": "gravity_parameter",
+        "N": "force internal_force external_force",
+        "N m": "torque gravity_torque",
+        "J": "kinetic_energy rotational_energy gravity_energy",
+        "kg m": "first_moment",
+        "kg m/s": "linear_momentum",
+        "kg m^2": "inertia rotor_inertia slug_inertia",
+        "kg m^2/s": "angular_momentum absolute_angular_momentum rotor_momentum slug_momentum "
+        "slug_damping",
+    }.items()
+    for name in names.split()
 }
 """Units of the quantities of `eom.terms.vocabulary`; those that stand for anything have none."""
+
+
+def product(a: Dimension | None, b: Dimension | None) -> Dimension | None:
+    """Return the dimension of a product, None where one is not known."""
+    return None if a is None or b is None else a.times(b)
+
+
+def power(base: Dimension | None, exponent: Fraction | int) -> Dimension | None:
+    """Return the dimension of a power, None where that of its base is not known."""
+    return None if base is None else base.power(exponent)
+
 
 _FACTOR = re.compile(
     r"\s*(?P<over>/)?\s*(?P<name>[A-Za-z]+|1)(?:\s*(?:\^|\*\*)\s*(?P<power>-?[0-9]{1,2}))?\s*[*·]?"

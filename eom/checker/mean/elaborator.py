@@ -1,21 +1,58 @@
-"""What the rules of elaboration share: lexicon, definitions of the note, names of scalars."""
+"""What the rules of elaboration share: lexicon, definitions of the note, names of scalars.
+
+From a symbol with accents and scripts to its value, by the lexicon of the note.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
 from eom import limits
-from eom.checker.mean.dimensions import NONE
-from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.values import ILL_FORMED, UNDECIDED, Value, refuse, scalar
-from eom.checker.read.places import Span
-from eom.checker.read.symbol_shape import Look, labels
-from eom.checker.read.syntax import Node
-from eom.terms.terms import SCALAR, Term, expr
+from eom.checker.mean import dimensions
+from eom.checker.mean.dimensions import LENGTH, NONE, TIME, Dimension, dimension, of_quantity
+from eom.checker.mean.lexicon import Found, Lexicon, Meaning
+from eom.checker.mean.values import (
+    ANY,
+    ILL_FORMED,
+    UNDECIDED,
+    VECTRIX,
+    WRONG,
+    Refusal,
+    Value,
+    basis,
+    components,
+    made,
+    overdot,
+    rate,
+    refuse,
+    scalar,
+    skew,
+    transpose_of,
+)
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.spans import Span
+from eom.checker.read.symbol_shape import Look, Seen, labels, seen
+from eom.checker.read.syntax import Addition, Group, Marks, Node, Product, Symbol
+from eom.errors import InputError
+from eom.terms.terms import (
+    DYADIC,
+    MATRIX,
+    SCALAR,
+    VECTOR,
+    Term,
+    atom,
+    dot,
+    expr,
+    inner,
+    inverse,
+    matmul,
+)
+from eom.terms.vocabulary import quantity, unit
 
 MAX_DEPTH = 12
 """How far meanings may refer to other formulas."""
@@ -116,8 +153,7 @@ def quotient(e: Elaborator, above: Value, below: Value, span: Span) -> Value:
     divisor = e.expression(below.term)
     if divisor == 0:
         raise refuse(ILL_FORMED, "a division by zero", below.span)
-    known = above.dimension is not None and below.dimension is not None
-    dimension = above.dimension.times(below.dimension.power(-1)) if known else None  # type: ignore[union-attr]
+    dimension = dimensions.product(above.dimension, dimensions.power(below.dimension, -1))
     return replace(
         above,
         term=expr(1 / divisor) * above.term,
@@ -130,3 +166,321 @@ def quotient(e: Elaborator, above: Value, below: Value, span: Span) -> Value:
 def number(value: Any, span: Span) -> Value:
     """Return a pure number."""
     return scalar(expr(value), NONE, span)
+
+
+PER_VOLUME = LENGTH.power(-3)
+MAX_POWER = 12
+MAX_EXPONENT = 64
+MAX_BITS = 2000
+TRANSPOSED = frozenset({"T", "top", "intercal", "t", "mathsf T"})
+
+ALIKE = frozenset(
+    {"principal_axis", "euler_vector", "rodrigues", "modified_rodrigues", "shadow_rodrigues"}
+)
+"""Vectors along the axis of a rotation: their components before and after it are the same."""
+
+FUNCTIONS = frozenset({"skew", "turn", "active_turn"})
+"""Meanings that take an argument in brackets."""
+
+QUATERNIONS: dict[str, tuple[str, ...]] = {
+    "quaternion": ("0", "1", "2", "3"),
+    "quaternion_last": ("1", "2", "3", "0"),
+}
+"""Columns of the Euler parameters, the scalar first or last."""
+
+_ATOMS = frozenset({"mass", "total_mass", "kinetic_energy", "rotational_energy"})
+"""Scalars that stay terms; all others are symbols of SymPy with a meaning."""
+
+
+def symbol_value(e: Elaborator, node: Node) -> Value:
+    """Return the value of a symbol, or of whatever else carries accents and scripts."""
+    found = seen(node)
+    assert found is not None
+    value, rest = _found(e, found, node.span)
+    return _dressed(e, value, found.dots, rest, node.span)
+
+
+def of_meaning(e: Elaborator, found: Found, given: Seen, span: Span) -> Value:
+    """Return the value of a meaning that has been found, with dots and what is raised."""
+    return _dressed(e, meant(e, found, span), given.dots, given.raised, span)
+
+
+def _dressed(e: Elaborator, value: Value, dots: int, above: Iterable[Node], span: Span) -> Value:
+    """Return a value with dots and what is raised."""
+    value = overdot(e.lexicon.notation, value, dots, span) if dots else value
+    for node in above:
+        value = raised(e, value, node, span)
+    return value
+
+
+def _found(e: Elaborator, given: Seen, span: Span) -> tuple[Value, tuple[Node, ...]]:
+    """Return the value of the nucleus, and the raised nodes that act on it."""
+    labelled = given.with_label()
+    if labelled is not None:
+        value = _look(e, labelled, span)
+        if value is not None:
+            return value, given.raised[1:]
+    value = _look(e, given.look, span)
+    if value is None:
+        value = _accented(e, given.look, span)
+    if value is None:
+        value = _resolved(e, given.look, span)
+    if value is None:
+        raise _unknown(e, labelled or given.look, span)
+    return value, given.raised
+
+
+def _look(e: Elaborator, look: Look, span: Span) -> Value | None:
+    found = e.lexicon.find(look, e.indices)
+    if found is not None:
+        return meant(e, found, span)
+    plain = e.lexicon.notation.plain(look)
+    if plain in e.definitions:
+        return _recalled(e, plain, span)
+    if look.name == "0" and not any(look.corners):
+        return Value(expr(sp.Integer(0)), SCALAR, None, span=span)
+    return number(sp.pi, span) if look == Look("pi") else None
+
+
+def _recalled(e: Elaborator, look: Look, span: Span) -> Value:
+    """Return what the note has defined, with what its symbols stand for."""
+    found = e.definitions[look]
+    for symbol, term in found.scalars.items():
+        e.scalars.setdefault(symbol, term)
+    return replace(found, span=span, scalars={})
+
+
+_ALIKE = {"circle": "ring"}
+"""Accents that look the same."""
+
+
+def _accented(e: Elaborator, look: Look, span: Span) -> Value | None:
+    """Return the skew matrix of what stands below an accent that makes one, or its derivative."""
+    notation = e.lexicon.notation
+    for stands in look.accents:
+        mark = _ALIKE.get(stands, stands) if stands not in notation.marks else stands
+        if mark in notation.skew or mark in notation.marks:
+            left = list(look.accents)
+            left.remove(stands)
+            below = replace(look, accents=tuple(left))
+            inside = _look(e, below, span) or _resolved(e, below, span)
+            if inside is None or mark in notation.skew:
+                return inside and skew(notation, inside, span)
+            return marked(e, inside, mark, span)
+    return None
+
+
+def _resolved(e: Elaborator, look: Look, span: Span) -> Value | None:
+    """Return components where the last label below is a frame."""
+    frame = e.lexicon.frames.get(look.sub[-1:]) if e.lexicon.notation.resolved else None
+    if frame is None:
+        return None
+    inside = _look(e, replace(look, sub=look.sub[:-1]), span)
+    if inside is None or inside.shape not in {VECTOR, DYADIC}:
+        return None
+    return components(inside, frame)
+
+
+def _unknown(e: Elaborator, look: Look, span: Span) -> Exception:
+    hints = ", ".join(e.lexicon.known(look.name)[:5])
+    return refuse(UNDECIDED, "symbol without a meaning", span, look.text, hints)
+
+
+# -- meanings ------------------------------------------------------------------------------------
+
+
+def meant(e: Elaborator, found: Found, span: Span) -> Value:
+    """Return the value of what the lexicon says."""
+    meaning = found.meaning
+    if meaning.quantity == "defined":
+        if found.look not in e.definitions:
+            raise refuse(UNDECIDED, "this is not defined yet", span, found.look.text)
+        return _recalled(e, found.look, span)
+    if meaning.quantity == "equals":
+        return _formula(e, found, span)
+    if meaning.quantity == "vectrix":
+        return Value(unit(meaning.labels[0], 1), VECTRIX, NONE, (meaning.labels[0], ""), span=span)
+    if meaning.quantity == "time":
+        return Value(expr(sp.Symbol("t", real=True)), SCALAR, TIME, span=span)
+    if meaning.quantity in QUATERNIONS:
+        return quaternion(e, meaning, span)
+    if meaning.quantity in FUNCTIONS:
+        raise refuse(UNDECIDED, "a function without an argument", span, found.look.text)
+    return _quantity(e, found, span)
+
+
+def quaternion(e: Elaborator, meaning: Meaning, span: Span) -> Value:
+    """Return the column of the Euler parameters."""
+    cells = [[_parameter(e, k, meaning)] for k in QUATERNIONS[meaning.quantity]]
+    return made(cells, Value(cells[0][0], SCALAR, NONE, span=span))
+
+
+def _parameter(e: Elaborator, k: str, meaning: Meaning) -> Term:
+    return expr(e.name(f"q_{k}", quantity("euler_parameter", k, *meaning.labels)))
+
+
+def _formula(e: Elaborator, found: Found, span: Span) -> Value:
+    """Return the value of a formula that a symbol stands for; its places are those of the symbol."""
+    if e.depth >= MAX_DEPTH:
+        raise refuse(UNDECIDED, "the meanings of these symbols go in circles", span)
+    tree = read_formula(found.meaning.formula).tree
+    try:
+        value = replace(e, depth=e.depth + 1).value(tree)
+    except Refusal as refusal:
+        raise Refusal(replace(refusal.finding, span=span)) from None
+    if value.shape == SCALAR and value.term.head != "expr":
+        symbol = e.name(found.look.text, value.term)
+        value = replace(value, term=expr(symbol))
+    return value
+
+
+def _dimension(meaning: Meaning) -> Dimension | None:
+    own = dimension(meaning.unit) if meaning.unit else of_quantity(meaning.quantity)
+    if own is None or not meaning.density:
+        return own
+    return own.times(PER_VOLUME)
+
+
+def _term(meaning: Meaning) -> Term:
+    """Return the quantity that is meant, one of the vocabulary or of the note's system."""
+    if meaning.quantity == "system":
+        return atom("system", *meaning.labels, kind=SCALAR)
+    return quantity(meaning.quantity, *meaning.labels)
+
+
+def _quantity(e: Elaborator, found: Found, span: Span) -> Value:
+    meaning = found.meaning
+    try:
+        term = _term(meaning)
+    except InputError as error:
+        raise refuse(UNDECIDED, error.what, span, error.got, error.expected) from None
+    value = Value(term, term.kind, _dimension(meaning), ANY, int(meaning.density), span)
+    if meaning.component:
+        value = replace(value, term=_component(term, meaning), shape=SCALAR)
+    elif meaning.frame:
+        value = components(value, meaning.frame)
+        if meaning.quantity in ALIKE and meaning.frame in meaning.labels:
+            value = replace(value, frames=ANY)
+    if value.shape == MATRIX and meaning.quantity in {"rotation", "eigenvectors"}:
+        value = replace(value, frames=(meaning.labels[0], meaning.labels[1]))
+    if value.shape == SCALAR and meaning.quantity not in _ATOMS:
+        value = replace(value, term=expr(e.name(found.look.text, value.term)))
+    return value
+
+
+def _component(term: Term, meaning: Meaning) -> Term:
+    if term.kind == MATRIX:
+        row, place = (basis(int(c)) for c in meaning.component)
+        return inner(row, matmul(term, place))
+    axes = [unit(meaning.frame, int(c)) for c in meaning.component]
+    if term.kind == VECTOR:
+        return dot(axes[0], term)
+    return dot(axes[0], dot(term, axes[1]))
+
+
+# -- what is raised ------------------------------------------------------------------------------
+
+
+def raised(e: Elaborator, value: Value, above: Node, span: Span) -> Value:
+    """Apply what stands above a symbol or bracket: a transpose, an inverse, a power, marks."""
+    if isinstance(above, Group) and above.open == "":
+        return raised(e, value, above.body, span)
+    if isinstance(above, Marks):
+        for mark in above.names:
+            value = marked(e, value, mark, span)
+        return value
+    if isinstance(above, Symbol) and above.name in TRANSPOSED:
+        return transpose_of(e.lexicon.notation, value, span)
+    if isinstance(above, Addition) and labels(above) in {("-", "T"), ("-", "top")}:
+        return transpose_of(e.lexicon.notation, inverted(e, value, span), span)
+    if isinstance(above, Product) and all(isinstance(f, Marks | Symbol) for f in above.factors):
+        for factor in above.factors:
+            value = raised(e, value, factor, span)
+        return value
+    exponent = _exponent(above)
+    if exponent is None:
+        got = "".join(labels(above))
+        raise refuse(UNDECIDED, "what is raised here has no meaning", span, got)
+    return powered(e, value, exponent, span)
+
+
+def marked(e: Elaborator, value: Value, mark: str, span: Span) -> Value:
+    """Apply a raised mark: a derivative, or a cross."""
+    frame = e.lexicon.notation.marks.get(mark)
+    if mark == "times":
+        return skew(e.lexicon.notation, value, span)
+    if frame is None:
+        raise refuse(UNDECIDED, "this mark has no meaning", span, mark, "an entry in [marks]")
+    return rate(value, frame, 1, span)
+
+
+def _exponent(above: Node) -> Fraction | None:
+    text = "".join(labels(above)).replace("−", "-")
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        return None
+
+
+def powered(e: Elaborator, value: Value, exponent: Fraction, span: Span) -> Value:
+    """Return a power: of a scalar, a square of a vector, an inverse or power of a matrix."""
+    if abs(exponent) > MAX_POWER or exponent.denominator > MAX_POWER:
+        raise refuse(UNDECIDED, "an exponent is too large", span, str(exponent))
+    if value.shape == SCALAR:
+        if not _small(e.expression(value.term), exponent):
+            raise refuse(UNDECIDED, "a power is too large", span)
+        power = sp.Pow(
+            e.expression(value.term), sp.Rational(exponent.numerator, exponent.denominator)
+        )
+        raised_to = dimensions.power(value.dimension, exponent)
+        if value.density and exponent != 1:
+            raise refuse(UNDECIDED, "a power of a density", span)
+        return replace(value, term=expr(power), dimension=raised_to, span=span)
+    if exponent == -1:
+        return inverted(e, value, span)
+    if value.shape == VECTOR and exponent == 2:
+        squared = dimensions.power(value.dimension, 2)
+        return Value(dot(value.term, value.term), SCALAR, squared, span=span)
+    if value.shape in {MATRIX, DYADIC} and exponent in {2, 3, 4}:
+        return _matrix_power(value, int(exponent), span)
+    raise refuse(ILL_FORMED, "this has no such power", span, value.words)
+
+
+def _small(base: Any, exponent: Fraction) -> bool:
+    """Tell whether a power has small exponents and no long numbers."""
+    inside = [abs(p.exp) for p in sp.preorder_traversal(base) if p.is_Pow and p.exp.is_Rational]
+    bits = [max(abs(n.p), n.q).bit_length() for n in base.atoms(sp.Rational)]
+    largest = max([*inside, sp.Integer(1)]) * abs(exponent)
+    return bool(largest <= MAX_EXPONENT) and max([*bits, 1]) * abs(exponent) <= MAX_BITS
+
+
+def _matrix_power(value: Value, exponent: int, span: Span) -> Value:
+    if value.frames[0] != value.frames[1]:
+        raise refuse(ILL_FORMED, "a power of a matrix between two frames", span, value.words)
+    term = value.term
+    for _ in range(exponent - 1):
+        term = term @ value.term if value.shape == MATRIX else dot(term, value.term)
+    return replace(
+        value, term=term, dimension=dimensions.power(value.dimension, exponent), span=span
+    )
+
+
+def inverted(e: Elaborator, value: Value, span: Span) -> Value:
+    """Return the inverse of a matrix; of a scalar, one over it."""
+    if value.shape == SCALAR:
+        return powered(e, value, Fraction(-1), span)
+    if value.shape != MATRIX:
+        verdict = UNDECIDED if value.shape == DYADIC else ILL_FORMED
+        raise refuse(verdict, "this has no inverse here", span, value.words)
+    frames = (value.frames[1], value.frames[0])
+    below = dimensions.power(value.dimension, -1)
+    return replace(value, term=inverse(value.term), frames=frames, dimension=below, span=span)
+
+
+def pure(value: Value, span: Span) -> None:
+    """Require a scalar without dimension, as in a sine."""
+    if value.shape != SCALAR:
+        raise refuse(ILL_FORMED, "the argument of a function is a scalar", span, value.words)
+    if value.dimension not in {None, NONE}:
+        got = value.dimension.words if value.dimension is not None else ""
+        raise refuse(WRONG, "the argument of a function has a dimension", span, got, "1")

@@ -1,25 +1,37 @@
-"""Lexica from TOML: files beside notes, front matter, and the presets.
+r"""Lexica from TOML: files beside notes, front matter, and the presets.
 
 Every bad entry is one error that says where, what was got and what is expected.
 
 Patterns of a lexicon: LaTeX of one symbol with its labels, slots in angle brackets.
+
+Front matter in YAML: the table ``eom`` or ``check`` of it is the lexicon of the note.
+
+    ---
+    title: Lecture 3
+    eom:
+      preset: arrow-tilde
+      symbols:
+        '\vec{a}': vector a
+    ---
+
+That block alone is parsed; anchors, aliases and tags are refused, and nothing in it is evaluated.
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from eom.checker.mean.lexicon import Entry, Lexicon, Notation, Scope
-from eom.checker.mean.meanings import SLOT, meaning
-from eom.checker.read.front import yaml_table
+import yaml
+
+from eom.checker.mean.lexicon import SLOT, Entry, Lexicon, Notation, Scope, meaning
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.symbol_shape import Labels, Look, labels, seen
 from eom.checker.read.syntax import Group, Node, Product, Scripts
@@ -29,6 +41,59 @@ if TYPE_CHECKING:
     from eom.checker.mean.model import Model
     from eom.opening import AnyScene
     from eom.system import System
+
+MAX_FRONT = 100_000
+"""Characters of the block that is parsed."""
+_WHERE = "front matter"
+_KEY = re.compile(r"^(eom|check)[ ]*:", re.MULTILINE)
+_NEXT = re.compile(r"^[^\s#]", re.MULTILINE)
+
+
+def in_yaml(front: str) -> bool:
+    """Tell whether front matter has a YAML table for the checker."""
+    return _KEY.search(front) is not None and "[check" not in front
+
+
+def yaml_table(front: str) -> Mapping[str, Any]:
+    """Return the table for the checker; a word alone names a preset. Raises `InputError`."""
+    match = _KEY.search(front)
+    if match is None:
+        return {}
+    end = _NEXT.search(front, match.end())
+    block = front[match.start() : end.start() if end else len(front)]
+    if len(block) > MAX_FRONT:
+        raise InputError("too long", where=_WHERE, expected=f"at most {MAX_FRONT} characters")
+    try:
+        found = yaml.load(block, Loader=_Plain)[match[1]]  # noqa: S506 - a loader that is safer than safe
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise InputError("not YAML", where=_WHERE, got=_line(error), hint=_HINT) from error
+    if isinstance(found, str):
+        return {"preset": found}
+    if not isinstance(found, Mapping):
+        raise InputError("not a table", where=_WHERE, got=found, expected=f"{match[1]}: with keys")
+    return found
+
+
+_HINT = r"patterns stand in single quotes: '\vec{r}'"
+
+
+def _line(error: Exception) -> str:
+    mark = getattr(error, "problem_mark", None)
+    problem = getattr(error, "problem", None) or type(error).__name__
+    return f"{problem} (line {mark.line + 1} of the block)" if mark is not None else str(problem)
+
+
+class _Plain(yaml.SafeLoader):
+    """The safe loader without anchors and aliases, which can grow without bound."""
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        if getattr(event, "anchor", None) is not None:
+            raise yaml.composer.ComposerError(
+                None, None, "anchors and aliases are refused", event.start_mark
+            )
+        return super().compose_node(parent, index)
+
 
 PRESETS = (
     "arrow-tilde",
@@ -58,6 +123,14 @@ class _Reader:
     def where(self, *keys: str) -> str:
         return ", ".join(p for p in (self.name, " > ".join(keys)) if p)
 
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep the error that what is within raises, and go on behind it."""
+        try:
+            yield
+        except InputError as error:
+            self.errors.append(error)
+
     def table(self, data: Mapping[str, Any], key: str, *above: str) -> Mapping[str, Any]:
         """Return a table of a table; what is none is an error."""
         value = data.get(key, {})
@@ -72,11 +145,8 @@ class _Reader:
         """Return the entries of a table of symbols."""
         found = []
         for latex, value in self.table(data, "symbols", *above).items():
-            where = self.where(*above, "symbols", latex)
-            try:
-                found.append(_entry(latex, value, notation, where))
-            except InputError as error:
-                self.errors.append(error)
+            with self.kept():
+                found.append(_entry(latex, value, notation, self.where(*above, "symbols", latex)))
         return found
 
     def names(self, data: Mapping[str, Any], key: str, *above: str) -> dict[Labels, str]:
@@ -84,22 +154,18 @@ class _Reader:
         found = {}
         for latex, value in self.table(data, key, *above).items():
             where = self.where(*above, key, latex)
-            try:
+            with self.kept():
                 if not (isinstance(value, str) and value.isalnum()):
                     raise InputError("not a name", where=where, got=value, expected="such as B")
                 found[label_of(latex, where)] = value
-            except InputError as error:
-                self.errors.append(error)
         return found
 
     def notation(self, data: Mapping[str, Any], base: Notation) -> Notation:
         """Return the notation with what the file changes."""
         changed: dict[str, Any] = {}
         for key, value in self.table(data, "notation").items():
-            try:
+            with self.kept():
                 changed[key] = _setting(key, value, self.where("notation", key))
-            except InputError as error:
-                self.errors.append(error)
         marks = dict(base.marks)
         for mark, frame in self.table(data, "marks").items():
             where = self.where("marks", mark)
@@ -150,9 +216,8 @@ class _Reader:
 
         where = self.where("system")
         try:
-            return _entries_of(
-                model_in(data["system"], folder, where), data["system"], notation, where
-            )
+            model = model_in(data["system"], folder, where)
+            return _entries_of(model, data["system"], notation, where)
         except InputError as error:
             self.errors.append(error)
             return None, ()
@@ -270,8 +335,7 @@ def preset(name: str) -> Lexicon:
 def front_matter(text: str) -> Mapping[str, Any]:
     """Return the table ``check`` of front matter between lines of ``+++``; none is empty.
 
-    Between lines of ``---`` it is YAML, see `eom.checker.read.front`. Raises `InputError` for what is
-    neither.
+    Between lines of ``---`` it is YAML. Raises `InputError` for what is neither.
     """
     match = _FRONT.match(text)
     if match is None:

@@ -18,10 +18,9 @@ from typing import Any
 
 import sympy as sp
 
+from eom.checker.mean.calculus import called
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim, Parameters, Relation, claims
-from eom.checker.mean.integrals import called
-from eom.checker.mean.lexicon import Entry, Lexicon
-from eom.checker.mean.meanings import Meaning
+from eom.checker.mean.lexicon import Entry, Lexicon, Meaning
 from eom.checker.read.statements import Statement
 from eom.checker.read.symbol_shape import Look, seen
 from eom.checker.read.syntax import Group, Integral, Node, Scripts, Symbol, Words, children, walk

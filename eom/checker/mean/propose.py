@@ -8,6 +8,8 @@ What the words of a note say of its attitude coordinates: sequences of angles, q
 
 "the 3-2-1 Euler angles $\psi$, $\theta$, $\phi$", "$(\phi, \theta, \psi)$ are roll, pitch and yaw": three
 angles belong to a sequence only where the words beside them name it.
+
+Where the meanings of a note's symbols come from: a preset, a file, the note itself, or a draft.
 """
 
 from __future__ import annotations
@@ -16,18 +18,26 @@ import json
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from eom.checker.mean.claims import claims
 from eom.checker.mean.elaborate import elaborator
+from eom.checker.mean.elaborator import FUNCTIONS
 from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.lexicon_files import PRESETS, preset
-from eom.checker.mean.symbols import FUNCTIONS
+from eom.checker.mean.lexicon_files import (
+    PRESETS,
+    in_yaml,
+    lexicon_found,
+    lexicon_of,
+    lexicon_text,
+    parse_lexicon,
+    preset,
+)
 from eom.checker.mean.values import Refusal
 from eom.checker.read.documents import Document, Piece
 from eom.checker.read.latex import SCRIPT_MARKS, SYMBOLS
-from eom.checker.read.places import printable
-from eom.checker.read.reading import Formula, read
-from eom.checker.read.statements import Statement
+from eom.checker.read.spans import printable
+from eom.checker.read.statements import Formula, Statement, read
 from eom.checker.read.symbol_shape import Labels, Look, seen
 from eom.checker.read.syntax import (
     Accent,
@@ -42,6 +52,8 @@ from eom.checker.read.syntax import (
     children,
 )
 from eom.checker.read.writing import latex
+from eom.errors import InputError
+from eom.limits import Overdue
 from eom.terms.terms import INDICES
 
 ATTITUDE_WINDOW = 110
@@ -50,35 +62,20 @@ ATTITUDE_WINDOW = 110
 Said = tuple[Look, str, str, int]
 """A symbol, what it means, the words that say so, their line."""
 
-ATTITUDE_PHRASES: tuple[tuple[str, str, str], ...] = (
-    ("symbols", r"shadow (?:set|parameters)", "shadow_rodrigues B I in B"),
-    ("symbols", r"modified rodrigues|\bMRPs?\b", "modified_rodrigues B I in B"),
-    (
-        "symbols",
-        r"rodrigues (?:parameters|vector)|gibbs(?:ian)? vector|\bCRPs?\b",
-        "rodrigues B I in B",
-    ),
-    (
-        "symbols",
-        r"scalar part|scalar (?:euler|component of the quaternion)",
-        "euler_parameter 0 B I",
-    ),
-    ("symbols", r"vector part", "euler_vector B I in B"),
-    (
-        "symbols",
-        r"quaternion,? (?:\w+ )*scalar[- ](?:part |component )?last",
-        "quaternion_last B I",
-    ),
-    ("symbols", r"scalar[- ]last quaternion", "quaternion_last B I"),
-    ("symbols", r"quaternion|euler parameters", "quaternion B I"),
-    (
-        "symbols",
-        r"(?:principal|euler|rotation) axis|axis of (?:the )?rotation|euler vector",
-        "principal_axis B I in B",
-    ),
-    ("symbols", r"principal (?:rotation )?angle|angle of (?:the )?rotation", "principal_angle B I"),
-)
-"""Words that say what a symbol of attitude is, as in `eom.checker.mean.propose`."""
+_ATTITUDES: tuple[tuple[str, str], ...] = (
+    (r"shadow (?:set|parameters)", "shadow_rodrigues B I in B"),
+    (r"modified rodrigues|\bMRPs?\b", "modified_rodrigues B I in B"),
+    (r"rodrigues (?:parameters|vector)|gibbs(?:ian)? vector|\bCRPs?\b", "rodrigues B I in B"),
+    (r"scalar part|scalar (?:euler|component of the quaternion)", "euler_parameter 0 B I"),
+    (r"vector part", "euler_vector B I in B"),
+    (r"quaternion,? (?:\w+ )*scalar[- ](?:part |component )?last", "quaternion_last B I"),
+    (r"scalar[- ]last quaternion", "quaternion_last B I"),
+    (r"quaternion|euler parameters", "quaternion B I"),
+    (r"(?:principal|euler|rotation) axis|axis of (?:the )?rotation|euler vector",
+     "principal_axis B I in B"),
+    (r"principal (?:rotation )?angle|angle of (?:the )?rotation", "principal_angle B I"),
+)  # fmt: skip
+"""Words that say what a symbol of attitude is."""
 
 SCALARS = frozenset({"turn_angle", "principal_angle", "euler_parameter", "free_angle"})
 COLUMNS = frozenset(
@@ -446,40 +443,37 @@ _CENTRE = (
     r"|mass cent(?:re|er)|barycent(?:re|er))"
 )
 
+_QUANTITIES: tuple[tuple[str, str], ...] = (
+    (r"angular velocity", "angular_velocity B I"),
+    (rf"from {_CENTRE} to", "position dm C"),
+    (rf"relative to {_CENTRE}|with respect to {_CENTRE}", "position dm C"),
+    (rf"(?:position|location) (?:vector )?of {_CENTRE}", "position C OI"),
+    (r"position (?:vector )?of (?:the|a|an|each) (?:differential )?(?:mass )?element",
+     "position dm OI"),
+    (r"relative position of the point mass", "position P O"),
+    (r"relative position", "position dm O"),
+    (r"position (?:vector )?of the (?:point )?(?:mass|particle)", "position P OI"),
+    (r"position (?:vector )?of each", "position dm OI"),
+    (r"internal force", "internal_force i j"),
+    (r"angular momentum|moment of momentum", "angular_momentum body C"),
+    (r"linear momentum", "linear_momentum body"),
+    (r"(?:inertia|mass) (?:dyadic|tensor)", "inertia C"),
+    (r"inertia matrix|matrix of inertia", "inertia C in B"),
+    (r"rotational (?:kinetic )?energy", "rotational_energy body C"),
+    (r"kinetic energy", "kinetic_energy body"),
+    (r"first moment of mass", "first_moment body O"),
+    (r"torque|moment of (?:the )?(?:external )?forces?", "torque body C"),
+    (r"external force|(?:total|resultant) force", "external_force body"),
+    (rf"(?:total )?mass of {_BODY}|total mass", "total_mass body"),
+    (r"rotation matrix|direction cosine matrix|attitude matrix", "rotation B I"),
+    (r"precession angle|nutation angle|spin angle|(?:Euler|roll|pitch|yaw) angle", "angle {name}"),
+)  # fmt: skip
+"""Words that say what any other symbol is."""
+
 PHRASES: tuple[tuple[str, str, str], ...] = (
     ("frames", r"inertial (?:reference )?frame|space(?:-fixed)? frame|newtonian frame", "I"),
     ("frames", r"body(?:-fixed)? (?:reference )?frame|frame (?:that is )?(?:fixed|attached)", "B"),
-    *ATTITUDE_PHRASES,
-    ("symbols", r"angular velocity", "angular_velocity B I"),
-    ("symbols", rf"from {_CENTRE} to", "position dm C"),
-    ("symbols", rf"relative to {_CENTRE}|with respect to {_CENTRE}", "position dm C"),
-    ("symbols", rf"(?:position|location) (?:vector )?of {_CENTRE}", "position C OI"),
-    (
-        "symbols",
-        r"position (?:vector )?of (?:the|a|an|each) (?:differential )?(?:mass )?element",
-        "position dm OI",
-    ),
-    ("symbols", r"relative position of the point mass", "position P O"),
-    ("symbols", r"relative position", "position dm O"),
-    ("symbols", r"position (?:vector )?of the (?:point )?(?:mass|particle)", "position P OI"),
-    ("symbols", r"position (?:vector )?of each", "position dm OI"),
-    ("symbols", r"internal force", "internal_force i j"),
-    ("symbols", r"angular momentum|moment of momentum", "angular_momentum body C"),
-    ("symbols", r"linear momentum", "linear_momentum body"),
-    ("symbols", r"(?:inertia|mass) (?:dyadic|tensor)", "inertia C"),
-    ("symbols", r"inertia matrix|matrix of inertia", "inertia C in B"),
-    ("symbols", r"rotational (?:kinetic )?energy", "rotational_energy body C"),
-    ("symbols", r"kinetic energy", "kinetic_energy body"),
-    ("symbols", r"first moment of mass", "first_moment body O"),
-    ("symbols", r"torque|moment of (?:the )?(?:external )?forces?", "torque body C"),
-    ("symbols", r"external force|(?:total|resultant) force", "external_force body"),
-    ("symbols", rf"(?:total )?mass of {_BODY}|total mass", "total_mass body"),
-    ("symbols", r"rotation matrix|direction cosine matrix|attitude matrix", "rotation B I"),
-    (
-        "symbols",
-        r"precession angle|nutation angle|spin angle|(?:Euler|roll|pitch|yaw) angle",
-        "angle {name}",
-    ),
+    *(("symbols", pattern, meaning) for pattern, meaning in (*_ATTITUDES, *_QUANTITIES)),
     ("points", _CENTRE, "C"),
     ("points", r"(?:the )?origin of the inertial frame|inertial origin", "OI"),
 )
@@ -569,3 +563,69 @@ def _word(word: str) -> str:
         if found and base:
             return f"{_word(base)}{mark}{{{_word(rest)}}}"
     return f"\\{word}" if _is_command(word) else word
+
+
+DRAFT = "draft"
+
+
+@dataclass(frozen=True)
+class Meanings:
+    """A lexicon, where it comes from in words, and the draft if it is one."""
+
+    lexicon: Lexicon
+    origin: str
+    draft: Proposal | None = None
+
+
+def meanings(
+    document: Document, path: Path | None = None, notation: str = "", lexicon: str = ""
+) -> Meanings:
+    """Return the meanings of a note's symbols: what is asked for, else what the note says, else a draft.
+
+    ``path``: where the note stands; ``notation``: a preset; ``lexicon``: a TOML file. Raises `InputError`
+    for those that cannot be used.
+    """
+    if notation and lexicon:
+        raise InputError(
+            "a notation and a lexicon exclude each other", hint="a lexicon may name its preset"
+        )
+    if notation:
+        return Meanings(preset(notation), f"preset {notation}")
+    if lexicon:
+        return Meanings(
+            parse_lexicon(lexicon_text(Path(lexicon)), lexicon, Path(lexicon).parent), lexicon
+        )
+    found = lexicon_found(_front(document), path)
+    if found is not None:
+        return Meanings(found[1], found[0])
+    return _drafted(document)
+
+
+def _front(document: Document) -> str:
+    """Return the front matter as the head of a note, if a table of it is meant for the checker."""
+    if in_yaml(document.front):
+        return f"---\n{document.front}\n---\n"
+    toml = any(line.strip().startswith(("[check", "check")) for line in document.front.splitlines())
+    return f"+++\n{document.front}\n+++\n" if toml else ""
+
+
+def _drafted(document: Document) -> Meanings:
+    """Return the draft of the lexicon; entries that cannot be used are left out."""
+    proposal = proposed(document)
+    data: dict[str, dict[str, str]] = {}
+    for draft in proposal.drafts:
+        data.setdefault(draft.table, {})[draft.latex] = draft.meaning
+    lexicon, _ = lexicon_of({"preset": proposal.preset, **data}, DRAFT)
+    return Meanings(lexicon, f"{DRAFT} on preset {proposal.preset}", proposal)
+
+
+def proposed(document: Document) -> Proposal:
+    """Return the draft of a lexicon. Raises `InputError` for a note that takes too long."""
+    try:
+        return propose(document)
+    except (Overdue, RecursionError):
+        raise InputError(
+            "no notation can be proposed for this note in time",
+            where=document.name,
+            hint="name one: --notation",
+        ) from None

@@ -1,17 +1,37 @@
-"""The part that a formula plays in its sentence, from the words around it.
+r"""The part that a formula plays in its sentence, from the words around it.
 
 "If", "assume", "let", "consider the case with" make it an assumption; "where", "we call" a definition;
 "since", "noting that" recall what is known; "is given by" brings in a quantity; what follows "then" or
 "we have" is a claim, and so is everything else. Words are English, and knowledge is the tables here.
+
+New symbols by their first equation, where the words say so, within its heading; and an index that a
+formula lets run over the three axes: (r = 1, 2, 3), for i = 1, 2, 3, i = x, y, z.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 
+from eom.checker.mean.claims import Claim, defined
+from eom.checker.mean.lexicon import Lexicon
+from eom.checker.mean.values import Value
 from eom.checker.read.documents import Piece
+from eom.checker.read.statements import Statement
+from eom.checker.read.symbol_shape import Look, labels, seen
+from eom.checker.read.syntax import (
+    Dots,
+    Group,
+    Node,
+    Number,
+    Relation,
+    Sign,
+    Symbol,
+    walk,
+)
+from eom.checker.read.syntax import Sequence as Items
+from eom.terms.terms import nodes
 
 CLAIM, ASSUMPTION, DEFINITION, RECALLED = "claim", "assumption", "definition", "recalled"
 INTRODUCED = "introduced"
@@ -68,15 +88,9 @@ LEADS: dict[str, Lead] = {
 """The words that settle the role; those closest to the formula count, the longest of them."""
 
 TRAILS: dict[str, str] = {
-    "is assumed": ASSUMPTION,
-    "are assumed": ASSUMPTION,
-    "by assumption": ASSUMPTION,
-    "by hypothesis": ASSUMPTION,
-    "is used": RECALLED,
-    "was used": RECALLED,
-    "has been used": RECALLED,
-    "by definition": DEFINITION,
-    "is defined": DEFINITION,
+    **dict.fromkeys(("is assumed", "are assumed", "by assumption", "by hypothesis"), ASSUMPTION),
+    **dict.fromkeys(("is used", "was used", "has been used"), RECALLED),
+    **dict.fromkeys(("by definition", "is defined"), DEFINITION),
 }
 """Words right behind a formula that settle its role where nothing in front does."""
 
@@ -220,3 +234,110 @@ def _trail(after: str) -> str:
     """Return what the words behind a formula make of it."""
     start = " ".join(after.split()).lower()
     return next((role for words, role in TRAILS.items() if start.startswith(words)), CLAIM)
+
+
+SETS = (("1", "2", "3"), ("x", "y", "z"))
+
+
+def running(statements: Iterable[Statement]) -> str:
+    """Return the letter that one of the statements of a formula lets run over the axes, or ""."""
+    for statement in statements:
+        for part in (statement, *(condition for _, condition in statement.conditions)):
+            letter = listed(part)
+            if letter:
+                return letter
+    return ""
+
+
+def listed(part: Statement) -> str:
+    """Return the letter that a statement lets run over the axes, or ""."""
+    if len(part.members) == 2 and part.signs[0].name in {"=", "in"}:
+        left, right = part.members
+        inside = right.body if isinstance(right, Group) else right
+        items = inside.items if isinstance(inside, Items) else ()
+        return _over(left, items)
+    if len(part.members) != 1 or not isinstance(part.members[0], Group):
+        return ""
+    body = part.members[0].body
+    items = body.items if isinstance(body, Items) else ()
+    first = items[0] if items else None
+    if not isinstance(first, Relation) or [g.name for g in first.signs] != ["="]:
+        return ""
+    return _over(first.members[0], (first.members[1], *items[1:]))
+
+
+def _over(left: Node, items: tuple[Node, ...]) -> str:
+    """Return a letter that takes the values 1, 2, 3; dots may stand for what lies between."""
+    if not isinstance(left, Symbol) or not all(
+        isinstance(n, Number | Symbol | Dots) for n in items
+    ):
+        return ""
+    words = tuple("".join(labels(n)) for n in items if not isinstance(n, Dots))
+    dotted = any(isinstance(n, Dots) for n in items)
+    shown = any(words == s or (dotted and words in {(s[0], s[2]), s}) for s in SETS)
+    return left.name if shown else ""
+
+
+def labelled(statement: Statement, letter: str) -> bool:
+    """Tell whether a letter is a label of a symbol in a statement."""
+    looks = (seen(n) for m in statement.members for n in walk(m))
+    return any(
+        g is not None and (letter,) in {c[-1:] for c in (*g.look.corners, *map(labels, g.raised))}
+        for g in looks
+    )
+
+
+def unnamed(claim: Claim, letter: str) -> Claim:
+    """Return a claim that defines no symbol with the letter as a label: it is three of them."""
+    look = claim.defines
+    named = look is not None and any(letter in c for c in look.corners)
+    return replace(claim, defines=None) if named else claim
+
+
+_BRINGS = re.compile(r"\b(?:let|with (?:the|an?) [A-Za-z -]{2,40})\s*\$*$", re.IGNORECASE)
+_GOES_ON = re.compile(r"^\s*\$*\s*,?\s*(?:and)?\s*\$*\s*$")
+
+
+def brings(pieces: tuple[Piece, ...], number: int, role: str, last: bool) -> bool:
+    """Tell whether words bring in the left side of a formula: where, let, with the mass m = ...
+
+    ``last``: whether they do so for the formula before, which "and" goes on with.
+    """
+    before = pieces[number - 1] if number else None
+    if role == DEFINITION or before is None or before.kind != "prose":
+        return role == DEFINITION
+    text = " ".join(before.body.split())
+    return bool(_BRINGS.search(text)) or (last and bool(_GOES_ON.match(text)))
+
+
+def first(statement: Statement, lexicon: Lexicon) -> Statement | None:
+    """Return an equation as a definition of its left side; None if the lexicon knows that."""
+    if not statement.members or [s.name for s in statement.signs] != ["="]:
+        return None
+    given = seen(statement.members[0])
+    if given is None or given.raised or given.dots or lexicon.find(given.look) is not None:
+        return None
+    sign: Sign = replace(statement.signs[0], name=":=")
+    return replace(statement, signs=(sign,))
+
+
+def says(found: Iterable[Claim]) -> bool:
+    """Tell whether claims define something by quantities, not by numbers alone."""
+    new = [c for c in found if c.defines is not None and c.members]
+    atoms = (n for c in new for t in (c.members[0].term, *c.scalars.values()) for n in nodes(t))
+    return any(n.head == "atom" for n in atoms)
+
+
+@dataclass
+class Named:
+    """What words have brought in, each within its heading."""
+
+    found: list[tuple[tuple[str, ...], Look, Value]] = field(default_factory=list)
+
+    def at(self, headings: tuple[str, ...]) -> dict[Look, Value]:
+        """Return what holds under some headings."""
+        return {k: v for place, k, v in self.found if headings[: len(place)] == place}
+
+    def add(self, headings: tuple[str, ...], claims: Iterable[Claim]) -> None:
+        """Take in what claims define."""
+        self.found += [(headings, look, value) for look, value in defined(claims).items()]

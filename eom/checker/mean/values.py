@@ -9,17 +9,21 @@ Tables of other sizes than 3 x 3 and 3 x 1, cell by cell: quaternions, 4 x 4 and
 
 A value of shape ``table`` holds scalars in rows and columns. Products with columns, rows and matrices
 are carried out; what comes out with three rows or columns is a column, a row or a matrix again.
+
+Operations on one typed value: skew matrices, transposes, time derivatives, traces, determinants.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations, permutations
 from typing import Any
 
-from eom.checker.mean.dimensions import NONE, Dimension
+from eom.checker.mean import dimensions
+from eom.checker.mean.dimensions import NONE, RATE, Dimension
 from eom.checker.mean.lexicon import Notation
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.spans import NOWHERE, Span
 from eom.terms.terms import (
     COLUMN,
     DYADIC,
@@ -44,7 +48,7 @@ from eom.terms.terms import (
     tilde,
     transpose,
 )
-from eom.terms.vocabulary import unit
+from eom.terms.vocabulary import omega, unit
 
 ROW, VECTRIX, COVECTRIX = "row", "vectrix", "covectrix"
 ANY = ("", "")
@@ -104,13 +108,14 @@ def refuse(verdict: str, what: str, span: Span, got: str = "", expected: str = "
     return Refusal(Finding(verdict, what, span, got, expected))
 
 
+def _unfit(what: str, a: Value, b: Value, sign: str) -> Refusal:
+    """Return the refusal of a product of two."""
+    return refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words}{sign}{b.words}")
+
+
 def scalar(term: Term, dimension: Dimension | None = NONE, span: Span = NOWHERE) -> Value:
     """Return a scalar."""
     return Value(term, SCALAR, dimension, span=span)
-
-
-def _times(a: Dimension | None, b: Dimension | None) -> Dimension | None:
-    return None if a is None or b is None else a.times(b)
 
 
 def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = ANY) -> Value:
@@ -118,7 +123,7 @@ def _made(term: Term, shape: str, a: Value, b: Value, frames: tuple[str, str] = 
     return Value(
         term,
         shape,
-        _times(a.dimension, b.dimension),
+        dimensions.product(a.dimension, b.dimension),
         frames,
         a.density + b.density,
         a.span.join(b.span),
@@ -246,12 +251,7 @@ def beside(notation: Notation, a: Value, b: Value) -> Value:
         return _table_product(a, b)
     rule = _BESIDE.get((a.shape, b.shape))
     if rule is None:
-        raise refuse(
-            ILL_FORMED,
-            "these do not multiply side by side",
-            a.span.join(b.span),
-            f"{a.words} beside {b.words}",
-        )
+        raise _unfit("these do not multiply side by side", a, b, " beside ")
     return rule(a, b)
 
 
@@ -356,8 +356,7 @@ def dotted(notation: Notation, a: Value, b: Value) -> Value:
         return _made(inner(a.term, b.term), SCALAR, a, b)
     if (a.shape, b.shape) in _BESIDE:
         return _BESIDE[a.shape, b.shape](a, b)
-    what = "these have no dot product"
-    raise refuse(ILL_FORMED, what, a.span.join(b.span), f"{a.words} . {b.words}")
+    raise _unfit("these have no dot product", a, b, " . ")
 
 
 def crossed(notation: Notation, a: Value, b: Value) -> Value:
@@ -377,8 +376,7 @@ def crossed(notation: Notation, a: Value, b: Value) -> Value:
         return _made(dot(a.term, turner(b.term)), DYADIC, a, b)
     if a.is_zero or b.is_zero:
         return _scaled(a, b)
-    span = a.span.join(b.span)
-    raise refuse(ILL_FORMED, "these have no cross product", span, f"{a.words} x {b.words}")
+    raise _unfit("these have no cross product", a, b, " x ")
 
 
 def _is_number(value: Value) -> bool:
@@ -397,15 +395,10 @@ def tensored(a: Value, b: Value) -> Value:
         return _made(outer(a.term, b.term), DYADIC, a, b)
     if (a.shape, b.shape) == (COLUMN, COLUMN):
         return _column_row(a, b)
-    span = a.span.join(b.span)
-    raise refuse(ILL_FORMED, "these have no dyadic product", span, f"{a.words}, {b.words}")
+    raise _unfit("these have no dyadic product", a, b, ", ")
 
 
 Cells = tuple[tuple[Term, ...], ...]
-
-
-def _basis(k: int) -> Term:
-    return entries([[number(int(j == k))] for j in range(3)])
 
 
 def cells_of(term: Term) -> Cells:
@@ -434,9 +427,9 @@ def cells(value: Value) -> Cells:
         return cells_of(term)
     if value.shape == MATRIX:
         return tuple(
-            tuple(inner(_basis(r), matmul(term, _basis(c))) for c in range(3)) for r in range(3)
+            tuple(inner(basis(r), matmul(term, basis(c))) for c in (1, 2, 3)) for r in (1, 2, 3)
         )
-    line = term.args if term.head == "entries" else tuple(inner(_basis(k), term) for k in range(3))
+    line = term.args if term.head == "entries" else tuple(inner(basis(k), term) for k in (1, 2, 3))
     return tuple((c,) for c in line) if value.shape == COLUMN else (line,)
 
 
@@ -510,3 +503,96 @@ def assembled(blocks: Sequence[Sequence[Value]], like: Value) -> Value | None:
             parts.append(cells(block) if sizes[r][c] else ((number(0),) * wanted[1],) * wanted[0])
         rows += [[cell for part in parts for cell in part[k]] for k in range(heights[r])]
     return made(rows, like)
+
+
+def skew(notation: Notation, value: Value, span: Span) -> Value:
+    """Return the skew matrix of a column, or the dyadic a x 1 of a vector."""
+    value = mixed(notation, value)
+    if value.shape == COLUMN:
+        frames = (value.frames[0], value.frames[0])
+        return replace(value, term=tilde(value.term), shape=MATRIX, frames=frames, span=span)
+    if value.shape == VECTOR:
+        return replace(value, term=turner(value.term), shape=DYADIC, span=span)
+    raise refuse(ILL_FORMED, "this has no skew matrix", span, value.words, "a vector")
+
+
+def transpose_of(notation: Notation, value: Value, span: Span) -> Value:
+    """Return the transpose; a scalar is its own."""
+    value = mixed(notation, value)
+    if value.shape == SCALAR:
+        return replace(value, span=span)
+    if value.shape == TABLE:
+        return replace(transposed(value), span=span)
+    if value.shape == MATRIX:
+        frames = (value.frames[1], value.frames[0])
+        return replace(value, term=transpose(value.term), frames=frames, span=span)
+    turned = {COLUMN: ROW, ROW: COLUMN, VECTRIX: COVECTRIX, COVECTRIX: VECTRIX}.get(value.shape)
+    if turned is None:
+        verdict = UNDECIDED if value.shape == DYADIC else ILL_FORMED
+        raise refuse(verdict, "this has no transpose here", span, value.words)
+    return replace(value, shape=turned, span=span)
+
+
+def rate(value: Value, frame: str, times: int, span: Span) -> Value:
+    """Return the time derivative; ``frame``: that in which a vector is differentiated.
+
+    Columns are differentiated number by number, unless the frame is another than theirs.
+    """
+    dimension = dimensions.product(value.dimension, RATE.power(times))
+    if value.shape in {VECTRIX, COVECTRIX}:
+        raise refuse(UNDECIDED, "derivatives of unit vectors in a column", span)
+    term = value.term
+    own = value.frames[0]
+    if frame and own and frame != own and value.shape in {COLUMN, ROW}:
+        for _ in range(times):
+            term = add(der(term, ""), matmul(tilde(column(omega(own, frame), own)), term))
+    elif frame and own and frame != own:
+        raise refuse(UNDECIDED, "the derivative of a matrix in another frame", span)
+    else:
+        term = der(term, frame, times)
+    return replace(value, term=term, dimension=dimension, span=span)
+
+
+def overdot(notation: Notation, value: Value, times: int, span: Span) -> Value:
+    """Return what overdots say: of columns and matrices number by number, of vectors in one frame."""
+    return rate(value, notation.dot if value.shape in GEOMETRIC else "", times, span)
+
+
+MAX_SQUARE = 6
+"""Rows of the largest matrix whose determinant is written out."""
+
+
+def trace(value: Value, span: Span) -> Value:
+    """Return the trace of a square matrix."""
+    rows = _square(value, "trace", span)
+    term = add(*(row[k] for k, row in enumerate(rows)))
+    return Value(term, SCALAR, value.dimension, density=value.density, span=span)
+
+
+def determinant(value: Value, span: Span) -> Value:
+    """Return the determinant of a square matrix, written out by Leibniz' formula."""
+    rows = _square(value, "determinant", span)
+    size = len(rows)
+    if size > MAX_SQUARE:
+        raise refuse(UNDECIDED, "a determinant that is too large to be written out", span)
+    parts = (
+        mul(number(sign), *(row[c] for row, c in zip(rows, p, strict=True)))
+        for p, sign in _permutations(size)
+    )
+    dimension = dimensions.power(value.dimension, size)
+    return Value(add(*parts), SCALAR, dimension, density=size * value.density, span=span)
+
+
+def _square(value: Value, what: str, span: Span) -> Cells:
+    """Return the cells of a square matrix. Raises `Refusal` for anything else."""
+    rows = cells(value) if value.shape in {MATRIX, TABLE} else ()
+    if not rows or len(rows) != len(rows[0]):
+        raise refuse(ILL_FORMED, f"a {what} of what is no square matrix", span, value.words)
+    return rows
+
+
+def _permutations(size: int) -> Iterator[tuple[tuple[int, ...], int]]:
+    """Yield the permutations of the first numbers with their signs."""
+    for p in permutations(range(size)):
+        swaps = sum(a > b for a, b in combinations(p, 2))
+        yield p, -1 if swaps % 2 else 1

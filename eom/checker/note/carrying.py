@@ -19,7 +19,6 @@ from itertools import chain
 
 import sympy as sp
 
-from eom.checker.assume.context import Context
 from eom.checker.judge.consequences import follows, parts
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement
 from eom.checker.judge.laws import STILL, own, refuted, settled
@@ -28,6 +27,7 @@ from eom.checker.judge.verdicts import Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value
+from eom.checker.prose_claims.assumptions import Context
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.system import Expr, System

@@ -18,13 +18,12 @@ from eom.checker.judge.notes import Understood, understand
 from eom.checker.judge.systems import covered
 from eom.checker.judge.verdicts import GRAVE, NONE, Judged, Verdict, verdict
 from eom.checker.mean.lexicon_files import about
-from eom.checker.mean.origins import Meanings, meanings
+from eom.checker.mean.propose import Meanings, meanings
 from eom.checker.mean.values import ILL_FORMED
 from eom.checker.note.review import Reviewed, review
 from eom.checker.prose_claims.in_words import in_words
-from eom.checker.read.documents import Document
-from eom.checker.read.inputs import Note, document_of, name_of, note_of
-from eom.checker.read.places import NOWHERE, ReadingError, Span, printable
+from eom.checker.read.documents import Document, Note, document_of, name_of, note_of
+from eom.checker.read.spans import NOWHERE, ReadingError, Span, printable
 from eom.checker.repair.explaining import explain
 from eom.checker.report.findings import Finding, Graded, Remark, Report
 from eom.checker.report.settings import FORMULA_SECONDS, GIVEN, Settings
@@ -67,10 +66,10 @@ def check(
 ) -> Report:
     r"""Return what is found in a note: a file, a text, or one formula.
 
-    ``note``: a `Path`, the name of a file (see `eom.checker.read.inputs.is_file`), else a text. All others:
-    see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a draft
-    from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon gives
-    to the symbols; numbers with units are compared in SI.
+    ``note``: a `Path`, the name of a file (see `eom.checker.read.documents.is_file`), else a text. All
+    others: see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a
+    draft from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon
+    gives to the symbols; numbers with units are compared in SI.
 
     Verdicts on equations come from exact values in random worlds of rigid bodies
     (`eom.derivations.verification`): one that fails at such values is false; one that holds at all of them

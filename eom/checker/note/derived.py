@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.lexicon_files import label_of, look_of, preset
-from eom.checker.read.places import ReadingError
+from eom.checker.read.spans import ReadingError
 from eom.derivations.derivation import Derivation
 from eom.errors import InputError
 from eom.terms.terms import VECTOR, Term, nodes

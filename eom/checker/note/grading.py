@@ -16,8 +16,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from eom.checker.read.inputs import Note, name_of, note_of, notes_of
-from eom.checker.read.places import printable
+from eom.checker.read.documents import Note, name_of, note_of, notes_of
+from eom.checker.read.spans import printable
 from eom.checker.report.findings import Graded
 from eom.checker.report.settings import Settings
 from eom.errors import InputError, typed

@@ -10,14 +10,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from eom.checker.assume.context import Context, Stated, implied
-from eom.checker.assume.phrases import PARAGRAPH
 from eom.checker.judge.consequences import labels, parts
 from eom.checker.judge.judge import HOLDS, MENTIONS, MODELS, SPECIAL, UNDER, WRONG
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
 from eom.checker.note.carrying import SPECIAL_MOTION, vanishing
+from eom.checker.prose_claims.assumptions import PARAGRAPH, Context, Stated, implied
 from eom.checker.report.findings import Remark
 from eom.errors import InputError
 from eom.fields import Singular

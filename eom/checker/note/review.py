@@ -15,8 +15,6 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.assume.context import Context, assumed, implied
-from eom.checker.assume.phrases import PARAGRAPH, Said, approximate
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, equations, judge
 from eom.checker.judge.laws import slipped
 from eom.checker.judge.notes import Understood
@@ -32,6 +30,14 @@ from eom.checker.note.carrying import (
     resting,
 )
 from eom.checker.note.remarks import ranked, remark, remarks
+from eom.checker.prose_claims.assumptions import (
+    PARAGRAPH,
+    Context,
+    Said,
+    approximate,
+    assumed,
+    implied,
+)
 from eom.checker.prose_claims.propositions import Plain, Reading, Test, truth
 from eom.checker.read.documents import Document
 from eom.checker.report.findings import Remark

@@ -1,6 +1,6 @@
 """Claims in words with a condition: "A only if B", "A if and only if B", "A unless B", "A is constant".
 
-A sentence is read only where all of its words are known (`proposition_words`); others are left alone.
+A sentence is read only where all of its words are known (`phrases`); others are left alone.
 What is read is an implication between propositions. It is wrong where a special motion
 (`eom.worlds.special`) fulfils all that the note has assumed, the condition in every reading, and the
 conclusion in none; it holds where it follows from linear consequences (`consequences.follows`), and is
@@ -20,12 +20,12 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from eom.checker.assume.context import EQUATIONS
 from eom.checker.judge.consequences import follows
 from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge
 from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.values import ANY, Value
-from eom.checker.prose_claims.proposition_words import Formulas, clause
+from eom.checker.prose_claims.assumptions import EQUATIONS, vanishing
+from eom.checker.prose_claims.phrases import Formulas, clause, phrase
 from eom.checker.prose_claims.propositions import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -43,7 +43,7 @@ from eom.checker.prose_claims.propositions import (
 )
 from eom.checker.report.findings import Counterexample
 from eom.errors import InputError
-from eom.terms.terms import SCALAR, Term, der, dot, zero
+from eom.terms.terms import SCALAR, Term, der, dot
 from eom.terms.vocabulary import omega, position, quantity
 from eom.worlds.special import FIRST_CASES, Special, specials
 from eom.worlds.worlds import ASSUMPTIONS, closure
@@ -102,18 +102,39 @@ CONNECTIVES: tuple[tuple[str, str], ...] = (
 _UNDER = re.compile(r"(even )?(?:(?:if|when|whenever) )?(?P<b>[^,]+), (?:then )?(?P<rest>.+)")
 """A condition in front of a claim that has one of its own."""
 
-_PLAIN_LEADS = re.compile(
+_PLAIN = re.compile(
     r"(?:note that|we see that|it is clear that|clearly|obviously|moreover|"
     r"furthermore|also|in fact|conversely|for (?:a|any|every) rigid body|"
     r"regardless of the (?:choice of )?(?:reference )?frame(?: choice)?|recall that|of course),? "
 )
 """Words in front of a claim that change nothing."""
-_RESTING_LEADS = re.compile(
-    r"(?:in other words|hence|thus|therefore|so|consequently|it follows that|this means that|that is|"
-    r"however|but|and|in general|generally),? "
+_RESTING = re.compile(
+    r"(?:in other words|hence|thus|therefore|so|consequently|it follows that|that is|"
+    r"however|but|and|in general|generally|(?P<refers>(?:(?:this|it|which|that|the above|"
+    r"this relation(?:ship)?|this equation) (?:implies|means|shows|says|states|tells us)|"
+    r"\x02\d+\x03 (?:says|shows|states|tells us))(?: that)?)),? "
 )
 """Words in front of a claim that rest on what stands before."""
+_INSERTED = re.compile(
+    r",? (?:in translation|in fact|indeed|of course|for example|in particular|itself|actually)\b,?(?= )"
+)
 _ALWAYS = re.compile(r"\b(?:always|never)\b|\bfor (?:all|any|every)\b")
+
+
+def stages(sentence: str) -> Iterator[tuple[str, bool, bool]]:
+    """Yield a sentence without more and more of the words in front of its claim.
+
+    To each comes whether what was left out rests on what stands before, and whether it refers to that.
+    """
+    words, rests, refers = _INSERTED.sub("", sentence.replace(" ,", ",")).strip(), False, False
+    while True:
+        yield words, rests, refers
+        lead = _PLAIN.match(words) or _RESTING.match(words)
+        if lead is None:
+            return
+        rests = rests or lead.re is _RESTING
+        refers = refers or bool(lead.groupdict().get("refers"))
+        words = words[lead.end() :]
 
 
 def quantified(sentence: str, formulas: Formulas) -> Quantified | None:
@@ -124,13 +145,7 @@ def quantified(sentence: str, formulas: Formulas) -> Quantified | None:
     >>> quantified("the torque is zero only if the angular momentum is constant", Formulas({}, {}, {})).kind
     'only if'
     """
-    words, rests = sentence.strip(), False
-    while True:
-        lead = _PLAIN_LEADS.match(words) or _RESTING_LEADS.match(words)
-        if lead is None:
-            break
-        rests = rests or _RESTING_LEADS.match(words) is not None
-        words = words[lead.end() :]
+    *_, (words, rests, _) = stages(sentence)
     rests = rests or "even " in words
     return _conditional(words, formulas, rests) or _unconditional(words, formulas, rests)
 
@@ -183,12 +198,15 @@ def _unconditional(words: str, formulas: Formulas, rests: bool) -> Quantified | 
         return None
     said = {t for p in plains(made) for r in p.readings for row in r.rows for t in row}
     telling = all(t.relation in {POSITIVE, NOT_NEGATIVE} or t.term.head in _TELLING for t in said)
-    if not (telling or always) or not re.search(r" (?:is|are|remains?|stays?|does|always) ", words):
+    if not (telling or always) or not _VERB.search(words):
         return None
     return Quantified("always" if always else "", (Implication(None, made),), rests)
 
 
 _TELLING = frozenset({"der", "add"})
+_VERB = re.compile(
+    phrase(r" (?:is|are|remains?|stays?|does|always|equals|<moves>|<change>)(?: |$)")
+)
 
 
 def _parts(one: Proposition) -> Iterator[Proposition]:
@@ -201,20 +219,9 @@ def _parts(one: Proposition) -> Iterator[Proposition]:
 # -- judging --------------------------------------------------------------------------------------
 
 KNOWN_ATOMS = frozenset(
-    {
-        *(
-            "position",
-            "angular_velocity",
-            "unit",
-            "identity",
-            "identity_matrix",
-            "rotation",
-            "inertia",
-        ),
-        *("torque", "angular_momentum", "absolute_angular_momentum", "kinetic_energy", "mass"),
-        *("rotational_energy", "linear_momentum", "first_moment", "total_mass", "force"),
-        *("external_force",),
-    }
+    "position angular_velocity unit identity identity_matrix rotation inertia torque angular_momentum "
+    "absolute_angular_momentum kinetic_energy mass rotational_energy linear_momentum first_moment "
+    "total_mass force external_force".split()
 )
 """Quantities that have a value of their own in special motions."""
 KNOWN_LABELS = frozenset({"I", "B", "O", "C", "OI", "body", "system", "dm", "i", "1", "2", "3"})
@@ -252,8 +259,8 @@ def _decided(
     if against is None or against.degenerate:
         against, tried = _against(one, names)
     if against is None:
-        told = f"no counterexample in {tried} special motions" if tried else _UNTRIED
-        return Decision(UNDECIDED, (), told)
+        reason = f"no counterexample in {tried} special motions" if tried else _UNTRIED
+        return Decision(UNDECIDED, (), reason)
     example, reason = _example(one, against), _failing(one, against)
     generic = any(isinstance(p, Not) for p in _parts(one.conclusion))
     if against.degenerate or generic or open_ or whole.rests:
@@ -351,14 +358,13 @@ def _judged(
 def _claim(test: Test, scalars: Mapping[Any, Term]) -> Claim:
     """Return what a test says as a claim; its dimension is open."""
     term = test.term
-    nothing = Value(zero(term.kind), term.kind, None, ANY)
-    value = Value(term, term.kind, None, ANY)
     if test.relation == ZERO:
+        value = Value(term, term.kind, None, ANY)
         return Claim((value,), (), CONSTANT, scalars=scalars)
     relation = {POSITIVE: ">", NOT_NEGATIVE: ">="}.get(test.relation)
     if relation is None or term.kind != SCALAR:
         raise InputError("no claim says this", got=test.relation)
-    return Claim((value, nothing), (relation,), scalars=scalars)
+    return replace(vanishing(term, scalars), relations=(relation,))
 
 
 BASES: tuple[tuple[str, ...], ...] = (
@@ -411,7 +417,7 @@ def _under(
     words: dict[str, None] = {}
     for held in alternatives(premise, True):
         for denied in alternatives(conclusion, False):
-            ways = sorted(((*p, *q) for p in held for q in denied), key=_told)
+            ways = sorted(((*p, *q) for p in held for q in denied), key=_own_readings)
             chosen = next((w for w in ways if _contradictory(w, assumed)), None)
             if chosen is None:
                 return None
@@ -419,7 +425,7 @@ def _under(
     return tuple(words)
 
 
-def _told(literals: Sequence[Literal]) -> int:
+def _own_readings(literals: Sequence[Literal]) -> int:
     """Return how many literals have to be read in a way of their own."""
     return sum(bool(x.words) for x in literals)
 
@@ -429,7 +435,7 @@ def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool
     held = [x for x in literals if x.positive]
     assumed = _drawn(held, assumed)
     premises = [
-        _equation(term, x.scalars)
+        vanishing(term, x.scalars)
         for x in held
         for t in x.row
         if t.relation == ZERO
@@ -437,7 +443,7 @@ def _contradictory(literals: Sequence[Literal], assumed: frozenset[str]) -> bool
     ]
     for x in literals:
         if not x.positive and all(t.relation == ZERO for t in x.row):
-            goals = [[_equation(f, x.scalars) for f in _forms(t.term)] for t in x.row]
+            goals = [[vanishing(f, x.scalars) for f in _forms(t.term)] for t in x.row]
             if all(any(follows(g, premises, assumed) for g in forms) for forms in goals):
                 return True
     return False
@@ -468,9 +474,3 @@ def _forms(term: Term) -> tuple[Term, ...]:
     if term in {der(omega()), der(omega(), "B")}:
         return (term, dot(quantity("inertia", "C"), term))
     return (term,)
-
-
-def _equation(term: Term, scalars: Mapping[Any, Term]) -> Claim:
-    """Return the claim that a term is zero; its dimension is open."""
-    values = (Value(term, term.kind, None, ANY), Value(zero(term.kind), term.kind, None, ANY))
-    return Claim(values, ("=",), scalars=scalars)

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
 from eom.checker.read.grammar import Reading, read_tokens
-from eom.checker.read.places import ReadingError, Source, Span
 from eom.checker.read.scripts import juxtaposed, spliced
+from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.syntax import (
     Accent,
-    Call,
     Derivative,
     Differential,
     Fraction,
@@ -208,62 +207,17 @@ def cross_before_column(node: Node) -> Node | None:
     return None
 
 
-_TRIGONOMETRY = {"s": "sin", "c": "cos", "t": "tan", "S": "sin", "C": "cos"}
-_ANGLES = frozenset("theta phi psi varphi alpha beta gamma delta Phi Theta vartheta".split())
-
-
-def abbreviated_functions(node: Node) -> Node | None:
-    r"""Read ``s_\theta`` and ``c\theta`` as sine and cosine of an angle; on the writer's request."""
-    if isinstance(node, Scripts) and node.sup is None and node.sub is not None:
-        name = _abbreviation(node.base)
-        return Call(name, node.sub, span=node.span) if name and _is_angle(node.sub) else None
-    if not isinstance(node, Product) or node.operator:
-        return None
-    factors: list[Node] = []
-    for factor in node.factors:
-        name = _abbreviation(factors[-1]) if factors else ""
-        if name and _is_angle(factor):
-            factors[-1] = Call(name, factor, span=factors[-1].span.join(factor.span))
-        else:
-            factors.append(factor)
-    return juxtaposed(factors, node.span) if len(factors) < len(node.factors) else None
-
-
-def _abbreviation(node: Node) -> str:
-    plain = isinstance(node, Symbol) and node.style in {"", "roman"}
-    return _TRIGONOMETRY.get(node.name, "") if plain and isinstance(node, Symbol) else ""
-
-
-def _is_angle(node: Node | None) -> bool:
-    if isinstance(node, Scripts):
-        return node.sup is None and _is_angle(node.base)
-    return isinstance(node, Symbol) and node.name in _ANGLES
-
-
 RULES: tuple[tuple[str, str, Rule], ...] = (
-    (
-        "left script on the line",
-        "a frame on the line read as a script on the left",
-        _left_script_on_the_line,
-    ),
-    (
-        "base in the subscript",
-        "a quantity below its frame read as the base",
-        _base_in_the_subscript,
-    ),
-    (
-        "derivative without d",
-        "a frame over dt read as the derivative in that frame",
-        _derivative_without_d,
-    ),
+    ("left script on the line", "a frame on the line read as a script on the left",
+     _left_script_on_the_line),
+    ("base in the subscript", "a quantity below its frame read as the base", _base_in_the_subscript),
+    ("derivative without d", "a frame over dt read as the derivative in that frame",
+     _derivative_without_d),
     ("raised dots", "dots over a bullet on the line read as bullets above", _raised_dots),
     ("circle over an operator", "a zero over a dot read as a circle above", _circle_on_an_operator),
-    (
-        "cross as a script",
-        "a cross without a vector behind it read as a superscript",
-        _cross_before_a_matrix,
-    ),
-)
+    ("cross as a script", "a cross without a vector behind it read as a superscript",
+     _cross_before_a_matrix),
+)  # fmt: skip
 """Rules that fit damage alone: name, in words, what a node becomes (None: it stays)."""
 
 
@@ -305,7 +259,7 @@ def glued_lines(tokens: list[Token]) -> tuple[list[Token], tuple[Repair, ...]]:
             done.append(Repair("glued lines", "read as: two statements on two lines", token.span))
             relation = False
         depth += _opening(token)
-        relation = relation or (depth == 0 and _is_relation(token))
+        relation = relation or (depth == 0 and token.is_relation)
         found.append(token)
     return found, tuple(done)
 
@@ -318,37 +272,25 @@ def _opening(token: Token) -> int:
     return 0
 
 
-def _is_relation(token: Token) -> bool:
-    if token.kind == "command":
-        return token.text in latex.RELATION_COMMANDS
-    return token.kind == "char" and token.text in latex.RELATION_CHARACTERS
+_OPERATORS = frozenset({*latex.PRODUCT_COMMANDS, *latex.SUM_COMMANDS, *latex.ARROW_COMMANDS})
 
 
 def _goes_on(token: Token) -> bool:
     """Whether a line cannot end with this token: an operator or a relation."""
-    if token.kind == "command":
-        operator = token.text in latex.PRODUCT_COMMANDS or token.text in latex.SUM_COMMANDS
-        return operator or _is_relation(token) or token.text in latex.ARROW_COMMANDS
-    return _is_relation(token) or (token.kind == "char" and token.text in "+-*/,^_&")
+    return token.is_relation or token.stands_in(_OPERATORS, "+-*/,^_&")
 
 
 def _begins_statement(tokens: list[Token], k: int) -> bool:
     first = tokens[k]
     if first.kind not in {"letter", "number", "command"} and not first.is_char("{"):
         return False
-    operator = first.kind == "command" and (
-        first.text in latex.PRODUCT_COMMANDS
-        or first.text in latex.SUM_COMMANDS
-        or first.text in latex.ARROW_COMMANDS
-        or first.text == "right"
-    )
-    if operator or _is_relation(first):
+    if first.is_relation or first.is_command(*_OPERATORS, "right"):
         return False
     depth = 0
     for token in tokens[k:]:
         if token.lined and depth == 0 and token is not first:
             return False
-        if depth == 0 and _is_relation(token):
+        if depth == 0 and token.is_relation:
             return True
         depth += _opening(token)
         if token.kind in {"row", "quad"} or depth < 0:

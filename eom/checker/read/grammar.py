@@ -12,18 +12,21 @@ Rows of alignments, before parsing: what continues a row is joined to it.
 In an alignment ``&`` says where things stand and not what they are, and is left out. A row continues
 the one above if a bracket is open, if it begins with ``+`` or a product sign, if it begins with
 ``-`` and holds no relation, or if ``\right.`` and ``\left.`` stand on both sides of the break.
+
+Relations and arrows at the cursor, single or made of several characters, with what is above.
+
+What stands at the cursor: operators and factors, in braces of LaTeX or without.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
-from eom.checker.read import atoms, latex, prefixes, scripts, signs
-from eom.checker.read.derivatives import applied, differential_ahead, slash_derivative
-from eom.checker.read.places import Source, Span, reading_error
+from eom.checker.read import atoms, latex, prefixes, scripts
+from eom.checker.read.prefixes import applied, differential_ahead, slash_derivative
 from eom.checker.read.scripts import juxtaposed, spliced
-from eom.checker.read.signs import factor_ahead, operator_ahead, skip_empty
+from eom.checker.read.spans import Source, Span, reading_error
 from eom.checker.read.stream import Note, Stream
 from eom.checker.read.syntax import (
     Addition,
@@ -43,6 +46,166 @@ from eom.checker.read.syntax import (
     depth,
 )
 from eom.checker.read.tokens import Macro, Token, tokenize
+
+_DIGRAPHS: dict[str, str] = {
+    "<=>": "equivalent",
+    "==>": "implies",
+    ":=": ":=",
+    "=:": "=:",
+    "=>": "implies",
+    "->": "to",
+    "<=": "<=",
+    ">=": ">=",
+    "!=": "!=",
+    "==": "=",
+    "<-": "from",
+}
+"""Relations and arrows of several characters; the longest comes first."""
+_ARROWS = frozenset(latex.ARROW_COMMANDS.values())
+STACKED = frozenset({"overset", "stackrel", "underset", "stackbin"})
+_DEFINING = frozenset({"def", "Delta", "triangle", "text def", "definition", "d e f"})
+
+
+def relation_ahead(p: Stream) -> bool:
+    """Whether a relation stands at the cursor."""
+    name, _ = _sign_ahead(p)
+    return bool(name) and name not in _ARROWS
+
+
+def arrow_ahead(p: Stream) -> bool:
+    """Whether an arrow between statements stands at the cursor."""
+    name, _ = _sign_ahead(p)
+    return name in _ARROWS
+
+
+def take_sign(p: Stream, script: Callable[[], Node]) -> Sign:
+    """Read the relation or arrow at the cursor; ``script`` reads what stands above it."""
+    start = p.token.span
+    if p.token.is_command(*STACKED):
+        return _stacked(p, script)
+    if p.token.is_command("xrightarrow", "xRightarrow"):
+        name = "to" if p.token.text == "xrightarrow" else "implies"
+        p.take()
+        return Sign(name, script(), span=p.since(start))
+    name, count = _sign_ahead(p)
+    for _ in range(count):
+        p.take()
+    return Sign(name, span=p.since(start))
+
+
+def _sign_ahead(p: Stream) -> tuple[str, int]:
+    """Return the name of the sign at the cursor and its number of tokens, or ("", 0)."""
+    token = p.token
+    if token.kind == "command":
+        return _command(p, token)
+    if token.kind != "char" or token.text not in ":=<>-!":
+        return "", 0
+    text = token.text
+    while len(text) < 3 and _adjacent(p, len(text)):
+        text += p.ahead(len(text)).text
+    for length in (3, 2):
+        if len(text) >= length and text[:length] in _DIGRAPHS:
+            return _DIGRAPHS[text[:length]], length
+    return latex.RELATION_CHARACTERS.get(token.text, ""), 1
+
+
+def _adjacent(p: Stream, count: int) -> bool:
+    token = p.ahead(count)
+    return token.kind == "char" and not token.spaced and token.text in "=<>:-"
+
+
+def _command(p: Stream, token: Token) -> tuple[str, int]:
+    if token.text in latex.RELATION_COMMANDS:
+        name = latex.RELATION_COMMANDS[token.text]
+        if token.text == "vcentcolon" and not p.ahead().is_char("="):
+            return "", 0
+        return name, 2 if token.text == "vcentcolon" else 1
+    if token.text in latex.ARROW_COMMANDS:
+        return latex.ARROW_COMMANDS[token.text], 1
+    if token.text == "not" and p.ahead().is_char("="):
+        return "!=", 2
+    if token.text == "not" and p.ahead().is_command("in"):
+        return "notin", 2
+    if token.text in {"xrightarrow", "xRightarrow"}:
+        return ("to" if token.text == "xrightarrow" else "implies"), 1
+    if token.text in STACKED:
+        return _base_of_stack(p), 1
+    return "", 0
+
+
+def _base_of_stack(p: Stream) -> str:
+    r"""Return the relation under (or over) which something stands: the ``=`` of ``\overset{!}{=}``."""
+    return _relation_at(p, p.matching(p.place + 1))
+
+
+def _relation_at(p: Stream, place: int) -> str:
+    """Return the relation or arrow at a place, alone or in braces, or ""."""
+    token = p.tokens[place]
+    if token.is_char("{") and p.matching(place) == place + 3:
+        token = p.tokens[place + 1]
+    if token.kind == "command":
+        return latex.RELATION_COMMANDS.get(token.text, latex.ARROW_COMMANDS.get(token.text, ""))
+    return latex.RELATION_CHARACTERS.get(token.text, "") if token.kind == "char" else ""
+
+
+def _stacked(p: Stream, script: Callable[[], Node]) -> Sign:
+    start, name = p.token.span, _base_of_stack(p)
+    p.take()
+    first = p.place
+    above = script()
+    if _relation_at(p, p.place) != name:
+        raise p.unread()
+    words = "".join(t.text for t in p.tokens[first : p.place] if not t.is_char("{")).strip("} .")
+    p.place = p.matching(p.place)
+    if name == "=" and words in _DEFINING:
+        return Sign(":=", span=p.since(start))
+    return Sign(name, above, span=p.since(start))
+
+
+def operator_ahead(p: Stream) -> str:
+    """Return the name of the product operator at the cursor, or ""."""
+    token = p.token
+    if token.kind == "command":
+        return latex.PRODUCT_COMMANDS.get(token.text, "")
+    if token.kind != "char" or relation_ahead(p):
+        return ""
+    name = latex.PRODUCT_CHARACTERS.get(token.text, "")
+    if name == "double dot" and (p.ahead().kind in {"words", "quad", "stop", "row"} or p.script):
+        return ""
+    return name
+
+
+def factor_ahead(p: Stream) -> bool:
+    """Whether another factor follows side by side."""
+    if p.closes() or (p.integrals and differential_ahead(p)):
+        return False
+    stacked = p.token.is_command(*STACKED)
+    if stacked and (relation_ahead(p) or arrow_ahead(p)):
+        return False
+    return p.starts_atom() and not (p.script and bool(p.bar(p.token)))
+
+
+def skip_empty(p: Stream) -> None:
+    r"""Pass over ``{}`` where it only makes space; take ``{=}`` as ``=``, ``\mathbf{\cdot}`` too."""
+    font = int(p.token.is_command(*latex.FONTS))
+    opened, inner, behind = p.ahead(font), p.ahead(font + 1), p.ahead(font + 2)
+    if opened.is_char("{") and behind.is_char("}") and not inner.is_char("}"):
+        saved, p.place = p.place, p.place + font + 1
+        if (
+            operator_ahead(p)
+            or relation_ahead(p)
+            or inner.stands_in(latex.SUM_COMMANDS, latex.SUM_SIGNS)
+        ):
+            p.place += 1
+            p.tokens[p.place] = inner
+            return
+        p.place = saved
+    while p.token.is_char("{") and p.ahead().is_char("}"):
+        after = p.ahead(2)
+        if after.kind == "char" and after.text in "^_":
+            return
+        p.place += 2
+
 
 MAX_TREE_DEPTH = 120
 """Deepest tree: all who walk over it may use recursion."""
@@ -109,11 +272,11 @@ class Parser(Stream):
     def statements(self) -> Node:
         """Read items joined by arrows."""
         start = self.token.span
-        leading = signs.arrow_ahead(self)
+        leading = arrow_ahead(self)
         items: list[Node] = [Missing(span=start) if leading else self.sequence()]
         arrows: list[Sign] = []
-        while signs.arrow_ahead(self):
-            arrows.append(signs.take_sign(self, self.above))
+        while arrow_ahead(self):
+            arrows.append(take_sign(self, self.above))
             self.skip_quads()
             items.append(Missing(span=self.token.span) if self.closes() else self.sequence())
         if not arrows:
@@ -154,7 +317,7 @@ class Parser(Stream):
 
     def ended(self) -> bool:
         """Whether no further item follows."""
-        return self.closes() or signs.arrow_ahead(self)
+        return self.closes() or arrow_ahead(self)
 
     def separator(self) -> str | None:
         """Pass over a separator: its name, "" where words follow or end, None where there is none."""
@@ -172,7 +335,7 @@ class Parser(Stream):
             self.skip_quads()
             return token.text if token.kind == "char" else "|"
         if self.words_ahead() or (self.place and self.after_words()):
-            return None if self.closes() or signs.arrow_ahead(self) else ""
+            return None if self.closes() or arrow_ahead(self) else ""
         return None
 
     def sentence_ends(self) -> bool:
@@ -207,7 +370,7 @@ class Parser(Stream):
             return True
         self.place += 1
         found = (
-            signs.relation_ahead(self)
+            relation_ahead(self)
             or bool(operator_ahead(self))
             or (self.token.kind == "char" and self.token.text in "+-/^_" and not self.script)
             or self.token.is_command(*latex.SUM_COMMANDS)
@@ -220,12 +383,12 @@ class Parser(Stream):
         start = self.token.span
         members: list[Node] = []
         found: list[Sign] = []
-        members.append(Missing(span=start) if signs.relation_ahead(self) else self.addition())
-        while signs.relation_ahead(self):
-            found.append(signs.take_sign(self, self.above))
+        members.append(Missing(span=start) if relation_ahead(self) else self.addition())
+        while relation_ahead(self):
+            found.append(take_sign(self, self.above))
             self.skip_quads()
             over = self.ended() or (self.token.kind == "char" and self.token.text in ",;")
-            again = signs.relation_ahead(self)
+            again = relation_ahead(self)
             members.append(Missing(span=self.token.span) if over or again else self.addition())
         if not found:
             return members[0]
@@ -257,7 +420,7 @@ class Parser(Stream):
         name = latex.SUM_SIGNS.get(token.text) if token.kind == "char" else None
         if token.kind == "command":
             name = latex.SUM_COMMANDS.get(token.text)
-        if name is None or signs.relation_ahead(self):
+        if name is None or relation_ahead(self):
             return None
         self.take()
         return name
@@ -377,14 +540,9 @@ def _column(tokens: list[Token], k: int) -> Token:
     """Return a token; the second of ``&&`` is wide space, behind which numbers and remarks stand."""
     token, after = tokens[k], tokens[min(k + 1, len(tokens) - 1)]
     second = token.is_char("&") and k > 0 and tokens[k - 1].is_char("&")
-    if not second or after.is_char("&") or _relates(after):
+    if not second or after.is_char("&") or after.is_relation:
         return token
     return replace(token, kind="quad")
-
-
-def _relates(token: Token) -> bool:
-    named = token.kind == "char" and token.text in latex.RELATION_CHARACTERS
-    return named or token.is_command(*latex.RELATION_COMMANDS)
 
 
 @dataclass
@@ -470,7 +628,7 @@ class _Joiner:
         while self.tokens[k].kind not in {"row", "end", "stop", "begin"}:
             token = self.tokens[k]
             depth += token.is_char("{") - token.is_char("}")
-            if depth == 0 and _relates(token):
+            if depth == 0 and token.is_relation:
                 return True
             k += 1
         return False

@@ -61,41 +61,15 @@ COMMAND_FUNCTIONS = FUNCTIONS - _words(
     "vex curl tr sech csch arccot sinc Tr Diag blkdiag Skew unskew"
 ) | _words("tr Tr arg dim deg hom")
 
-FONTS = {
-    "mathbf": "bold",
-    "boldsymbol": "bold",
-    "bm": "bold",
-    "pmb": "bold",
-    "mathbfit": "bold",
-    "symbf": "bold",
-    "symbfit": "bold",
-    "vb": "bold",
-    "vectorbold": "bold",
-    "mathrm": "roman",
-    "symrm": "roman",
-    "mathup": "roman",
-    "mathcal": "calligraphic",
-    "mathscr": "calligraphic",
-    "symcal": "calligraphic",
-    "mathbb": "blackboard",
-    "mathds": "blackboard",
-    "mathsf": "sans",
-    "mathsfbf": "bold",
-    "mathfrak": "fraktur",
-    "mathtt": "typewriter",
-    "mathit": "",
-    "mathnormal": "",
-}
-SWITCHES = {
-    "bf": "bold",
-    "bfseries": "bold",
-    "rm": "roman",
-    "cal": "calligraphic",
-    "it": "",
-    "sf": "sans",
-    "tt": "typewriter",
-    "boldmath": "bold",
-}
+FONTS = _pairs(
+    "mathbf=>bold boldsymbol=>bold bm=>bold pmb=>bold mathbfit=>bold symbf=>bold symbfit=>bold "
+    "vb=>bold vectorbold=>bold mathrm=>roman symrm=>roman mathup=>roman mathcal=>calligraphic "
+    "mathscr=>calligraphic symcal=>calligraphic mathbb=>blackboard mathds=>blackboard mathsf=>sans "
+    "mathsfbf=>bold mathfrak=>fraktur mathtt=>typewriter"
+) | {"mathit": "", "mathnormal": ""}
+SWITCHES = _pairs(
+    "bf=>bold bfseries=>bold rm=>roman cal=>calligraphic sf=>sans tt=>typewriter boldmath=>bold"
+) | {"it": ""}
 """Fonts that hold to the end of a group."""
 
 ACCENTS = _pairs(
@@ -116,46 +90,23 @@ RELATION_COMMANDS = _pairs(
 ) | {"eqqcolon": "=:"}
 RELATION_CHARACTERS = {"=": "=", "<": "<", ">": ">"}
 
-ARROW_COMMANDS = {
-    "Rightarrow": "implies",
-    "implies": "implies",
-    "Longrightarrow": "implies",
+ARROW_COMMANDS = _pairs(
+    "Rightarrow=>implies implies Longrightarrow=>implies Leftrightarrow=>equivalent "
+    "Longleftrightarrow=>equivalent iff=>equivalent therefore because Rrightarrow=>implies"
+) | {
     "Leftarrow": "implied by",
     "impliedby": "implied by",
     "Longleftarrow": "implied by",
-    "Leftrightarrow": "equivalent",
-    "Longleftrightarrow": "equivalent",
-    "iff": "equivalent",
-    "therefore": "therefore",
-    "because": "because",
     "hookrightarrow": "leads to",
     "leadsto": "leads to",
     "rightsquigarrow": "leads to",
-    "Rrightarrow": "implies",
 }
 
-PRODUCT_COMMANDS = {
-    "cdot": "dot",
-    "vdot": "dot",
-    "cdotp": "dot",
-    "times": "cross",
-    "cross": "cross",
-    "cp": "cross",
-    "crossproduct": "cross",
-    "dotproduct": "dot",
-    "wedge": "wedge",
-    "land": "wedge",
-    "otimes": "tensor",
-    "odot": "circledot",
-    "circ": "circle",
-    "ast": "asterisk",
-    "star": "star",
-    "div": "divided",
-    "oplus": "circledplus",
-    "ominus": "circledminus",
-    "boxtimes": "direct cross",
-    "colon": "double dot",
-}
+PRODUCT_COMMANDS = _pairs(
+    "cdot=>dot vdot=>dot cdotp=>dot times=>cross cross cp=>cross crossproduct=>cross "
+    "dotproduct=>dot wedge land=>wedge otimes=>tensor odot=>circledot circ=>circle ast=>asterisk "
+    "star div=>divided oplus=>circledplus ominus=>circledminus"
+) | {"boxtimes": "direct cross", "colon": "double dot"}
 PRODUCT_CHARACTERS = {"*": "asterisk", ":": "double dot"}
 LOOSE_PRODUCTS = frozenset({"dot", "double dot"})
 """Operators that bind less than a cross."""
@@ -196,29 +147,10 @@ DOTS = _pairs(
 )
 
 FRACTIONS = _words("frac dfrac tfrac cfrac nicefrac sfrac flatfrac")
-DELIMITERS = {
-    "lvert": "|",
-    "rvert": "|",
-    "vert": "|",
-    "lVert": "||",
-    "rVert": "||",
-    "Vert": "||",
-    "|": "||",
-    "{": "{",
-    "}": "}",
-    "lbrace": "{",
-    "rbrace": "}",
-    "langle": "<",
-    "rangle": ">",
-    "lbrack": "[",
-    "rbrack": "]",
-    "lfloor": "⌊",
-    "rfloor": "⌋",
-    "lceil": "⌈",
-    "rceil": "⌉",
-    "lparen": "(",
-    "rparen": ")",
-}
+DELIMITERS = _pairs(
+    "lvert=>| rvert=>| vert=>| lVert=>|| rVert=>|| Vert=>|| |=>|| { } lbrace=>{ rbrace=>} langle=>< "
+    "rangle=>> lbrack=>[ rbrack=>] lfloor=>⌊ rfloor=>⌋ lceil=>⌈ rceil=>⌉ lparen=>( rparen=>)"
+)
 PAIRS = {"(": ")", "[": "]", "{": "}", "<": ">", "|": "|", "||": "||", "⌊": "⌋", "⌈": "⌉"}
 SIZES = _words(
     "big Big bigg Bigg bigl Bigl biggl Biggl bigr Bigr biggr Biggr bigm Bigm biggm Biggm"
@@ -228,13 +160,7 @@ MATRICES = _words(
     "matrix bmatrix pmatrix vmatrix Vmatrix Bmatrix array smallmatrix psmallmatrix bsmallmatrix "
     "vsmallmatrix tabular bNiceMatrix pNiceMatrix bNiceArray pNiceArray"
 )
-CASES = {
-    "cases": "left",
-    "dcases": "left",
-    "rcases": "right",
-    "drcases": "right",
-    "numcases": "left",
-}
+CASES = _pairs("cases=>left dcases=>left rcases=>right drcases=>right numcases=>left")
 ALIGNMENTS = _words(
     "aligned alignedat split gathered multlined align alignat flalign gather multline equation "
     "eqnarray displaymath math subequations empheq dmath"
@@ -248,104 +174,19 @@ DISPLAYS = _words(
 )
 """Environments that are displays by themselves."""
 
-CHARACTERS = {
-    **{
-        c: [n]
-        for c, n in zip(
-            "αβγδεζηθικλμνξοπρστυφχψω",
-            (
-                "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho "
-                "sigma tau upsilon phi chi psi omega"
-            ).split(),
-            strict=True,
-        )
-    },
-    **{
-        c: [n]
-        for c, n in zip(
-            "ΑΒΓΔΕΖΗΘΙΚΛΜΝΞΟΠΡΣΤΥΦΧΨΩ",
-            (
-                "Alpha Beta Gamma Delta Epsilon Zeta Eta Theta Iota Kappa Lambda Mu Nu Xi Omicron Pi Rho "
-                "Sigma Tau Upsilon Phi Chi Psi Omega"
-            ).split(),
-            strict=True,
-        )
-    },
-    **{
-        c: [n]
-        for c, n in {
-            "ς": "varsigma",
-            "ϕ": "phi",
-            "ϑ": "vartheta",
-            "ϵ": "epsilon",
-            "ϱ": "varrho",
-            "×": "times",
-            "·": "cdot",
-            "⋅": "cdot",
-            "∙": "cdot",
-            "•": "bullet",
-            "±": "pm",
-            "∓": "mp",
-            "≈": "approx",
-            "≠": "neq",
-            "≤": "leq",
-            "≥": "geq",
-            "≡": "equiv",
-            "≜": "triangleq",
-            "≔": "triangleq",
-            "→": "to",
-            "⇒": "Rightarrow",
-            "⟹": "Rightarrow",
-            "⇔": "Leftrightarrow",
-            "⟺": "iff",
-            "←": "leftarrow",
-            "↦": "mapsto",
-            "∴": "therefore",
-            "∵": "because",
-            "∫": "int",
-            "∬": "iint",
-            "∭": "iiint",
-            "∮": "oint",
-            "∑": "sum",
-            "∏": "prod",
-            "∂": "partial",
-            "∇": "nabla",
-            "√": "sqrt",
-            "∞": "infty",
-            "∈": "in",
-            "⊗": "otimes",
-            "⊙": "odot",
-            "∘": "circ",
-            "○": "circ",
-            "◦": "circ",
-            "⊤": "top",
-            "∧": "wedge",
-            "⟂": "perp",
-            "⊥": "perp",
-            "∥": "parallel",
-            "∝": "propto",
-            "∼": "sim",
-            "≃": "simeq",
-            "≪": "ll",
-            "≫": "gg",
-            "…": "dots",
-            "⋯": "cdots",
-            "⋮": "vdots",
-            "⋱": "ddots",
-            "ℓ": "ell",
-            "ℏ": "hbar",
-            "∀": "forall",
-            "∃": "exists",
-            "⟨": "langle",
-            "⟩": "rangle",
-            "‖": "Vert",
-            "∗": "ast",
-            "⋆": "star",
-            "⊕": "oplus",
-        }.items()
-    },
-    "Σ": ["Sigma"],
-}
+CHARACTERS = _pairs(
+    "α=>alpha β=>beta γ=>gamma δ=>delta ε=>epsilon ζ=>zeta η=>eta θ=>theta ι=>iota κ=>kappa "
+    "λ=>lambda μ=>mu ν=>nu ξ=>xi ο=>omicron π=>pi ρ=>rho σ=>sigma τ=>tau υ=>upsilon φ=>phi χ=>chi "
+    "ψ=>psi ω=>omega Α=>Alpha Β=>Beta Γ=>Gamma Δ=>Delta Ε=>Epsilon Ζ=>Zeta Η=>Eta Θ=>Theta Ι=>Iota "
+    "Κ=>Kappa Λ=>Lambda Μ=>Mu Ν=>Nu Ξ=>Xi Ο=>Omicron Π=>Pi Ρ=>Rho Σ=>Sigma Τ=>Tau Υ=>Upsilon Φ=>Phi "
+    "Χ=>Chi Ψ=>Psi Ω=>Omega ς=>varsigma ϕ=>phi ϑ=>vartheta ϵ=>epsilon ϱ=>varrho ×=>times ·=>cdot "
+    "⋅=>cdot ∙=>cdot •=>bullet ±=>pm ∓=>mp ≈=>approx ≠=>neq ≤=>leq ≥=>geq ≡=>equiv ≜=>triangleq "
+    "≔=>triangleq →=>to ⇒=>Rightarrow ⟹=>Rightarrow ⇔=>Leftrightarrow ⟺=>iff ←=>leftarrow ↦=>mapsto "
+    "∴=>therefore ∵=>because ∫=>int ∬=>iint ∭=>iiint ∮=>oint ∑=>sum ∏=>prod ∂=>partial ∇=>nabla "
+    "√=>sqrt ∞=>infty ∈=>in ⊗=>otimes ⊙=>odot ∘=>circ ○=>circ ◦=>circ ⊤=>top ∧=>wedge ⟂=>perp "
+    "⊥=>perp ∥=>parallel ∝=>propto ∼=>sim ≃=>simeq ≪=>ll ≫=>gg …=>dots ⋯=>cdots ⋮=>vdots ⋱=>ddots "
+    "ℓ=>ell ℏ=>hbar ∀=>forall ∃=>exists ⟨=>langle ⟩=>rangle ‖=>Vert ∗=>ast ⋆=>star ⊕=>oplus"
+)
 """A character that is a command."""
 PLAIN_CHARACTERS = {
     "−": "-",
@@ -374,23 +215,11 @@ PLAIN_CHARACTERS = {
 """A character that stands for others on the keyboard."""
 SUPERSCRIPTS = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀⁿⁱ", "0123456789+-Tni", strict=True))
 SUBSCRIPTS = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋ₐₑᵢⱼₖₙₓ", "0123456789+-aeijknx", strict=True))
-COMBINING = {
-    "\u0307": "dot",
-    "\u0308": "ddot",
-    "\u20db": "dddot",
-    "\u20d7": "vec",
-    "\u0302": "hat",
-    "\u0303": "tilde",
-    "\u0304": "bar",
-    "\u0305": "bar",
-    "\u0332": "underline",
-    "\u0331": "underline",
-    "\u030a": "ring",
-    "\u030c": "check",
-    "\u0306": "breve",
-    "\u0301": "acute",
-    "\u0300": "grave",
-}
+COMBINING = _pairs(
+    "\u0307=>dot \u0308=>ddot \u20db=>dddot \u20d7=>vec \u0302=>hat \u0303=>tilde \u0304=>bar "
+    "\u0305=>bar \u0332=>underline \u0331=>underline \u030a=>ring \u030c=>check \u0306=>breve "
+    "\u0301=>acute \u0300=>grave"
+)
 
 KNOWN = frozenset().union(
     *(SYMBOLS, SYMBOL_ALIASES, SCRIPT_MARKS, COMMAND_FUNCTIONS, FUNCTION_ALIASES, FONTS, SWITCHES),

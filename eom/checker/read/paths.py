@@ -18,20 +18,12 @@ _VALUES: dict[str, tuple[str, ...]] = {
     "Product": ("factors",),
     "Quotient": ("left", "right"),
     "Fraction": ("above", "below"),
-    "Root": ("body",),
     "Call": ("argument",),
-    "Section": ("operand",),
-    "BigOperator": ("body",),
     "Integral": ("integrand",),
-    "Derivative": ("operand",),
     "Matrix": ("rows",),
-    "Group": ("body",),
-    "Accent": ("base",),
-    "Scripts": ("base",),
-    "Over": ("base",),
-    "Boxed": ("body",),
-    "Braced": ("body",),
-    "Struck": ("body",),
+    **dict.fromkeys(("Section", "Derivative"), ("operand",)),
+    **dict.fromkeys(("Accent", "Scripts", "Over"), ("base",)),
+    **dict.fromkeys(("Root", "BigOperator", "Group", "Boxed", "Braced", "Struck"), ("body",)),
 }
 """Fields that hold what is added and multiplied, by kind of node; labels are none of them."""
 

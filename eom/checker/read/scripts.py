@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eom.checker.read import latex
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
     Accent,

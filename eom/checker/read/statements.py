@@ -3,6 +3,8 @@ r"""Formulas as statements: what is claimed, link by link, with what it depends 
 Rows, arrows, wide spaces and commas part statements; a chain has a link for each of its signs; a
 leading ``=`` continues the statement before; ``if``, ``for``, ``where`` bring conditions; an equation
 number in brackets at the end is a tag.
+
+All formulas of a document, read and split; what cannot be read carries its error.
 """
 
 from __future__ import annotations
@@ -11,7 +13,9 @@ from collections.abc import Iterable
 from collections.abc import Sequence as Sequenced
 from dataclasses import dataclass, field, replace
 
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.documents import Document, Piece
+from eom.checker.read.grammar import Reading, read_tokens
+from eom.checker.read.spans import NOWHERE, ReadingError, Span
 from eom.checker.read.syntax import (
     Accent,
     Addition,
@@ -32,6 +36,7 @@ from eom.checker.read.syntax import (
     Symbol,
     Words,
 )
+from eom.checker.read.tokens import tokenize
 
 
 @dataclass(frozen=True)
@@ -89,28 +94,18 @@ class Statement:
 
 
 ROLES: dict[str, str] = {
-    "if": "if",
-    "when": "if",
-    "whenever": "if",
-    "provided": "if",
-    "assuming": "if",
-    "assume": "if",
-    "given": "if",
-    "under": "if",
-    "iff": "iff",
-    "only": "only if",
-    "unless": "unless",
-    "for": "for",
-    "forall": "for",
-    "exists": "exists",
-    "where": "where",
-    "with": "where",
-    "while": "where",
-    "let": "where",
-    "since": "because",
-    "because": "because",
-    "as": "because",
-    "using": "because",
+    word: role
+    for role, words in {
+        "if": "if when whenever provided assuming assume given under",
+        "iff": "iff",
+        "only if": "only",
+        "unless": "unless",
+        "for": "for forall",
+        "exists": "exists",
+        "where": "where with while let",
+        "because": "since because as using",
+    }.items()
+    for word in words.split()
 }
 """The first word of a text, and the role of what follows it."""
 _LEADING = {"then": "implies", "so": "implies", "thus": "implies", "hence": "implies"}
@@ -393,3 +388,44 @@ def _equation_number(node: Node) -> str:
     if isinstance(body, Addition) and all(isinstance(t, Number) for t in body.terms):
         return "-".join(t.text for t in body.terms if isinstance(t, Number))
     return ""
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula of a document: its piece, and either its reading and statements or an error."""
+
+    piece: Piece
+    reading: Reading | None
+    statements: tuple[Statement, ...] = ()
+    error: ReadingError | None = None
+
+    @property
+    def relational(self) -> bool:
+        """Whether it claims anything; what cannot be read counts if it shows a relation."""
+        if self.reading is None:
+            return any(sign in self.piece.body for sign in ("=", "<", ">", "\\eq", "\\to"))
+        return any(s.relational for s in self.statements)
+
+
+def read(document: Document) -> tuple[Formula, ...]:
+    """Read all formulas of a document in order; a display may continue the one before."""
+    found: list[Formula] = []
+    previous: tuple[Statement, ...] = ()
+    for piece in document.formulas:
+        display = piece.kind == "display"
+        formula = read_piece(piece, previous if display else ())
+        found.append(formula)
+        if display and formula.statements:
+            previous = formula.statements
+    return tuple(found)
+
+
+def read_piece(piece: Piece, previous: tuple[Statement, ...] = ()) -> Formula:
+    """Read one formula."""
+    try:
+        tokens = tokenize(piece.source, piece.body, piece.span.start, piece.macros)
+        reading = read_tokens(piece.source, tokens)
+    except ReadingError as error:
+        return Formula(piece, None, (), error)
+    tags = [text for text, _ in reading.tags]
+    return Formula(piece, reading, split(reading.tree, previous, tags))

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
-from eom.checker.read.places import ReadingError, Source, Span, reading_error
+from eom.checker.read.spans import ReadingError, Source, Span, reading_error
 from eom.checker.read.syntax import Node
 from eom.checker.read.tokens import Token, spelling
 from eom.errors import near_matches

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
-from eom.checker.read.places import NOWHERE, Span
+from eom.checker.read.spans import NOWHERE, Span
 
 
 @dataclass(frozen=True)
@@ -354,12 +354,6 @@ RELATIONS: dict[str, str] = {
     "=": "=",
     ":=": r"\triangleq",
     "=:": "=:",
-    "equiv": r"\equiv",
-    "approx": r"\approx",
-    "simeq": r"\simeq",
-    "cong": r"\cong",
-    "sim": r"\sim",
-    "propto": r"\propto",
     "!=": r"\neq",
     "<": "<",
     ">": ">",
@@ -367,15 +361,12 @@ RELATIONS: dict[str, str] = {
     ">=": r"\ge",
     "<<": r"\ll",
     ">>": r"\gg",
-    "in": r"\in",
-    "notin": r"\notin",
-    "subset": r"\subset",
-    "parallel": r"\parallel",
-    "perp": r"\perp",
-    "to": r"\to",
     "from": r"\leftarrow",
     "between": r"\leftrightarrow",
-    "mapsto": r"\mapsto",
+    **{
+        name: rf"\{name}"
+        for name in "equiv approx simeq cong sim propto in notin subset parallel perp to mapsto".split()
+    },
 }
 """Relations with their LaTeX; ``:=`` defines its left side, ``=:`` its right side."""
 

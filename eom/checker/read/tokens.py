@@ -15,11 +15,11 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from eom.checker.read import latex
-from eom.checker.read.places import Source, Span, reading_error
+from eom.checker.read.spans import Source, Span, reading_error
 
 MAX_FORMULA = 100_000
 """Most characters of one formula."""
@@ -52,6 +52,15 @@ class Token:
     def is_command(self, *names: str) -> bool:
         """Whether this is one of some commands."""
         return self.kind == "command" and self.text in names
+
+    def stands_in(self, commands: Container[str], characters: Container[str]) -> bool:
+        """Whether this is one of some commands or one of some characters."""
+        return self.text in {"command": commands, "char": characters}.get(self.kind, ())
+
+    @property
+    def is_relation(self) -> bool:
+        """Whether this is a relation, alone or the first character of one."""
+        return self.stands_in(latex.RELATION_COMMANDS, latex.RELATION_CHARACTERS)
 
 
 @dataclass(frozen=True)
@@ -220,7 +229,7 @@ class _Scanner:
         if c.isspace():
             self.spaced = True
         elif c in latex.CHARACTERS:
-            self.add("command", latex.CHARACTERS[c][0], first)
+            self.add("command", latex.CHARACTERS[c], first)
         elif c in latex.SUPERSCRIPTS or c in latex.SUBSCRIPTS:
             self.small_script(c, first)
         elif c in latex.COMBINING:
@@ -267,7 +276,7 @@ class _Scanner:
         if "BOLD" in unicodedata.name(c, ""):
             self.add("command", "mathbf", first)
         if letter in latex.CHARACTERS:
-            self.add("command", latex.CHARACTERS[letter][0], first)
+            self.add("command", latex.CHARACTERS[letter], first)
         else:
             self.add("letter", letter, first)
         for m in marks:
@@ -432,19 +441,19 @@ def over(tokens: list[Token]) -> list[Token]:
 
 def _around(tokens: list[Token], place: int) -> tuple[int, int]:
     """Return where the innermost group around a place begins and ends, without its braces."""
-    depth, first = 0, place
-    while first > 0:
-        depth += tokens[first - 1].is_char("}") - tokens[first - 1].is_char("{")
+    first = place - _within(reversed(tokens[:place]), "}", "{")
+    return first, place + _within(tokens[place:], "{", "}")
+
+
+def _within(tokens: Iterable[Token], opening: str, closing: str) -> int:
+    """Return how many tokens stand before the brace that closes what is open already."""
+    depth = count = 0
+    for token in tokens:
+        depth += token.is_char(opening) - token.is_char(closing)
         if depth < 0:
             break
-        first -= 1
-    depth, last = 0, place
-    while last < len(tokens):
-        depth += tokens[last].is_char("{") - tokens[last].is_char("}")
-        if depth < 0:
-            break
-        last += 1
-    return first, last
+        count += 1
+    return count
 
 
 def differentials(tokens: list[Token]) -> list[Token]:
@@ -494,6 +503,9 @@ def empty_groups(tokens: list[Token]) -> list[Token]:
     return found
 
 
+_OPERATORS = frozenset({*latex.PRODUCT_COMMANDS, *latex.RELATION_COMMANDS, *latex.SUM_COMMANDS})
+
+
 def bold_operators(tokens: list[Token]) -> list[Token]:
     r"""Leave out a font around an operator alone: ``\boldsymbol{\times}``."""
     found: list[Token] = []
@@ -502,17 +514,10 @@ def bold_operators(tokens: list[Token]) -> list[Token]:
         token = tokens[k]
         end = _group(tokens, k + 1) if token.is_command(*latex.FONTS) else k + 1
         body = _inside(tokens[k + 1 : end])
-        sign = len(body) == 1 and _is_operator(body[0])
+        sign = len(body) == 1 and body[0].stands_in(_OPERATORS, "=+-<>")
         found += body if sign else [token]
         k = end if sign else k + 1
     return found
-
-
-def _is_operator(token: Token) -> bool:
-    named = (latex.PRODUCT_COMMANDS, latex.RELATION_COMMANDS, latex.SUM_COMMANDS)
-    if token.kind == "command":
-        return any(token.text in table for table in named)
-    return token.kind == "char" and token.text in "=+-<>"
 
 
 def sizes(tokens: list[Token]) -> list[Token]:
@@ -557,16 +562,10 @@ def _relation_cell(tokens: list[Token]) -> bool:
     depth, begins = 0, False
     for token in tokens:
         depth += (token.kind == "begin") - (token.kind == "end")
-        if begins and _is_relation(token):
+        if begins and token.is_relation:
             return True
         begins = depth == 0 and token.is_char("&")
     return False
-
-
-def _is_relation(token: Token) -> bool:
-    if token.kind == "command":
-        return token.text in latex.RELATION_COMMANDS
-    return token.kind == "char" and token.text in latex.RELATION_CHARACTERS
 
 
 UNITS = frozenset({"SI", "qty", "num", "ang", "si", "unit"})

@@ -12,7 +12,7 @@ from typing import Any
 
 from eom.checker.read import latex as tables
 from eom.checker.read import syntax as s
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.typeset.boxes import (
     Accent,
     Box,
@@ -69,7 +69,7 @@ def _write(node: s.Node, layer: int) -> Box:
 
 
 _CHARACTERS = {
-    **{names[0]: c for c, names in reversed(tables.CHARACTERS.items())},
+    **{name: c for c, name in reversed(tables.CHARACTERS.items())},
     **dict(
         zip(
             "le ge notin subset cong leftrightarrow Leftarrow hookrightarrow div ominus boxtimes "
@@ -113,13 +113,8 @@ _LAYERS: dict[str, int] = {
     "Relation": RELATION,
     "Addition": SUM,
     "Section": LOOSE,
-    "Quotient": RUN,
-    "BigOperator": RUN,
-    "Integral": RUN,
-    "Derivative": RUN,
-    "Call": RUN,
-    "Differential": RUN,
-    "Operation": RUN,
+    **dict.fromkeys(("Quotient", "BigOperator", "Integral", "Derivative"), RUN),
+    **dict.fromkeys(("Call", "Differential", "Operation"), RUN),
 }
 
 
@@ -260,9 +255,9 @@ def _last_part(node: s.Node) -> s.Node | None:
     return node.argument if isinstance(node, s.Call) else None
 
 
-def _spans(node: s.Node | None) -> bool:
-    """Whether the operators behind a node would be read as part of it."""
-    while node is not None and not isinstance(node, s.BigOperator):
+def _spans(node: s.Node | None, ends: tuple[type[s.Node], ...] = (s.BigOperator,)) -> bool:
+    """Whether the operators behind a node would be read as part of it; ``ends``: nodes that do so."""
+    while node is not None and not isinstance(node, ends):
         if isinstance(node, s.Integral) and not node.variables:
             return True
         node = _last_part(node)
@@ -271,11 +266,7 @@ def _spans(node: s.Node | None) -> bool:
 
 def _endless(node: s.Node | None) -> bool:
     """Whether even a sum behind a node would be read as part of it."""
-    while node is not None:
-        if isinstance(node, s.Integral) and not node.variables:
-            return True
-        node = _last_part(node)
-    return False
+    return _spans(node, ())
 
 
 def _quotient(node: s.Quotient) -> Box:

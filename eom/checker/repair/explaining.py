@@ -21,11 +21,10 @@ from eom.checker.judge.judge import HOLDS, UNDER, judge
 from eom.checker.judge.notes import Understood, reread
 from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import GRAVE, Judged
-from eom.checker.mean.lexicon import Lexicon
-from eom.checker.mean.meanings import Meaning
+from eom.checker.mean.lexicon import Lexicon, Meaning
 from eom.checker.read.grammar import read_tokens
 from eom.checker.read.paths import NOTHING, Path, at, common
-from eom.checker.read.places import NOWHERE, ReadingError, Source, Span
+from eom.checker.read.spans import NOWHERE, ReadingError, Source, Span
 from eom.checker.read.syntax import Addition, Matrix, Missing, Node
 from eom.checker.read.tokens import tokenize
 from eom.checker.read.writing import latex

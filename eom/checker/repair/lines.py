@@ -31,8 +31,7 @@ from eom.checker.mean.claims import (
 from eom.checker.mean.dimensions import Dimension
 from eom.checker.mean.elaborate import RULES
 from eom.checker.mean.elaborator import Elaborator
-from eom.checker.mean.operations import overdot
-from eom.checker.mean.values import Refusal, Value, mixed
+from eom.checker.mean.values import Refusal, Value, mixed, overdot
 from eom.checker.read.paths import Path, find
 from eom.checker.read.statements import Statement
 from eom.checker.read.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol

@@ -21,7 +21,7 @@ from eom.checker.mean.parameters import FALSE, IDENTITY, RESTS, Link, expression
 from eom.checker.mean.values import Value
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import Path, at, find, put
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import Addition, Group, Integral, Node, Number, Relation, walk
 from eom.checker.read.writing import latex

@@ -9,7 +9,7 @@ from itertools import combinations_with_replacement, pairwise, product
 
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.dimensions import RATE, Dimension
-from eom.checker.mean.turns import abbreviated
+from eom.checker.mean.elaborate import abbreviated
 from eom.checker.mean.values import ROW, Value
 from eom.checker.read.paths import operands
 from eom.checker.read.symbol_shape import seen

@@ -3,17 +3,22 @@
 Of a wrong line: what is left over, what would make it right, and where it fails. Of a note among many: its
 report, or the error that left none. Lines of text have parts with a style that a terminal may show by
 colour.
+
+Reports as data: JSON by the schema of `report.schema.json`, and a table with a row for each note.
 """
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from eom.checker.judge.judge import UNDER
-from eom.checker.read.places import NOWHERE, Source, Span, printable
+from eom.checker.read.spans import NOWHERE, Source, Span, printable
 from eom.worlds.worlds import ASSUMPTIONS
 
 
@@ -71,17 +76,19 @@ UNEXPLAINED = Explanation()
 FAULTS = frozenset({"wrong", "ill-formed"})
 """Verdicts that say that something is wrong."""
 
-ORDER = (
-    "wrong",
-    "ill-formed",
-    "ambiguous",
-    "undecided",
-    "holds under",
-    "holds",
-    "definition",
-    "assumption",
-    "no claim",
-)
+VERDICTS: dict[str, tuple[str, str]] = {
+    "wrong": ("bad", "wrong"),
+    "ill-formed": ("bad", "ill-formed"),
+    "ambiguous": ("unsure", "ambiguous"),
+    "undecided": ("unsure", "undecided"),
+    "holds under": ("good", "hold under assumptions"),
+    "holds": ("good", "hold"),
+    "definition": ("", "definitions"),
+    "assumption": ("", "assumptions"),
+    "no claim": ("", "claim nothing"),
+}
+"""The style of a verdict, see `Part`, and as it is counted."""
+ORDER = tuple(VERDICTS)
 """All verdicts, the gravest first; the last one is that of a display that claims nothing."""
 
 
@@ -180,7 +187,7 @@ class Report:
 
     def __str__(self) -> str:
         """Return the report as text, as `eom check` prints it."""
-        return "\n".join(text(line) for line in told(Graded(self.name, self)))
+        return "\n".join(text(line) for line in report_lines(Graded(self.name, self)))
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """Print the report in a notebook."""
@@ -208,31 +215,8 @@ Part = tuple[str, str]
 """Style ("title", "good", "bad", "unsure", "faint", "") and text."""
 Line = tuple[Part, ...]
 
-STYLES = {
-    "wrong": "bad",
-    "ill-formed": "bad",
-    "ambiguous": "unsure",
-    "undecided": "unsure",
-    "holds under": "good",
-    "holds": "good",
-}
-"""Style of a verdict; others have none."""
-
 DETAILED = FAULTS | {"undecided", "ambiguous"}
-"""Verdicts that are told with the equation and the place."""
-
-COUNTED = {
-    "wrong": "wrong",
-    "ill-formed": "ill-formed",
-    "ambiguous": "ambiguous",
-    "undecided": "undecided",
-    "holds under": "hold under assumptions",
-    "holds": "hold",
-    "definition": "definitions",
-    "assumption": "assumptions",
-    "no claim": "claim nothing",
-}
-"""Verdicts as they are counted."""
+"""Verdicts that are printed with the equation and the place."""
 
 MAX_LINES = 24
 """Lines of one formula that are shown at most."""
@@ -241,7 +225,7 @@ WIDTH = 120
 MAX_WIDTH = 2000
 """Characters of a line of a formula that are shown at most."""
 CORRECTIONS = 3
-"""Corrections that are told at most."""
+"""Corrections that are printed at most."""
 UNPLACED = 12
 """Symbols without a meaning that are listed at most."""
 INDENT = "    "
@@ -252,10 +236,10 @@ def text(line: Line) -> str:
     return "".join(part for _, part in line)
 
 
-def told(graded: Graded, only: Collection[str] = (), quiet: bool = False) -> Iterator[Line]:
-    """Yield what is told of a note: where meanings come from, each formula, a summary.
+def report_lines(graded: Graded, only: Collection[str] = (), quiet: bool = False) -> Iterator[Line]:
+    """Yield the lines on a note: where meanings come from, each formula, a summary.
 
-    ``only``: verdicts of the formulas that are told, all if empty; ``quiet``: faults alone.
+    ``only``: verdicts of the formulas that are printed, all if empty; ``quiet``: faults alone.
     """
     report = graded.report
     if report is None:
@@ -344,8 +328,8 @@ def _summary(report: Report) -> Line:
     also = f" and {claims} claim{'' if claims == 1 else 's'} in words" if claims else ""
     parts: list[Part] = [("", f"  {total} equation{'' if total == 1 else 's'}{also}")]
     for verdict, count in report.counts.items():
-        words = f"{count} {COUNTED[verdict]}"
-        parts += [("", ": " if len(parts) == 1 else ", "), (STYLES.get(verdict, ""), words)]
+        style, words = VERDICTS[verdict]
+        parts += [("", ": " if len(parts) == 1 else ", "), (style, f"{count} {words}")]
     return tuple(parts)
 
 
@@ -354,7 +338,7 @@ def _summary(report: Report) -> Line:
 
 def _finding(finding: Finding) -> Iterator[Line]:
     """Yield the verdict on a formula; of a fault the formula too, with carets, and what is known."""
-    style = STYLES.get(finding.verdict, "")
+    style = VERDICTS[finding.verdict][0]
     head: list[Part] = [("", f"  {_where(finding)}: "), (style, _verdict(finding))]
     yield tuple(head)
     if finding.verdict in DETAILED:
@@ -463,3 +447,107 @@ def _explanation(finding: Finding) -> Iterator[Line]:
         members = "; ".join(f"{_one_line(n)} = {v}" for n, v in counter.members)
         yield (("", f"{INDENT}it fails for {values}{under}"),)
         yield (("", f"{INDENT}  where {members}"),)
+
+
+VERSION = 2
+"""Of the schema; raised where a reader of an older one could go wrong. 2: findings of kind "prose"."""
+
+Data = dict[str, Any]
+
+
+def to_json(graded: Iterable[Graded]) -> str:
+    """Return all reports as JSON; notes without a report with their error."""
+    data = {"version": VERSION, "notes": [note(g) for g in graded]}
+    return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+
+
+def note(graded: Graded) -> Data:
+    """Return the report on one note as data."""
+    head = {"name": graded.name, "status": graded.status, "error": graded.error}
+    return head | (_report(graded.report) if graded.report is not None else {})
+
+
+def _report(report: Report) -> Data:
+    return {
+        "meanings": report.lexicon,
+        "drafts": list(report.drafts),
+        "unplaced": list(report.unplaced),
+        "given": list(report.given),
+        "notices": [{"text": n.text, "line": n.line} for n in report.notices],
+        "counts": report.counts,
+        "findings": [finding(f) for f in report.findings],
+    }
+
+
+def finding(found: Finding) -> Data:
+    """Return what is said of a formula; places are lines and columns from 1, of first and last sign."""
+    names = "kind number in place latex verdict sets reason at read_as remarks carried explanation"
+    own = {"in": found.source.name, "place": found.span, "at": found.place}
+    values = {name: own[name] if name in own else getattr(found, name) for name in names.split()}
+    return {name: _datum(value, found.source) for name, value in values.items()}
+
+
+def _datum(value: Any, source: Source) -> Any:
+    """Return a value of a finding as data."""
+    if isinstance(value, Span):
+        return place(source, value)
+    if isinstance(value, tuple):
+        return [_datum(v, source) for v in value]
+    if isinstance(value, Remark | Correction | Counterexample | Explanation):
+        names = {f.name: "at" if f.name == "span" else f.name for f in fields(value)}
+        return {shown: _datum(getattr(value, name), source) for name, shown in names.items()}
+    return value
+
+
+def place(source: Source, span: Span) -> Data | None:
+    """Return a place in a source, None for none."""
+    if span == NOWHERE:
+        return None
+    line, column = source.line_column(span.start)
+    last_line, last_column = source.line_column(max(span.stop - 1, span.start))
+    return {"line": line, "column": column, "last_line": last_line, "last_column": last_column}
+
+
+# -- tables --------------------------------------------------------------------------------------
+
+COLUMNS = ("note", "status", "equations", *ORDER, "first_fault", "meanings", "error")
+
+
+def rows(graded: Iterable[Graded]) -> list[Data]:
+    """Return one row a note: counts of verdicts, and the line of the first fault, "" for none."""
+    return [_row(g) for g in graded]
+
+
+def _row(graded: Graded) -> Data:
+    report = graded.report or Report(graded.name, ())
+    faults = report.faults
+    return {
+        "note": graded.name,
+        "status": graded.status,
+        "equations": len(report.equations) - report.counts.get("no claim", 0),
+        **{v: report.counts.get(v, 0) for v in ORDER},
+        "first_fault": faults[0].line if faults else "",
+        "meanings": report.lexicon,
+        "error": "; ".join(" ".join(line.split()) for line in graded.error.splitlines()),
+    }
+
+
+def to_csv(graded: Iterable[Graded]) -> str:
+    """Return the table as CSV; no cell is taken for a formula by a spreadsheet."""
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    for row in rows(graded):
+        writer.writerow({k: _cell(v) for k, v in row.items()})
+    return stream.getvalue()
+
+
+def to_table_json(graded: Iterable[Graded]) -> str:
+    """Return the table as JSON: a list of objects with the columns of the CSV."""
+    return json.dumps(rows(graded), indent=1, ensure_ascii=False) + "\n"
+
+
+def _cell(value: object) -> object:
+    """Return a cell; text that a spreadsheet would evaluate gets an apostrophe in front."""
+    evaluated = isinstance(value, str) and value[:1] in {"=", "+", "-", "@", "\t", "\r"}
+    return f"'{value}" if evaluated else value

@@ -27,10 +27,9 @@ from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER
 from eom.checker.judge.verdicts import NONE
 from eom.checker.mean.roles import ASSUMPTION, DEFINITION
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED, WRONG
-from eom.checker.read import masks
-from eom.checker.read.documents import Document, Piece
+from eom.checker.read.documents import Document, Piece, masked_markdown
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import ReadingError, Source, Span
+from eom.checker.read.spans import ReadingError, Source, Span
 from eom.checker.read.tokens import Macro
 from eom.checker.read.writing import at_fault, box
 from eom.checker.report.findings import FAULTS, Correction, Counterexample, Finding, Graded, Report
@@ -77,8 +76,8 @@ DOCUMENT = """<!DOCTYPE html>
 
 def page(document: Document, report: Report) -> str:
     """Return the page of a note and its report; the same input gives the same text."""
-    told = [f for f in report.equations if f.verdict != NONE]
-    findings = {(f.source.name, f.span.start): f for f in told}
+    shown = [f for f in report.equations if f.verdict != NONE]
+    findings = {(f.source.name, f.span.start): f for f in shown}
 
     def found(piece: Piece) -> Finding | None:
         return findings.get((piece.source.name, piece.span.start))
@@ -418,7 +417,7 @@ def _start(source: Source, is_latex: bool) -> int:
     if is_latex:
         match = re.search(r"\\begin\{document\}", source.text)
         return match.end() if match else 0
-    front = masks.markdown(source.text).front
+    front = masked_markdown(source.text).front
     return source.text.find("\n", front[1] + 1) + 1 if front else 0
 
 

@@ -3,7 +3,7 @@
 from functools import cache
 
 from eom.checker.read.grammar import read_formula, read_tokens
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.checker.read.statements import split
 from eom.checker.read.syntax import walk
 from eom.checker.read.tokens import spelling, tokenize

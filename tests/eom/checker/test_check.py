@@ -9,14 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from eom.checker.mean.origins import meanings
-from eom.checker.mean.propose import propose
+from eom.checker.mean.propose import meanings, propose
 from eom.checker.mean.roles import roles
 from eom.checker.note import checking
 from eom.checker.note.checking import Found, check_note, one_by_one
-from eom.checker.read.documents import read_document
-from eom.checker.read.inputs import Text, is_file, looks_like, note_of, notes_of
-from eom.checker.read.places import NOWHERE
+from eom.checker.read.documents import Text, is_file, looks_like, note_of, notes_of, read_document
+from eom.checker.read.spans import NOWHERE
 from eom.checker.report.findings import FAULTS, ORDER, Explanation
 from eom.checker.report.settings import Settings
 from eom.errors import InputError

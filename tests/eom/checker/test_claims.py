@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, claims, defined
 from eom.checker.mean.lexicon_files import parse_lexicon, preset
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import ReadingError
+from eom.checker.read.spans import ReadingError
 from eom.checker.read.statements import split
 from eom.derivations.verification import decide
 from eom.terms.terms import Equation, column, zero

@@ -4,12 +4,12 @@ import json
 
 import pytest
 
-from eom.checker.assume.phrases import NOTE, PARAGRAPH, SECTION, letters, said
 from eom.checker.judge.consequences import follows
 from eom.checker.judge.notes import understand
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.note.remarks import KINDS, NOUNS
 from eom.checker.note.review import review
+from eom.checker.prose_claims.assumptions import NOTE, PARAGRAPH, SECTION, letters, said
 from eom.checker.read.documents import read_document
 from eom.worlds.worlds import ASSUMPTIONS, closure
 from tests.clock import growth_within

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from eom.checker.read.documents import MAX_BYTES, decoded, load, read_document
-from eom.checker.read.reading import read
+from eom.checker.read.statements import read
 from eom.errors import InputError
 
 NOTE = r"""---

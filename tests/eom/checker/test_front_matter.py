@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eom import check
-from eom.checker.read.front import MAX_FRONT, yaml_table
+from eom.checker.mean.lexicon_files import MAX_FRONT, yaml_table
 from eom.errors import InputError
 
 NOTE = "\n$$\\vec u \\times \\vec u = 0$$\n"

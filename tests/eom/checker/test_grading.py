@@ -14,9 +14,10 @@ import pytest
 import eom
 from eom.checker.note import grading
 from eom.checker.note.checking import grade
-from eom.checker.read.inputs import Text, notes_of
-from eom.checker.read.places import Source, Span
+from eom.checker.read.documents import Text, notes_of
+from eom.checker.read.spans import Source, Span
 from eom.checker.report.findings import (
+    COLUMNS,
     ORDER,
     Correction,
     Counterexample,
@@ -25,12 +26,14 @@ from eom.checker.report.findings import (
     Graded,
     Remark,
     Report,
+    report_lines,
     shown,
     text,
-    told,
+    to_csv,
+    to_json,
+    to_table_json,
     total,
 )
-from eom.checker.report.report_data import COLUMNS, to_csv, to_json, to_table_json
 from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from tests.eom.rows import only
@@ -188,7 +191,7 @@ def test_tables_have_a_row_for_each_note_and_no_formulas_for_spreadsheets():
 
 
 def test_text_tells_everything_and_nothing_that_a_terminal_acts_on():
-    lines = [text(line) for line in told(NOTES[0])]
+    lines = [text(line) for line in report_lines(NOTES[0])]
     assert all(line.isprintable() for line in lines)
     shown = "\n".join(lines)
     for part in (
@@ -248,7 +251,7 @@ def test_of_a_long_line_or_formula_what_is_near_the_place_is_shown():
 
 def test_a_wrong_formula_in_a_line_of_prose_is_marked():
     graded = grade(Text("So $\\vec H_C = 2 I_C\\vec\\omega$ holds."), ARROWS)
-    lines = [text(line) for line in told(graded)]
+    lines = [text(line) for line in report_lines(graded)]
     at = next(k for k, line in enumerate(lines) if "^" in line)
     start, stop = (lines[at - 1].index(part) for part in ("\\vec H_C", "$ holds"))
     assert set(lines[at][:start]) | set(lines[at][stop:]) <= {" "}
@@ -256,9 +259,9 @@ def test_a_wrong_formula_in_a_line_of_prose_is_marked():
 
 
 def test_only_and_quiet_leave_out():
-    assert not any("why" in text(line) for line in told(NOTES[0], only=["holds"]))
-    assert any("why" in text(line) for line in told(NOTES[0], quiet=True))
-    assert "binary" in [text(line) for line in told(NOTES[1])][1]
+    assert not any("why" in text(line) for line in report_lines(NOTES[0], only=["holds"]))
+    assert any("why" in text(line) for line in report_lines(NOTES[0], quiet=True))
+    assert "binary" in [text(line) for line in report_lines(NOTES[1])][1]
     assert text(total(NOTES)) == (
         "2 notes: 0 with nothing wrong, 1 with something wrong, 1 unusable"
     )

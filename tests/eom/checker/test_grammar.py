@@ -3,7 +3,7 @@
 import pytest
 
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import ReadingError
+from eom.checker.read.spans import ReadingError
 from eom.checker.read.statements import split
 from tests.clock import growth_in_calls
 from tests.eom.checker.shape import shape

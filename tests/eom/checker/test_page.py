@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eom.checker.read.documents import read_document
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Span
 from eom.checker.report.findings import (
     Correction,
     Counterexample,

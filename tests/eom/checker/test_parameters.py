@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from eom.checker.mean.axes import running
-from eom.checker.mean.integrals import Unknown, between
+from eom.checker.mean.calculus import Unknown, between
+from eom.checker.mean.roles import running
 from eom.checker.read.grammar import read_formula
 from eom.checker.read.statements import split
 from tests.eom.rows import every

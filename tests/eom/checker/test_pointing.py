@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from eom import check
-from eom.checker.prose_claims.pointing import opened
-from eom.checker.prose_claims.stability import THEOREMS, theorem
+from eom.checker.prose_claims.in_words import NOTHING, decided
+from eom.checker.prose_claims.phrases import THEOREMS
+from eom.checker.prose_claims.sentences import opened
 from tests.eom.rows import every
 
 TORQUE = r"$$\vec\tau_O = \dot{\vec H}_O + M\vec r_{C/O}\times\ddot{\vec R}_O \tag{3.15}$$" + "\n\n"
@@ -39,6 +42,9 @@ HOLD = [
         "pivot), or if $O$ is at the center of mass."
     ),
     r"The second term is zero when $\dot{\vec R}_O = 0$.",
+    "The second term vanishes if $O$ is an arbitrary fixed point.",
+    r"The difference between $\vec H_O$ and $\vec H_C$ vanishes if $O$ is the centre of mass.",
+    r"The distinction between $\vec\tau_C$ and $\vec\tau_O$ is zero when $O$ is at the c.m.",
 ]
 
 
@@ -130,24 +136,38 @@ def test_what_an_equation_does_not_show(words: str) -> None:
         ("any body moves like a particle at its centre of mass", "third_law_weak"),
         ("the center of mass moves as if all the mass were concentrated there", "third_law_weak"),
         ("internal forces cannot change the angular momentum", "third_law_strong"),
+        (
+            "this implies that, in translation, each body behaves as if it were a particle",
+            "third_law_weak",
+        ),
+        (
+            "hence, the centroid accelerates as though all its mass were lumped there",
+            "third_law_weak",
+        ),
+        ("in other words, internal forces never influence the linear momentum", "third_law_weak"),
+        (
+            "the time derivative of the total angular momentum about the c.m. equals the net torque",
+            "third_law_strong",
+        ),
     ],
 )
 def test_theorems(words: str, need: str) -> None:
     """They hold under the laws that they rest on."""
-    found = theorem(words, ("constant_mass",))
+    around = replace(NOTHING, given=("constant_mass",))
+    found = decided(words, around)
     assert found is not None
     assert found.sets == (("newton_2", need),)
-    assert theorem(f"{words} on sundays", ()) is None
+    assert decided(f"{words} on sundays", around) is None
 
 
 def test_every_theorem_is_one() -> None:
     """Rows that would not hold would be false statements of ours."""
     from eom.checker.judge.judge import judge
-    from eom.checker.mean.claims import Claim
+    from eom.checker.mean.claims import CONSTANT, Claim
     from eom.checker.mean.values import ANY, Value
 
-    for _, sides in THEOREMS:
-        claim = Claim(tuple(Value(t, t.kind, None, ANY) for t in sides), ("=",))
+    for _, nothing in THEOREMS:
+        claim = Claim((Value(nothing, nothing.kind, None, ANY),), (), CONSTANT)
         assert judge(claim, ("constant_mass",)).verdict == "holds under"
 
 

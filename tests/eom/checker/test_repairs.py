@@ -2,9 +2,9 @@
 
 import pytest
 
-from eom.checker.read.damage import abbreviated_functions, apply, cross_before_column, variants
+from eom.checker.read.damage import apply, cross_before_column, variants
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.places import Source
+from eom.checker.read.spans import Source
 from eom.checker.read.tokens import tokenize
 from tests.eom.checker.formulas import GOLDSTEIN, KANE, SCHAUB
 from tests.eom.checker.shape import shape
@@ -61,13 +61,6 @@ def test_healthy_formulas_have_one_reading():
 @pytest.mark.parametrize("text", ["a = b\n+ c = d", "a =\nb = c", "a = (b\nc = d)", "a\n= b"])
 def test_lines_that_go_on_are_not_parted(text):
     assert best(text) == (None, [])
-
-
-def test_abbreviations_on_request():
-    tree = read_formula(r"s_\theta c_{\phi} + c\theta s\psi x").tree
-    new, repairs = apply(tree, (("abbreviations", "sines", abbreviated_functions),))
-    assert shape(new) == "[[sin theta cos phi] + [cos theta sin psi x]]"
-    assert len(repairs) == 3
 
 
 def test_cross_before_a_column_on_request():

@@ -2,8 +2,7 @@
 
 from eom.checker.read.documents import read_document
 from eom.checker.read.grammar import read_formula
-from eom.checker.read.reading import read
-from eom.checker.read.statements import split
+from eom.checker.read.statements import read, split
 from tests.eom.checker.shape import shape
 
 

@@ -3,8 +3,8 @@
 import pytest
 
 from eom.checker.read.documents import read_document
-from eom.checker.read.places import ReadingError, Source
-from eom.checker.read.reading import read
+from eom.checker.read.spans import ReadingError, Source
+from eom.checker.read.statements import read
 from eom.checker.read.tokens import tokenize
 from tests.eom.checker.shape import shape
 

@@ -1,4 +1,4 @@
-"""Places in a source text: spans, lines and columns, and the error that shows its place by a caret."""
+"""Spans of a source text, with lines and columns, and the error that shows its span by a caret."""
 
 from __future__ import annotations
 

@@ -1,21 +1,26 @@
-r"""Words that point to displayed equations: "Eq. (3.13)", "this relation", "the second term on the right".
+r"""Sentences of a note that may claim something, with marks for formulas and for what words point to.
 
-They become marks like those of inline formulas, ``\x02n\x03``: n is the number of the piece, and of a
-term a number beyond all pieces. What cannot be found is left as it stands, and the sentence unread.
+Sentences run over inline formulas and end at displays, headings and paragraphs; what stands in brackets
+is left out. A mark ``\x02n\x03`` stands for the piece n; also for displays that are pointed to ("Eq.
+(3.13)", "this relation"), and, with a number beyond all pieces, for a term of one ("the second term on the
+right").
+What cannot be found is left as it stands, and the sentence unread.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.elaborate import elaborator
 from eom.checker.mean.values import Refusal, negative
-from eom.checker.prose_claims.proposition_words import Subject
+from eom.checker.prose_claims.assumptions import runs, written
+from eom.checker.prose_claims.phrases import Subject
 from eom.checker.read.documents import Piece
-from eom.checker.read.places import Span
+from eom.checker.read.spans import Source, Span
 from eom.checker.read.syntax import Addition, Group, Node, Relation
 
 TERMS = 1_000_000
@@ -50,6 +55,142 @@ def _opened(match: re.Match[str]) -> str:
     word = (match["word"] or "").replace(".", " ") + " " * len(match["gap"] or "")
     name = match["tag"] or match["label"]
     return f"{word}[{name}]".ljust(len(match[0]))
+
+
+MAX_SENTENCE = 600
+MAX_SENTENCES = 5000
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """Small letters with marks for formulas, its place, and the numbers of its pieces and formulas.
+
+    ``first``: number of the piece where it begins; ``formulas``: numbers of the pieces of its marks.
+    """
+
+    text: str
+    source: Source
+    span: Span
+    first: int
+    formulas: tuple[int, ...]
+
+
+_END = re.compile(
+    r"[.!?;:](?=\s|\Z)(?<!\be\.g\.)(?<!\bi\.e\.)(?<!\beg\.)(?<!\bie\.)(?<!\bc\.m\.)|"
+    r"\n[ \t]*\n|\n[ \t]*[-*+] "
+)
+_MARKUP = re.compile(r"<[^<>\n]*>|[*_`{}\\~#$←→↑↓—–]|^[ \t]*(?:[-*+]|\d+\.) ", re.MULTILINE)
+_BRACKETS = re.compile(r"\([^()]*\)")
+_MARK = "\x02{}\x03"
+
+
+def sentences(pieces: Sequence[Piece]) -> Iterator[Sentence]:
+    """Yield the sentences of a note that may claim something.
+
+    One that begins with a small letter goes on with the one before: its full stop is a slip.
+    """
+    count = 0
+    for run in runs(pieces):
+        if pieces[run[0]].kind not in {"prose", "inline"}:
+            continue
+        parts = [p for p in _parts(pieces, run) if p.text]
+        for one in _joined(parts):
+            count += 1
+            if len(one.text) <= MAX_SENTENCE and count <= MAX_SENTENCES:
+                yield one
+    for k, piece in enumerate(pieces):
+        if piece.kind == "display":
+            yield from _beside(piece, k)
+
+
+_VALID = re.compile(
+    r"\\text\s*\{\s*\(?((?:this )?(?:is )?(?:only )?(?:valid|true|holds|correct)\b[^{}$()]*)\)?\.?\s*\}",
+    re.IGNORECASE,
+)
+
+
+def _beside(piece: Piece, number: int) -> Iterator[Sentence]:
+    """Yield what words beside a display say of where it holds."""
+    match = _VALID.search(piece.body)
+    if match is not None:
+        start = piece.span.start + match.start(1)
+        text = f"{_MARK.format(number)} {_plain(match[1]).lower()}"
+        yield Sentence(text, piece.source, Span(start, start + len(match[1])), number, (number,))
+
+
+def _parts(pieces: Sequence[Piece], run: Sequence[int]) -> Iterator[Sentence]:
+    """Yield the sentences of a run, cut at every full stop."""
+    text, places = written(
+        pieces, run, lambda body: _MARKUP.sub(_blank, opened(body)), _MARK.format
+    )
+    cuts = [0, *(m.end() for m in _END.finditer(text)), len(text)]
+    for start, stop in pairwise(cuts):
+        inside = text[start:stop]
+        lead = len(inside) - len(inside.lstrip())
+        tail = len(inside.rstrip()) - 1
+        if tail >= lead:
+            (first, begin), (last, end) = places[start + lead], places[start + tail]
+            end = pieces[last].span.stop if text[start + tail] == "\x03" else end + 1
+            yield Sentence(
+                _plain(inside),
+                pieces[run[0]].source,
+                Span(begin, end),
+                first,
+                tuple(int(n) for n in re.findall("\x02(\\d+)\x03", inside)),
+            )
+
+
+def _blank(match: re.Match[str]) -> str:
+    return " " * len(match[0])
+
+
+def _plain(text: str) -> str:
+    """Return a sentence without what stands in brackets and without its full stop."""
+    bare = _BRACKETS.sub(" ", text)
+    return re.sub(r"\s+", " ", bare).strip(" .!?;:,\n\t")
+
+
+def _joined(parts: Sequence[Sentence]) -> Iterator[Sentence]:
+    """Yield sentences; what begins with a small letter behind a full stop is a part of the one before.
+
+    The first letter alone is made small here; others stay, as they may name points.
+    """
+    kept: Sentence | None = None
+    for one in parts:
+        goes_on = kept is not None and one.text[0].islower() and _stopped(kept, one)
+        goes_on = goes_on or (kept is not None and _listing(kept, one))
+        if kept is not None and goes_on:
+            span = Span(kept.span.start, one.span.stop)
+            formulas = (*kept.formulas, *one.formulas)
+            kept = replace(kept, text=f"{kept.text} {one.text}", span=span, formulas=formulas)
+            continue
+        if kept is not None:
+            yield replace(kept, text=kept.text.lower())
+        kept = one
+    if kept is not None:
+        yield replace(kept, text=kept.text.lower())
+
+
+_CONDITION = re.compile(r"(?:if|when|whenever) ")
+
+
+def _listing(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether a colon parts a claim from its conditions: "it vanishes in two cases: if ..."."""
+    colon = before.source.text[before.span.stop - 1] == ":"
+    return colon and _CONDITION.match(behind.text) is not None
+
+
+def _stopped(before: Sentence, behind: Sentence) -> bool:
+    """Tell whether nothing but a full stop stands between two sentences."""
+    text = before.source.text
+    between = text[before.span.stop - 1 : behind.span.start]
+    return (
+        re.fullmatch(r".?\s*\.?[ \t]*\n?[ \t]*", between) is not None
+        and text[before.span.stop - 1] in ".,"
+    )
+
+
+# -- what words point to --------------------------------------------------------------------------
 
 
 @dataclass
@@ -96,7 +237,7 @@ _THIS = re.compile(
     r"the (?:above|last|previous|preceding) (?:equation|relation(?:ship)?|result|formula)) "
     r"(?=(?:only )?(?:holds?|is (?:only )?(?:valid|true|correct)|applies|shows|proves|demonstrates)\b)"
 )
-_VALID = re.compile(
+_HOLDS = re.compile(
     r"(?P<only>only )?(?:is )?(?P<also>only )?(?:valid|true|correct|applies|holds?)\b"
 )
 _RANKS = {"first": 1, "second": 2, "third": 3, "fourth": 4, "fifth": 5, "last": -1, "final": -1}
@@ -141,7 +282,7 @@ def pointed(text: str, number: int, displays: Displays) -> tuple[str, dict[int, 
 def _holding(text: str) -> str:
     """Return "(5) is only valid if" as "(5) holds only if"."""
     match = re.match(r"(\x02\d+\x03) ", text)
-    said = _VALID.match(text, match.end()) if match else None
+    said = _HOLDS.match(text, match.end()) if match else None
     if match is None or said is None:
         return text
     only = "only " if said["only"] or said["also"] else ""
