@@ -29,7 +29,8 @@ from itertools import pairwise
 
 from eom.checker.assume.context import implied
 from eom.checker.assume.phrases import Limits, Said, said
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, equations, judge, judge_within
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge, judge_within
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
