@@ -20,7 +20,7 @@ import click
 from benchmarks import checking
 from benchmarks.checking import GIVEN, LETTERS, lexicon_of, read_truth
 from benchmarks.table import time_text
-from eom.checker.judge.judge import contexts
+from eom.checker.judge.models import Worlds, contexts
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import Claim
@@ -30,7 +30,6 @@ from eom.checker.read.damage import apply
 from eom.checker.read.documents import load, read_document
 from eom.checker.read.grammar import read_formula
 from eom.checker.repair.explaining import explain
-from eom.checker.repair.lines import place
 from eom.checker.report.findings import Explanation
 from eom.errors import InputError
 from eom.fields import PRIME
@@ -63,7 +62,7 @@ def _alike(understood: Understood, a: Claim, b: Claim) -> bool:
     terms = [*(t for v in values for t in v), *a.scalars.values(), *b.scalars.values()]
     for context in contexts(terms):
         names = closure([*GIVEN, *context])
-        places = [place(names, dict(c.scalars), v) for c, v in zip((a, b), values, strict=True)]
+        places = [Worlds(c, c.scalars).at(names, v) for c, v in zip((a, b), values, strict=True)]
         if places[0] is None or places[1] is None:
             continue
         rows = [[p.number(t) for t in v] for p, v in zip(places, values, strict=True) if p]

@@ -26,7 +26,8 @@ import click
 
 from benchmarks.checking import GIVEN, lexicon_of, note, read_truth
 from benchmarks.correcting import SHOWN, same
-from eom.checker.judge.judge import HOLDS, UNDER, equations
+from eom.checker.judge.judge import HOLDS, UNDER
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand
 from eom.checker.judge.verdicts import GRAVE, Verdict, verdict
 from eom.checker.mean.claims import Claim, claims, defined

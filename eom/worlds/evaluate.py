@@ -60,7 +60,7 @@ class Evaluator:
 
     def _agree(self, equation: Equation, env: Env) -> bool:
         left, right = self.value(equation.left, env), self.value(equation.right, env)
-        parts = list(_flat(left)), list(_flat(right))
+        parts = flat(left), flat(right)
         if len(parts[0]) != len(parts[1]):
             raise InputError("two sides have different numbers of components")
         return all((a - b).is_zero for a, b in zip(*parts, strict=True))
@@ -148,8 +148,9 @@ _Scalars.rows = (
 )
 
 
-def _flat(value: Value) -> list[Series]:
-    return [value] if isinstance(value, Series) else [s for part in value for s in _flat(part)]
+def flat(value: Value) -> list[Series]:
+    """Return the components of a value in order, row by row."""
+    return [value] if isinstance(value, Series) else [s for part in value for s in flat(part)]
 
 
 def _combine(rule: Callable[[Series, Series], Series], a: Value, b: Value) -> Value:

@@ -9,7 +9,7 @@ import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from eom.checker.judge.numbers import MP, Numbers
+from eom.checker.code.comparison import MP, Numbers
 from eom.errors import InputError
 from eom.exact.rings import ARITHMETIC, FLOATS, TRIGONOMETRY, Evaluation, summands
 from eom.fields import PRIME, RATIONALS, RESIDUES, Field, Singular, sum_of_angles

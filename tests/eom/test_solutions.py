@@ -9,15 +9,18 @@ from eom.mechanics.rigidbody import free_rigid_body, heavy_top
 from eom.mechanics.spinning import lecture_torque
 from eom.quantities import Quantity
 from eom.system import System
-from eom.worlds.numerals import differs, inexact, real_point, without_rates
 from eom.worlds.solutions import (
     ENDLESS,
     Inconsistent,
     Motion,
     Restriction,
+    differs,
+    inexact,
     order,
     rate,
+    real_point,
     spread,
+    without_rates,
 )
 
 x, v, k, m, a = sp.symbols("x v k m a", real=True)

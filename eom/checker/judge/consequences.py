@@ -17,7 +17,7 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.judge.judge import equations
+from eom.checker.judge.models import equations, terms_of
 from eom.checker.mean.claims import Claim
 from eom.checker.mean.dimensions import NONE, RATE, Dimension, of_quantity
 from eom.errors import InputError
@@ -26,7 +26,7 @@ from eom.exact.series import Series
 from eom.fields import RESIDUES, Echelon, Singular
 from eom.terms.terms import INDICES, SCALAR, Equation, Term, nodes
 from eom.terms.vocabulary import omega, position, quantity
-from eom.worlds.evaluate import Env, Evaluator
+from eom.worlds.evaluate import Env, Evaluator, flat
 from eom.worlds.generators import world
 
 MAX_UNKNOWNS = 80
@@ -67,12 +67,6 @@ def follows(
         return bool(said.right) and _solvable(said, assumed, unknowns, simple=simple)
     except InputError:
         return False
-
-
-def labels(claim: Claim) -> frozenset[str]:
-    """Return every label of a claim and of what its symbols stand for."""
-    terms = [*(m.term for m in claim.members), *claim.scalars.values()]
-    return frozenset(str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str))
 
 
 def parts(claim: Claim, assumed: frozenset[str], count: int = 2) -> tuple[tuple[int, ...], ...]:
@@ -135,10 +129,7 @@ class _Said:
         return [factors[n] for n in self.chosen]
 
     def _terms(self) -> Iterator[Term]:
-        for c in (self.claim, *self.premises):
-            for member in c.members:
-                yield member.term
-            yield from c.scalars.values()
+        return (t for c in (self.claim, *self.premises) for t in terms_of(c))
 
     def _parts(self, expression: Any) -> Iterator[tuple[Term, Dimension | None]]:
         """Yield sines and cosines, and what stands below a fraction."""
@@ -233,15 +224,7 @@ def _components(e: Evaluator, term: Term, env: Env) -> tuple[Series, ...]:
             value = series.apply(turn, value)
         else:
             value = series.product(series.product(turn, value), series.transpose(turn))
-    return tuple(_flat(value))
-
-
-def _flat(value: Any) -> Iterator[Series]:
-    if isinstance(value, Series):
-        yield value
-    else:
-        for part in value:
-            yield from _flat(part)
+    return tuple(flat(value))
 
 
 def _given(e: Evaluator, premise: Claim, env: Env) -> Iterator[Measured]:

@@ -14,10 +14,11 @@ from dataclasses import replace
 import sympy as sp
 
 from eom.checker.judge.consequences import follows
-from eom.checker.judge.degenerate import CHANCE
 from eom.checker.judge.judge import HOLDS, Judgement, judge
+from eom.checker.judge.models import CHANCE, addends, atoms_in
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim
-from eom.terms.terms import Term, add, expr, mul, nodes, number, zero
+from eom.terms.terms import Term, add, mul, number, zero
+from eom.terms.terms import replace as rewritten
 
 SCALAR = "scalar"
 """Quantity of the vocabulary that is free for the writer."""
@@ -32,7 +33,7 @@ def own(claim: Claim) -> frozenset[str]:
     plain = claim.kind == STATEMENT and EQUALITIES.issuperset(claim.relations)
     if not plain or claim.parameters is not None or claim.findings or len(claim.members) < 2:
         return frozenset()
-    sides = [_atoms(m.term, claim) for m in claim.members]
+    sides = [atoms_in(m.term, claim.scalars) for m in claim.members]
     free = [_free(s) for s in sides]
     others = [a for s, f in zip(sides, free, strict=True) if not f for a in s]
     moving = any(a.data[0] not in STILL for a in others)
@@ -48,7 +49,7 @@ def firsts(found: Iterable[Sequence[Claim]]) -> Iterator[bool]:
     for claims in found:
         said = [c for c in claims if c.parameters is None]
         yield any(own(c) - known for c in said if not c.role)
-        known |= {n for c in said for m in c.members for n in _free(_atoms(m.term, c))}
+        known |= {n for c in said for m in c.members for n in _free(atoms_in(m.term, c.scalars))}
 
 
 def refuted(claim: Claim, laws: Sequence[Claim], assumed: frozenset[str]) -> bool:
@@ -72,8 +73,10 @@ def settled(claim: Claim, laws: Sequence[Claim], given: Iterable[str] = ()) -> J
         made = _put(made, law)
     if made is claim:
         return None
-    given_for = frozenset().union(*(_atoms(side, law) for law in laws for side in _solved(law)[:1]))
-    left = frozenset().union(*(_atoms(m.term, made) for m in made.members))
+    given_for = frozenset().union(
+        *(atoms_in(side, law.scalars) for law in laws for side in _solved(law)[:1])
+    )
+    left = frozenset().union(*(atoms_in(m.term, made.scalars) for m in made.members))
     return judge(made, given) if given_for and not given_for & left else None
 
 
@@ -83,7 +86,11 @@ def _solved(law: Claim) -> tuple[Term, ...]:
         return ()
     left, right = (m.term for m in law.members)
     plain = left.head == "atom" or (left.head == "der" and left.args[0].head == "atom")
-    return (left, right) if plain and not _atoms(left, law) & _atoms(right, law) else ()
+    return (
+        (left, right)
+        if plain and not atoms_in(left, law.scalars) & atoms_in(right, law.scalars)
+        else ()
+    )
 
 
 def _put(claim: Claim, law: Claim) -> Claim:
@@ -92,19 +99,21 @@ def _put(claim: Claim, law: Claim) -> Claim:
     clash = any(claim.scalars.get(s, t) != t for s, t in law.scalars.items())
     if not solved or clash:
         return claim
-    members = tuple(replace(m, term=_exchanged(m.term, *solved)) for m in claim.members)
-    scalars = {s: _exchanged(t, *solved) for s, t in claim.scalars.items()}
-    if members == claim.members and scalars == dict(claim.scalars):
+    made = exchanged(claim, *solved)
+    if made.members == claim.members and made.scalars == dict(claim.scalars):
         return claim
-    return replace(claim, members=members, scalars={**law.scalars, **scalars}, previous=None)
+    return replace(made, scalars={**law.scalars, **made.scalars}, previous=None)
 
 
-def _exchanged(term: Term, old: Term, new: Term) -> Term:
-    """Return a term with another one in place of a part, wherever that stands."""
-    if term == old:
-        return new
-    args = tuple(_exchanged(a, old, new) for a in term.args)
-    return term if args == term.args else replace(term, args=args)
+def exchanged(claim: Claim, old: Term, new: Term) -> Claim:
+    """Return a claim with another term in place of one, wherever that stands."""
+
+    def rule(node: Term) -> Term:
+        return new if node == old else node
+
+    members = tuple(replace(m, term=rewritten(m.term, rule)) for m in claim.members)
+    scalars = {s: rewritten(t, rule) for s, t in claim.scalars.items()}
+    return replace(claim, members=members, scalars=scalars)
 
 
 def slipped(claim: Claim, given: Iterable[str] = ()) -> bool:
@@ -121,7 +130,7 @@ def _variants(claim: Claim) -> Iterator[tuple[Claim, Claim]]:
     if len(claim.members) != 2:
         return
     left, right = (m.term for m in claim.members)
-    terms = [*_addends(left), *(-t for t in _addends(right))]
+    terms = [*addends(left), *(-t for t in addends(right))]
     for k, term in enumerate(terms):
         others = [t for n, t in enumerate(terms) if n != k]
         for factor in FACTORS:
@@ -135,28 +144,6 @@ def _zero(terms: Sequence[Term], claim: Claim) -> Claim:
     return replace(claim, members=both, relations=("=",), previous=None)
 
 
-def _addends(term: Term) -> Iterator[Term]:
-    if term.head == "add":
-        for a in term.args:
-            yield from _addends(a)
-    elif term.head == "expr":
-        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
-    elif not term.is_zero:
-        yield term
-
-
 def _free(atoms: frozenset[Term]) -> frozenset[str]:
     """Return the names of the free scalars among quantities."""
     return frozenset(str(a.data[1]) for a in atoms if a.data[0] == SCALAR)
-
-
-def _atoms(term: Term, claim: Claim) -> frozenset[Term]:
-    """Return the quantities of a term, and of what its symbols stand for."""
-    found: set[Term] = set()
-    for node in nodes(term):
-        if node.head == "atom":
-            found.add(node)
-        elif node.head == "expr":
-            inside = (claim.scalars.get(s) for s in node.data[0].free_symbols)
-            found.update(a for t in inside if t is not None for a in _atoms(t, claim))
-    return frozenset(found)

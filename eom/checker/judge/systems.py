@@ -1,54 +1,69 @@
-"""Whether a scalar claim holds on the solutions of the system that a note is about.
+"""Claims about the system of a note: models are its solutions, and what is wrong is told in named terms.
 
 Every symbol of the claim is a quantity of the system; time derivatives are those along its solutions.
 Both sides are compared as exact series at random points (`eom.worlds.solutions`), so that an equation may
 be multiplied by any factor and written in any form. What does not hold is tried under what may be assumed
 of the system, the smallest sets first. A set is refused that makes something vanish which the claim itself
 writes: a slip in a term is no licence to assume the term away.
+
+The left side less the right side, with all rates written out by the system's equations, is what is left
+over. If that is a multiple of a term that the writer has, the term has a wrong sign or factor, or does not
+belong; else it is what is missing. Where definitions of the system have names, the form with fewer terms is
+told.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
 from itertools import combinations, islice
-from typing import TYPE_CHECKING, Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
-from eom.checker.judge.leftover import MAX_SPREAD, Leftover, leftover
+from eom.checker.judge.models import ENOUGH, Drawn, Models, Said, Search, atoms_in
 from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.checker.mean.model import Model
 from eom.checker.mean.solid_models import COORDINATES, integrated
 from eom.errors import InputError
 from eom.exact.series import Series
-from eom.fields import Singular
-from eom.system import Expr
-from eom.terms.terms import Term, nodes
-from eom.worlds.numerals import differs, inexact
-from eom.worlds.solutions import Inconsistent, Motion, Restriction, order, rate, spread
+from eom.fields import RESIDUES, Singular
+from eom.system import Expr, System
+from eom.terms.terms import Term
+from eom.worlds.solutions import (
+    Inconsistent,
+    Motion,
+    Restriction,
+    differs,
+    inexact,
+    order,
+    rate,
+    spread,
+    without_rates,
+)
 
-if TYPE_CHECKING:
-    from eom.checker.mean.model import Model
-
-POINTS = 3
 TRIES = 30
 LENGTH = 3
 """Coefficients of every series at least, so that claims share them."""
 MAX_TESTS = 200
-MAX_SET = 3
+"""Sets that are tried at most besides the empty one."""
+MAX_SET, MAX_REST = 3, 2
+"""Members of a set at most, and of one where something may rest."""
 MAX_ORDER = 6
+SPECIAL = 6
+"""Restrictions under which repairs are looked for at most, one at a time."""
+MAX_OPERATIONS = 1500
+MAX_TERMS = 6
+MAX_SPREAD = 3000
+MAX_WRITTEN = 2
+MAX_NUMBER = 100
+FAR = 14
+"""Rank from which on a factor is no slip: the difference is told as what is missing."""
 
-HOLDS, UNDER, WRONG, UNDECIDED = "holds", "holds under", "wrong", "undecided"
-
-
-@dataclass(frozen=True)
-class Decision:
-    """A verdict, the smallest sets of assumptions, why it is undecided or what is wrong."""
-
-    verdict: str
-    sets: tuple[tuple[str, ...], ...] = ()
-    reason: str = ""
+Pair = tuple[Expr, Expr]
 
 
 def of_system(term: Term) -> bool:
@@ -56,35 +71,19 @@ def of_system(term: Term) -> bool:
     return term.head == "atom" and term.data[:1] == ("system",)
 
 
-def _atoms(claim: Claim) -> Iterator[Term]:
-    terms = [m.term for m in claim.members]
-    used = {s for t in terms for n in nodes(t) if n.head == "expr" for s in n.data[0].free_symbols}
-    todo = [*terms, *(t for s, t in claim.scalars.items() if s in used)]
-    seen: set[Any] = set(used)
-    while todo:
-        for n in nodes(todo.pop()):
-            if n.head == "expr":
-                fresh = {s for s in n.data[0].free_symbols if s not in seen}
-                seen |= fresh
-                todo += [claim.scalars[s] for s in fresh if s in claim.scalars]
-            elif n.head == "atom":
-                yield n
-
-
-def mentions(claim: Claim) -> bool:
-    """Whether a claim speaks of a quantity of the system."""
-    return any(of_system(a) for a in _atoms(claim))
+def _atoms(claim: Claim) -> frozenset[Term]:
+    return frozenset(a for m in claim.members for a in atoms_in(m.term, claim.scalars))
 
 
 def on_solutions(claim: Claim) -> bool:
     """Whether a claim is judged on the solutions of the system of its note; no world has its values."""
-    return claim.model is not None and mentions(claim)
+    return claim.model is not None and any(map(of_system, _atoms(claim)))
 
 
 def covered(claim: Claim) -> bool:
     """Whether a claim is a relation between scalars of the system alone."""
-    atoms = list(_atoms(claim))
-    return bool(atoms) and all(of_system(a) for a in atoms) and not _vectors(claim)
+    atoms = _atoms(claim)
+    return bool(atoms) and all(map(of_system, atoms)) and not _vectors(claim)
 
 
 def _vectors(claim: Claim) -> bool:
@@ -135,154 +134,180 @@ def equations(claim: Claim, model: Model) -> list[tuple[Expr, Expr]]:
     return list(zip(members[start:], members[start + 1 :], strict=False))
 
 
-# -- judging ------------------------------------------------------------------------------------------
+# -- solutions ----------------------------------------------------------------------------------------
 
 
-def decide(claim: Claim, model: Model, given: Iterable[str] = ()) -> Decision:
-    """Return whether a claim holds on the solutions of a system, and under what else.
+@dataclass
+class OnSolution(Drawn):
+    """A random point of a solution."""
 
-    ``given``: names of restrictions that hold; other names are passed over.
-    """
-    try:
-        pairs = equations(claim, model)
-        search = _Search(model, pairs, given_in(model, given), claim.kind == CONSTANT)
-        if search.holds(()):
-            return Decision(HOLDS)
-        return search.weakest()
-    except InputError as error:
-        return Decision(UNDECIDED, reason=str(error))
+    motion: Motion
+    models: Solutions
+
+    def agrees(self, said: Said) -> bool:
+        """Tell whether two expressions are the same along the solution."""
+        return not _apart(self.motion, *said)
+
+    def values(self, term: Term) -> list[int] | None:
+        """Return the value of a scalar at t = 0."""
+        try:
+            found = self.motion.series(self.models.written(term))
+        except (InputError, Singular, KeyError):
+            return None
+        return [int(found.coefficients[0])]
 
 
-def decide_within(
-    claim: Claim, model: Model, names: Iterable[str], given: Iterable[str] = ()
-) -> Decision:
-    """Return whether a claim holds on the solutions of a system, at most under what ``names`` assume."""
-    try:
-        pairs = equations(claim, model)
-        search = _Search(model, pairs, given_in(model, given), claim.kind == CONSTANT)
-        if search.holds(()):
-            return Decision(HOLDS)
-        wanted = set(names)
-        chosen = tuple(r for r in model.possible if r.name in wanted and r not in search.given)
-        if chosen and search.holds(chosen) and not search.emptied(chosen):
-            return Decision(UNDER, (tuple(r.name for r in chosen),))
-        return Decision(WRONG)
-    except InputError as error:
-        return Decision(UNDECIDED, reason=str(error))
+def _apart(motion: Motion, a: Expr, b: Expr) -> bool:
+    return not (motion.series(a) - motion.series(b)).is_zero
+
+
+@dataclass(frozen=True)
+class Solutions(Models):
+    """Solutions of the system that a claim is about; names are those of restrictions."""
+
+    undefined: ClassVar[str] = "the claim is undefined at every point that was drawn"
+
+    @property
+    def model(self) -> Model:
+        """The system, with what may be assumed of it."""
+        assert self.claim.model is not None
+        return self.claim.model
+
+    @cached_property
+    def said(self) -> tuple[Pair, ...]:
+        """The expressions that the claim says are equal."""
+        pairs = tuple(equations(self.claim, self.model))
+        orders = max((order(e) for pair in pairs for e in pair), default=0)
+        if orders > MAX_ORDER:
+            raise InputError("too many time derivatives", got=orders, expected=f"{MAX_ORDER}")
+        return pairs
+
+    @cached_property
+    def length(self) -> int:
+        """How many coefficients a solution needs: for one derivative more than the claim has."""
+        with suppress(InputError):
+            return max(LENGTH, *(order(e) + 2 for pair in self.said for e in pair), 0)
+        return LENGTH
+
+    @cached_property
+    def held(self) -> tuple[Restriction, ...]:
+        """What is given of the system."""
+        return given_in(self.model, self.given)
+
+    @cached_property
+    def possible(self) -> Mapping[str, Restriction]:
+        """What may be assumed besides, by name."""
+        return {r.name: r for r in self.model.possible if r not in self.held}
+
+    @property
+    def order(self) -> Iterable[str]:
+        """What may be assumed besides."""
+        return tuple(self.possible)
+
+    def contexts(self) -> Iterator[tuple[str, ...]]:
+        """Yield that nothing has to be assumed for a value."""
+        yield ()
+
+    def closed(self, names: Iterable[str]) -> frozenset[str]:
+        """Return those names that may be assumed besides; others are passed over."""
+        return frozenset(n for n in names if n in self.possible)
+
+    def draw(self, names: frozenset[str]) -> Iterator[OnSolution]:
+        """Yield points of solutions that keep restrictions."""
+        kept = (*self.held, *(r for n, r in self.possible.items() if n in names))
+        try:
+            for motion in self.model.motions(kept, self.length, TRIES):
+                yield OnSolution(names, motion.seed, motion, self)
+        except Inconsistent as error:
+            raise InputError("no solution of the system keeps what is assumed") from error
+
+    def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
+        """Yield sets without rest, the smallest first."""
+        names = [n for n, r in self.possible.items() if not r.rest]
+        yield from (base | s for s in self._small(search, names, MAX_SET))
+
+    def _small(self, search: Search, names: Sequence[str], most: int) -> Iterator[frozenset[str]]:
+        found: list[frozenset[str]] = []
+        for chosen in (frozenset(c) for k in range(most) for c in combinations(names, k + 1)):
+            if any(f <= chosen for f in found) or search.tests > MAX_TESTS:
+                continue
+            if search.counts(chosen):
+                found.append(chosen)
+                yield chosen
+
+    def empties(self, names: frozenset[str]) -> bool:
+        """Tell whether something that the claim writes vanishes under a set alone."""
+        parts = [p for pair in self.said for p in _parts(pair)]
+        special, general = (next(self.draw(n), None) for n in (names, frozenset[str]()))
+        if special is None or general is None:
+            return True
+        return any(_zero(special.motion, p) and not _zero(general.motion, p) for p in parts)
+
+    def doubt(self) -> str:
+        """Say that what differs in the field may be equal for real numbers."""
+        system = self.model.system
+        exact = not any(inexact(system, e) for pair in self.said for e in pair)
+        certain = exact or any(differs(system, a, b, self.held) for a, b in self.said)
+        return "" if certain else "the functions in this are not decided exactly"
+
+    def why(self, search: Search) -> str:
+        """Say what is wrong with the first equation that fails, and what would have to rest."""
+        rest = next(self._small(search, list(self.possible), MAX_REST), None)
+        held = f"it holds if {' and '.join(self.shown(rest))}" if rest else ""
+        return "; ".join(filter(None, (self._slip(), held)))
+
+    def _slip(self) -> str:
+        for pair in self.said:
+            apart = list(islice(self._failing(pair), ENOUGH))
+            if apart:
+                with suppress(Singular, InputError):
+                    found = leftover(self.model.system, pair, apart, self.held)
+                    return "" if found is None else self._told(found)
+                return ""
+        return ""
+
+    def _failing(self, pair: Pair) -> Iterator[Motion]:
+        for drawn in self.draw(frozenset()):
+            with suppress(Singular):
+                if not drawn.agrees(pair):
+                    yield drawn.motion
+
+    def _told(self, found: Leftover) -> str:
+        quantities = self.model.quantities.items()
+        letters = {q.symbol: sp.Symbol(self.model.letter(n)) for n, q in quantities}
+        return found.words.format(str(found.term.xreplace(letters)).replace("**", "^"))
+
+    def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:  # noqa: ARG002
+        """Yield points: without more than is given, and with one restriction more each."""
+        unresting = [n for n, r in self.possible.items() if not r.rest][:SPECIAL]
+        free = self._first(frozenset())
+        if free is not None:
+            yield free, free
+            special = (self._first(frozenset({n})) for n in unresting)
+            yield from ((free, there) for there in special if there is not None)
+
+    def _first(self, names: frozenset[str]) -> Drawn | None:
+        with suppress(InputError):
+            return next(self.draw(names), None)
+        return None
+
+    def written(self, term: Term) -> Expr:
+        """Return a scalar term as an expression over the system's symbols. Raises `InputError`."""
+        return written(term, self.scalars, self.model)
+
+    def moves(self, term: Term) -> bool:
+        """Tell whether a scalar depends on more than the parameters of the system."""
+        try:
+            found = self.written(term)
+        except InputError:
+            return True
+        return bool(found.free_symbols - {q.symbol for q in self.model.system.parameters})
 
 
 def given_in(model: Model, names: Iterable[str]) -> tuple[Restriction, ...]:
     """Return what is given of a system, with the restrictions that some names mean."""
     wanted = set(names)
     return (*model.given, *(r for r in model.possible if r.name in wanted))
-
-
-@dataclass
-class _Search:
-    """What is tried for one claim; ``tests`` counts the sets."""
-
-    model: Model
-    pairs: list[tuple[Expr, Expr]]
-    given: tuple[Restriction, ...]
-    constant: bool
-    tests: int = 0
-
-    def weakest(self) -> Decision:
-        """Return the verdict on what does not hold as it stands."""
-        if not self._certain():
-            why = "the functions in this are not decided exactly"
-            return Decision(UNDECIDED, reason=why)
-        possible = [r for r in self.model.possible if r not in self.given]
-        sets = self._sets([r for r in possible if not r.rest])
-        if sets:
-            return Decision(UNDER, sets)
-        rest = self._sets(possible, 2)
-        told = [self._why(), *(f"it holds if {' and '.join(names)}" for names in rest[:1])]
-        return Decision(WRONG, reason="; ".join(filter(None, told)))
-
-    def _why(self) -> str:
-        """Say what is wrong with the first equation that does not hold."""
-        for pair in self.pairs:
-            failing = (m for m in self._motions(()) if self._apart(m, *pair))
-            apart = list(islice(failing, POINTS))
-            if apart:
-                with suppress(Singular, InputError):
-                    found = leftover(self.model.system, pair, apart, self.given)
-                    return "" if found is None else self._told(found)
-                return ""
-        return ""
-
-    def _apart(self, motion: Motion, a: Expr, b: Expr) -> bool:
-        try:
-            return not _agree(motion, a, b)
-        except Singular:
-            return False
-
-    def _told(self, found: Leftover) -> str:
-        letters = {
-            q.symbol: sp.Symbol(self.model.letter(n)) for n, q in self.model.quantities.items()
-        }
-        return found.words.format(str(found.term.xreplace(letters)).replace("**", "^"))
-
-    def _sets(
-        self, possible: list[Restriction], size: int = MAX_SET
-    ) -> tuple[tuple[str, ...], ...]:
-        found: list[tuple[str, ...]] = []
-        for count in range(1, size + 1):
-            for chosen in combinations(possible, count):
-                names = tuple(r.name for r in chosen)
-                if any(set(f) <= set(names) for f in found) or self.tests >= MAX_TESTS:
-                    continue
-                self.tests += 1
-                if self.holds(chosen) and not self.emptied(chosen):
-                    found.append(names)
-        return tuple(found)
-
-    def holds(self, chosen: tuple[Restriction, ...]) -> bool:
-        """Tell whether all equations hold at some points that keep the restrictions."""
-        count = 0
-        try:
-            for motion in self._motions(chosen):
-                try:
-                    agree = all(_agree(motion, a, b) for a, b in self.pairs)
-                except Singular:
-                    continue
-                if not agree:
-                    return False
-                count += 1
-                if count == POINTS:
-                    return True
-        except Inconsistent:
-            return False
-        if not chosen:
-            raise InputError("the claim is undefined at every point that was drawn")
-        return False
-
-    def _motions(self, chosen: tuple[Restriction, ...]) -> Iterator[Motion]:
-        orders = max((order(e) for pair in self.pairs for e in pair), default=0)
-        if orders > MAX_ORDER:
-            raise InputError("too many time derivatives", got=orders, expected=f"{MAX_ORDER}")
-        return self.model.motions((*self.given, *chosen), max(orders + 1, LENGTH), TRIES)
-
-    def _certain(self) -> bool:
-        """Tell whether what differs in the field differs for real numbers."""
-        system = self.model.system
-        if not any(inexact(system, e) for pair in self.pairs for e in pair):
-            return True
-        return any(differs(system, a, b, self.given) for a, b in self.pairs)
-
-    def emptied(self, chosen: tuple[Restriction, ...]) -> bool:
-        """Tell whether something that the claim writes vanishes under a set alone."""
-        parts = [p for pair in self.pairs for p in _parts(pair)]
-        special = next(self._motions(chosen), None)
-        general = next(self._motions(()), None)
-        if special is None or general is None:
-            return True
-        return any(_zero(special, p) and not _zero(general, p) for p in parts)
-
-
-def _agree(motion: Motion, a: Expr, b: Expr) -> bool:
-    return (motion.series(a) - motion.series(b)).is_zero
 
 
 def _zero(motion: Motion, part: Expr) -> bool:
@@ -314,3 +339,157 @@ def _proper(factor: Expr) -> Iterator[Expr]:
 
 def _inside(expression: Expr) -> Iterator[Expr]:
     yield from (n for n in sp.preorder_traversal(expression) if not n.is_number)
+
+
+# -- what is left over --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """A slip in words with a place {} for a term, and that term, in the symbols of the system."""
+
+    words: str
+    term: Expr
+
+
+def leftover(
+    system: System, pair: Pair, motions: Sequence[Motion], given: tuple[Restriction, ...] = ()
+) -> Leftover | None:
+    """Return what is wrong with an equation; None where it would be long or is not explicit.
+
+    ``motions``: solutions at which both sides have values that differ.
+    """
+    left, right = pair
+    constant = right == 0 and isinstance(left, rate)
+    blamed = _blamed(motions, left, right)
+    if blamed is not None:
+        return blamed
+    found = residual(system, pair, given)
+    if found is None:
+        return None
+    return Leftover("its rate is {}" if constant else "missing on the right side: {}", found)
+
+
+def residual(system: System, pair: Pair, given: tuple[Restriction, ...] = ()) -> Expr | None:
+    """Return the left side less the right side on the solutions; None if it is long or not explicit."""
+    if system.mass_matrix is not None or sum(map(_size, pair)) > MAX_OPERATIONS:
+        return None
+    equal = {b: a for r in given for a, b in r.equal} | {
+        s: sp.S.Zero for r in given for s in r.zero
+    }
+    left, right = pair
+    if max(order(left), order(right)) > MAX_WRITTEN:
+        return None
+    forms = [_expanded(f(system, left - right).xreplace(equal)) for f in (_named, _plain)]
+    found = min(forms, key=lambda f: len(sp.Add.make_args(f)))
+    if found == 0 or len(sp.Add.make_args(found)) > MAX_TERMS:
+        return None
+    return sp.factor_terms(found) if found.is_Add else found
+
+
+def _size(expression: Expr) -> int:
+    return int(expression.count_ops())
+
+
+def _plain(system: System, expression: Expr) -> Expr:
+    """Return an expression over states, parameters and inputs."""
+    found = without_rates(system, expression)
+    if _size(found) > MAX_OPERATIONS:
+        raise InputError("too long")
+    return found
+
+
+def _named(system: System, expression: Expr) -> Expr:
+    """Write out rates of states alone, and keep the names of definitions."""
+    rates = {q.symbol: r for q, r in zip(system.states, system.rates, strict=True)}
+
+    def plain(e: Expr) -> Expr:
+        if isinstance(e, rate):
+            return rates.get(e.args[0]) or without_rates(system, e)
+        return e.func(*(plain(a) for a in e.args)) if e.args else e
+
+    return plain(expression)
+
+
+@lru_cache(maxsize=256)
+def _expanded(expression: Expr) -> Expr:
+    """Return a sum of monomials in sines, cosines and symbols, with as few squares of cosines.
+
+    Raises `InputError` where it would be endless.
+    """
+    if spread(expression) > MAX_SPREAD:
+        raise InputError("too long when it is multiplied out")
+    found = sp.expand(sp.expand_trig(expression))
+    cosines = sorted(found.atoms(sp.cos), key=sp.default_sort_key)
+    return sp.expand(_reduced(found, cosines))
+
+
+def _reduced(expression: Expr, cosines: list[Expr]) -> Expr:
+    """Replace cos^2 by 1 - sin^2 where that cancels something."""
+    for c in cosines:
+        other = 1 - sp.sin(c.args[0]) ** 2
+        tried = sp.expand(
+            expression.replace(
+                lambda e, c=c: e.is_Pow and e.base == c and e.exp.is_Integer and e.exp > 1,
+                lambda e, c=c, other=other: other ** (e.exp // 2) * c ** (e.exp % 2),
+            )
+        )
+        if len(sp.Add.make_args(tried)) < len(sp.Add.make_args(expression)):
+            expression = tried
+    return expression
+
+
+def _blamed(motions: Sequence[Motion], left: Expr, right: Expr) -> Leftover | None:
+    """Return the term of the writer of which the residual is a multiple; those on the right go first."""
+    found = []
+    for place, (side, sign) in enumerate(((right, -1), (left, 1))):
+        for term, counted in _terms(side):
+            ratio = _ratio(motions, left - right, counted)
+            if ratio is not None:
+                factor = 1 - sign * ratio
+                found.append((_rank(factor), place, factor, term))
+    if not found or min(f[0] for f in found) > FAR:
+        return None
+    _, _, factor, term = min(found, key=lambda f: f[:2])
+    words = _WORDS.get(factor, f"this should be {factor} times as large: {{}}")
+    return Leftover(words, term)
+
+
+def _terms(side: Expr) -> Iterator[tuple[Expr, Expr]]:
+    """Yield the terms of a side, and what each adds to it; the rate of a sum has those of the sum."""
+    summed = isinstance(side, rate)
+    inner = side.args[0] if summed else side
+    terms = [*sp.Add.make_args(inner)]
+    if spread(inner) <= MAX_SPREAD:
+        terms += sp.Add.make_args(sp.expand_mul(inner))
+    for term in dict.fromkeys(terms):
+        if not (summed and term == inner):
+            yield term, rate(term) if summed else term
+
+
+_WORDS = {Fraction(-1): "wrong sign: {}", Fraction(0): "does not belong here: {}"}
+
+
+def _rank(factor: Fraction) -> int:
+    """Return how far from plausible a slip is: a sign, then a small factor, a term too much, others."""
+    size = abs(factor.numerator) + factor.denominator
+    if factor == -1:
+        return 0
+    return size if factor > 0 else 5 if factor == 0 else 10 + size
+
+
+def _ratio(motions: Sequence[Motion], residual: Expr, term: Expr) -> Fraction | None:
+    """Return the small fraction by which a term makes the residual at all points."""
+    found: set[Fraction | None] = set()
+    for motion in motions:
+        above, below = (motion.series(e).coefficients[0] for e in (residual, term))
+        if not below:
+            return None
+        found.add(_small(above * RESIDUES.inverse(below)))
+    return found.pop() if len(found) == 1 else None
+
+
+def _small(value: int) -> Fraction | None:
+    """Return the fraction that an element of the field is; it and its denominator at most `MAX_NUMBER`."""
+    found = RESIDUES.fraction(value, MAX_NUMBER)
+    return None if found is None or abs(found) > MAX_NUMBER else found

@@ -3,24 +3,37 @@
 Which member of a chain is to blame: every link and the two ends judged apart.
 
 In a = b = c where a = c holds and both links of b fail, b is wrong, not the result.
+
+Sets of assumptions that make a claim hold by chance are not what the writer means.
+A slip in a term is no slip where the term vanishes: with the wrong sign before the Coriolis term an
+acceleration is right for a particle at the origin. So a set of assumptions does not count under which
+written terms vanish because a point is a special one or something rests, while others stay that are not
+equal by themselves ("h = a + b = a" says that b vanishes, and counts). Nor does a set under which all
+sides vanish, unless the line says that something is zero: then any factor may be lost. Nor one that
+brings the model of another note with it, as the 3-1-2 angles do, of which the lexicon knows nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 
-from eom.checker.judge.degenerate import meant
-from eom.checker.judge.judge import HOLDS, MODELS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
 from eom.checker.judge.laws import own
+from eom.checker.judge.models import CHANCE, MODELS, Worlds, addends, equations
 from eom.checker.judge.notes import Understood
+from eom.checker.judge.systems import on_solutions
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
+from eom.checker.mean.lexicon import Lexicon
 from eom.checker.mean.roles import ASSUMPTION, CONDITIONS, INTRODUCED, LAW, RECALLED
 from eom.checker.mean.values import AMBIGUOUS, ILL_FORMED
 from eom.checker.read.spans import Span
 from eom.errors import InputError
-from eom.terms.terms import VECTOR, nodes
+from eom.fields import Singular
+from eom.terms.terms import VECTOR, Equation, Term, add, mul, nodes, zero
+from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.worlds import closure
 
 GRAVE = frozenset({WRONG, ILL_FORMED})
@@ -259,3 +272,104 @@ def _blamed(
     runs = [range(a, b) for a, b in pairwise(starts)]
     wrong = (r for r in runs[1:] if _link(claim, numbers[0], r[0], given).verdict == WRONG)
     return [n for run in wrong for n in run]
+
+
+# -- sets that count -------------------------------------------------------------------------------
+
+
+_WORLDS = 2
+
+_BEGINS: dict[str, str] = {
+    "spin_312": "angle",
+    "rotors": "rotor_",
+    "viscous_slug": "slug_",
+}
+"""Models of a body, and how the quantities begin that a note has where it is about one."""
+
+
+def meant(found: Judgement, claim: Claim, lexicon: Lexicon, given: Iterable[str] = ()) -> Judgement:
+    """Return a judgement without the sets under which the claim holds by chance; wrong without any."""
+    equation = EQUALITIES.issuperset(claim.relations) and not on_solutions(claim)
+    if found.verdict != UNDER or not found.sets or not equation:
+        return found
+    base = closure([*given, *found.context])
+    strange = {m for m in _BEGINS if m not in base and not _named(lexicon, _BEGINS[m])}
+    kept = tuple(
+        s
+        for s in found.sets
+        if not strange & closure(s)
+        and not any(_empties(claim, q, base, s) for q in equations(claim))
+        and not _silences(claim, base, s)
+    )
+    if kept:
+        return replace(found, sets=kept)
+    return replace(found, verdict=WRONG, sets=())
+
+
+def _named(lexicon: Lexicon, begins: str) -> bool:
+    """Tell whether a lexicon has a quantity of a model."""
+    layers = (*lexicon.layers, *(s.entries for s in lexicon.scopes))
+    return any(e.meaning.quantity.startswith(begins) for layer in layers for e in layer)
+
+
+def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iterable[str]) -> bool:
+    """Tell whether terms of an equation vanish under a set alone, and two or more others do not."""
+    signed = [*_addends(equation.left), *(-t for t in _addends(equation.right))]
+    if len(signed) < 3 or not CHANCE.intersection(names):
+        return False
+    try:
+        before = _zeros(claim, signed, closure([*base, *(n for n in names if n not in CHANCE)]))
+        after = _zeros(claim, signed, closure([*base, *names]))
+        if after <= before or len(signed) - len(after) < 2:
+            return False
+        if _holds(claim, equation, base):
+            return False
+        kept = [t for k, t in enumerate(signed) if k not in after]
+        return not _holds(claim, Equation(add(*kept), zero(equation.left.kind)), base)
+    except InputError:
+        return False
+
+
+def _silences(claim: Claim, base: frozenset[str], names: Iterable[str]) -> bool:
+    """Tell whether all sides of a claim vanish under a set alone, though it says so of none."""
+    sides = [t for q in equations(claim) for t in (q.left, q.right)]
+    if any(t.is_zero for t in sides):
+        return False
+    try:
+        if len(_zeros(claim, sides, closure([*base, *names]))) < len(sides):
+            return False
+        return len(_zeros(claim, sides, base)) < len(sides)
+    except InputError:
+        return False
+
+
+def _holds(claim: Claim, equation: Equation, names: frozenset[str]) -> bool:
+    drawn = islice(Worlds(claim, claim.scalars).draw(names), _WORLDS)
+    return all(one.agrees(equation) for one in drawn)
+
+
+def _addends(term: Term) -> Iterator[Term]:
+    """Yield the terms of a sum; factors before brackets go to each."""
+    for one in addends(term):
+        if one.head == "mul" and one.args[-1].head == "add":
+            yield from (mul(*one.args[:-1], a) for a in _addends(one.args[-1]))
+        elif not one.is_zero:
+            yield one
+
+
+def _zeros(claim: Claim, terms: list[Term], names: frozenset[str]) -> frozenset[int]:
+    """Return the numbers of the terms that are zero in every world drawn. Raises `InputError`."""
+    found, left = frozenset(range(len(terms))), _WORLDS
+    for one in Worlds(claim, claim.scalars).draw(names):
+        with suppress(Singular):
+            found &= {k for k, term in enumerate(terms) if _is_zero(one.evaluator, term)}
+            left -= 1
+        if not left:
+            break
+    return found
+
+
+def _is_zero(e: Evaluator, term: Term) -> bool:
+    """Tell whether a term is zero for all free indices."""
+    numberings = e.numberings(e.labels(term))
+    return all(s.is_zero for env in numberings for s in flat(e.value(term, env)))

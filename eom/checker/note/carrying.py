@@ -20,10 +20,11 @@ from itertools import chain
 import sympy as sp
 
 from eom.checker.judge.consequences import follows, parts
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge_within
 from eom.checker.judge.laws import STILL, own, refuted, settled
-from eom.checker.judge.systems import decide_within, equations, on_solutions
-from eom.checker.judge.verdicts import Judged, Verdict
+from eom.checker.judge.models import Worlds, addends, filled, terms_of
+from eom.checker.judge.systems import equations, on_solutions
+from eom.checker.judge.verdicts import GRAVE, Judged, Verdict
 from eom.checker.mean.claims import CONSTANT, STATEMENT, Claim
 from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value
@@ -31,7 +32,7 @@ from eom.checker.prose_claims.assumptions import Context
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.system import Expr, System
-from eom.terms.terms import Term, expr, nodes
+from eom.terms.terms import Term, nodes
 from eom.worlds.solutions import rate
 from eom.worlds.worlds import ASSUMPTIONS, closure
 
@@ -43,13 +44,16 @@ USUAL = ("newton_2", "third_law_strong", "body_frame", "principal_axes")
 
 def worlds_of(stated: Iterable[str], context: Iterable[str]) -> frozenset[str]:
     """Return a large set that can stand together: the context, then what is stated, then the usual."""
-    chosen = closure(context)
-    for name in chain(stated, USUAL):
-        try:
-            chosen = closure([*sorted(chosen), name])
-        except InputError:
-            continue
-    return chosen
+    return filled(closure(context), chain(stated, USUAL))
+
+
+_Slip = tuple[int, Claim, tuple[str, ...]]
+"""Number of a formula, what it claims wrongly, the context of that; on a system: with the slip in it."""
+
+
+def apart(claim: Claim) -> bool:
+    """Whether no world has the values of a claim: it is about a system, or about free scalars."""
+    return claim.parameters is not None or on_solutions(claim)
 
 
 def carried(
@@ -60,43 +64,56 @@ def carried(
     To each number that of the formula with the slip. A formula that adds a slip of its own is absent.
     """
     given = tuple(given)
-    own: list[tuple[int, Judged]] = []
+    before: dict[bool, list[_Slip]] = {False: [], True: []}
     found: dict[int, int] = {}
     for number, verdict in enumerate(verdicts):
+        on_system = any(apart(j.claim) for j in verdict.claims)
+        slips, stated = before[on_system], context.names(number)
         wrong = [j for j in verdict.claims if _refuted(j)]
-        grave = any(j.claim.verdict in {WRONG, "ill-formed"} for j in verdict.claims)
-        sources = [_source(j, own, context.names(number), given) for j in wrong]
+        grave = any(_otherwise_wrong(j, on_system) for j in verdict.claims)
+        last = slips[: -MAX_EARLIER - 1 : -1]
+        sources = [_source(j, last, stated, given) for j in wrong]
         if wrong and not grave and None not in sources:
             found[number] = min(s for s in sources if s is not None)
-        else:
-            own += [(number, j) for j in wrong]
+        elif not on_system:
+            slips += [(number, j.claim, j.judgement.context) for j in wrong]
+        elif not grave:
+            claims = [j.claim for j in wrong]
+            claims += [replace(c, model=s.model) for _, s, _ in slips[-1:] for c in claims]
+            slips += [(number, replace(c, model=m), ()) for c in claims for m in _slipped(c)]
     return found
 
 
 def _refuted(judged: Judged) -> bool:
-    """Whether a claim was found wrong in worlds, not by its form."""
+    """Whether a claim was found wrong in its models, not by its form."""
     return (
         judged.verdict == WRONG and judged.judgement.verdict == WRONG and not judged.claim.verdict
     )
 
 
+def _otherwise_wrong(judged: Judged, on_system: bool) -> bool:
+    """Whether a claim is wrong, but not in the models that its formula is judged in."""
+    if not on_system:
+        return judged.claim.verdict in GRAVE
+    return judged.verdict == WRONG and not (_refuted(judged) and on_solutions(judged.claim))
+
+
 def _source(
-    judged: Judged,
-    own: Sequence[tuple[int, Judged]],
-    stated: frozenset[str],
-    given: tuple[str, ...],
+    judged: Judged, slips: Iterable[_Slip], stated: frozenset[str], given: tuple[str, ...]
 ) -> int | None:
     """Return the number of the wrong formula that a wrong claim follows from, or None."""
-    for number, other in own[: -MAX_EARLIER - 1 : -1]:
-        if not _related(judged.claim, other.claim):
-            continue
-        context = (*given, *judged.judgement.context, *other.judgement.context)
-        try:
-            assumed = worlds_of(_ordered(stated), context)
-        except InputError:
-            continue
-        if follows(judged.claim, (other.claim,), assumed, simple=True):
-            return number
+    claim, on_system = judged.claim, on_solutions(judged.claim)
+    for number, other, context in slips:
+        with suppress(InputError, Singular, ValueError):
+            if on_system:
+                follow = judge_within(replace(claim, model=other.model), (), given).verdict == HOLDS
+            else:
+                base = (*given, *judged.judgement.context, *context)
+                follow = _related(claim, other) and follows(
+                    claim, (other,), worlds_of(_ordered(stated), base), simple=True
+                )
+            if follow:
+                return number
     return None
 
 
@@ -113,8 +130,7 @@ def _related(a: Claim, b: Claim) -> bool:
 
 
 def _quantities(claim: Claim) -> frozenset[str]:
-    terms = [*(m.term for m in claim.members), *claim.scalars.values()]
-    atoms = (n for t in terms for n in nodes(t) if n.head == "atom")
+    atoms = (n for t in terms_of(claim) for n in nodes(t) if n.head == "atom")
     return frozenset(str(n.data[0]) for n in atoms if n.data[0] not in {"unit", "identity"})
 
 
@@ -152,13 +168,9 @@ def rested(
     most = next((n for n in _STAGES if follows(claim, premises, assumed, n)), 0)
     if not most:
         return None
-    for name in reversed([n for n in ASSUMPTIONS if n in assumed - base]):
-        fewer = frozenset(n for n in assumed if name not in closure([n]))
-        if name in assumed and base <= fewer and follows(claim, premises, fewer, most):
-            assumed = fewer
-    needed = {n for name in assumed for n in closure([name]) - {name}}
-    left = tuple(n for n in ASSUMPTIONS if n in assumed - base - needed)
-    return Judgement(UNDER, (left,), context)
+    models = Worlds(claim, claim.scalars)
+    needed = models.shrunk(assumed, base, lambda names: follows(claim, premises, names, most))
+    return Judgement(UNDER, (models.shown(needed - base),), context)
 
 
 def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozenset[str]:
@@ -211,21 +223,11 @@ def vanishing(claim: Claim, names: Iterable[str]) -> bool:
         return any(
             not any(v) and any(w)
             for m in claim.members
-            for t in _addends(m.term)
+            for t in addends(m.term)
             for v, w in [(_value(t, claim, special), _value(t, claim, general))]
         )
     except (InputError, Singular):
         return False
-
-
-def _addends(term: Term) -> Iterator[Term]:
-    if term.head == "add":
-        for a in term.args:
-            yield from _addends(a)
-    elif term.head == "expr":
-        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
-    else:
-        yield term
 
 
 def _value(term: Term, claim: Claim, assumed: frozenset[str]) -> tuple[int, ...]:
@@ -233,54 +235,7 @@ def _value(term: Term, claim: Claim, assumed: frozenset[str]) -> tuple[int, ...]
     return parts(replace(claim, members=(value,), relations=()), assumed)[0]
 
 
-"""Wrong lines that a later one is compared with, the last ones first."""
-
-
-def carried_on_solutions(
-    verdicts: Sequence[Verdict], given: Iterable[str] = ()
-) -> Mapping[int, int]:
-    """Return numbers of formulas whose wrong claims all follow from one that is wrong before.
-
-    To each number that of the formula with the slip. A formula that adds a slip of its own is absent.
-    """
-    given = tuple(given)
-    own: list[tuple[int, Model]] = []
-    found: dict[int, int] = {}
-    for number, verdict in enumerate(verdicts):
-        wrong = [j for j in verdict.claims if j.verdict == WRONG]
-        if not wrong or not all(map(_refuted_on_solutions, wrong)):
-            continue
-        sources = [_source_on_solutions(j.claim, own, given) for j in wrong]
-        if None not in sources:
-            found[number] = min(s for s in sources if s is not None)
-        else:
-            before = [m for _, m in own[-1:]]
-            slips = [m for j in wrong for m in _slipped(j.claim)]
-            both = [m for b in before for j in wrong for m in _slipped(replace(j.claim, model=b))]
-            own += [(number, m) for m in (*slips, *both)]
-    return found
-
-
-def _refuted_on_solutions(judged: Judged) -> bool:
-    """Whether a claim was found wrong on the solutions of a system, not by its form."""
-    return (
-        on_solutions(judged.claim)
-        and judged.judgement.verdict == WRONG
-        and not judged.claim.verdict
-    )
-
-
-def _source_on_solutions(
-    claim: Claim, own: Sequence[tuple[int, Model]], given: tuple[str, ...]
-) -> int | None:
-    """Return the number of the wrong formula in whose system a wrong claim holds, or None."""
-    for number, model in own[: -MAX_EARLIER - 1 : -1]:
-        try:
-            if decide_within(claim, model, (), given).verdict == HOLDS:
-                return number
-        except (InputError, Singular, ValueError):
-            continue
-    return None
+# -- systems with a slip -------------------------------------------------------------------------------
 
 
 def _slipped(claim: Claim) -> Iterator[Model]:

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from eom.checker.judge.consequences import labels, parts
-from eom.checker.judge.judge import HOLDS, MENTIONS, MODELS, SPECIAL, UNDER, WRONG
+from eom.checker.judge.consequences import parts
+from eom.checker.judge.judge import HOLDS, UNDER, WRONG
+from eom.checker.judge.models import MENTIONS, MODELS, SPECIAL, labels_in, terms_of
 from eom.checker.judge.verdicts import LAWS, Judged, Verdict
 from eom.checker.mean.claims import DEFINITION, EQUALITIES, STATEMENT, Claim
 from eom.checker.mean.roles import ASSUMPTION
@@ -182,7 +183,7 @@ def _spare(
     if verdict.verdict not in {HOLDS, UNDER} or not verdict.claims or modelled:
         return
     used = implied(n for j in verdict.claims for s in j.judgement.sets for n in s)
-    about = frozenset().union(*(labels(j.claim) for j in verdict.claims))
+    about = frozenset().union(*(labels_in(terms_of(j.claim)) for j in verdict.claims))
     start = max((context.places[k] for k in range(number) if verdicts[k].claims), default=(0, 0))
     for s in context.at(number):
         near = s.start > start or (bool(s.premises) and s.start == start)

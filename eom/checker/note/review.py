@@ -15,17 +15,17 @@ from typing import Any
 
 import sympy as sp
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, equations, judge
-from eom.checker.judge.laws import slipped
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, Judgement, judge
+from eom.checker.judge.laws import exchanged, slipped
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
-from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import ORDER, UNMET, Judged, Verdict, verdict
 from eom.checker.mean.claims import EQUALITIES, Claim
 from eom.checker.note.carrying import (
     SPECIAL_MOTION,
+    apart,
     by_laws,
     carried,
-    carried_on_solutions,
     rested,
     resting,
 )
@@ -34,6 +34,7 @@ from eom.checker.prose_claims.assumptions import (
     PARAGRAPH,
     Context,
     Said,
+    Stated,
     approximate,
     assumed,
     implied,
@@ -81,192 +82,151 @@ def review(
     """
     given = tuple(given)
     first = verdicts if verdicts is not None else [verdict(u, given) for u in understood]
-    apart = {k for k, u in enumerate(understood) if any(map(_apart, u.claims))}
-    worldly = [replace(u, claims=()) if k in apart else u for k, u in enumerate(understood)]
-    alone = [replace(v, claims=()) if k in apart else v for k, v in enumerate(first)]
-    found = _in_worlds(document, worldly, given, alone)
-    about = [v if k in apart else Verdict(v.verdict) for k, v in enumerate(first)]
-    slips = carried_on_solutions(about, given)
-    return tuple(
-        _on_solutions(replace(r, understood=u, verdict=v), k, understood, slips)
-        if k in apart
-        else r
-        for k, (r, u, v) in enumerate(zip(found, understood, first, strict=True))
-    )
-
-
-def _on_solutions(
-    one: Reviewed, number: int, understood: Sequence[Understood], slips: Mapping[int, int]
-) -> Reviewed:
-    """Return a formula about a system with the line of the slip that it carries forward."""
-    if number not in slips:
-        return one
-    line = understood[slips[number]].formula.piece.line
-    return replace(one, remarks=(*one.remarks, remark("carried", line)), carried=line)
-
-
-def _apart(claim: Claim) -> bool:
-    """Whether no world has the values of a claim: it is about a system, or about free scalars."""
-    return claim.parameters is not None or on_solutions(claim)
-
-
-def _in_worlds(
-    document: Document,
-    understood: Sequence[Understood],
-    given: tuple[str, ...],
-    alone: Sequence[Verdict],
-) -> Iterator[Reviewed]:
-    """Yield formulas whose claims have values in worlds, as they stand in the note."""
-    context = assumed(document, understood, alone)
-    loose = approximate(document.pieces)
-    placed = [_placed(v, k, context, loose, given) for k, v in enumerate(alone)]
+    alone = [
+        replace(v, claims=()) if _is_apart(u) else v for u, v in zip(understood, first, strict=True)
+    ]
+    worldly = [replace(u, claims=()) if _is_apart(u) else u for u in understood]
+    context, loose = assumed(document, worldly, alone), approximate(document.pieces)
+    placed = [_Placed(k, context, loose, given).verdict(v) for k, v in enumerate(alone)]
     settled = [v for v, _ in placed]
     lines = [u.formula.piece.line for u in understood]
-    slips = carried(settled, context, given)
     about = remarks(settled, lines, context, given)
-    for k, (one, (final, own)) in enumerate(zip(understood, placed, strict=True)):
+    final = [first[k] if _is_apart(u) else settled[k] for k, u in enumerate(understood)]
+    slips = carried(final, context, given)
+    found = []
+    for k, (_, own) in enumerate(placed):
         line = lines[slips[k]] if k in slips else 0
         more = (remark("carried", line),) if line else ()
-        yield Reviewed(one, final, (*own, *more, *about[k]), line, context.names(k))
+        told = (*own, *more, *about[k])
+        found.append(Reviewed(understood[k], final[k], told, line, context.names(k)))
+    return tuple(found)
 
 
-def _placed(
-    alone: Verdict, number: int, context: Context, loose: Sequence[Said], given: tuple[str, ...]
-) -> tuple[Verdict, tuple[Remark, ...]]:
-    """Return the verdict on a formula in its place, and why it differs."""
-    found: list[Remark] = []
-    claims = tuple(_claim(j, number, context, loose, given, found) for j in alone.claims)
-    known = context.names(number)
-    claims = tuple(
-        replace(j, judgement=replace(j.judgement, sets=ranked(j.judgement.sets, known)))
-        for j in claims
-    )
-    if not found:
-        return replace(alone, claims=claims), ()
-    reasons = {j.verdict: j.reason for j in reversed(claims)}
-    gravest = next(v for v in ORDER if v in reasons)
-    return Verdict(gravest, reasons[gravest], claims), tuple(dict.fromkeys(found))
-
-
-def _claim(
-    judged: Judged,
-    number: int,
-    context: Context,
-    loose: Sequence[Said],
-    given: tuple[str, ...],
-    found: list[Remark],
-) -> Judged:
-    """Return a claim with its verdict in its place; ``found`` takes why it differs."""
-    unmet = judged.reason == UNMET and judged.verdict == UNDECIDED
-    if not (unmet or judged.verdict in {WRONG, UNDER}) or judged.claim.verdict:
-        return judged
-    if unmet or judged.verdict == WRONG:
-        placed = _conditioned(judged, number, context, given, found)
-        if placed is not None:
-            return placed
-    known = context.names(number) | implied(given)
-    best = [len(implied(s) - known) for s in ranked(judged.judgement.sets, known)[:1]]
-    if judged.verdict == UNDER and 0 in best:
-        return judged
-    rested = _rested(judged, number, context, given)
-    if rested is not None and not (best and len(implied(rested.sets[0]) - known) >= best[0]):
-        found.append(remark("rests on", max(s.line for s in context.premises(number))))
-        alone = not any(rested.sets)
-        sets = () if alone else (*rested.sets, *judged.judgement.sets)
-        judgement = replace(rested, sets=sets)
-        return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
-    if judged.verdict == UNDER:
-        return judged
-    lawful = _of_special_body(judged, number, context, given, found) or _by_laws(
-        judged, number, context, given, found
-    )
-    return lawful or _approximate(judged, number, context, loose, given, found) or judged
+def _is_apart(understood: Understood) -> bool:
+    """Whether a formula is judged by itself: it has claims that no world has the values of."""
+    return any(map(apart, understood.claims))
 
 
 SPECIAL_BODIES = frozenset({"thin_rod", "spin_312", "rotors", "viscous_slug"})
 """Assumptions that are not tried unless the note states them."""
 
-
-def _of_special_body(
-    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
-) -> Judged | None:
-    """Return a claim that holds for the special body that the note speaks of, None for others."""
-    stated = [s for s in context.at(number) if SPECIAL_BODIES & set(s.names)]
-    names = tuple(n for s in stated for n in s.names if n in SPECIAL_BODIES)
-    if not names:
-        return None
-    judgement = judge(judged.claim, (*given, *names))
-    plain = [s for s in judgement.sets if not SPECIAL_MOTION & set(s) - {*names}]
-    if judgement.verdict != HOLDS and not plain:
-        return None
-    found.append(remark("rests on", max(s.line for s in stated)))
-    sets = tuple((*names, *some) for some in plain or ((),))
-    judgement = replace(judgement, verdict=UNDER, sets=sets)
-    return replace(judged, judgement=judgement, verdict=UNDER, reason="", chain=None)
+_Other = tuple[Judgement, str, int]
+"""What a claim is judged to be in its place; why that is another verdict: kind of remark, line."""
 
 
-def _by_laws(
-    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
-) -> Judged | None:
-    """Return a claim as laws of the writer's own decide it, None where they do not help."""
-    lawful = by_laws(judged, number, context, given)
-    if lawful is None:
-        return None
-    kind = "rests on" if lawful.verdict == UNDER else "open by laws"
-    found.append(remark(kind, max(s.line for s in context.premises(number))))
-    why = "" if lawful.verdict == UNDER else "it may follow from the laws that the note assumes"
-    return replace(judged, judgement=lawful, verdict=lawful.verdict, reason=why, chain=None)
+@dataclass(frozen=True)
+class _Placed:
+    """A formula in its place: its number, what the note assumes, what is said of approximations."""
+
+    number: int
+    context: Context
+    loose: Sequence[Said]
+    given: tuple[str, ...]
+
+    def verdict(self, alone: Verdict) -> tuple[Verdict, tuple[Remark, ...]]:
+        """Return the verdict on the formula in its place, and why it differs."""
+        found = [(j, self._other(j)) for j in alone.claims]
+        claims = tuple(self._ranked(j if o is None else _replaced(j, o[0])) for j, o in found)
+        differs = (remark(o[1], o[2]) for _, o in found if o is not None)
+        why = tuple(dict.fromkeys(differs))
+        if not why:
+            return replace(alone, claims=claims), ()
+        reasons = {j.verdict: j.reason for j in reversed(claims)}
+        gravest = next(v for v in ORDER if v in reasons)
+        return Verdict(gravest, reasons[gravest], claims), why
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What the note has stated here."""
+        return self.context.names(self.number)
+
+    @property
+    def premises(self) -> tuple[Stated, ...]:
+        """What the note assumes by formulas."""
+        return self.context.premises(self.number)
+
+    def _ranked(self, judged: Judged) -> Judged:
+        sets = ranked(judged.judgement.sets, self.names)
+        return replace(judged, judgement=replace(judged.judgement, sets=sets))
+
+    def _other(self, judged: Judged) -> _Other | None:
+        """Return what else is found of a claim in its place, None where nothing is."""
+        unmet = judged.reason == UNMET and judged.verdict == UNDECIDED
+        if not (unmet or judged.verdict in {WRONG, UNDER}) or judged.claim.verdict:
+            return None
+        rules = (self._conditioned, self._rested, self._special, self._lawful, self._approximate)
+        tried = (self._rested,) if judged.verdict == UNDER else rules
+        return next(filter(None, (rule(judged) for rule in tried)), None)
+
+    def _conditioned(self, judged: Judged) -> _Other | None:
+        """Judge a claim that fails by itself where its conditions hold.
+
+        Those of its line and its paragraph count. What is no equation makes no equation true.
+        """
+        place = self.context.places[self.number]
+        near = (s for s in self.premises if s.scope == PARAGRAPH or s.start[0] == place[0])
+        told = [(s, p) for s in near for p in s.premises if not BOUNDS & set(p.relations)]
+        if not told:
+            return None
+        found = conditioned(judged.claim, [p for _, p in told], self.names, self.given)
+        if found.verdict == judged.verdict == WRONG:
+            return None
+        return found, "rests on" if under(found) else "condition", max(s.line for s, _ in told)
+
+    def _rested(self, judged: Judged) -> _Other | None:
+        """Judge a claim that rests on what the note assumes by a formula, if it needs less then."""
+        known = self.names | implied(self.given)
+        best = [len(implied(s) - known) for s in ranked(judged.judgement.sets, known)[:1]]
+        if judged.verdict == UNDER and 0 in best:
+            return None
+        try:
+            found = resting(judged, self.number, self.context, self.given)
+        except InputError:
+            return None
+        if found is None or (best and len(implied(found.sets[0]) - known) >= best[0]):
+            return None
+        sets = (*found.sets, *judged.judgement.sets) if any(found.sets) else ()
+        return replace(found, sets=sets), "rests on", self._line
+
+    @property
+    def _line(self) -> int:
+        return max(s.line for s in self.premises)
+
+    def _special(self, judged: Judged) -> _Other | None:
+        """Judge a claim that holds for the special body that the note speaks of."""
+        stated = [s for s in self.context.at(self.number) if SPECIAL_BODIES & set(s.names)]
+        names = tuple(n for s in stated for n in s.names if n in SPECIAL_BODIES)
+        found = judge(judged.claim, (*self.given, *names)) if names else judged.judgement
+        plain = [s for s in found.sets if not SPECIAL_MOTION & set(s) - {*names}]
+        if not names or (found.verdict != HOLDS and not plain):
+            return None
+        sets = tuple((*names, *some) for some in plain or ((),))
+        found = replace(found, verdict=UNDER, sets=sets, reason="")
+        return found, "rests on", max(s.line for s in stated)
+
+    def _lawful(self, judged: Judged) -> _Other | None:
+        """Judge a claim by laws of the writer's own."""
+        found = by_laws(judged, self.number, self.context, self.given)
+        if found is None:
+            return None
+        if found.verdict == UNDER:
+            return found, "rests on", self._line
+        why = "it may follow from the laws that the note assumes"
+        return replace(found, reason=why), "open by laws", self._line
+
+    def _approximate(self, judged: Judged) -> _Other | None:
+        """Leave a claim beside words of an approximation open, unless another factor makes it true."""
+        place = self.context.places[self.number]
+        near = [s for s in self.loose if s.start <= place and place[0] < s.stop]
+        if not near or slipped(judged.claim, self.given):
+            return None
+        why = "not exactly true; the note speaks of an approximation"
+        found = replace(judged.judgement, verdict=UNDECIDED, reason=why)
+        return found, "approximate", near[-1].line
 
 
-def _approximate(
-    judged: Judged,
-    number: int,
-    context: Context,
-    loose: Sequence[Said],
-    given: tuple[str, ...],
-    found: list[Remark],
-) -> Judged | None:
-    """Return a claim beside words of an approximation as undecided, None where there are none."""
-    place = context.places[number]
-    near = [s for s in loose if s.start <= place and place[0] < s.stop]
-    if not near or slipped(judged.claim, given):
-        return None
-    found.append(remark("approximate", near[-1].line))
-    reason = "not exactly true; the note speaks of an approximation"
-    return replace(judged, verdict=UNDECIDED, reason=reason, chain=None)
-
-
-def _conditioned(
-    judged: Judged, number: int, context: Context, given: tuple[str, ...], found: list[Remark]
-) -> Judged | None:
-    """Return a claim that fails by itself where its conditions hold; None where it has none.
-
-    Those of its line and its paragraph count. What is no equation makes no equation true.
-    """
-    place = context.places[number]
-    near = [s for s in context.premises(number) if s.scope == PARAGRAPH or s.start[0] == place[0]]
-    told = [(s, p) for s in near for p in s.premises if not BOUNDS & set(p.relations)]
-    if not told:
-        return None
-    names = context.names(number)
-    judgement = conditioned(judged.claim, [p for _, p in told], names, given)
-    if judgement.verdict == judged.verdict == WRONG:
-        return None
-    line = max(s.line for s, _ in told)
-    found.append(remark("rests on", line) if under(judgement) else remark("condition", line))
-    verdict = judgement.verdict
-    return replace(
-        judged, judgement=judgement, verdict=verdict, reason=judgement.reason, chain=None
-    )
-
-
-def _rested(
-    judged: Judged, number: int, context: Context, given: tuple[str, ...]
-) -> Judgement | None:
-    try:
-        return resting(judged, number, context, given)
-    except InputError:
-        return None
+def _replaced(judged: Judged, found: Judgement) -> Judged:
+    return replace(judged, judgement=found, verdict=found.verdict, reason=found.reason, chain=None)
 
 
 FREE = frozenset({"vector", "scalar"})
@@ -309,7 +269,7 @@ def _tied(claim: Claim, conditions: Sequence[Claim]) -> Claim | None:
         if found is None:
             return None
         old, new = found
-        claim = _put(claim, old, new)
+        claim = exchanged(claim, old, new)
         waiting = [(s, _swap(a, old, new), _swap(b, old, new)) for s, a, b in waiting]
     return claim
 
@@ -325,12 +285,6 @@ def _equalities(claim: Claim) -> Iterator[Any]:
     if not plain or not EQUALITIES.issuperset(claim.relations):
         raise InputError("a condition that is no equation")
     yield from equations(claim)
-
-
-def _put(claim: Claim, old: Term, new: Term) -> Claim:
-    members = tuple(replace(m, term=_swap(m.term, old, new)) for m in claim.members)
-    scalars = {s: _swap(t, old, new) for s, t in claim.scalars.items()}
-    return replace(claim, members=members, scalars=scalars)
 
 
 def _swap(term: Term, old: Term, new: Term) -> Term:

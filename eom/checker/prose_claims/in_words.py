@@ -21,7 +21,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
-from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, equations, judge, judge_within
+from eom.checker.judge.judge import HOLDS, UNDECIDED, UNDER, WRONG, judge, judge_within
+from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood
 from eom.checker.judge.verdicts import GRAVE, verdict
 from eom.checker.mean.claims import EQUALITIES, STATEMENT, Claim

@@ -2,23 +2,100 @@
 
 What a slip in one term does to the residual does not depend on the other terms, so that pairs of slips
 are found by looking up numbers (meet in the middle), and three or four of one kind as well.
+
+What may stand for a term of a line, with its value; what is left over of two members that disagree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
+from eom.checker.judge.models import Drawn
+from eom.checker.mean.claims import CONSTANT, STATEMENT
 from eom.checker.mean.values import GEOMETRIC, Value, components
-from eom.checker.read.paths import Path, at, put, set_down
+from eom.checker.read.paths import NOTHING, Path, at, put, set_down
 from eom.checker.read.syntax import Addition, Node
-from eom.checker.repair.lines import Addend, Line, Member, Place, Signature, agrees, signature
-from eom.checker.repair.lost import Pools, entry_terms, lost_terms
-from eom.checker.repair.options import Option
-from eom.checker.repair.slips import ALL_OVER, LOST
+from eom.checker.read.writing import latex
+from eom.checker.repair.lines import (
+    Addend,
+    Line,
+    Member,
+    Palette,
+    Signature,
+    agrees,
+    signature,
+    worth,
+)
+from eom.checker.repair.residual import (
+    Pools,
+    entry_residual,
+    entry_terms,
+    fits,
+    lost_terms,
+    remains,
+    total,
+)
+from eom.checker.repair.slips import ALL_OVER, DROPPED, LOST, TERM, Edit, Option, Slip, edits
 from eom.fields import PRIME
-from eom.terms.terms import COLUMN, MATRIX
+from eom.terms.terms import COLUMN, MATRIX, Term
+
+SUBJECT = 0.15
+"""What it weighs more to turn the sign of what a line is about: the slip is rather on the other side."""
+
+
+def options(
+    line: Line, addend: Addend, palette: Palette, spared: Callable[[Path], bool] = lambda _: False
+) -> list[Option]:
+    """Return what may stand for a term and has a value, the most plausible first.
+
+    ``spared``: whether a place lies in a cell of a table that is not at fault.
+    """
+    found = []
+    value = worth(line, addend.node)
+    member = next(m for m in line.members if m.number == addend.member)
+    if value is not None:
+        own = (value.term, signature(value))
+        turned = _option(addend, TERM, addend.node, addend.node, -addend.sign, *own)
+        alone = len(member.addends) == 1 and member is line.members[0]
+        found.append(replace(turned, weight=turned.weight + (SUBJECT if alone else 0.0)))
+    if len(member.addends) > 1:
+        found.append(_option(addend, DROPPED, addend.node, NOTHING, addend.sign, None, None))
+    for edit in edits(addend.node, palette, spared):
+        new = worth(line, edit.tree)
+        if new is not None and not (value is not None and new.term == value.term):
+            found.append(_edited(addend, edit, new))
+    return sorted(found, key=lambda o: o.weight)
+
+
+def _option(
+    addend: Addend,
+    slip: Slip,
+    old: Node,
+    new: Node,
+    sign: int,
+    term: Term | None,
+    kind: Signature | None,
+) -> Option:
+    return Option(addend, slip, slip.weight, old, new, new, sign, term, kind)
+
+
+def _edited(addend: Addend, edit: Edit, value: Value) -> Option:
+    return Option(
+        addend,
+        edit.slip,
+        edit.weight,
+        edit.old,
+        edit.new,
+        edit.tree,
+        addend.sign,
+        value.term,
+        signature(value),
+        edit.paths,
+    )
+
 
 LETTERS = frozenset({"symbol", "index"})
 MANY = 40
@@ -53,7 +130,7 @@ class Workshop:
     values: Mapping[Addend, Value | None]
     pools: Pools
 
-    def candidates(self, place: Place) -> list[Candidate]:
+    def candidates(self, place: Drawn) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""
         members = self.line.members
         if len(members) == 2:
@@ -63,7 +140,7 @@ class Workshop:
             found += self._against(place, reference)
         return _best(found)
 
-    def _both(self, place: Place) -> list[Candidate]:
+    def _both(self, place: Drawn) -> list[Candidate]:
         left, right = self.line.members
         found: list[Candidate] = []
         for a, b in ((left, right), (right, left)):
@@ -81,7 +158,7 @@ class Workshop:
                 found += self._lost(place, kind, need)
         return _best(found)
 
-    def _lost(self, place: Place, kind: Signature, need: int) -> Iterator[Candidate]:
+    def _lost(self, place: Drawn, kind: Signature, need: int) -> Iterator[Candidate]:
         """Yield lost terms of one of two members; ``need``: of the left less the right side."""
         left, right = self.line.members
         member, side = (right, -1) if right.path is not None else (left, 1)
@@ -90,49 +167,44 @@ class Workshop:
         yield from self._lost_in(place, member, kind, side * need % PRIME)
 
     def _lost_in(
-        self, place: Place, member: Member, kind: Signature, need: int
+        self, place: Drawn, member: Member, kind: Signature, need: int
     ) -> Iterator[Candidate]:
         if need:
             for option in lost_terms(self.pools, place, member, kind, need):
                 yield Candidate((option,), option.weight)
 
-    def _entries(self, place: Place, reference: Member, member: Member) -> Iterator[Candidate]:
+    def _entries(self, place: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
         """Yield a table that has lost terms in some entries, against what it should be."""
-        if len(member.addends) != 1 or member.path is None:
-            return
-        own = self.values[member.addends[0]]
-        if own is None or own.shape not in {COLUMN, MATRIX}:
-            return
-        wanted = self._components(place, reference, own.frames[0])
-        standing = self._components(place, member, own.frames[0])
-        if wanted is None or standing is None or len(wanted) != len(standing):
-            return
-        sign = member.addends[0].sign
-        need = [sign * (a - b) % PRIME for a, b in zip(wanted, standing, strict=True)]
-        for option in entry_terms(self.pools, place, member.addends[0], need):
-            yield Candidate((option,), option.weight)
+        found = self._gap(place, reference, member, member)
+        if found is not None:
+            need = [member.addends[0].sign * n % PRIME for n in found]
+            for option in entry_terms(self.pools, place, member.addends[0], need):
+                yield Candidate((option,), option.weight)
 
     def difference(
-        self, place: Place, left: Member, right: Member
+        self, place: Drawn, left: Member, right: Member
     ) -> tuple[Node, list[int]] | None:
         """Return a member that is one table of entries, and the left less the right side by entries."""
         for member in (right, left):
-            own = self.values.get(member.addends[0]) if len(member.addends) == 1 else None
-            if own is not None and own.shape in {COLUMN, MATRIX} and member.path is not None:
-                both = [self._components(place, m, own.frames[0]) for m in (left, right)]
-                if both[0] is not None and both[1] is not None and len(both[0]) == len(both[1]):
-                    pairs = zip(both[0], both[1], strict=True)
-                    return member.addends[0].node, [(a - b) % PRIME for a, b in pairs]
+            found = self._gap(place, left, right, member)
+            if found is not None:
+                return member.addends[0].node, found
         return None
 
-    def _components(self, place: Place, member: Member, frame: str) -> list[int] | None:
+    def _gap(self, place: Drawn, left: Member, right: Member, table: Member) -> list[int] | None:
+        """Return the components of the left less the right side, if one of them is a table."""
+        own = self.values.get(table.addends[0]) if len(table.addends) == 1 else None
+        if own is None or own.shape not in {COLUMN, MATRIX} or table.path is None:
+            return None
+        a, b = (self._components(place, m, own.frames[0]) for m in (left, right))
+        if a is None or b is None or len(a) != len(b):
+            return None
+        return [(x - y) % PRIME for x, y in zip(a, b, strict=True)]
+
+    def _components(self, place: Drawn, member: Member, frame: str) -> list[int] | None:
         """Return the components of a member in a frame."""
         found: list[int] = []
-        parts: list[tuple[int, Value | None]] = []
-        if member.value is not None:
-            parts.append((1, member.value))
-        parts += [(a.sign, self.values[a]) for a in member.addends]
-        for sign, value in parts:
+        for sign, value in self.parts(member):
             if value is None:
                 return None
             turned = components(value, frame) if value.shape in GEOMETRIC and frame else value
@@ -143,12 +215,16 @@ class Workshop:
             found = [a + b for a, b in zip(found, signed, strict=False)] if found else signed
         return found
 
+    def parts(self, member: Member) -> list[tuple[int, Value | None]]:
+        """Return the terms of a member as they stand, with their signs; None for no value."""
+        own: list[tuple[int, Value | None]] = [] if member.value is None else [(1, member.value)]
+        return [*own, *((a.sign, self.values[a]) for a in member.addends)]
+
     def _kinds(self, members: Iterable[Member]) -> list[Signature]:
         """Return the signatures of terms, in order, those with a dimension alone if there are any."""
         kinds: dict[Signature, None] = {}
         for member in members:
-            values = [self.values[a] for a in member.addends]
-            for value in [member.value, *values]:
+            for _, value in self.parts(member):
                 kind = signature(value) if value is not None else None
                 if kind is not None:
                     kinds[kind] = None
@@ -162,7 +238,7 @@ class Workshop:
         offered = (o.signature for o in self.offers[terms[0].addends[0]])
         return list(dict.fromkeys(k for k in offered if k is not None and k not in kinds))[:8]
 
-    def _groups(self, place: Place, member: Member, kind: Signature, side: int) -> list[_Group]:
+    def _groups(self, place: Drawn, member: Member, kind: Signature, side: int) -> list[_Group]:
         groups = []
         for addend in member.addends:
             value = self.values[addend]
@@ -174,7 +250,7 @@ class Workshop:
         return groups
 
     def _offers(
-        self, place: Place, addend: Addend, kind: Signature, side: int
+        self, place: Drawn, addend: Addend, kind: Signature, side: int
     ) -> Iterator[tuple[int, Option]]:
         for option in self.offers[addend]:
             if option.term is None:
@@ -184,7 +260,7 @@ class Workshop:
                 if number is not None:
                     yield side * option.sign * number, option
 
-    def _against(self, place: Place, reference: Member) -> list[Candidate]:
+    def _against(self, place: Drawn, reference: Member) -> list[Candidate]:
         """Return repairs of the members that differ from one that is taken for right."""
         total = self.total(place, reference)
         if total is None:
@@ -211,18 +287,13 @@ class Workshop:
 
     def is_zero(self, member: Member) -> bool:
         """Tell whether a member is written as zero."""
-        values = [member.value, *(self.values[a] for a in member.addends)]
-        return all(v.is_zero for v in values if v is not None)
+        return all(v.is_zero for _, v in self.parts(member) if v is not None)
 
-    def total(self, place: Place, member: Member) -> tuple[Signature | None, int] | None:
+    def total(self, place: Drawn, member: Member) -> tuple[Signature | None, int] | None:
         """Return signature and number of a member as it stands, None where it has none."""
-        values: list[tuple[int, Value | None]] = []
-        if member.value is not None:
-            values.append((1, member.value))
-        values += [(a.sign, self.values[a]) for a in member.addends]
         kind: Signature | None = None
         total = 0
-        for sign, value in values:
+        for sign, value in self.parts(member):
             if value is None:
                 return None
             own = signature(value)
@@ -285,8 +356,8 @@ def _more(flat: Sequence[_Flat], need: int, must: frozenset[int]) -> Iterator[Ca
         chosen: list[tuple[_Flat, ...]] = [
             (a, *pair) for a in same for pair in pairs.get((need - a[1]) % PRIME, ())[:3]
         ]
-        for total, first in pairs.items():
-            for second in pairs.get((need - total) % PRIME, ())[:3]:
+        for both, first in pairs.items():
+            for second in pairs.get((need - both) % PRIME, ())[:3]:
                 chosen += [(*one, *second) for one in first[:3]]
         for entries in chosen:
             ordered = sorted(entries, key=lambda e: e[0])
@@ -374,3 +445,70 @@ def _appended(tree: Node, path: Path, option: Option) -> Node:
         return set_down(tree, path[:-1], replace(parent, terms=terms, signs=signs))
     here = at(tree, path)
     return set_down(tree, path, Addition((here, option.node), ("", sign), span=here.span))
+
+
+# -- what is left over -----------------------------------------------------------------------------
+
+
+def pair(shop: Workshop, candidate: Candidate | None) -> tuple[Member, Member] | None:
+    """Return the two members that disagree: those of an equation, or one to blame and one that is not."""
+    members = shop.line.members
+    if len(members) == 2:
+        return members[0], members[1]
+    if candidate is None:
+        return None
+    edited = {o.addend.member for o in candidate.options}
+    wrong = next((m for m in members if m.number in edited), None)
+    right = next((m for m in members if m.number not in edited), None)
+    if wrong is None or right is None:
+        return None
+    return (wrong, right) if wrong.number < right.number else (right, wrong)
+
+
+def _of_rate(shop: Workshop) -> Workshop:
+    """Return the workshop of the equation that the rate of what should be constant is zero."""
+    line = shop.line
+    first, naught = line.members
+    whole = replace(first, addends=(), value=line.claim.members[0])
+    plain = replace(line, members=(whole, naught), claim=replace(line.claim, kind=STATEMENT))
+    near = shop.pools.near
+    known = partial(remains, line, near, ())
+    return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
+
+
+def leftover(shop: Workshop, candidate: Candidate | None, place: Drawn) -> str:
+    """Return the left less the right side as LaTeX, "" where no short sum of products is that.
+
+    It is what is left over under the assumptions of ``place``.
+    """
+    if shop.line.claim.kind == CONSTANT:
+        shop, candidate = _of_rate(shop), None
+    found = pair(shop, candidate)
+    return "" if found is None else _entries(shop, place, found) or _sum(shop, place, found)
+
+
+def _entries(shop: Workshop, place: Drawn, found: tuple[Member, Member]) -> str:
+    """Return what is left over in a table, entry by entry."""
+    tables = shop.difference(place, *found)
+    if tables is None:
+        return ""
+    node = entry_residual(shop.pools, place, *tables)
+    return "" if node is None else latex(node)
+
+
+def _sum(shop: Workshop, place: Drawn, found: tuple[Member, Member]) -> str:
+    """Return what is left over as a short sum of products."""
+    left, right = (shop.total(place, m) for m in found)
+    if left is None or right is None:
+        return ""
+    kind = left[0] or right[0]
+    if kind is None or (left[0] and right[0] and left[0] != right[0]):
+        return ""
+    number = (left[1] - right[1]) % PRIME
+    for pieces in fits(place.number, shop.pools.own(kind), number):
+        if len(pieces) == 1:
+            return latex(total(pieces))
+    for pools in (shop.pools, shop.pools.widened()):
+        for pieces in fits(place.number, pools.pool(pools.roots, kind), number):
+            return latex(total(pieces))
+    return ""

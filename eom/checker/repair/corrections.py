@@ -1,26 +1,49 @@
-"""Corrections of a wrong line: looked for in worlds, read again as a whole, judged, ranked."""
+"""Corrections of a wrong line: looked for in worlds, read again as a whole, judged, ranked.
+
+Which cells of a table may be at fault: those whose components differ, or do not fit the others. A slip in
+one cell of a matrix changes that component alone, so edits elsewhere in the table need not be tried; a
+table of nine sums has thousands.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
 from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within
+from eom.checker.judge.models import Drawn
 from eom.checker.judge.notes import Understood, reread
-from eom.checker.judge.systems import on_solutions
+from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT, Claim
-from eom.checker.read.paths import at
-from eom.checker.read.syntax import Matrix, Node, walk
-from eom.checker.repair.candidates import Candidate, Workshop, repaired
-from eom.checker.repair.cells import Suspects, by_components, suspects
-from eom.checker.repair.lines import Addend, Line, Place, penalty, places, valued, worth
-from eom.checker.repair.lost import Pools
-from eom.checker.repair.options import options
-from eom.checker.repair.palette import palette
-from eom.checker.repair.solution_places import moves, remains, solutions
+from eom.checker.mean.values import Value
+from eom.checker.read.paths import Path, at
+from eom.checker.read.syntax import (
+    Boxed,
+    Braced,
+    Group,
+    Integral,
+    Matrix,
+    Node,
+    Product,
+    Scripts,
+    walk,
+)
+from eom.checker.repair.candidates import Candidate, Workshop, options, repaired
+from eom.checker.repair.lines import (
+    Addend,
+    Line,
+    Member,
+    palette,
+    penalty,
+    signature,
+    valued,
+    worth,
+)
+from eom.checker.repair.residual import Pools, remains
 from eom.fields import PRIME, RESIDUES
-from eom.terms.terms import Term
+from eom.terms.terms import MATRIX, SCALAR, Term
 
 SHOWN = 3
 """Corrections that are shown at most."""
@@ -41,7 +64,7 @@ class Ranked:
     candidate: Candidate
     tree: Node
     cost: float
-    place: Place
+    place: Drawn
 
 
 @dataclass(frozen=True)
@@ -80,16 +103,11 @@ def _widened(shop: Workshop) -> Workshop:
     return replace(shop, pools=shop.pools.widened())
 
 
-def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Place, Place]]:
-    """Yield worlds for a line: without more than is given, and one of each level.
-
-    For a line about a system they are solutions of that.
-    """
-    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
-        return solutions(shop.line, shop.line.claim.model, given)
+def levels(shop: Workshop, given: tuple[str, ...]) -> Iterator[tuple[Drawn, Drawn]]:
+    """Yield models for a line: without more than is given, and one of each level."""
     terms = [v.term for v in shop.values.values() if v is not None]
     terms += [m.value.term for m in shop.line.members if m.value is not None]
-    return places(given, shop.line.elaborator.scalars, terms)
+    return shop.line.models(given).levels(terms)
 
 
 def _ranked(shop: Workshop, given: tuple[str, ...]) -> list[Ranked]:
@@ -118,7 +136,8 @@ def workshop(understood: Understood, wrong: Line, given: Iterable[str] = ()) -> 
     known = partial(remains, wrong, have.symbols, tuple(given)) if equal else tuple
     shop = Workshop(wrong, {}, values, Pools(wrong, values, have.symbols[:NEAR], known))
     at_fault = _suspects(shop, tuple(given))
-    return replace(shop, offers={a: options(wrong, a, have, at_fault.get(a)) for a in addends})
+    spared = {a: (at_fault[a].spares,) if a in at_fault else () for a in addends}
+    return replace(shop, offers={a: options(wrong, a, have, *spared[a]) for a in addends})
 
 
 def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
@@ -130,7 +149,7 @@ def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
     return suspects(shop.line, shop.values, differing)
 
 
-def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int | None]]:
+def _parts(shop: Workshop, place: Drawn, candidate: Candidate) -> list[list[int | None]]:
     """Return the numbers of the terms of all members with a repair put in; None where one has none."""
     chosen = {o.addend: o for o in candidate.options}
     own = {a for m in shop.line.members for a in m.addends}
@@ -148,18 +167,18 @@ def _parts(shop: Workshop, place: Place, candidate: Candidate) -> list[list[int 
     return found
 
 
-def _number(place: Place, sign: int, term: Term | None, otherwise: int | None) -> int | None:
+def _number(place: Drawn, sign: int, term: Term | None, otherwise: int | None) -> int | None:
     number = otherwise if term is None else place.number(term)
     return None if number is None else sign * number
 
 
-def _totals(shop: Workshop, place: Place, candidate: Candidate) -> list[int | None]:
+def _totals(shop: Workshop, place: Drawn, candidate: Candidate) -> list[int | None]:
     """Return the numbers of all members with a repair put in; None where one has none."""
     rows = _parts(shop, place, candidate)
     return [None if None in r else sum(p for p in r if p is not None) % PRIME for r in rows]
 
 
-def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...] | None:
+def _alike(shop: Workshop, place: Drawn, candidate: Candidate) -> tuple[int, ...] | None:
     """Return the terms after a repair as numbers up to a factor: the same for repairs that say the same."""
     numbers: list[int] = []
     for parts in _parts(shop, place, candidate):
@@ -172,12 +191,12 @@ def _alike(shop: Workshop, place: Place, candidate: Candidate) -> tuple[int, ...
     return tuple(RESIDUES.scaled(numbers, RESIDUES.inverse(first)))
 
 
-def _holds_in(shop: Workshop, place: Place, candidate: Candidate) -> bool:
+def _holds_in(shop: Workshop, place: Drawn, candidate: Candidate) -> bool:
     totals = _totals(shop, place, candidate)
     return None not in totals and len(set(totals)) == 1
 
 
-def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate) -> bool:
+def trivial(shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: Candidate) -> bool:
     """Tell whether a repair says nothing: two members alike, or all of them zero anyway.
 
     ``there``: the worlds where least and where most is assumed; a line that says itself that something
@@ -196,15 +215,16 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: C
 
 
 def _never_changes(
-    shop: Workshop, tree: Node, there: tuple[Place, Place], candidate: Candidate
+    shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: Candidate
 ) -> bool:
     """Tell whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
     (path,) = (m.path for m in shop.line.members if m.path is not None)
     value = valued(shop.line.elaborator, at(tree, path))
     if value is None or there[1].number(value.term) == 0:
         return True
-    if shop.line.claim.model is not None and on_solutions(shop.line.claim):
-        return not moves(value.term, shop.line, shop.line.claim.model)
+    models = shop.line.models()
+    if isinstance(models, Solutions):
+        return not models.moves(value.term)
     return all(t == 0 for t in _totals(shop, there[0], candidate))
 
 
@@ -240,3 +260,149 @@ def _tautology(claim: Claim, candidate: Candidate) -> bool:
     """Tell whether an equation has become one of a thing with itself, by other letters."""
     same = len(claim.members) == 2 and claim.members[0].term == claim.members[1].term
     return same and any(o.slip.name in REPLACING for o in candidate.options)
+
+
+# -- cells of tables that may be at fault ----------------------------------------------------------
+
+
+Cell = tuple[int, int]
+_Difference = Callable[[Drawn, Member, Member], "tuple[Node, list[int]] | None"]
+
+_BODIES: Mapping[type[Node], str] = {
+    Boxed: "body",
+    Braced: "body",
+    Group: "body",
+    Integral: "integrand",
+    Scripts: "base",
+}
+"""What may stand around a table without moving its cells, and the field that holds the table."""
+
+
+@dataclass(frozen=True)
+class Suspects:
+    """Where a table stands in a term, and its cells that may be at fault."""
+
+    path: Path
+    cells: frozenset[Cell]
+
+    def spares(self, path: Path) -> bool:
+        """Tell whether a place lies in a cell that is not at fault."""
+        n = len(self.path)
+        if path[:n] != self.path or len(path) <= n:
+            return False
+        name, numbers = path[n]
+        return name == "rows" and numbers not in self.cells
+
+
+@dataclass(frozen=True)
+class _Table:
+    """A table within a term; ``whole``: whether its cells are the components, not its rows alone."""
+
+    path: Path
+    node: Matrix
+    whole: bool
+
+    @property
+    def cells(self) -> list[Cell]:
+        return [(r, c) for r, row in enumerate(self.node.rows) for c in range(len(row))]
+
+
+def _table(line: Line, root: Node) -> _Table | None:
+    """Return the table on which the components of a term depend cell by cell, or row by row."""
+    path: Path = ()
+    whole = True
+    while True:
+        here = at(root, path)
+        if isinstance(here, Matrix):
+            return _Table(path, here, whole)
+        if isinstance(here, Product) and not here.operator:
+            tables = [k for k, f in enumerate(here.factors) if not _is_scalar(line, f)]
+            if not tables:
+                return None
+            whole = whole and len(tables) == 1
+            path = (*path, ("factors", (tables[0],)))
+        elif type(here) in _BODIES and not (isinstance(here, Scripts) and here.sup is not None):
+            path = (*path, (_BODIES[type(here)], ()))
+        else:
+            return None
+
+
+def _is_scalar(line: Line, node: Node) -> bool:
+    value = valued(line.elaborator, node)
+    return value is not None and value.shape == SCALAR
+
+
+def suspects(
+    line: Line,
+    values: Mapping[Addend, Value | None],
+    differences: Iterable[Mapping[tuple[int, int], list[int]]],
+) -> dict[Addend, Suspects]:
+    """Return the cells that may be at fault, by terms that have a table.
+
+    ``differences``: in several worlds, what members differ by, by components, for pairs of members.
+    """
+    differing = list(differences)
+    found = {}
+    for member in line.members:
+        for addend in member.addends:
+            table = _table(line, addend.node)
+            if table is None:
+                continue
+            own = values.get(addend)
+            size = 9 if own is not None and own.shape == MATRIX else 3
+            wrong = _unlike(line, table) if own is None else _least(table, size, member, differing)
+            if wrong and len(wrong) < len(table.cells):
+                found[addend] = Suspects(table.path, wrong)
+    return found
+
+
+def _unlike(line: Line, table: _Table) -> frozenset[Cell]:
+    """Return the cells that have no value, or another dimension than most."""
+    kinds = {}
+    for r, c in table.cells:
+        value = valued(line.elaborator, table.node.rows[r][c])
+        kinds[(r, c)] = (value is not None, None if value is None else signature(value))
+    counted = Counter(k for k in kinds.values() if k[0] and k[1] is not None)
+    if not counted:
+        return frozenset()
+    usual = counted.most_common(1)[0][0]
+    return frozenset(c for c, k in kinds.items() if k not in (usual, (True, None)))
+
+
+def _least(
+    table: _Table, size: int, member: Member, differing: list[Mapping[tuple[int, int], list[int]]]
+) -> frozenset[Cell]:
+    """Return the fewest cells that differ from another member in a world where any do."""
+    sets = [
+        frozenset(_at_fault(table, size, numbers))
+        for world in differing
+        for pair, numbers in world.items()
+        if member.number in pair
+    ]
+    return min((s for s in sets if s), key=len, default=frozenset())
+
+
+def _at_fault(table: _Table, size: int, numbers: list[int]) -> Iterator[Cell]:
+    """Yield the cells whose components differ; there are ``size`` of them for each numbering."""
+    wrong = {k % size for k, n in enumerate(numbers) if n % PRIME}
+    cells, rows = table.cells, len(table.node.rows)
+    if table.whole and size == len(cells):
+        yield from (cells[k] for k in sorted(wrong))
+    elif size % rows == 0 and not table.whole:
+        width = size // rows
+        bad = {k // width for k in wrong}
+        yield from (c for c in cells if c[0] in bad)
+
+
+def by_components(
+    place: Drawn, members: Iterable[Member], difference: _Difference
+) -> dict[tuple[int, int], list[int]]:
+    """Return what members differ by in a world, component by component, for pairs of them."""
+    found = {}
+    listed = list(members)
+    for k, a in enumerate(listed):
+        for b in listed[k + 1 :]:
+            both = difference(place, a, b)
+            if both is not None:
+                found[(a.number, b.number)] = both[1]
+    return found

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 
 from eom.checker.judge.inequalities import ORDERS
 from eom.checker.judge.judge import HOLDS, UNDER, judge
+from eom.checker.judge.models import Drawn
 from eom.checker.judge.notes import Understood, reread
-from eom.checker.judge.systems import on_solutions
 from eom.checker.judge.verdicts import GRAVE, Judged
 from eom.checker.mean.lexicon import Lexicon, Meaning
 from eom.checker.read.grammar import read_tokens
@@ -28,15 +28,12 @@ from eom.checker.read.spans import NOWHERE, ReadingError, Source, Span
 from eom.checker.read.syntax import Addition, Matrix, Missing, Node
 from eom.checker.read.tokens import tokenize
 from eom.checker.read.writing import latex
-from eom.checker.repair.candidates import Candidate, Workshop
+from eom.checker.repair.candidates import Candidate, Workshop, leftover
 from eom.checker.repair.corrections import Verified, corrections, levels, workshop
 from eom.checker.repair.counterexample import counterexample
-from eom.checker.repair.lines import Line, Place, line, penalty
-from eom.checker.repair.options import Option
+from eom.checker.repair.lines import Line, line, penalty
 from eom.checker.repair.orders import between_scalars, unordered
-from eom.checker.repair.remainder import leftover
-from eom.checker.repair.slips import LOST
-from eom.checker.repair.stated import stated
+from eom.checker.repair.slips import LOST, Option
 from eom.checker.report.findings import UNEXPLAINED, Correction, Counterexample, Explanation
 
 
@@ -88,11 +85,10 @@ def corrected(
 
 
 def _fails(
-    shop: Workshop, candidate: Candidate | None, place: Place, given: tuple[str, ...]
+    shop: Workshop, candidate: Candidate | None, place: Drawn, given: tuple[str, ...]
 ) -> Counterexample | None:
     """Return small numbers for which a line fails, with what they assume beyond what is given."""
-    on_states = on_solutions(shop.line.claim)
-    found = (stated if on_states else counterexample)(shop, candidate, place)
+    found = counterexample(shop, candidate, place)
     if found is None:
         return None
     return replace(found, assumptions=tuple(n for n in found.assumptions if n not in given))

@@ -1,22 +1,19 @@
-"""A line as an equation between members that are sums: its terms, what they are worth in a world.
+"""A line as an equation between members that are sums: its terms, and what they count.
 
 The terms of both sides add up to the residual; a term with a slip in it changes the residual by itself,
-whatever the others do. So slips in several terms are found by adding numbers.
+whatever the others do. So slips in several terms are found by adding the numbers that they have in a model.
 
-Worlds in which repairs are looked for: from what derivations usually assume to special motions.
-
-A repair that holds under some assumptions holds under more; so it is looked for where much is assumed,
-and judged afterwards.
+What a note writes with: symbols, labels and marks that may have been meant at a place of it.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from eom.checker.judge.inequalities import ORDERS
-from eom.checker.judge.judge import contexts
+from eom.checker.judge.judge import models_of
+from eom.checker.judge.models import Models
 from eom.checker.judge.notes import Understood
 from eom.checker.mean.claims import (
     CONSTANT,
@@ -31,25 +28,40 @@ from eom.checker.mean.claims import (
 from eom.checker.mean.dimensions import Dimension
 from eom.checker.mean.elaborate import RULES
 from eom.checker.mean.elaborator import Elaborator
+from eom.checker.mean.lexicon import AXES, Lexicon
 from eom.checker.mean.values import Refusal, Value, mixed, overdot
-from eom.checker.read.paths import Path, find
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.paths import Path, at, find, operands
 from eom.checker.read.statements import Statement
-from eom.checker.read.syntax import Accent, Addition, Boxed, Group, Node, Scripts, Symbol
+from eom.checker.read.symbol_shape import Labels, labels, seen
+from eom.checker.read.syntax import (
+    Accent,
+    Addition,
+    BigOperator,
+    Boxed,
+    Call,
+    Derivative,
+    Differential,
+    Group,
+    Integral,
+    Marks,
+    Node,
+    Number,
+    Product,
+    Quotient,
+    Scripts,
+    Symbol,
+    children,
+    walk,
+)
 from eom.errors import InputError
-from eom.exact.series import Series
-from eom.fields import PRIME, Singular
-from eom.terms.terms import Term, zero
-from eom.worlds.evaluate import Evaluator
-from eom.worlds.generators import world
-from eom.worlds.worlds import SEQUENCES, closure
+from eom.terms.terms import COLUMN, INDICES, VECTOR, zero
+from eom.worlds.worlds import SEQUENCES
 
 Signature = tuple[str, int, Dimension | None]
 """Shape, density and dimension: what may be added has the same."""
 
-_WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
-SYMBOLS = (Symbol, Scripts, Accent)
-NUMBERINGS = 3
-"""How many ways to number free indices are looked at."""
+_SYMBOLS = (Symbol, Scripts, Accent)
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,7 @@ class Remembering(Elaborator):
 
     def value(self, node: Node) -> Value:
         """Return the typed value of a node. Raises `Refusal`."""
-        known = node if isinstance(node, SYMBOLS) else id(node)
+        known = node if isinstance(node, _SYMBOLS) else id(node)
         key = (known, self.depth, tuple(self.indices.items()))
         if key not in self.worked:
             try:
@@ -108,6 +120,10 @@ class Line:
     claim: Claim
     number: int
     elaborator: Elaborator
+
+    def models(self, given: Iterable[str] = ()) -> Models:
+        """Return models in which terms that were made of this line have values as well."""
+        return models_of(self.claim, given, self.elaborator.scalars)
 
 
 def line(understood: Understood, claim: Claim) -> Line | None:
@@ -212,114 +228,6 @@ def agrees(own: Signature | None, kind: Signature) -> bool:
     return same and (own[2] is None or kind[2] is None or own[2] == kind[2])
 
 
-@dataclass
-class Place(ABC):
-    """Where terms are numbers: all components and numberings mixed into one, modulo a prime.
-
-    ``names``: what is assumed there.
-    """
-
-    names: frozenset[str]
-    known: dict[Term, int | None] = field(default_factory=dict, kw_only=True)
-
-    def number(self, term: Term) -> int | None:
-        """Return the number of a term, None where it has none in this world."""
-        if term not in self.known:
-            self.known[term] = self._number(term)
-        return self.known[term]
-
-    def _number(self, term: Term) -> int | None:
-        values = self.values(term)
-        if values is None:
-            return None
-        return sum(w * v for w, v in zip(_WEIGHTS, values, strict=False)) % PRIME
-
-    @abstractmethod
-    def values(self, term: Term) -> list[int] | None:
-        """Return the components of a term at t = 0, None where it has none."""
-
-
-@dataclass
-class InWorld(Place):
-    """A world; ``labels``: free indices of the line."""
-
-    evaluator: Evaluator
-    labels: frozenset[str]
-
-    def values(self, term: Term) -> list[int] | None:
-        """Return the components at t = 0, for each numbering of the free indices."""
-        if term.is_zero:
-            return [0]
-        if not self.evaluator.labels(term) <= self.labels | {"dm"} and self._indices(term):
-            return None
-        found: list[int] = []
-        try:
-            for k, env in enumerate(self.evaluator.numberings(self.labels)):
-                if k == NUMBERINGS:
-                    break
-                found += [_first(s) for s in _flat(self.evaluator.value(term, env))]
-        except (InputError, Singular, KeyError):
-            return None
-        return found
-
-    def _indices(self, term: Term) -> bool:
-        """Whether a term has indices of its own; one that this world has nothing for has some."""
-        free = self.evaluator.labels(term) - self.labels
-        try:
-            return bool(next(iter(self.evaluator.numberings(free)), {}))
-        except InputError:
-            return True
-
-
-def _first(value: Series) -> int:
-    if not value.coefficients:
-        raise InputError("more derivatives than a world holds")
-    first: int = value.coefficients[0]
-    return first
-
-
-def _flat(value: object) -> list[Series]:
-    if isinstance(value, Series):
-        return [value]
-    return [s for part in value for s in _flat(part)]  # type: ignore[attr-defined]
-
-
-def place(
-    names: frozenset[str], scalars: Mapping[object, Term], terms: Iterable[Term]
-) -> Place | None:
-    """Return the first world under some assumptions where all terms have a value, or None."""
-    terms = list(terms)
-    for seed in range(4):
-        try:
-            evaluator = Evaluator(world(names, seed), scalars)
-            labels = frozenset().union(*(evaluator.labels(t) for t in terms))
-        except InputError:
-            return None
-        found = InWorld(names, evaluator, labels)
-        if all(found.number(t) is not None for t in terms):
-            return found
-    return None
-
-
-LEVELS: tuple[tuple[str, ...], ...] = (
-    ("body_frame", "newton_2", "third_law_strong", "about_centre"),
-    ("body_frame", "newton_2", "third_law_strong", "O_fixed_in_body", "O_fixed_in_space"),
-    ("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes", "C_at_rest"),
-    (
-        *("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes"),
-        *("A_fixed_in_body", "OA_at_centre", "no_torque_2"),
-    ),
-    (
-        *("body_frame", "newton_2", "third_law_strong", "about_centre", "principal_axes"),
-        *("symmetric", "no_torque_2", "no_torque_3"),
-    ),
-    (
-        *("body_frame", "newton_2", "third_law_strong", "about_centre", "torque_free"),
-        *("principal_axes", "A_fixed_in_body"),
-    ),
-)
-"""Sets of assumptions, the usual ones first; what cannot stand with the rest is left out."""
-
 PENALTIES: dict[str, float] = {
     "constant_mass": 0.1,
     "newton_2": 0.1,
@@ -351,35 +259,176 @@ def penalty(names: Iterable[str], stated: frozenset[str]) -> float:
     return sum(PENALTIES.get(n, UNUSUAL) for n in names if n not in stated)
 
 
-def places(
-    given: Iterable[str], scalars: dict[object, Term], terms: list[Term]
-) -> Iterator[tuple[Place, Place]]:
-    """Yield worlds where the terms have values: without more than is given, and one of each level."""
-    given = tuple(given)
-    for context in contexts([*terms, *scalars.values()]):
-        try:
-            base = closure([*given, *context])
-        except InputError:
-            continue
-        free = place(base, scalars, terms)
-        if free is None:
-            continue
-        done: set[frozenset[str]] = set()
-        for level in LEVELS:
-            names = filled(base, level)
-            if names not in done:
-                done.add(names)
-                there = place(names, scalars, terms)
-                if there is not None:
-                    yield free, there
-        return
+# -- what a note writes with -----------------------------------------------------------------------
 
 
-def filled(base: frozenset[str], level: Iterable[str]) -> frozenset[str]:
-    """Return a set with every name of a level that can stand with it."""
-    for name in level:
-        try:
-            base = closure([*sorted(base), name])
-        except InputError:
-            continue
-    return base
+SYMBOLS = 40
+"""Symbols of the note that are tried at most."""
+NEAR, VECTORS = 10, 5
+"""Factors around a line, and vectors, that are tried as lost ones at most."""
+
+
+def palette(understood: Understood, line: Line) -> Palette:
+    """Return what may have been meant in a line."""
+    lexicon = understood.lexicon
+    trees = list(around(understood))
+    known = list(dict.fromkeys(n for t in trees for n in symbols(t)))
+    own = [at(line.tree, m.path) for m in line.members if m.path is not None]
+    factors = list(dict.fromkeys(f for t in own for f in _factors(t)))
+    quantities = tuple(n for n in known if _is_quantity(n))[:SYMBOLS]
+    return Palette(
+        symbols=quantities,
+        factors=tuple(factors)[:12],
+        near=tuple(n for n in quantities if n not in factors)[:NEAR],
+        vectors=tuple(n for n in quantities if _shape(line, n) in {VECTOR, COLUMN})[:VECTORS],
+        omegas=tuple(n for n in known if _is_omega(lexicon, n))[:3],
+        labels=tuple(_rows(lexicon, trees)),
+        frames=tuple(_frames(lexicon, trees)),
+        marks=_marks(lexicon, trees),
+        skew=lexicon.notation.skew,
+    )
+
+
+def around(understood: Understood) -> Iterator[Node]:
+    """Yield the trees of a note, the closest first, the line's own before all."""
+    around = understood.around
+    if understood.formula.reading is not None:
+        yield understood.formula.reading.tree
+    numbered = sorted(enumerate(around.trees), key=lambda kt: (abs(kt[0] - around.number), kt[0]))
+    yield from (t for _, t in numbered[:40])
+    for layer in understood.lexicon.layers:
+        for entry in layer:
+            if not entry.slots:
+                try:
+                    yield read_formula(entry.latex).tree
+                except InputError:
+                    continue
+
+
+def symbols(tree: Node) -> Iterator[Node]:
+    """Yield symbols with their accents and scripts, the outermost alone."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        if seen(node) is not None:
+            yield node
+        else:
+            bound = isinstance(node, Scripts | Derivative | Integral | BigOperator | Differential)
+            below = _inside(node) if bound else children(node)
+            stack += reversed(below)
+
+
+def _inside(node: Node) -> tuple[Node, ...]:
+    return tuple(n for _, n in operands(node))
+
+
+def _is_quantity(node: Node) -> bool:
+    given = seen(node)
+    return given is not None and given.look.name.isalpha() and not isinstance(node, Group)
+
+
+def _shape(line: Line, node: Node) -> str:
+    """Return the shape of a symbol, "" where it has no value."""
+    value = valued(line.elaborator, node)
+    return "" if value is None else value.shape
+
+
+def _is_omega(lexicon: Lexicon, node: Node) -> bool:
+    """Tell whether a symbol is an angular velocity as a vector, without dots."""
+    given = seen(node)
+    if given is None or given.dots:
+        return False
+    for look in (given.with_label(), given.look):
+        found = lexicon.find(look) if look is not None else None
+        if found is not None:
+            whole = not found.meaning.component
+            return found.meaning.quantity == "angular_velocity" and whole
+    return False
+
+
+def _factors(tree: Node) -> Iterator[Node]:
+    """Yield what stands as a factor: symbols, numbers apart, functions, derivatives, brackets."""
+    for node in walk(tree):
+        if isinstance(node, Product | Quotient):
+            parts = node.factors if isinstance(node, Product) else (node.left, node.right)
+            yield from (p for p in parts if _is_factor(p))
+    yield from (n for n in symbols(tree) if _is_quantity(n))
+
+
+def _is_factor(node: Node) -> bool:
+    return (_is_quantity(node) or isinstance(node, Call | Group | Derivative)) and not isinstance(
+        node, Number
+    )
+
+
+def _marks(lexicon: Lexicon, trees: Iterable[Node]) -> tuple[str, ...]:
+    """Return the raised marks of derivatives that the note uses."""
+    used = {m for t in trees for n in walk(t) if isinstance(n, Marks) for m in n.names}
+    return tuple(m for m in lexicon.notation.marks if m in used)
+
+
+# -- labels --------------------------------------------------------------------------------------
+
+
+def _rows(lexicon: Lexicon, trees: Iterable[Node]) -> Iterator[tuple[Node, ...]]:
+    """Yield the labels of scripts that the note uses, those of one kind together."""
+    leaves = dict.fromkeys(n for t in trees for n in _leaves(t))
+    indices = {(name,): name for name in INDICES - {"dm"}}
+    axes = {(name,): name for name in set(AXES) - {"1", "2", "3"}}
+    for names in (lexicon.points, lexicon.frames, indices, axes):
+        row = tuple(n for n in leaves if labels(n) in names)
+        if len(row) > 1:
+            yield row
+
+
+def _leaves(tree: Node) -> Iterator[Node]:
+    for node in walk(tree):
+        if isinstance(node, Scripts):
+            scripts = (node.sub, node.sup, node.presub, node.presup)
+            for script in (s for s in scripts if s is not None):
+                yield script
+                yield from (n for n in walk(script) if isinstance(n, Symbol))
+
+
+def _frames(lexicon: Lexicon, trees: list[Node]) -> list[Node]:
+    """Return a label for each frame, as the note writes it: of derivatives first."""
+    written = [n.frame for t in trees for n in walk(t) if isinstance(n, Derivative) and n.frame]
+    written += [n for t in trees for n in _leaves(t)]
+    return list(_named(lexicon.frames, written).values())[:4]
+
+
+def _named(frames: Mapping[Labels, str], written: Iterable[Node]) -> dict[str, Node]:
+    found: dict[str, Node] = {}
+    for node in written:
+        name = frames.get(labels(node))
+        if name is not None:
+            found.setdefault(name, node)
+    for given, name in frames.items():
+        if name not in found and len(given) == 1 and given[0].isalpha():
+            found[name] = Symbol(given[0])
+    return found
+
+
+Offer = tuple[Node, float]
+"""What may have been meant, and what is added to the weight of the slip."""
+
+
+@dataclass(frozen=True)
+class Palette:
+    """What a note writes with: symbols and labels that may have been meant, the closest first.
+
+    ``marks``: raised marks that are derivatives; ``skew``: accents of skew matrices; ``labels``: rows of
+    labels that may stand for each other (points, frames, axes, indices); ``frames``: of derivatives;
+    ``factors``: of the line itself; ``near``: others that stand around it; ``vectors``: of the line and
+    around it; ``omegas``: angular velocities.
+    """
+
+    symbols: tuple[Node, ...] = ()
+    factors: tuple[Node, ...] = ()
+    near: tuple[Node, ...] = ()
+    vectors: tuple[Node, ...] = ()
+    omegas: tuple[Node, ...] = ()
+    labels: tuple[tuple[Node, ...], ...] = ()
+    frames: tuple[Node, ...] = ()
+    marks: tuple[str, ...] = ()
+    skew: tuple[str, ...] = ()

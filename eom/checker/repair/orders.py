@@ -5,10 +5,10 @@ Why a relation between free scalars is wrong: slips that were made, what is left
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
+from itertools import chain, islice, pairwise
 from typing import Any
 
 import sympy as sp
@@ -27,10 +27,19 @@ from eom.checker.read.syntax import Addition, Group, Integral, Node, Number, Rel
 from eom.checker.read.writing import latex
 from eom.checker.repair.candidates import Workshop
 from eom.checker.repair.counterexample import base_of, failing
-from eom.checker.repair.lines import Addend, Line, _statement, line, worth
-from eom.checker.repair.lost import Pools
-from eom.checker.repair.palette import Palette, around, palette, symbols
-from eom.checker.repair.slips import Edit, edits
+from eom.checker.repair.lines import (
+    Addend,
+    Line,
+    Palette,
+    _statement,
+    around,
+    line,
+    palette,
+    symbols,
+    worth,
+)
+from eom.checker.repair.residual import Pools
+from eom.checker.repair.slips import edits
 from eom.checker.report.findings import Correction, Counterexample, Explanation
 from eom.errors import InputError
 from eom.fields import Singular
@@ -122,19 +131,49 @@ def _bracketed(node: Node) -> Node:
 # -- repairs -----------------------------------------------------------------------------------------
 
 
+def _edited(
+    tree: Node, sides: Iterable[tuple[Path | None, float]], have: Palette, most: int
+) -> Iterator[_Tried]:
+    """Yield a formula with one slip undone in a side, the likeliest first.
+
+    ``sides``: their places, and what it weighs more to edit them; ``most``: slips that are tried.
+    """
+    found = [
+        (e.weight + more, e, path)
+        for path, more in sides
+        if path is not None
+        for e in edits(at(tree, path), have)
+    ]
+    for _, edit, path in sorted(found, key=lambda f: f[0])[:most]:
+        change = f"{edit.slip.words}: ${latex(edit.old)}$ should be ${latex(edit.new)}$"
+        whole = put(tree, path, edit.tree)
+        yield _Tried(whole, change, edit.slip.name, at(tree, path), latex(edit.tree))
+
+
+def _corrected(
+    understood: Understood, tried: Iterable[_Tried], mends: Callable[[tuple[Claim, ...]], bool]
+) -> Iterator[Correction]:
+    """Yield those formulas of which the claims are right when they are read again."""
+    for one in tried:
+        with suppress(InputError):
+            claims = reread(understood, one.tree)
+            if len(claims) == len(understood.claims) and mends(claims):
+                text = latex(one.tree)
+                yield Correction(text, one.change, one.slip, one.place.span, one.new)
+
+
 def _repairs(
     understood: Understood, wrong: Line, k: int, given: tuple[str, ...]
 ) -> Iterator[Correction]:
-    number = wrong.number
-    for tried in (*_turned(wrong, k), *islice(_slips(understood, wrong, k), TRIED)):
-        claims = reread(understood, tried.tree)
-        if len(claims) != len(understood.claims) or claims[number].verdict:
-            continue
-        link = _alone(claims[number], k)
-        if _empty(link) or not _may_hold(link) or judge(link, given).verdict != HOLDS:
-            continue
-        text = latex(tried.tree)
-        yield Correction(text, tried.change, tried.slip, tried.place.span, tried.new)
+    sides = [(m.path, 0.0) for m in wrong.members[k : k + 2]]
+    slips = _edited(wrong.tree, sides, palette(understood, wrong), TRIED)
+
+    def mends(claims: tuple[Claim, ...]) -> bool:
+        claim, link = claims[wrong.number], _alone(claims[wrong.number], k)
+        possible = not claim.verdict and not _empty(link) and _may_hold(link)
+        return possible and judge(link, given).verdict == HOLDS
+
+    return _corrected(understood, chain(_turned(wrong, k), slips), mends)
 
 
 def _may_hold(link: Claim) -> bool:
@@ -179,19 +218,6 @@ def _relation(wrong: Line, k: int) -> tuple[Path, Relation, int] | None:
     return None
 
 
-def _slips(understood: Understood, wrong: Line, k: int) -> Iterator[_Tried]:
-    """Yield the line with one slip undone in a side of a link, the likeliest first."""
-    have = palette(understood, wrong)
-    found = []
-    for member in wrong.members[k : k + 2]:
-        if member.path is not None:
-            found += [(e, member.path) for e in edits(at(wrong.tree, member.path), have)]
-    for edit, path in sorted(found, key=lambda f: f[0].weight):
-        tree = put(wrong.tree, path, edit.tree)
-        change = f"{edit.slip.words}: ${latex(edit.old)}$ should be ${latex(edit.new)}$"
-        yield _Tried(tree, change, edit.slip.name, at(wrong.tree, path), latex(edit.tree))
-
-
 TRIED_SCALARS = 240
 """Slips that are tried at most."""
 INSIDE = 0.2
@@ -232,9 +258,6 @@ def _blamed(found: tuple[Link, ...], members: tuple[Node, ...], k: int) -> tuple
     return (members[0 if last and k == 0 else 1].span,)
 
 
-# -- repairs -----------------------------------------------------------------------------------------
-
-
 def _scalar_repairs(
     understood: Understood,
     claim: Claim,
@@ -248,24 +271,24 @@ def _scalar_repairs(
     """
     tree = understood.formula.reading.tree  # type: ignore[union-attr]
     number = next(j for j, c in enumerate(understood.claims) if c is claim)
-    paths = [find(tree, m) for m in members]
-    have = Palette(symbols=(near := _near(understood, members)), factors=near[:8], near=())
-    pairs = [
-        (e.weight + (INSIDE if _integrates(m) else 0.0), e, p)
-        for m, p in zip(members, paths, strict=True)
-        for e in edits(m, have)
-    ]
+    sides = [(find(tree, m), INSIDE if _integrates(m) else 0.0) for m in members]
+    near = _near(understood, members)
     done: set[tuple[Expr, ...]] = set()
-    for _, edit, path in sorted(pairs, key=lambda f: f[0])[:TRIED_SCALARS]:
-        if path is None:
-            continue
-        whole = put(tree, path, edit.tree)
-        sides = _mended(understood, whole, number, k)
-        if sides and sides not in done:
-            done.add(sides)
-            yield _correction(edit, whole, at(tree, path))
-    if not done:
-        yield from _valued(understood, claim, members, k, letters)
+
+    def mends(claims: tuple[Claim, ...]) -> bool:
+        found = _mended(understood, claims, number, k)
+        new = bool(found) and found not in done
+        done.add(found)
+        return new
+
+    slips = _edited(tree, sides, Palette(symbols=near, factors=near[:8], near=()), TRIED_SCALARS)
+    found = _corrected(understood, slips, mends)
+    first = next(found, None)
+    if first is not None:
+        yield first
+        yield from found
+    else:
+        yield from _corrected(understood, _valued(tree, claim, members, k, letters), mends)
 
 
 def _integrates(node: Node) -> bool:
@@ -273,45 +296,33 @@ def _integrates(node: Node) -> bool:
 
 
 def _valued(
-    understood: Understood,
-    claim: Claim,
-    members: tuple[Node, ...],
-    k: int,
-    letters: Mapping[str, str],
-) -> Iterator[Correction]:
+    tree: Node, claim: Claim, members: tuple[Node, ...], k: int, letters: Mapping[str, str]
+) -> Iterator[_Tried]:
     """Yield the formula with one side replaced by the value of the other."""
-    tree = understood.formula.reading.tree  # type: ignore[union-attr]
-    number = next(j for j, c in enumerate(understood.claims) if c is claim)
     place = 0 if _integrates(members[1]) and not _integrates(members[0]) else 1
-    path = find(tree, members[place])
+    old, path = members[place], find(tree, members[place])
     value = sp.factor_terms(sp.expand(expressions(claim)[k + 1 - place]))
     with suppress(InputError):
         new = read_formula(_named(value, letters)).tree
         whole = put(tree, path, new) if path is not None else tree
-        if _mended(understood, whole, number, k):
-            change = f"another value: ${latex(members[place])}$ should be ${latex(new)}$"
-            yield Correction(latex(whole), change, "value", members[place].span, latex(new))
+        change = f"another value: ${latex(old)}$ should be ${latex(new)}$"
+        yield _Tried(whole, change, "value", old, latex(new))
 
 
-def _mended(understood: Understood, tree: Node, number: int, k: int) -> tuple[Expr, ...]:
-    """Return both sides of a link that is an identity in another tree; none where it is not."""
-    with suppress(InputError):
-        claims = reread(understood, tree)
-        claim = claims[number] if len(claims) == len(understood.claims) else None
-        if claim is None or claim.parameters is None:
-            return ()
-        found = links(claim)
-        nodes = _statement(replace(understood, claims=claims), claim)
-        alike = nodes is None or any(a == b for a, b in pairwise(nodes.members))
-        good = len(found) > k and found[k].kind in {IDENTITY, RESTS}
-        if good and not alike and FALSE not in {f.kind for f in found}:
-            return tuple(sp.expand(e) for e in expressions(claim)[k : k + 2])
+def _mended(
+    understood: Understood, claims: tuple[Claim, ...], number: int, k: int
+) -> tuple[Expr, ...]:
+    """Return both sides of a link that is an identity in another formula; none where it is not."""
+    claim = claims[number]
+    if claim.parameters is None:
+        return ()
+    found = links(claim)
+    nodes = _statement(replace(understood, claims=claims), claim)
+    alike = nodes is None or any(a == b for a, b in pairwise(nodes.members))
+    good = len(found) > k and found[k].kind in {IDENTITY, RESTS}
+    if good and not alike and FALSE not in {f.kind for f in found}:
+        return tuple(sp.expand(e) for e in expressions(claim)[k : k + 2])
     return ()
-
-
-def _correction(edit: Edit, tree: Node, old: Node) -> Correction:
-    change = f"{edit.slip.words}: ${latex(edit.old)}$ should be ${latex(edit.new)}$"
-    return Correction(latex(tree), change, edit.slip.name, old.span, latex(edit.tree))
 
 
 def _near(understood: Understood, members: tuple[Node, ...]) -> tuple[Node, ...]:

@@ -1,17 +1,29 @@
-"""What is left over in a wrong line, in the writer's own symbols: short sums of products of its factors."""
+"""What is left over in a wrong line, in the writer's own symbols: short sums of products of its factors.
+
+Of a line about a system it is known without a search. Terms that a line has lost: its residual fitted by
+products of its own factors, whole or by entries.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from fractions import Fraction as Ratio
+from functools import cached_property
 from itertools import combinations_with_replacement, pairwise, product
 
+import sympy as sp
+
+from eom.checker.judge.models import Drawn
+from eom.checker.judge.systems import Solutions, equations, residual
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.dimensions import RATE, Dimension
 from eom.checker.mean.elaborate import abbreviated
+from eom.checker.mean.model import printed
 from eom.checker.mean.values import ROW, Value
-from eom.checker.read.paths import operands
+from eom.checker.read.grammar import read_formula
+from eom.checker.read.paths import NOTHING, Path, at, operands, places, put
 from eom.checker.read.symbol_shape import seen
 from eom.checker.read.syntax import (
     Addition,
@@ -19,15 +31,28 @@ from eom.checker.read.syntax import (
     Derivative,
     Fraction,
     Group,
+    Matrix,
     Node,
     Number,
     Product,
     Scripts,
     children,
 )
-from eom.checker.repair.lines import Line, Place, Signature, agrees, signature, valued, worth
-from eom.checker.repair.slips import dotted
-from eom.fields import PRIME, RESIDUES
+from eom.checker.read.writing import latex
+from eom.checker.repair.lines import (
+    Addend,
+    Line,
+    Member,
+    Signature,
+    agrees,
+    signature,
+    valued,
+    worth,
+)
+from eom.checker.repair.slips import LOST, Option, dotted
+from eom.errors import InputError
+from eom.fields import PRIME, RESIDUES, Singular
+from eom.system import Expr
 from eom.terms.terms import COLUMN, DYADIC, MATRIX, SCALAR, VECTOR, Term
 
 COEFFICIENTS: tuple[Ratio, ...] = tuple(
@@ -254,9 +279,11 @@ _SHAPES: dict[str, tuple[tuple[tuple[str, ...], _Join], ...]] = {
 # -- fits ----------------------------------------------------------------------------------------
 
 
-def fits(place: Place, pool: Sequence[Item], wanted: int) -> Iterator[tuple[Piece, ...]]:
-    """Yield single products that have a number in a world; without any, a sum of two."""
-    numbers = [(place.number(i.term), i) for i in pool]
+def fits(
+    number_of: Callable[[Term], int | None], pool: Sequence[Item], wanted: int
+) -> Iterator[tuple[Piece, ...]]:
+    """Yield single products that have a number in a model; without any, a sum of two."""
+    numbers = [(number_of(i.term), i) for i in pool]
     known = [(n, i) for n, i in numbers if n]
     scaled: dict[int, list[Piece]] = {}
     for coefficient in COEFFICIENTS:
@@ -310,3 +337,223 @@ def total(pieces: Iterable[Piece]) -> Node:
     if len(pairs) == 1 and not signs[0]:
         return pairs[0][1]
     return Addition(tuple(n for _, n in pairs), tuple(signs))
+
+
+# -- what is left over ---------------------------------------------------------------------------
+
+
+def remains(line: Line, near: Sequence[Node], given: Iterable[str] = ()) -> tuple[Node, ...]:
+    """Return what is left over of an equation on the solutions, whole and term by term.
+
+    ``near``: symbols of the writer, which it is written with. Nothing is where that would be long.
+    """
+    models = line.models(given)
+    if not isinstance(models, Solutions):
+        return ()
+    letters = _letters(line, near, models)
+    found: dict[Node, None] = {}
+    try:
+        for pair in equations(line.claim, models.model):
+            whole = residual(models.model.system, pair, models.held)
+            parts = () if whole is None else (whole, *sp.Add.make_args(sp.expand(whole)))
+            found |= {read_formula(_latex(part, letters)).tree: None for part in parts}
+    except (InputError, Singular):
+        return ()
+    return tuple(found)
+
+
+def _letters(line: Line, near: Sequence[Node], models: Solutions) -> dict[Expr, str]:
+    """Return the LaTeX of the quantities of a system: as the writer has it, else as it is printed."""
+    found: dict[Expr, str] = {}
+    for node in near:
+        value = valued(line.elaborator, node)
+        with suppress(InputError):
+            if value is not None:
+                meant = models.written(value.term)
+                if meant.is_Symbol:
+                    found.setdefault(meant, latex(node))
+    model = models.model
+    for name, q in model.quantities.items():
+        base = model.quantities.get(name.removesuffix("_dot"), q)
+        if base is not q:
+            found.setdefault(q.symbol, rf"\dot{{{found.get(base.symbol, printed(base))}}}")
+        found.setdefault(q.symbol, model.letters.get(name, printed(q)))
+    return found
+
+
+def _latex(expression: Expr, letters: dict[Expr, str]) -> str:
+    return str(sp.latex(expression, symbol_names=letters, fold_short_frac=False))
+
+
+# -- lost terms ------------------------------------------------------------------------------------
+
+
+@dataclass
+class Pools:
+    """Products of the factors of a line by signature, made once.
+
+    ``near``: symbols that stand around the line, factors as well where ``wide``; ``known``:
+    gives what is left over where that is known without a search.
+    """
+
+    line: Line
+    values: Mapping[Addend, Value | None]
+    near: tuple[Node, ...] = ()
+    known: Callable[[], Sequence[Node]] = tuple
+    wide: bool = False
+    made: dict[tuple[tuple[Node, ...], Signature], list[Item]] = field(default_factory=dict)
+
+    def pool(self, roots: Sequence[Node], kind: Signature) -> list[Item]:
+        """Return products of the factors below some nodes, but for what stands in the line as a term."""
+        key = (tuple(roots), kind)
+        if key not in self.made:
+            standing = {i.term for i in self.own(kind)}
+            made = list(self._known(kind)) if self.left else items(self.line, roots, kind)
+            self.made[key] = [i for i in made if i.term not in standing]
+        return self.made[key]
+
+    def widened(self) -> Pools:
+        """Return pools with the symbols around the line as factors as well."""
+        return replace(self, wide=True, made={})
+
+    @cached_property
+    def left(self) -> Sequence[Node]:
+        """What is known to be left over, whole and term by term; none where it must be looked for."""
+        return self.known()
+
+    def _known(self, kind: Signature) -> Iterator[Item]:
+        for node in self.left:
+            value = valued(self.line.elaborator, node)
+            if value is not None and not value.is_zero and agrees(signature(value), kind):
+                yield Item(node, value.term, kind)
+
+    def own(self, kind: Signature) -> list[Item]:
+        """Return the terms of the line."""
+        return [
+            Item(a.node, v.term, kind)
+            for a, v in self.values.items()
+            if v is not None and not v.is_zero and agrees(signature(v), kind)
+        ]
+
+    @property
+    def roots(self) -> list[Node]:
+        """The members that stand in the line."""
+        own = [at(self.line.tree, m.path) for m in self.line.members if m.path is not None]
+        return [*own, *self.near] if self.wide else own
+
+
+def weight(pieces: Sequence[Piece]) -> float:
+    """Return how implausible it is that these terms were lost together."""
+    found = LOST.weight + 0.7 * (len(pieces) - 1)
+    for piece in pieces:
+        factors = sum(1 for _ in places(piece.item.node))
+        found += 0.05 * factors + (0.2 if abs(piece.coefficient) != 1 else 0.0)
+    return found
+
+
+def lost_terms(
+    pools: Pools, place: Drawn, member: Member, kind: Signature, need: int
+) -> Iterator[Option]:
+    """Yield terms that a member needs so that its number grows by ``need``."""
+    if member.path is None or not member.addends:
+        return
+    for pieces in fits(place.number, pools.pool(pools.roots, kind), need):
+        parts = [scaled(p) for p in pieces]
+        sign = -1 if parts[0][0] == "-" else 1
+        node = total([replace(p, coefficient=p.coefficient * sign) for p in pieces])
+        value = worth(pools.line, node)
+        if value is not None:
+            addend = replace(member.addends[-1], sign=sign, node=NOTHING)
+            kept = (LOST, weight(pieces), NOTHING, node, node, sign, value.term, signature(value))
+            yield Option(addend, *kept)
+
+
+# -- by entries ------------------------------------------------------------------------------------
+
+
+def entry_terms(
+    pools: Pools, place: Drawn, addend: Addend, need: Sequence[int]
+) -> Iterator[Option]:
+    """Yield a table of entries with terms added where its entries need some.
+
+    ``need``: by how much its components must grow, one for each entry.
+    """
+    found = _table(addend.node)
+    if found is None:
+        return
+    path, table = found
+    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
+    if len(cells) != len(need):
+        return
+    tree: Node = table
+    cost, changed = 0.0, dict[tuple[int, int], str]()
+    for cell, wanted in zip(cells, need, strict=True):
+        if wanted % PRIME == 0:
+            continue
+        pieces = _entry(pools, place, table, cell, wanted)
+        if pieces is None:
+            return
+        tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
+        changed[cell] = " ".join(f"{s} {latex(n)}" for s, n in map(scaled, pieces))
+        cost += weight(pieces)
+    node = put(addend.node, path, tree)
+    value = worth(pools.line, node)
+    if value is not None and changed:
+        inside: Path = (("rows", next(iter(changed))),) if len(changed) == 1 else ()
+        old, new = at(table, inside), at(tree, inside)
+        kept = (LOST, cost, old, new, node, addend.sign, value.term, signature(value))
+        yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
+
+
+def entry_residual(pools: Pools, place: Drawn, node: Node, numbers: Sequence[int]) -> Node | None:
+    """Return a table of what entries have too much, by factors of the same entries; None for none."""
+    found = _table(node)
+    if found is None:
+        return None
+    _, table = found
+    cells = [(r, c) for r, row in enumerate(table.rows) for c in range(len(row))]
+    if len(cells) != len(numbers):
+        return None
+    tree: Node = table
+    for cell, number in zip(cells, numbers, strict=True):
+        pieces = _entry(pools, place, table, cell, number) if number % PRIME else ()
+        if pieces is None:
+            return None
+        tree = put(tree, (("rows", cell),), total(pieces) if pieces else Number("0"))
+    return tree
+
+
+def _table(node: Node) -> tuple[Path, Matrix] | None:
+    for path, here in places(node):
+        if isinstance(here, Matrix) and sum(map(len, here.rows)) in {3, 9}:
+            return path, here
+    return None
+
+
+def _entry(
+    pools: Pools, place: Drawn, table: Matrix, cell: tuple[int, int], wanted: int
+) -> tuple[Piece, ...] | None:
+    """Return what an entry lacks, by its own factors, then by those of all entries."""
+    kinds = [signature(v) for _, n in operands(table) for v in [_value(pools, n)] if v is not None]
+    own = _value(pools, table.rows[cell[0]][cell[1]])
+    kind = (signature(own) if own is not None else None) or next((k for k in kinds if k), None)
+    if kind is None:
+        return None
+    for roots in ([table.rows[cell[0]][cell[1]]], [table]):
+        for pieces in fits(place.scalar, pools.pool(roots, kind), wanted):
+            return pieces
+    return None
+
+
+def _value(pools: Pools, node: Node) -> Value | None:
+    return worth(pools.line, node)
+
+
+def _added(cell: Node, pieces: Sequence[Piece]) -> Node:
+    parts = [scaled(p) for p in pieces]
+    own = (cell.terms, cell.signs) if isinstance(cell, Addition) else ((cell,), ("",))
+    if cell == Number("0"):
+        own = ((), ())
+    return Addition(
+        (*own[0], *(n for _, n in parts)), (*own[1], *(s for s, _ in parts)), span=cell.span
+    )

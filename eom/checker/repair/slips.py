@@ -38,7 +38,8 @@ from eom.checker.read.syntax import (
     Section,
     Symbol,
 )
-from eom.checker.repair.palette import Offer, Palette
+from eom.checker.repair.lines import Addend, Offer, Palette, Signature
+from eom.terms.terms import Term
 
 # -- labels and letters ----------------------------------------------------------------------------
 
@@ -650,3 +651,24 @@ def _everywhere(node: Node, single: list[Edit], spared: Callable[[Path], bool]) 
             tree = put(tree, path, edit.new)
         weight = edit.weight + ALL_OVER * (len(paths) - 1)
         yield replace(edit, tree=tree, weight=weight, paths=tuple(paths))
+
+
+@dataclass(frozen=True)
+class Option:
+    """What may stand for a term: another node, the other sign, or nothing; with its value.
+
+    ``old``, ``new``: what changes within the term, at ``paths``; ``added``: what is added to cells
+    of a table, by their places, with signs.
+    """
+
+    addend: Addend
+    slip: Slip
+    weight: float
+    old: Node
+    new: Node
+    node: Node
+    sign: int
+    term: Term | None = None
+    signature: Signature | None = None
+    paths: tuple[Path, ...] = ((),)
+    added: tuple[tuple[tuple[int, int], str], ...] = ()

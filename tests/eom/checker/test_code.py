@@ -5,8 +5,7 @@ import random
 import pytest
 import sympy as sp
 
-from eom.checker.code.comparison import argument_names, compare, points
-from eom.checker.judge.numbers import Numbers
+from eom.checker.code.comparison import Numbers, argument_names, compare, points
 from eom.checker.mean.model import BUILTIN, load_model, model_of
 from eom.errors import InputError
 from eom.scenes import catalogue

@@ -17,7 +17,7 @@ from eom.checker.read.grammar import read_formula
 from eom.checker.read.paths import NOTHING, at, find, places, put, set_down
 from eom.checker.read.writing import latex
 from eom.checker.repair.explaining import explain
-from eom.checker.repair.palette import Palette
+from eom.checker.repair.lines import Palette
 from eom.checker.repair.slips import SLIPS, edits
 from eom.checker.report.findings import UNEXPLAINED
 from tests.eom.checker.true_lines import ARROWS, NOTES, UNDERLINES

@@ -2,7 +2,8 @@
 
 import pytest
 
-from eom.checker.judge.judge import DEFINITION, HOLDS, UNDECIDED, UNDER, WRONG, equations, judge
+from eom.checker.judge.judge import DEFINITION, HOLDS, UNDECIDED, UNDER, WRONG, judge
+from eom.checker.judge.models import equations
 from eom.checker.mean.lexicon_files import parse_lexicon, preset
 from eom.worlds.evaluate import Evaluator
 from eom.worlds.generators import world

@@ -9,17 +9,17 @@ import sympy as sp
 import eom
 from benchmarks.correcting import GIVEN
 from eom.checker.judge.notes import understand
+from eom.checker.judge.systems import Solutions
 from eom.checker.judge.verdicts import GRAVE, verdict
-from eom.checker.mean.claims import CONSTANT
+from eom.checker.mean.claims import CONSTANT, Claim
 from eom.checker.mean.lexicon_files import parse_lexicon
 from eom.checker.mean.model import load_model, model_of
 from eom.checker.note.review import review
 from eom.checker.read.documents import read_document
-from eom.checker.repair.cells import Suspects, suspects
-from eom.checker.repair.corrections import workshop
+from eom.checker.repair.corrections import Suspects, suspects, workshop
+from eom.checker.repair.counterexample import points
 from eom.checker.repair.explaining import corrected, explain
 from eom.checker.repair.lines import line
-from eom.checker.repair.state_examples import points
 from eom.worlds.solutions import rate
 from eom.worlds.special import telling
 from tests.eom.checker.test_parameters import PLATE
@@ -188,7 +188,7 @@ def test_angles_have_sines_of_small_numbers():
 def test_states_keep_what_systems_assume(name):
     """Quaternions have the length one; rates are those of the system, in exact numbers."""
     model = load_model(name)
-    for k, point in enumerate(points(model, {}, ())):
+    for k, point in enumerate(points(Solutions(Claim((), model=model), {}), ())):
         for assumption in model.system.assumptions:
             own = {s for e in assumption.vanish for s in e.free_symbols}
             if own <= {q.symbol for q in model.system.states}:
@@ -202,7 +202,7 @@ def test_states_keep_what_systems_assume(name):
 
 def test_a_system_with_a_mass_matrix():
     system, energy, momentum = cart()
-    point = next(points(model_of(system), {}, ()))
+    point = next(points(Solutions(Claim((), model=model_of(system)), {}), ()))
     rates = sp.Matrix([point.number(rate(q.symbol)) for q in system.states])
     matrix = system.mass_matrix.applyfunc(point.number)
     right = sp.Matrix([point.number(r) for r in system.rates])

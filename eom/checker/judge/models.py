@@ -1,0 +1,553 @@
+"""Models in which claims are judged: one protocol, which judgements, repairs and counterexamples ask.
+
+A row of the protocol (`Models`) draws models under names of assumptions; in each of them (`Drawn`) terms
+have values, and what a claim says holds or does not. `Worlds` are random exact worlds, for claims about
+mechanics in general; `eom.checker.judge.systems.Solutions` are those of the system that a note is about.
+
+A claim that holds under some assumptions holds under more; so the search in worlds starts from the
+largest sets that can stand together, shrinks each to a smallest one, and leaves out one member of it at a
+time to find others (a hitting-set tree: R. Reiter, "A theory of diagnosis from first principles", 1987).
+What holds in three worlds modulo a 61-bit prime is false by chance about once in 2**50.
+
+Contexts: what a world must hold so that the quantities of a claim have values. Levels, in which repairs
+are looked for: from what derivations usually assume to special motions. A repair that holds under some
+assumptions holds under more; so it is looked for where much is assumed, and judged afterwards.
+
+Equations of magnitudes: both sides squared where each is seen to be nothing below zero.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from itertools import islice
+from typing import Any, ClassVar
+
+import sympy as sp
+
+from eom.checker.mean.claims import CONSTANT, DEFINITION, EQUALITIES, SAME_POINT, Claim
+from eom.errors import InputError
+from eom.exact.series import Series
+from eom.fields import PRIME, Singular
+from eom.limits import Overdue
+from eom.terms.terms import SCALAR, Equation, Term, expr, nodes, zero
+from eom.worlds.evaluate import Evaluator, flat
+from eom.worlds.generators import worlds
+from eom.worlds.worlds import ASSUMPTIONS, SEQUENCES, closure, sequence_of
+
+ENOUGH = 3
+"""Models in which a claim has to hold."""
+TRIALS = 12
+"""Worlds that are drawn at most, where a claim is undefined in some."""
+MAX_TESTS = 160
+"""Sets of assumptions that are tried at most for one claim."""
+NUMBERINGS = 3
+"""How many ways to number free indices are looked at."""
+_WEIGHTS = tuple(pow(3, 1000 + 17 * k, PRIME) for k in range(64))
+
+Said = Any
+"""One equation that a claim says, in the form that its models compare."""
+
+
+@dataclass
+class Drawn(ABC):
+    """A model that was drawn; ``names``: what is assumed in it, ``seed``: what it was drawn from."""
+
+    names: frozenset[str]
+    seed: int
+    known: dict[Term, int | None] = field(default_factory=dict, kw_only=True)
+
+    def number(self, term: Term) -> int | None:
+        """Return all components of a term mixed into one number modulo a prime, None for none."""
+        if term not in self.known:
+            values = self.values(term)
+            mixed = zip(_WEIGHTS, values or (), strict=False)
+            self.known[term] = None if values is None else sum(w * v for w, v in mixed) % PRIME
+        return self.known[term]
+
+    def scalar(self, term: Term) -> int | None:
+        """Return the value of a scalar at t = 0, None where it has none."""
+        values = self.values(term)
+        return values[0] if values and len(values) == 1 else None
+
+    @abstractmethod
+    def values(self, term: Term) -> list[int] | None:
+        """Return the components of a term at t = 0, None where it has none."""
+
+    @abstractmethod
+    def agrees(self, said: Said) -> bool:
+        """Tell whether two sides are the same at all times. Raises `Singular`, `InputError`."""
+
+
+@dataclass(frozen=True)
+class Models(ABC):
+    """What models of a claim are, and what may be assumed of them.
+
+    ``scalars``: what the symbols of SymPy stand for; ``given``: names that hold without being said.
+    """
+
+    claim: Claim
+    scalars: Mapping[Any, Term]
+    given: tuple[str, ...] = ()
+
+    undefined: ClassVar[str]
+    """What is told of a claim without a value in all models that were drawn."""
+    names_scalars = False
+    """Whether the claim is about free scalars alone: it says what they are."""
+
+    @property
+    @abstractmethod
+    def said(self) -> tuple[Said, ...]:
+        """The equations that the claim says. Raises `InputError` for other relations."""
+
+    @property
+    @abstractmethod
+    def order(self) -> Iterable[str]:
+        """Everything that may be assumed, the most special last."""
+
+    @abstractmethod
+    def contexts(self) -> Iterator[tuple[str, ...]]:
+        """Yield what may have to be assumed so that the claim has a value, the simplest first."""
+
+    @abstractmethod
+    def closed(self, names: Iterable[str]) -> frozenset[str]:
+        """Return names with all that they need. Raises `InputError` for contradictions."""
+
+    @abstractmethod
+    def draw(self, names: frozenset[str]) -> Iterator[Drawn]:
+        """Yield models under a closed set. Raises `InputError` where there can be none."""
+
+    @abstractmethod
+    def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
+        """Yield sets beyond a base under which the claim holds, each of them a smallest one."""
+
+    @abstractmethod
+    def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
+        """Yield models where terms have values: without more than is given, and one of each level."""
+
+    def needs(self, name: str) -> frozenset[str]:
+        """Return an assumption with all that it needs."""
+        return frozenset({name})
+
+    def own(self, context: tuple[str, ...]) -> frozenset[str]:  # noqa: ARG002 - rows may do without
+        """Return what a context assumes of the body that the claim is about."""
+        return frozenset()
+
+    def rank(self, names: tuple[str, ...]) -> tuple[Any, ...]:
+        """Return what sets are sorted by, those of one rank as they were found."""
+        return (len(names),)
+
+    def empties(self, names: frozenset[str]) -> bool:  # noqa: ARG002
+        """Tell whether something that the claim writes vanishes under a set alone."""
+        return False
+
+    def doubt(self) -> str:
+        """Say why what does not hold in these models may hold for real numbers, "" for no doubt."""
+        return ""
+
+    def why(self, search: Search) -> str:  # noqa: ARG002
+        """Say what is wrong with what does not hold, "" where that is not known."""
+        return ""
+
+    def shown(self, names: frozenset[str]) -> tuple[str, ...]:
+        """Return a set without what its other members need, in order."""
+        needed = {n for name in names for n in self.needs(name) - {name}}
+        return tuple(name for name in self.order if name in names - needed)
+
+    def without(self, names: frozenset[str], name: str) -> frozenset[str]:
+        """Return a closed set without an assumption and all that need it."""
+        return frozenset(n for n in names if name not in self.needs(n))
+
+    def shrunk(
+        self, names: frozenset[str], base: frozenset[str], holds: Callable[[frozenset[str]], bool]
+    ) -> frozenset[str]:
+        """Leave out of a closed set what something does not need to hold, the most special first."""
+        for name in reversed([n for n in self.order if n in names - base]):
+            fewer = self.without(names, name)
+            if name in names and base <= fewer and holds(fewer):
+                names = fewer
+        return names
+
+
+@dataclass
+class Search:
+    """What has been tried for one claim; ``seeds``: of models where it is false, by what they assume."""
+
+    models: Models
+    known: dict[frozenset[str], bool] = field(default_factory=dict)
+    seeds: dict[frozenset[str], int] = field(default_factory=dict)
+    tests: int = 0
+    stopped: bool = False
+
+    @cached_property
+    def base(self) -> tuple[tuple[str, ...], frozenset[str]]:
+        """The first context in which the claim has a value, and all that holds there.
+
+        Raises `InputError` where there is none.
+        """
+        why: InputError | None = None
+        for context in self.models.contexts():
+            try:
+                names = self.models.closed([*self.models.given, *context])
+                self._true_in(names, 1)
+            except InputError as error:
+                why = why or error
+                continue
+            return context, names
+        raise why or InputError("no world has these quantities")
+
+    def holds(self, names: frozenset[str]) -> bool:
+        """Tell whether the claim holds in every model drawn under a closed set."""
+        if names not in self.known:
+            self.tests += 1
+            try:
+                self.known[names] = self._true_in(names, ENOUGH)
+            except InputError:  # they cannot stand together, or leave the claim undefined
+                self.known[names] = False
+        return self.known[names]
+
+    def counts(self, names: frozenset[str]) -> bool:
+        """Tell whether the claim holds under a set, and not because what it writes vanishes."""
+        return self.holds(names) and not self.models.empties(names)
+
+    def _true_in(self, names: frozenset[str], count: int) -> bool:
+        defined = 0
+        for model in self.models.draw(names):
+            try:
+                true = all(model.agrees(s) for s in self.models.said)
+            except Singular:
+                continue
+            if not true:
+                self.seeds[names] = model.seed
+                return False
+            defined += 1
+            if defined == count:
+                return True
+        raise InputError(self.models.undefined)
+
+    def sets(self) -> tuple[frozenset[str], ...]:
+        """Return the smallest sets beyond the base; what is found when time is up is kept.
+
+        Raises `Overdue` where nothing is: that no set is found proves nothing then.
+        """
+        _, base = self.base
+        found: list[frozenset[str]] = []
+        try:
+            found.extend(self.models.smallest(self, base))
+        except Overdue:
+            if not found:
+                raise
+            self.stopped = True
+        return tuple(s - base for s in found if not any(t < s for t in found))
+
+
+# -- worlds ----------------------------------------------------------------------------------------
+
+SPECIAL = frozenset({"thin_rod", "one_particle", "rotors", "viscous_slug", "spin_312", *SEQUENCES})
+"""Assumptions that belong to a context, or to a family of degenerate bodies."""
+
+MENTIONS: dict[str, frozenset[str]] = {
+    "A_fixed_in_body": frozenset({"A"}),
+    "unit_eigenvectors": frozenset({"eigenvectors"}),
+    "OA_at_centre": frozenset({"OA"}),
+    "about_centre": frozenset({"O"}),
+    "O_fixed_in_body": frozenset({"O"}),
+    "O_fixed_in_space": frozenset({"O"}),
+    "O_at_origin": frozenset({"O"}),
+}
+"""Assumptions that say nothing unless a label stands in the claim."""
+
+CHANCE = frozenset(
+    "about_centre O_fixed_in_space O_at_origin C_at_rest OA_at_centre A_fixed_in_body torque_free "
+    "thin_rod no_torque_2 no_torque_3".split()
+)
+"""Assumptions under which something is zero; the others say of what kind a body, a frame, a law is."""
+
+MODELS = (("spin_312",), ("rotors",), ("viscous_slug",))
+"""Contexts that assume something of the body, which a claim about its masses rests on."""
+
+CONTEXTS: tuple[tuple[str, ...], ...] = (
+    (),
+    ("rigid",),
+    ("one_particle",),
+    ("spin_312",),
+    ("rotors",),
+    ("viscous_slug",),
+)
+"""Worlds in which more and more quantities exist; the first where all of a claim do is taken."""
+
+_USUAL = ("body_frame", "newton_2", "third_law_strong")
+_PRINCIPAL = (*_USUAL, "about_centre", "principal_axes")
+LEVELS: tuple[tuple[str, ...], ...] = (
+    (*_USUAL, "about_centre"),
+    (*_USUAL, "O_fixed_in_body", "O_fixed_in_space"),
+    (*_PRINCIPAL, "C_at_rest"),
+    (*_PRINCIPAL, "A_fixed_in_body", "OA_at_centre", "no_torque_2"),
+    (*_PRINCIPAL, "symmetric", "no_torque_2", "no_torque_3"),
+    (*_USUAL, "about_centre", "torque_free", "principal_axes", "A_fixed_in_body"),
+)
+"""Sets of assumptions, the usual ones first; what cannot stand with the rest is left out."""
+
+
+@dataclass
+class InWorld(Drawn):
+    """A world; ``labels``: free indices of what is looked at."""
+
+    evaluator: Evaluator
+    labels: frozenset[str] = frozenset()
+
+    def agrees(self, said: Said) -> bool:
+        """Tell whether an equation holds, for all free indices."""
+        return self.evaluator.holds(said)
+
+    def values(self, term: Term) -> list[int] | None:
+        """Return the components at t = 0, for each numbering of the free indices."""
+        if term.is_zero:
+            return [0]
+        if not self.evaluator.labels(term) <= self.labels | {"dm"} and self._indices(term):
+            return None
+        try:
+            numberings = islice(self.evaluator.numberings(self.labels), NUMBERINGS)
+            return [_first(s) for env in numberings for s in flat(self.evaluator.value(term, env))]
+        except (InputError, Singular, KeyError):
+            return None
+
+    def _indices(self, term: Term) -> bool:
+        """Whether a term has indices of its own; one that this world has nothing for has some."""
+        free = self.evaluator.labels(term) - self.labels
+        try:
+            return bool(next(iter(self.evaluator.numberings(free)), {}))
+        except InputError:
+            return True
+
+
+def _first(value: Series) -> int:
+    if not value.coefficients:
+        raise InputError("more derivatives than a world holds")
+    return int(value.coefficients[0])
+
+
+@dataclass(frozen=True)
+class Worlds(Models):
+    """Random exact worlds, restricted by named assumptions."""
+
+    undefined: ClassVar[str] = "the claim is undefined in every world that was drawn"
+    order: ClassVar[Iterable[str]] = tuple(ASSUMPTIONS)
+
+    @cached_property
+    def said(self) -> tuple[Equation, ...]:
+        """The equations that the claim says."""
+        return equations(self.claim)
+
+    @cached_property
+    def terms(self) -> list[Term]:
+        """Every term of the equations, and what symbols stand for."""
+        return [*(t for q in self.said for t in (q.left, q.right)), *self.scalars.values()]
+
+    @property
+    def names_scalars(self) -> bool:  # type: ignore[override]
+        """Whether the claim is about free scalars alone."""
+        sides = (n for q in self.said for t in (q.left, q.right) for n in nodes(t))
+        meanings = self.scalars.values()
+        plain = all(n.head in {"expr", "add", "mul", "zero"} for n in sides)
+        return plain and bool(meanings) and all(m.data[:1] == ("scalar",) for m in meanings)
+
+    def own(self, context: tuple[str, ...]) -> frozenset[str]:
+        """Return a model of the body, where the claim is not about frames and angles alone."""
+        body = {"body", "dm", "system", "inertia", "mass", "total_mass"}
+        about = context in MODELS and labels_in(self.terms) & body
+        return frozenset(context if about else ())
+
+    def rank(self, names: tuple[str, ...]) -> tuple[Any, ...]:
+        """Return what sets are sorted by."""
+        return len(names), names
+
+    def contexts(self) -> Iterator[tuple[str, ...]]:
+        """Yield worlds in which more and more quantities exist."""
+        return contexts(self.terms)
+
+    def closed(self, names: Iterable[str]) -> frozenset[str]:
+        """Return names with all that they need."""
+        return closure(names)
+
+    def draw(self, names: frozenset[str]) -> Iterator[InWorld]:
+        """Yield worlds under a closed set."""
+        for world in worlds(names, TRIALS):
+            yield InWorld(names, world.seed, Evaluator(world, self.scalars))
+
+    def needs(self, name: str) -> frozenset[str]:
+        """Return an assumption with all that it needs."""
+        return _needed(name)
+
+    def smallest(self, search: Search, base: frozenset[str]) -> Iterator[frozenset[str]]:
+        """Yield smallest sets below every largest one."""
+        labels = labels_in(self.terms)
+        wanted = (n for n in ASSUMPTIONS if n not in SPECIAL)
+        names = [n for n in wanted if n not in MENTIONS or MENTIONS[n] & labels]
+        found, seen = set[frozenset[str]](), set[frozenset[str]]()
+
+        def below(names: frozenset[str]) -> Iterator[frozenset[str]]:
+            if names in seen or search.tests >= MAX_TESTS:
+                return
+            seen.add(names)
+            inside = next((s for s in found if s <= names), None)
+            if inside is None:
+                if not search.holds(names):
+                    return
+                inside = self.shrunk(names, base, search.counts)
+                if inside not in found:
+                    yield inside
+                found.add(inside)
+            for name in sorted(inside - base):
+                yield from below(self.without(names, name))
+
+        for first in range(len(names)):
+            row = names[first:] + names[:first]
+            new = next((n for n in row if n not in base), "")
+            if not new or new in filled(base, [new]):
+                yield from below(filled(base, row))
+
+    def levels(self, terms: Sequence[Term]) -> Iterator[tuple[Drawn, Drawn]]:
+        """Yield worlds where terms have values: without more than is given, and one of each level."""
+        for context in contexts([*terms, *self.scalars.values()]):
+            try:
+                base = closure([*self.given, *context])
+            except InputError:
+                continue
+            free = self.at(base, terms)
+            if free is None:
+                continue
+            for names in dict.fromkeys(filled(base, level) for level in LEVELS):
+                there = self.at(names, terms)
+                if there is not None:
+                    yield free, there
+            return
+
+    def at(self, names: frozenset[str], terms: Sequence[Term]) -> Drawn | None:
+        """Return the first world under some assumptions where all terms have a value, or None."""
+        for drawn in islice(self.draw(names), 4):
+            try:
+                labels = frozenset[str]().union(*map(drawn.evaluator.labels, terms))
+            except InputError:
+                return None
+            found = replace(drawn, labels=labels)
+            if all(found.number(t) is not None for t in terms):
+                return found
+        return None
+
+
+def labels_in(terms: Iterable[Term]) -> frozenset[str]:
+    """Return every label of terms."""
+    return frozenset(str(d) for t in terms for n in nodes(t) for d in n.data if isinstance(d, str))
+
+
+def terms_of(claim: Claim) -> list[Term]:
+    """Return every member of a claim, and what its symbols stand for."""
+    return [*(m.term for m in claim.members), *claim.scalars.values()]
+
+
+def atoms_in(term: Term, scalars: Mapping[Any, Term]) -> frozenset[Term]:
+    """Return the quantities of a term, and of what its symbols stand for."""
+    found: set[Term] = set()
+    for node in nodes(term):
+        if node.head == "atom":
+            found.add(node)
+        elif node.head == "expr":
+            inside = (scalars.get(s) for s in node.data[0].free_symbols)
+            found.update(a for t in inside if t is not None for a in atoms_in(t, scalars))
+    return frozenset(found)
+
+
+def addends(term: Term) -> Iterator[Term]:
+    """Yield the terms of a sum, those within an expression as well; none of a zero."""
+    if term.head == "add":
+        for a in term.args:
+            yield from addends(a)
+    elif term.head == "expr":
+        yield from (expr(a) for a in sp.Add.make_args(term.data[0]))
+    elif not term.is_zero:
+        yield term
+
+
+def contexts(terms: Sequence[Term]) -> Iterator[tuple[str, ...]]:
+    """Yield the contexts in which terms may have values, the simplest first.
+
+    Angles exist by the assumption of their sequence, a single particle by that of one.
+    """
+    found = [n.data[2] for t in terms for n in nodes(t) if n.data[:1] == ("turn_angle",)]
+    sequences = tuple(dict.fromkeys(map(sequence_of, found)))
+    single = [("one_particle",)] if "P" in labels_in(terms) else []
+    for general in [*single, *CONTEXTS]:
+        yield (*sequences, *general)
+
+
+def filled(base: frozenset[str], names: Iterable[str]) -> frozenset[str]:
+    """Return a set with every name that can still stand with what is there."""
+    for name in names:
+        try:
+            base = closure([*sorted(base), name])
+        except InputError:
+            continue
+    return base
+
+
+@cache
+def _needed(name: str) -> frozenset[str]:
+    return closure([name])
+
+
+# -- equations --------------------------------------------------------------------------------------
+
+
+def equations(claim: Claim) -> tuple[Equation, ...]:
+    """Return the equations that a claim says. Raises `InputError` for other relations."""
+    terms = [m.term for m in claim.members]
+    if claim.kind in {CONSTANT, SAME_POINT}:
+        return (Equation(terms[0], zero(terms[0].kind)),)
+    others = [r for r in claim.relations if r not in EQUALITIES]
+    if others:
+        raise InputError("only equations are judged in worlds", got=others[0])
+    start = 1 if claim.kind == DEFINITION else 0
+    pairs = zip(terms[start:], terms[start + 1 :], strict=False)
+    return tuple(squared(Equation(a, b)) for a, b in pairs)
+
+
+def squared(equation: Equation) -> Equation:
+    """Return the equation of the squares if both sides are numbers or products of roots, else itself.
+
+    What is squared is not negative, so that neither equation says more than the other.
+    """
+    sides = (equation.left, equation.right)
+    if any(s.kind != SCALAR or s.head not in {"expr", "zero"} for s in sides):
+        return equation
+    found = [_square(_expression(s)) for s in sides]
+    if None in found or not any(_has_root(_expression(s)) for s in sides):
+        return equation
+    return Equation(expr(found[0]), expr(found[1]), equation.relation)
+
+
+def _expression(term: Term) -> Any:
+    return term.data[0] if term.head == "expr" else sp.Integer(0)
+
+
+def _has_root(expression: Any) -> bool:
+    return any(
+        p.is_Pow and p.exp.is_Rational and p.exp.q == 2 for p in sp.preorder_traversal(expression)
+    )
+
+
+def _square(expression: Any) -> Any:
+    """Return the square of a product of numbers that are not negative and roots; None for others."""
+    result = sp.Integer(1)
+    for factor in sp.Mul.make_args(expression):
+        if factor.is_Rational and factor >= 0:
+            result *= factor**2
+        elif factor.is_Pow and factor.exp.is_Rational and factor.exp.q == 2:
+            result *= factor.base ** (2 * factor.exp)
+        elif isinstance(factor, sp.Abs):
+            result *= factor.args[0] ** 2
+        else:
+            return None
+    return result
