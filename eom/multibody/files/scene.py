@@ -29,9 +29,8 @@ from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.multibody.algebra.lazy_sums import used
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
-from eom.multibody.files.formulas import numbered
 from eom.multibody.files.joint_angles import JointAngles, angles_of
-from eom.multibody.files.sections import Reading, check_used, points_of, tree_of
+from eom.multibody.files.sections import Reading, check_used, numbered, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
 from eom.multibody.recursion.operation_count import Savings, savings

@@ -71,23 +71,8 @@ def symbols_in(values: Iterable[Any]) -> list[Expr]:
 def values_of(tree: Tree) -> Iterable[Any]:
     """Yield every value of a description."""
     yield from tree.gravity
-    for b in tree.bodies:
-        yield from (b.mass, *b.centre, *(x for row in b.central_inertia for x in row))
-    for j in tree.joints:
-        yield from (*(x for a in j.axes for x in a), j.pitch)
-        for place in (j.on_parent, j.on_child):
-            yield from (*place.position, *(x for row in place.rotation for x in row))
-        yield from (*j.stiffness, *j.rest, *j.damping, *j.armature, *j.force)
-        if j.motion is not None:
-            yield from (*j.motion.position, *j.motion.rate, *j.motion.acceleration)
-    for load in tree.loads:
-        yield from (*load.force, *load.torque, *load.point)
-    for spring in tree.springs:
-        yield from (*spring.points[0], *spring.points[1])
-        yield from (spring.stiffness, spring.length, spring.damping)
-    for rotor in tree.rotors:
-        yield from (*rotor.axis, rotor.inertia, rotor.damping, rotor.torque)
-        yield from () if rotor.speed is None else (rotor.speed, rotor.acceleration)
+    for part in (*tree.bodies, *tree.joints, *tree.loads, *tree.springs, *tree.rotors):
+        yield from part.values
 
 
 def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
