@@ -199,7 +199,7 @@ def _run(
     import codegen
 
     compiled = compiled_of(scene, "auto")
-    names = _counted(scene) if statistics is None else tuple(statistics.split(","))
+    names = scene.requested_names() if statistics is None else tuple(statistics.split(","))
     sampler, parameters = _samples(scene, plan)
     end, settings = scene.integration.t_end, scene.integration
     times = _times(end, points)
@@ -244,13 +244,6 @@ def _times(end: float, points: int) -> list[float]:
             expected=f"1 to {MOST_POINTS:,}",
         )
     return [end * k / points for k in range(1, points + 1)]
-
-
-def _counted(scene: AnyScene) -> tuple[str, ...]:
-    """Return what the scene asks for that varies."""
-    system = scene.derive()
-    known = (*system.state_names, *system.output_names)
-    return tuple(n for n in scene.requested if n in known)
 
 
 @dataclass(frozen=True)

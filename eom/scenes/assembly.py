@@ -35,6 +35,7 @@ from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.quantities import TIME, Assumption, Quantity
 from eom.scenes import parse, reduce
 from eom.scenes.description import Description, inertia_values, principal_values
+from eom.scenes.naming import check_used
 from eom.scenes.reduce import Explanation, Pass
 from eom.scenes.start import initial_names, sizes
 from eom.system import System
@@ -198,13 +199,7 @@ def components(
     acting = set().union(*(c.free_symbols for c in parsed))
     groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
     used = {str(s.name) for s in acting} | initial_names(scene)
-    unused = [n for n in own if n not in used]
-    if unused:
-        raise InputError(
-            f"no formula uses {unused[0]!r}",
-            where="[parameters] or [inputs]",
-            hint="use it in [torque] components or [initial], or remove it",
-        )
+    check_used(own, used, "use it in [torque] components or [initial], or remove it")
     inputs = groups[1]
     if general_torque:
         free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]

@@ -22,13 +22,12 @@ from functools import cached_property, reduce
 from typing import Any, Self
 
 import pydantic
+import sympy as sp
 
 from eom.errors import InputError, unknown_name
-from eom.kinematics.coordinates import quaternion_of_sequence
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
-from eom.multibody.files.joint_angles import JointAngles, angles_of
-from eom.multibody.files.sections import Reading, check_used, numbered, points_of, tree_of
+from eom.multibody.files.sections import JointAngles, Reading, angles_of, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
 from eom.multibody.recursion.operation_count import savings
@@ -36,9 +35,11 @@ from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import derive
 from eom.multibody.system.output_quantities import OUTPUTS
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
-from eom.scenes.description import InitialAttitude, check_end, check_initial_attitude
+from eom.scenes.description import check_end, check_initial_attitude
+from eom.scenes.naming import check_used
 from eom.scenes.reduce import Explanation, Pass, Reduction, by_name, only, reductions
 from eom.scenes.scene_files import BaseScene
+from eom.scenes.start import in_coordinates, number
 from eom.system import System
 
 
@@ -72,7 +73,9 @@ class TreeScene(BaseScene, TreeDescription):
         """Check everything that one field alone cannot tell."""
         check_end(self)
         states, choice, angles = self._start, self._choice, self._angles
-        check_used(self._reading)
+        read = self._reading
+        hint = "use it in a formula of a body, joint, load or the like, or remove it"
+        check_used((q.name for q in (*read.parameters, *read.inputs)), read.used, hint)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
@@ -134,7 +137,8 @@ class TreeScene(BaseScene, TreeDescription):
         return self._whole
 
     def _passes(self) -> Mapping[str, Pass]:
-        return {"outputs": only(self.requested, by_name)} if self.outputs else {}
+        every: Pass = lambda system: (system, (), "")  # noqa: E731
+        return {"outputs": only(self.requested, by_name) if self.outputs else every}
 
     def _named(self, system: System) -> System:
         named = replace(system, name=self.name, title=self.title)
@@ -278,7 +282,9 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
     for name, given in reading.scene.initial.items():
         if name not in found:
             raise unknown_name("state", name, found, "[initial]")
-        found[name] = numbered(reading.constants.value(given, f"[initial] {name}"), parameters)
+        place = f"[initial] {name}"
+        formula = sp.sympify(reading.constants.value(given, place), strict=True)
+        found[name] = number(formula, parameters, place)
     for name, value in _attitudes(reading, free):
         if name in reading.scene.initial:
             where = "[initial] and [initial_attitude]"
@@ -316,23 +322,9 @@ def _attitudes(reading: Reading, free: list[Joint]) -> Iterator[tuple[str, float
             raise unknown_name("joint with an attitude", name, joints, where)
         check_initial_attitude(given, where)
         joint = joints[name]
-        values = _coordinates(given, joint.attitude, where)
+        values = in_coordinates(given, joint.attitude, where)
         names = [c.name for c in joint.coordinates[-len(values) :]]
         yield from zip(names, values, strict=True)
-
-
-def _coordinates(given: InitialAttitude, attitude: str, where: str) -> tuple[float, ...]:
-    """Return an attitude in the coordinates of a joint."""
-    angles = given.radians or tuple(math.radians(a) for a in given.degrees or ())
-    if attitude == QUATERNION:
-        return given.quaternion or quaternion_of_sequence(given.sequence, angles)
-    if not angles or given.sequence != attitude:
-        got = f"sequence {given.sequence}" if angles else "quaternion"
-        raise InputError(
-            "attitude at the start in other coordinates than the joint's",
-            where=where, got=got, expected=f"angles of the sequence {attitude}",
-        )  # fmt: skip
-    return angles
 
 
 def _normalised(parts: dict[str, float]) -> dict[str, float]:

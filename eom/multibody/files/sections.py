@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
-from fractions import Fraction
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +12,7 @@ import sympy as sp
 from eom.errors import InputError, unknown_name
 from eom.kinematics.coordinates import SEQUENCES, rotation_sequence
 from eom.mass import solids
+from eom.mechanics.sequence_angles import with_angles
 from eom.multibody.algebra.spatial import IDENTITY, ZERO
 from eom.multibody.algebra.values import Value, is_number, value
 from eom.multibody.files.description import (
@@ -25,12 +25,15 @@ from eom.multibody.files.description import (
     TreeDescription,
     Turned,
 )
+from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Rotor, Spring, Tree
 from eom.multibody.model.parts import Kind, Part, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
 from eom.scenes import parse
+from eom.scenes.description import one_of
 from eom.scenes.naming import check_names, spelling
+from eom.system import System
 
 Names = Mapping[str, Any]
 
@@ -62,13 +65,7 @@ class Formulas:
         """Return the matrix of a rotation. Raises `InputError` unless it is given in one way."""
         if given is None:
             return IDENTITY
-        keys = ("matrix", "radians", "degrees")
-        told = [k for k in keys if getattr(given, k) is not None]
-        if len(told) != 1:
-            got, expected = ", ".join(told) or "none", "matrix, radians or degrees"
-            raise InputError(
-                "a rotation needs exactly one description", where=where, got=got, expected=expected
-            )
+        one_of(given, ("matrix", "radians", "degrees"), "a rotation", where)
         if given.matrix is not None:
             return self.values(given.matrix, where)
         factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
@@ -105,19 +102,6 @@ def right(angle: Any) -> Any:
     near = turns * sp.pi / 2
     close = abs(float(angle) - float(near)) <= RIGHT * 2.0**-52 * abs(float(near))
     return near if close else angle
-
-
-def number(given: Value) -> float:
-    """Return a value without symbols as a double."""
-    return float(given) if is_number(given) else float(sp.N(given))
-
-
-def numbered(expression: Value, values: Mapping[str, float]) -> float:
-    """Return a value for numbers of its symbols by name."""
-    if is_number(expression):
-        return float(Fraction(expression))
-    numbers = {s: sp.Float(values[s.name]) for s in expression.free_symbols}
-    return float(expression.xreplace(numbers))
 
 
 @dataclass(frozen=True)
@@ -385,12 +369,42 @@ def _check_clash(reading: Reading) -> None:
                 raise InputError("a body defines this name", where=where, got=quantity.name)
 
 
-def check_used(reading: Reading) -> None:
-    """Raise `InputError` for a parameter or input that no formula uses."""
-    for quantity in (*reading.parameters, *reading.inputs):
-        if quantity.name not in reading.used:
-            raise InputError(
-                f"no formula uses {quantity.name!r}",
-                where="[parameters] or [inputs]",
-                hint="use it in a formula of a body, joint, load or the like, or remove it",
-            )
+@dataclass(frozen=True)
+class JointAngles:
+    """The angles of a ``sequence`` (rad) of a joint that has a quaternion, child on parent."""
+
+    joint: Joint
+    sequence: str
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What they would be called if the joint had them in the place of the quaternion."""
+        return replace(self.joint, attitude=self.sequence).coordinates[-3:]
+
+    def of(self, system: System) -> System:
+        """Return a system that has them as outputs; ``system`` has the joint's quaternion."""
+        q = [c.symbol for c in self.joint.coordinates[-4:]]
+        return with_angles(system, rotation_sequence(self.sequence), q, self.quantities)
+
+
+def angles_of(parts: Mapping[str, JointPart], tree: Tree) -> tuple[JointAngles, ...]:
+    """Return the angles that joints are shown in.
+
+    Raises `InputError` for other words than sequences, and for joints that have no quaternion.
+    """
+    joints = {j.name: j for j in tree.ordered}
+    return tuple(_checked(joints[name], part.angles) for name, part in parts.items() if part.angles)
+
+
+def _checked(joint: Joint, sequence: str) -> JointAngles:
+    where = f"joint {joint.name!r}: angles"
+    if sequence not in SEQUENCES:
+        raise unknown_name("rotation sequence", sequence, SEQUENCES, where)
+    if not joint.row.attitude or joint.attitude != QUATERNION or joint.motion is not None:
+        raise InputError(
+            "only a joint that moves in a quaternion has such outputs",
+            where=where,
+            got=f"kind {joint.kind}, attitude {joint.attitude}"
+            + (", a prescribed motion" if joint.motion is not None else ""),
+        )
+    return JointAngles(joint, sequence)

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 import sympy as sp
 
-from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields
+from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields, unknown_name
 from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import ZERO
@@ -181,9 +181,7 @@ class Coupling(Constraint):
         known = {j.name: j for j in tree.joints}
         for name, _ in self.ratios:
             if name not in known:
-                raise InputError(
-                    f"unknown joint {name!r}", where=self.where, hint=near_matches(name, known)
-                )
+                raise unknown_name("joint", name, known, self.where)
             if known[name].row.paired(known[name].attitude) != (0,):
                 raise InputError(
                     "a coupling needs joints of one speed, the rate of their coordinate",

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import sympy as sp
 
-from eom.errors import InputError, entries, near_matches, shown, typed_fields
+from eom.errors import InputError, entries, near_matches, shown, typed_fields, unknown_name
 from eom.kinematics.coordinates import SEQUENCES
 from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
@@ -197,12 +197,7 @@ class Joint(Part):
     def complete(self) -> None:
         """Give each speed its values, and raise `InputError` for what the kind of joint does not take."""
         if self.kind not in KINDS:
-            raise InputError(
-                f"unknown kind of joint {self.kind!r}",
-                where=self.where,
-                expected=", ".join(KINDS),
-                hint=near_matches(self.kind, KINDS),
-            )
+            raise unknown_name("kind of joint", self.kind, KINDS, self.where)
         if self.attitude != QUATERNION and self.attitude not in SEQUENCES:
             raise InputError(
                 "unknown attitude", where=self.where, got=self.attitude,
@@ -415,9 +410,7 @@ class Constraint(Part):
         known = {GROUND, *(b.name for b in tree.bodies)}
         for name in self.bodies:
             if name not in known:
-                raise InputError(
-                    f"unknown body {name!r}", where=self.where, hint=near_matches(name, known)
-                )
+                raise unknown_name("body", name, known, self.where)
         if len(set(self.bodies)) < len(self.bodies):
             raise InputError("a body is bound to itself", where=self.where, got=self.bodies[0])
         moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
