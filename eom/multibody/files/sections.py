@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import sympy as sp
@@ -20,14 +21,13 @@ from eom.multibody.files.description import (
     BodyPart,
     ConstraintPart,
     JointPart,
-    LoadPart,
     RotorPart,
     TreeDescription,
     Turned,
 )
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Rotor, Spring, Tree
-from eom.multibody.model.parts import Kind, Part, kinds
+from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
+from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
 from eom.scenes import parse
@@ -215,17 +215,24 @@ def _bare_rotor(name: str, part: RotorPart) -> Rotor:
     return Rotor(name, part.body, inertia=1, motor=part.motor, angle=part.angle, speed=given)
 
 
-def made(part: type, given: Any, reading: Reading, where: str, **own: Any) -> Any:
+def made(
+    part: Any, given: Any, reading: Reading, name: str = "", where: str = "", **own: Any
+) -> Any:
     """Return a part of a tree from what a file says of it; ``own``: fields that are known.
 
-    Raises `InputError` with its place ``where`` for formulas that say what they may not.
+    ``where``: its place, if it has no name. Raises `InputError` for formulas that say what they may not.
     """
-    for name, held in kinds(part).items():
-        keys = held.keys or (name,)
-        found = [_read(held, getattr(given, key), reading, f"{where}: {key}") for key in keys]
-        own.setdefault(name, tuple(found) if len(keys) > 1 else found[0])
-    plain = {f.name for f in fields(part)} - {*own}
-    return part(**own, **{name: getattr(given, name) for name in plain})
+    where = where or f"{part.noun} {name!r}"
+    held = kinds(part)
+    for field in (f.name for f in dataclasses.fields(part) if f.name not in own):
+        kind = held.get(field, Kind("word"))
+        keys = kind.keys or (field,)
+        found = [
+            name if key == "name" else _read(kind, getattr(given, key), reading, f"{where}: {key}")
+            for key in keys
+        ]
+        own[field] = tuple(found) if len(keys) > 1 else found[0]
+    return part(**own)
 
 
 def _read(held: Kind, given: Any, reading: Reading, where: str) -> Any:
@@ -237,24 +244,17 @@ def _read(held: Kind, given: Any, reading: Reading, where: str) -> Any:
     if given is None or held.shape in {"body", "axes", "word"}:
         return given
     if isinstance(held.shape, type):
-        return made(held.shape, given, reading, where)
-    if held.shape == "axis" and isinstance(given, str):
+        return made(held.shape, given, reading, where=where)
+    if held.shape in {"axis", "place"} and isinstance(given, str):
         return given
     return getattr(reading, held.scope).values(given, where)
 
 
-def _body(name: str, part: BodyPart, reading: Reading) -> Body:
+def _body(part: BodyPart, reading: Reading, name: str) -> Any:
     where, read = f"body {name!r}", reading.plain
-    mass = read.value(part.mass, f"{where}: mass")
-    about = part.about
-    return Body(
-        name,
-        mass,
-        read.values(part.centre, f"{where}: centre"),
-        _inertia(part, mass, read, where),
-        about if isinstance(about, str) else read.values(about, f"{where}: about"),
-        read.rotation(part.rotation, f"{where}: rotation"),
-    )
+    J = _inertia(part, read.value(part.mass, f"{where}: mass"), read, where)
+    axes = read.rotation(part.rotation, f"{where}: rotation")
+    return made(Body, part, reading, name, inertia=J, axes=axes)
 
 
 def _inertia(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
@@ -292,34 +292,20 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     return solids.central_inertia(name).xreplace(values).tolist()
 
 
-def _load(name: str, part: LoadPart, reading: Reading) -> Load:
-    found: Load = made(Load, part, reading, f"load {name!r}")
-    return found
+def _constraint(part: ConstraintPart, reading: Reading, name: str) -> Any:
+    own: dict[str, Any] = {"axis": None} if getattr(part, "ball", False) else {}
+    return made(CONSTRAINTS[part.kind], part, reading, name, **own)
 
 
-def _constraint(name: str, part: ConstraintPart, reading: Reading) -> Constraint:
-    own = {"axis": None} if getattr(part, "ball", False) else {}
-    where = f"constraint {name!r}"
-    found: Constraint = made(CONSTRAINTS[part.kind], part, reading, where, name=name, **own)
-    return found
-
-
-def _of(part: type[Part]) -> Callable[[str, Any, Reading], Any]:
-    """Return what makes a named part of what a file says."""
-    return lambda name, given, reading: made(
-        part, given, reading, f"{part.noun} {name!r}", name=name
-    )
-
-
-SECTIONS: Mapping[str, Callable[[str, Any, Reading], Any]] = {
+SECTIONS: Mapping[str, Callable[[Any, Reading, str], Any]] = {
     "bodies": _body,
-    "joints": _of(Joint),
-    "loads": _load,
+    "joints": partial(made, Joint),
+    "loads": partial(made, Load),
     "constraints": _constraint,
-    "rotors": _of(Rotor),
-    "springs": _of(Spring),
+    "rotors": partial(made, Rotor),
+    "springs": partial(made, Spring),
 }
-"""What makes the parts of each section, a field of `TreeDescription` and of `Tree`, from name and data."""
+"""What makes the parts of each section, a field of `TreeDescription` and of `Tree`, of data and name."""
 
 
 def tree_of(reading: Reading) -> Tree:
@@ -329,7 +315,7 @@ def tree_of(reading: Reading) -> Tree:
     check_names([q.name for q in reading.inputs], "[inputs]")
     _check_clash(reading)
     parts: dict[str, Any] = {
-        key: tuple(make(name, part, reading) for name, part in getattr(scene, key).items())
+        key: tuple(make(part, reading, name) for name, part in getattr(scene, key).items())
         for key, make in SECTIONS.items()
     }
     return Tree(
@@ -343,7 +329,7 @@ def tree_of(reading: Reading) -> Tree:
 
 def points_of(reading: Reading) -> tuple[Point, ...]:
     """Return the points that a scene tells of. Raises `InputError` that names the one at fault."""
-    points = tuple(_of(Point)(name, part, reading) for name, part in reading.scene.points.items())
+    points = tuple(made(Point, part, reading, name) for name, part in reading.scene.points.items())
     taken = {q.name for q in (*reading.states, *reading.parameters, *reading.inputs)}
     for point in points:
         for output in {*point.names} & taken:

@@ -27,6 +27,7 @@ from eom.multibody.model.parts import (
     CENTRE,
     MOVING,
     ORIGIN,
+    PLAIN,
     Axis,
     BodyName,
     Each,
@@ -62,10 +63,10 @@ class Body(Part):
     noun = "body"
 
     name: str
-    mass: Number = 0
-    centre: Triple = ZERO
-    inertia: Annotated[Any, Kind("inertia")] = ZERO
-    about: Annotated[Any, Kind("place")] = CENTRE
+    mass: Annotated[Value, Kind("number", PLAIN)] = 0
+    centre: Annotated[Any, Kind("vector", PLAIN)] = ZERO
+    inertia: Annotated[Any, Kind("inertia", PLAIN)] = ZERO
+    about: Annotated[Any, Kind("place", PLAIN)] = CENTRE
     axes: Annotated[Any, Kind("rotation")] = IDENTITY
 
     def complete(self) -> None:
@@ -274,6 +275,8 @@ class Load(Part):
     ``torque``, ``body`` or ``ground``. All three are (3,); components may be numbers or expressions over
     parameters, inputs, time and states. Raises `InputError` for other axes and for text.
     """
+
+    noun = "load"
 
     body: BodyName
     force: Annotated[Any, Kind("vector", ACTING)] = ZERO

@@ -15,8 +15,8 @@ from eom.multibody.algebra import values
 from eom.multibody.algebra.values import Value
 from eom.multibody.model import checks
 
-CONSTANTS, MOVING, ACTING = "constants", "moving", "acting"
-"""Over parameters; time, too; inputs, coordinates and speeds, too."""
+PLAIN, CONSTANTS, MOVING, ACTING = "plain", "constants", "moving", "acting"
+"""Over parameters; what bodies define, too; time, too; inputs, coordinates and speeds, too."""
 CENTRE, ORIGIN = "centre", "origin"
 
 
