@@ -26,12 +26,9 @@ def load_scene(name: str | Path) -> AnyScene:
     >>> load_scene("double-pendulum").derive().state_names
     ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
     """
-    if isinstance(name, str) and not catalogue.is_file(name):
-        return _from_toml(catalogue.path_of(name))
-    file = Path(name)
-    return load_urdf(file) if file.suffix == catalogue.URDF else _from_toml(file)
-
-
-def _from_toml(file: Path) -> AnyScene:
+    is_ready = isinstance(name, str) and not catalogue.is_file(name)
+    file = catalogue.path_of(str(name)) if is_ready else Path(name)
+    if file.suffix == catalogue.URDF:
+        return load_urdf(file)
     tree = data_of(file).get("model") == catalogue.TREE
     return TreeScene.from_toml(file) if tree else Scene.from_toml(file)

@@ -137,7 +137,10 @@ def texts_of_fields(cls):
     found = {}
     for c in reversed(lineage(cls)):
         nodes = nodes_of(c.__module__).values()
-        found |= next(texts_behind(n.body) for n in nodes if getattr(n, "name", "") == c.__name__)
+        bodies = (n.body for n in nodes if getattr(n, "name", "") == c.__name__)
+        found |= texts_behind(
+            next(bodies, [])
+        )  # what is made of another class has no text of its own
     return found
 
 

@@ -16,7 +16,6 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from eom.rotations import Matrix
     from eom.scenes.conventions import Convention, Stated
-    from eom.scenes.scene import Scene
 
 MOST_READINGS = 3
 DIGITS = 10
@@ -104,20 +103,13 @@ def _stated(kind: str, text: str, options: dict[str, Any]) -> Stated:
     chosen = {name: options[name] for name in FIELDS if options[name] is not None}
     target = conventions.changed(conventions.book(options["target"]), chosen)
     if kind == "SCENE":
-        return conventions.of_scene(_single(text), target)
+        scene: Any = scene_of(text)
+        if scene.tree is not None:
+            hint = "give --quaternion, --angles or --matrix"
+            raise InputError("a tree has no one attitude", where=text, hint=hint)
+        return conventions.of_scene(scene, target)
     source = conventions.book(options["source"])
     return conventions.state(_attitude(kind, text, source, options["radians"]), target)
-
-
-def _single(name: str) -> Scene:
-    from eom.scenes.scene import Scene
-
-    scene = scene_of(name)
-    if not isinstance(scene, Scene):
-        raise InputError(
-            "a tree has no one attitude", where=name, hint="give --quaternion, --angles or --matrix"
-        )
-    return scene
 
 
 def _attitude(kind: str, text: str, source: Convention, radians: bool) -> Matrix:

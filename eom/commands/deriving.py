@@ -94,19 +94,18 @@ _TREES = "scenes of many bodies"
 def _closed_form(name: str, method: str, style: str, absolute: bool) -> str:
     """Return the page of a tree's closed form. Raises `InputError` for other scenes."""
     from eom.multibody import absolute_angles, tree_page
-    from eom.multibody.files.scene import TreeScene
 
-    scene = scene_of(name)
-    if not isinstance(scene, TreeScene):
+    tree = scene_of(name).tree
+    if tree is None:
         raise InputError(f"--method is for {_TREES}", where=name, hint="leave out --method")
-    angles = absolute_angles(scene.tree) if absolute else {}
+    angles = absolute_angles(tree) if absolute else {}
     if absolute and not angles:
         raise InputError(
             "no angles that hang on others about parallel axes",
             where=f"{name}: --absolute",
             hint="leave out --absolute",
         )
-    return tree_page(scene.tree, method, style, coordinates=angles or None)
+    return tree_page(tree, method, style, coordinates=angles or None)
 
 
 def _is_derivation(name: str) -> bool:

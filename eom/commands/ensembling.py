@@ -199,7 +199,7 @@ def _run(
     import codegen
 
     compiled = compiled_of(scene, "auto")
-    names = _counted(scene) if statistics is None else tuple(statistics.split(","))
+    names = scene.requested_names() if statistics is None else tuple(statistics.split(","))
     sampler, parameters = _samples(scene, plan)
     end, settings = scene.integration.t_end, scene.integration
     times = _times(end, points)
@@ -246,18 +246,11 @@ def _times(end: float, points: int) -> list[float]:
     return [end * k / points for k in range(1, points + 1)]
 
 
-def _counted(scene: AnyScene) -> tuple[str, ...]:
-    """Return what the scene asks for that varies."""
-    system = scene.derive()
-    known = (*system.state_names, *system.output_names)
-    return tuple(n for n in scene.requested if n in known)
-
-
 @dataclass(frozen=True)
 class FromAngles:
     """Samples of a quaternion by those of the angles that a scene is shown in, as `codegen.Sampler`."""
 
-    sampler: Sampler
+    sampler: Samples
     angles: SequenceAngles
 
     @property
@@ -283,21 +276,19 @@ class FromAngles:
 
 def _start_of(
     scene: AnyScene, varied: Sequence[str]
-) -> tuple[dict[str, float], SequenceAngles | None]:
+) -> tuple[dict[str, float], tuple[SequenceAngles, ...]]:
     """Return the values at the start, with angles in the place of a quaternion where one of them varies."""
-    from eom.scenes.scene import Scene
+    from eom.rotations import angles_of_matrix, matrix_of_quaternion
+    from eom.scenes.start import pick
 
-    values = scene.initial_values()
-    shown = [a for a in scene.full_system.angles if set(a.names) & set(varied)]
-    if not isinstance(scene, Scene) or not shown:
-        return values, None
-    from eom.rotations import angles_of_matrix
-    from eom.scenes.conventions import attitude_at_start
-
-    (found,) = shown
-    start = angles_of_matrix(attitude_at_start(scene), found.sequence)
-    kept = {n: v for n, v in values.items() if n not in found.quaternion}
-    return {**kept, **dict(zip(found.names, start, strict=True))}, found
+    values, start = scene.initial_values(), scene.start
+    shown = tuple(a for a in scene.full_system.angles if set(a.names) & set(varied))
+    for found in shown:
+        q = pick(start, found.quaternion, "initial value", "[initial]").values()
+        angles = angles_of_matrix(matrix_of_quaternion([*q]), found.sequence)
+        values = {n: v for n, v in values.items() if n not in found.quaternion}
+        values |= dict(zip(found.names, angles, strict=True))
+    return values, shown
 
 
 def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
@@ -314,8 +305,10 @@ def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     values |= {n: v for n, v in start.items() if n not in varied.names}
     known = scene.parameter_values().items()
     parameters = {n: v for n, v in known if n not in varied.names}
-    sampler = Sampler(values, varied.count, varied.seed)
-    return FromAngles(sampler, angles) if angles else sampler, parameters
+    sampler: Samples = Sampler(values, varied.count, varied.seed)
+    for shown in angles:
+        sampler = FromAngles(sampler, shown)
+    return sampler, parameters
 
 
 def _check_attitude(scene: AnyScene, sampler: Sampler) -> None:

@@ -32,11 +32,6 @@ class Job:
     integrate: Callable[[Progress], Result]
     noted: str = ""
 
-    def requested_names(self) -> list[str]:
-        """Return what is asked for that varies."""
-        known = (*self.system.state_names, *self.system.output_names)
-        return [n for n in self.scene.requested if n in known]
-
     def not_needed(self) -> list[str]:
         """Return the states that the system has neither as states nor, constant, as parameters."""
         kept = {*self.system.state_names, *self.system.parameter_names}

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from eom.commands.shared import (
-    as_stated,
     compiling,
     scene_argument,
     scene_of,
@@ -60,7 +59,7 @@ def linearise(
     """Find an equilibrium or steady motion of SCENE near its initial values; linearise about it."""
     import codegen
 
-    opened = as_stated(scene_of(scene))
+    opened = scene_of(scene).as_stated()
     guess, parameters = opened.initial_values(), opened.parameter_values()
     fixed = dict(_value(given, parameters) for given in held)
     with waiting_for("deriving") as show:

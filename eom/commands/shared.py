@@ -75,20 +75,10 @@ def scene_of(name: str, **options: Any) -> AnyScene:
     changed = {k: v for k, v in options.items() if v is not None}
     if not changed:
         return scene
-    return _with(scene, changed)
-
-
-def as_stated(scene: AnyScene) -> AnyScene:
-    """Return a scene over its own coordinates: angles, also where they are integrated in a quaternion."""
-    return _with(scene, {"integrate": None}) if getattr(scene, "integrate", None) else scene
-
-
-def _with(scene: AnyScene, changed: Mapping[str, Any]) -> AnyScene:
-    data = scene.model_dump(exclude_unset=True)
-    own = {k: v for k, v in changed.items() if k in _OF_THE_SCENE}
-    others = {k: v for k, v in changed.items() if k not in own}
-    integration = {**data.get("integration", {}), **others}
-    return type(scene)(**{**data, **({"integration": integration} if integration else {}), **own})
+    own = {k: changed.pop(k) for k in _OF_THE_SCENE if k in changed}
+    if changed:
+        own["integration"] = {**scene.integration.model_dump(exclude_unset=True), **changed}
+    return scene.changed(**own)
 
 
 _OF_THE_SCENE = ("integrate",)

@@ -213,7 +213,7 @@ def _draw(job: Job, result: Result, file: Path) -> list[Path]:
     from eom.views.time.histories import histories_asked
 
     try:
-        picture = histories_asked(result, job.system, job.requested_names(), job.scene)
+        picture = histories_asked(result, job.system, job.scene.requested_names(), job.scene)
     except InputError as error:
         click.echo(f"note: no picture: {error.what}", err=True)
         return []

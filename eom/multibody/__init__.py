@@ -15,7 +15,6 @@ from eom.multibody.constrained.consistent import Assembly, assemble
 from eom.multibody.constrained.dependence import Examination, examine
 from eom.multibody.identify.base import BaseParameters, base_parameters
 from eom.multibody.identify.regressor import Regressor, regressor
-from eom.multibody.model.attachments import Rotor, Spring
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,
@@ -25,7 +24,18 @@ from eom.multibody.model.constraints import (
     Rolling,
     SpeedEquation,
 )
-from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
+from eom.multibody.model.model import (
+    GROUND,
+    Body,
+    Constraint,
+    Joint,
+    Load,
+    Motion,
+    Placement,
+    Rotor,
+    Spring,
+    Tree,
+)
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import derive
 from eom.multibody.system.reactions import Reaction, reaction

@@ -35,7 +35,8 @@ from eom.mechanics.spinning import OMEGA as SPIN_RATE
 from eom.quantities import TIME, Assumption, Quantity
 from eom.scenes import parse, reduce
 from eom.scenes.description import Description, inertia_values, principal_values
-from eom.scenes.reduce import Explanation, Reduction
+from eom.scenes.naming import check_used
+from eom.scenes.reduce import Explanation, Pass
 from eom.scenes.start import initial_names, sizes
 from eom.system import System
 
@@ -198,13 +199,7 @@ def components(
     acting = set().union(*(c.free_symbols for c in parsed))
     groups = [tuple(q for q in group if q.symbol in acting) for group in groups]
     used = {str(s.name) for s in acting} | initial_names(scene)
-    unused = [n for n in own if n not in used]
-    if unused:
-        raise InputError(
-            f"no formula uses {unused[0]!r}",
-            where="[parameters] or [inputs]",
-            hint="use it in [torque] components or [initial], or remove it",
-        )
+    check_used(own, used, "use it in [torque] components or [initial], or remove it")
     inputs = groups[1]
     if general_torque:
         free = [k for k, c in enumerate(parsed) if c == 0 and general[k] not in own]
@@ -227,8 +222,28 @@ def _check_clash(scene: Description, own: dict[str, Expr], known: dict[str, Expr
         )
 
 
-Pass = tuple[System, Sequence[str], str]
-"""A smaller system, the names of what it leaves out, and why."""
+def passes(scene: Description, full: System, requested: Sequence[str]) -> dict[str, Pass]:
+    """Return what makes the system of a general torque the smallest one for ``requested`` names.
+
+    ``full``: the system of `full_system`.
+    """
+    general = equal_moments(scene, full)
+    turning = {n for a in general.angles for n in a.names}
+    candidates = [
+        replace(d, expression=general.expand(d.expression))
+        for d in general.outputs
+        if d.name not in turning
+    ]
+    smaller = reduce.only(requested, reduce.expanded)
+    return {
+        "torque": lambda _: _given_torque(scene, full),
+        "moments": lambda system: _equal_moments(scene, system),
+        "outputs": lambda system: smaller(replace(system, invariants=())),
+        "integrals": _first_integrals,
+        "definitions": lambda system: (
+            reduce.find_invariants(reduce.fold_definitions(system), candidates), (), "",
+        ),
+    }  # fmt: skip
 
 
 def derive(
@@ -238,33 +253,15 @@ def derive(
 
     ``full``: the system of `full_system`.
     """
-    passes = (
-        lambda _: _given_torque(scene, full),
-        lambda system: _equal_moments(scene, system),
-        lambda system: _only_requested(requested, system),
-        _first_integrals,
-    )
-    system = full_system(scene, general_torque=True)
-    before = reduce.cost(system)
-    notes: list[Reduction] = []
-    for apply in passes:
-        smaller, what, why = apply(system)
-        if what:
-            saved = reduce.cost(system) - reduce.cost(smaller)
-            notes.append(Reduction(", ".join(what), why, saved))
-        system = smaller
-    general = _equal_moments(scene, full)[0]
-    turning = {n for a in general.angles for n in a.names}
-    candidates = [
-        replace(d, expression=general.expand(d.expression))
-        for d in general.outputs
-        if d.name not in turning
-    ]
-    system = reduce.find_invariants(reduce.fold_definitions(system), candidates)
-    return system, Explanation(tuple(notes), before, reduce.cost(system))
+    general = full_system(scene, general_torque=True)
+    system, steps = reduce.reduced(general, passes(scene, full, requested))
+    return system, Explanation(reduce.reductions(steps), reduce.cost(general), reduce.cost(system))
 
 
-def _given_torque(scene: Description, system: System) -> Pass:
+Smaller = tuple[System, Sequence[str], str]
+
+
+def _given_torque(scene: Description, system: System) -> Smaller:
     components = {d.name[-1]: d.expression for d in system.outputs if d.name.startswith("torque_")}
     letter = "M" if scene.model == "spinner" else "tau_"
     zero = [f"{letter}{k}" for k, component in components.items() if component == 0]
@@ -279,7 +276,7 @@ def _given_torque(scene: Description, system: System) -> Pass:
     return system, [f"{n} = 0" for n in zero], "the scene has no such torque"
 
 
-def _equal_moments(scene: Description, system: System) -> Pass:
+def _equal_moments(scene: Description, system: System) -> Smaller:
     if scene.model == "spinner" or inertia_values(scene) is not None:
         return system, (), ""
     values = principal_values(scene)
@@ -306,22 +303,7 @@ def equal_moments(scene: Description, system: System) -> System:
     return _equal_moments(scene, system)[0]
 
 
-def _only_requested(requested: Sequence[str], system: System) -> Pass:
-    smaller = reduce.prune(system, requested)
-    gone = [n for n in system.state_names if n not in smaller.state_names]
-    gone += [
-        n
-        for n in (*system.parameter_names, *system.input_names)
-        if n not in (*smaller.parameter_names, *smaller.input_names)
-    ]
-    return (
-        smaller,
-        gone,
-        "neither the requested outputs nor the rates that they need depend on them",
-    )
-
-
-def _first_integrals(system: System) -> Pass:
+def _first_integrals(system: System) -> Smaller:
     constant = reduce.constant_states(system)
     why = "first integrals: the rate is zero, so that the initial value serves as a parameter"
     return reduce.freeze(system, constant), [q.name for q in constant], why

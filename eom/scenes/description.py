@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 import pydantic
@@ -40,6 +41,19 @@ class Part(pydantic.BaseModel):
     """What all parts of a scene share: frozen, and no key without a meaning."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+
+
+def one_of(part: Part, keys: Sequence[str], what: str, where: str) -> str:
+    """Return which of some keys is given. Raises `InputError` unless it is one alone."""
+    given = [k for k in keys if getattr(part, k) is not None]
+    if len(given) != 1:
+        raise InputError(
+            f"{what} needs exactly one description",
+            where=where,
+            got=", ".join(given) or "none",
+            expected=f"{', '.join(keys[:-1])} or {keys[-1]}",
+        )
+    return given[0]
 
 
 class Body(Part):
@@ -339,14 +353,7 @@ def _check_angles(scene: Description) -> None:
 
 def _check_body(scene: Description) -> None:
     body = scene.body
-    given = [k for k in ("moments", "matrix", "solid") if getattr(body, k) is not None]
-    if len(given) != 1:
-        raise InputError(
-            "the body needs exactly one description",
-            where="[body]",
-            got=", ".join(given) or "none",
-            expected="moments, matrix or solid",
-        )
+    given = one_of(body, ("moments", "matrix", "solid"), "the body", "[body]")
     if body.matrix is not None:
         if scene.model == "spinner":
             raise InputError(
@@ -361,7 +368,7 @@ def _check_body(scene: Description) -> None:
         raise InputError(
             "mass and size belong to a solid",
             where="[body]",
-            got=given[0],
+            got=given,
             hint="name a solid, or drop them",
         )
     if body.matrix is None and inertia_values(scene) is None:
@@ -412,14 +419,7 @@ def _check_torque(scene: Description) -> None:
 
 def check_initial_attitude(initial: InitialAttitude, where: str) -> None:
     """Raise `InputError` unless an attitude is given in one way, and is one."""
-    given = [k for k in ("radians", "degrees", "quaternion") if getattr(initial, k) is not None]
-    if len(given) != 1:
-        raise InputError(
-            "the initial attitude needs exactly one description",
-            where=where,
-            got=", ".join(given) or "none",
-            expected="radians, degrees or quaternion",
-        )
+    one_of(initial, ("radians", "degrees", "quaternion"), "the initial attitude", where)
     if initial.sequence not in SEQUENCES:
         raise unknown_name("rotation sequence", initial.sequence, SEQUENCES, where)
     if initial.quaternion is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from eom.errors import InputError
 from eom.scenes import parse
@@ -39,6 +39,14 @@ def check_names(names: Iterable[str], where: str) -> None:
                 expected="a name that is no keyword of C or Python and no function of formulas",
                 hint=f"write {name}_0",
             )
+
+
+def check_used(names: Iterable[str], used: Collection[str], hint: str) -> None:
+    """Raise `InputError` for the first parameter or input that no formula uses."""
+    for name in names:
+        if name not in used:
+            where = "[parameters] or [inputs]"
+            raise InputError(f"no formula uses {name!r}", where=where, hint=hint)
 
 
 def spelling(name: str) -> str:

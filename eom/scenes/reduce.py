@@ -6,12 +6,13 @@ what it left out, why, and the operations that are saved in each evaluation of t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
+from eom.errors import unknown_name
 from eom.exact.algebra import operations
 from eom.mechanics.invariants import is_invariant
 from eom.proof import coupled
@@ -24,32 +25,102 @@ Expr = Any
 
 @dataclass(frozen=True)
 class Reduction:
-    """``what`` was left out of a system, ``why``, and the operations ``saved`` an evaluation."""
+    """``what`` was left out of a system, ``why``, and the operations ``saved``, if they were counted."""
 
     what: str
-    why: str
-    saved: int
+    why: str = ""
+    saved: int | None = None
+
+    def __str__(self) -> str:
+        reason = f": {self.why}" if self.why else ""
+        return f"- {self.what}{reason}" + (
+            "" if self.saved is None else f" ({_counted(self.saved)} saved)"
+        )
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """The ``reductions`` in order, with the operations of the rates ``before`` and ``after``."""
+    """The ``reductions`` in order, with the operations of the rates ``before`` and ``after``.
+
+    ``general``: in words, what the operations before are of.
+    """
 
     reductions: tuple[Reduction, ...]
     before: int
     after: int
+    general: str = "of the general rates"
 
     def __str__(self) -> str:
         """Return one line a reduction, then the totals."""
-        lines = [f"- {r.what}: {r.why} ({_counted(r.saved)} saved)" for r in self.reductions]
-        total = (
-            f"{self.before} operations an evaluation of the general rates, {self.after} of these"
-        )
-        return "\n".join([*lines, total])
+        total = f"{self.before} operations an evaluation {self.general}, {self.after} of these"
+        return "\n".join([*map(str, self.reductions), total])
 
 
 def _counted(operations: int) -> str:
     return f"{operations} operation{'' if operations == 1 else 's'}"
+
+
+Pass = Callable[[System], tuple[System, Sequence[str], str]]
+"""Returns a smaller system, the names of what it leaves out, and why."""
+
+
+class Step(NamedTuple):
+    """``what`` a pass left out, ``why``, and the systems ``before`` and ``after`` it."""
+
+    what: str
+    why: str
+    before: System
+    after: System
+
+
+def reduced(
+    system: System, passes: Mapping[str, Pass], off: Collection[str] = ()
+) -> tuple[System, tuple[Step, ...]]:
+    """Return a system after all passes that are not ``off``, in order, and what each left out.
+
+    Raises `InputError` for names of no pass.
+    """
+    steps = []
+    for name in off:
+        if name not in passes:
+            raise unknown_name("pass", name, passes, "off")
+    for name, apply in passes.items():
+        if name not in off:
+            smaller, what, why = apply(system)
+            steps.append(Step(", ".join(what), why, system, smaller))
+            system = smaller
+    return system, tuple(steps)
+
+
+def reductions(steps: Iterable[Step]) -> tuple[Reduction, ...]:
+    """Return the steps that left something out, with the operations that each saved."""
+    return tuple(Reduction(s.what, s.why, cost(s.before) - cost(s.after)) for s in steps if s.what)
+
+
+def only(requested: Sequence[str], reached: Callable[[System], Reach]) -> Pass:
+    """Return the pass that leaves out what ``requested`` names do not need."""
+
+    def apply(system: System) -> tuple[System, Sequence[str], str]:
+        smaller = prune(system, requested, reached)
+        lost = [
+            n
+            for before, after in (
+                (system.state_names, smaller.state_names),
+                (
+                    (*system.parameter_names, *system.input_names),
+                    (*smaller.parameter_names, *smaller.input_names),
+                ),
+            )
+            for n in before
+            if n not in after
+        ]
+        return (
+            smaller,
+            lost,
+            "neither the requested outputs nor the rates that they need depend on them",
+        )
+
+    return apply
 
 
 def cost(system: System) -> int:
@@ -142,24 +213,51 @@ def freeze(system: System, states: Iterable[Quantity]) -> System:
     )
 
 
-def prune(system: System, requested: Iterable[str]) -> System:
+Reach = Callable[[Expr], set[Expr]]
+"""Returns the variables that an expression over definitions depends on."""
+
+
+def expanded(system: System) -> Reach:
+    """Return the reach by expansion, which finds what cancels."""
+    return lambda expression: set(system.expand(expression).free_symbols)
+
+
+def by_name(system: System) -> Reach:
+    """Return the reach by names alone: a long chain of definitions costs no more than reading it."""
+    depends: dict[Expr, set[Expr]] = {}
+
+    def reach(expression: Expr) -> set[Expr]:
+        return set().union(*(depends.get(s, {s}) for s in expression.free_symbols))
+
+    for d in system.definitions:
+        depends[d.symbol] = reach(d.expression)
+    return reach
+
+
+def prune(
+    system: System, requested: Iterable[str], reached: Callable[[System], Reach] = expanded
+) -> System:
     """Keep the states, definitions, outputs, parameters and inputs that ``requested`` names need.
 
-    A state is needed if a requested quantity or the rate of a needed state depends on it.
+    A state is needed if a requested quantity or the rate of a needed state depends on it, as ``reached``
+    tells. Law: what is kept has the same values along every motion.
     """
     names = set(requested)
+    reach = reached(system)
     outputs = tuple(d for d in system.outputs if d.name in names)
     wanted = {q.symbol for q in system.states if q.name in names}
-    wanted = wanted.union(*(system.expand(d.expression).free_symbols for d in outputs))
-    keep = _closure(system, wanted) or _closure(system, {system.states[0].symbol})
+    wanted = wanted.union(*(reach(d.expression) for d in outputs))
+    keep = _closure(system, wanted, reach) or _closure(system, {system.states[0].symbol}, reach)
+    states = tuple(system.states[k] for k in keep)
+    lost = _symbols(system.states) - _symbols(states)
+    invariants = tuple(d for d in system.invariants if not reach(d.expression) & lost)
+    singular = tuple(s for s in system.singularities if not reach(s.expression) & lost)
     rates = tuple(system.rates[k] for k in keep)
     matrix = _extract(system.mass_matrix, keep)
-    needed = [*rates, *(matrix or ()), *(d.expression for d in outputs)]
+    needed = [*rates, *(matrix or ()), *(d.expression for d in (*outputs, *invariants))]
     definitions = _used_definitions(system, needed)
-    states = tuple(system.states[k] for k in keep)
-    used = _symbols(states).union(
-        *(e.free_symbols for e in (*needed, *(d.expression for d in definitions)))
-    )
+    needed += [*(d.expression for d in definitions), *(s.expression for s in singular)]
+    used = _symbols(states).union(*(e.free_symbols for e in needed))
     known = {*used, system.time, *(d.symbol for d in definitions)}
     return replace(
         system,
@@ -170,8 +268,9 @@ def prune(system: System, requested: Iterable[str]) -> System:
         inputs=tuple(q for q in system.inputs if q.symbol in used),
         definitions=definitions,
         outputs=outputs,
-        invariants=(),
-        singularities=tuple(s for s in system.singularities if s.expression.free_symbols <= used),
+        invariants=invariants,
+        singularities=singular,
+        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
         attitudes=kept(system.attitudes, _symbols(states), known),
     )
 
@@ -205,9 +304,10 @@ def _symbols(quantities: Iterable[Quantity]) -> set[Expr]:
     return {q.symbol for q in quantities}
 
 
-def _closure(system: System, wanted: set[Expr]) -> list[int]:
+def _closure(system: System, wanted: set[Expr], reach: Reach) -> list[int]:
     """Indices of the states that ``wanted`` symbols depend on through the rates."""
     index = {q.symbol: k for k, q in enumerate(system.states)}
+    matrix = system.mass_matrix
     stack = [index[s] for s in wanted if s in index]
     found: set[int] = set()
     while stack:
@@ -215,13 +315,10 @@ def _closure(system: System, wanted: set[Expr]) -> list[int]:
         if k in found:
             continue
         found.add(k)
-        block = coupled(system.mass_matrix, k)
-        symbols = set().union(*(system.expand(system.rates[j]).free_symbols for j in block))
-        if system.mass_matrix is not None:
-            symbols |= set().union(
-                *(system.expand(e).free_symbols for j in block for e in system.mass_matrix.row(j))
-            )
-        stack.extend([*block, *(index[s] for s in symbols if s in index)])
+        block = coupled(matrix, k)
+        rows = [] if matrix is None else [e for j in block for e in matrix.row(j)]
+        read = (reach(e) for e in (*(system.rates[j] for j in block), *rows))
+        stack += [*block, *(index[s] for s in set().union(*read) if s in index)]
     return sorted(found)
 
 

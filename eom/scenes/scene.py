@@ -6,22 +6,23 @@ what was skipped and why. Every formula in a scene is read by the restricted par
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Self
 
 import pydantic
 
-from eom.errors import InputError, unknown_name
+from eom.errors import unknown_name
 from eom.kinematics.coordinates import attitude
-from eom.scenes import assembly, catalogue, start
-from eom.scenes.description import Description, check
-from eom.scenes.reduce import Explanation
-from eom.scenes.scene_files import data_of, in_file, limited, readable
+from eom.mechanics.torques import Torque
+from eom.scenes import assembly, start
+from eom.scenes.description import Body, Description, check
+from eom.scenes.reduce import Pass
+from eom.scenes.scene_files import BaseScene
 from eom.system import System
 
 
-class Scene(Description):
+class Scene(BaseScene, Description):
     """A checked description, with the systems and numbers that follow from it.
 
     Fields: see `eom.scenes.description.Description` and `eom.scenes.description.Request`. SI units, angles
@@ -35,14 +36,7 @@ class Scene(Description):
     """
 
     def __init__(self, /, **data: Any) -> None:
-        try:
-            super().__init__(**limited(data))
-        except pydantic.ValidationError as error:
-            raise readable(error, Description) from None
-
-    def __hash__(self) -> int:
-        """Scenes are values; hash by content that matters for lookup only."""
-        return hash((self.title, self.model, self.attitude, self.outputs))
+        super().__init__(**data)
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Self:
@@ -58,38 +52,39 @@ class Scene(Description):
                     raise unknown_name(kind, name, known, where)
         return self
 
-    @classmethod
-    def from_toml(cls, path: str | Path) -> Scene:
-        """Return the scene of a TOML file at ``path``.
+    def as_stated(self) -> Self:
+        """Return the scene over its own coordinates, whatever it is integrated in."""
+        return self.changed(integrate=None) if self.integrate else self
 
-        Raises `InputError` with the file's name for whatever is wrong in it.
-        """
-        file = Path(path)
-        data = data_of(file)
-        with in_file(file):
-            if data.get("model") == catalogue.TREE:
-                raise _is_a_tree()
-            return cls(**data)
+    def in_attitude(self, attitude: str) -> Self:
+        """Return the scene in the coordinates ``attitude``, all of whose states are asked for."""
+        if attitude == self.attitude:
+            return self
+        left_out = {"outputs", "initial_attitude", "attitude", "angles", "integrate"}
+        data = {k: v for k, v in self.model_dump(exclude_unset=True).items() if k not in left_out}
+        rates = {k: v for k, v in data.get("initial", {}).items() if k.startswith("omega_")}
+        return type(self)(**{**data, "initial": rates, "attitude": attitude})
 
-    @classmethod
-    def ready(cls, name: str) -> Scene:
-        """Return one of the scenes that ship with the package; ``eom list`` names them.
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """What is said of its body, by name."""
+        return {"body": self.body}
 
-        Raises `InputError` for other names.
-
-        >>> Scene.ready("bicycle-wheel").derive().state_names
-        ('theta', 'psi', 'theta_dot', 'psi_dot')
-        """
-        return cls.from_toml(catalogue.path_of(name))
+    @property
+    def loads(self) -> dict[str, Torque]:
+        """The torques that act, by their keys."""
+        return assembly.torques_of(self)
 
     @cached_property
     def full_system(self) -> System:
         """The general system of this scene: every state and output that can be asked for."""
         return assembly.full_system(self)
 
-    @cached_property
-    def _derived(self) -> tuple[System, Explanation]:
-        return assembly.derive(self, self.full_system, self.requested)
+    def _general(self) -> System:
+        return assembly.full_system(self, general_torque=True)
+
+    def _passes(self) -> Mapping[str, Pass]:
+        return assembly.passes(self, self.full_system, self.requested)
 
     @property
     def requested(self) -> tuple[str, ...]:
@@ -102,43 +97,29 @@ class Scene(Description):
         states = (n for n in full.state_names if n not in turned)
         return self.outputs or (*states, *(n for a in full.angles for n in a.names))
 
-    def requested_names(self) -> tuple[str, ...]:
-        """Return what is asked for that varies: frozen states are constants of the motion."""
-        system = self.derive()
-        return tuple(n for n in self.requested if n in (*system.state_names, *system.output_names))
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The value of each parameter of the scene and of its body, by name, in SI units."""
+        return start.constants(self)
 
-    def derive(self) -> System:
-        """Return the smallest system that the requested outputs need."""
-        return self._derived[0]
+    @property
+    def start(self) -> dict[str, float]:
+        """The value at t = 0 of each state that the scene determines, by name, in SI units.
 
-    def explain(self) -> Explanation:
-        """Return what was skipped, why, and the operations saved; print it to read it."""
-        return self._derived[1]
+        Raises `InputError` for an attitude that is no rotation.
+        """
+        return start.states(self, self.full_system)
 
     def initial_values(self) -> dict[str, float]:
         """Return the value at t = 0 of each state of `derive`, by name, in SI units.
 
         Raises `InputError` for missing ones, and for an attitude that is no rotation.
         """
-        values, names = start.states(self, self.full_system), self.derive().state_names
+        values, names = self.start, self.derive().state_names
         for angles in self.full_system.angles if self.integrate else ():
             if set(angles.quaternion) & {*names} - {*values}:
                 names = angles.names  # what the scene would give
         return start.pick(values, names, "initial value", "[initial]")
-
-    def parameter_values(self) -> dict[str, float]:
-        """Return the value of each parameter of `derive`, by name, constants of the motion included.
-
-        SI units. Raises `InputError` for missing ones.
-        """
-        values = start.states(self, self.full_system) | start.constants(self)
-        return start.pick(
-            values, self.derive().parameter_names, "parameter", "[parameters] or [initial]"
-        )
-
-    def input_values(self) -> dict[str, float]:
-        """Return the value at which each input of `derive` is held, by name."""
-        return {n: v.value for n, v in self.inputs.items() if n in self.derive().input_names}
 
     @property
     def attitudes(self) -> tuple[tuple[str, ...], ...]:
@@ -147,11 +128,3 @@ class Scene(Description):
             return ()
         chosen = attitude(self.coordinates)
         return (tuple(q.name for q in chosen.coordinates),) if chosen.constraints else ()
-
-
-def _is_a_tree() -> InputError:
-    return InputError(
-        "this scene is a tree of bodies, not one body",
-        where="model",
-        hint="eom.load_scene opens scenes of every model",
-    )

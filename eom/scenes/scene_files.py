@@ -1,17 +1,23 @@
-"""Scene files of every model: TOML within limits, and findings of pydantic as one readable error."""
+"""Scenes of every model: what they answer, their files, and findings of pydantic as one readable error."""
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, ClassVar, Self, get_args
 
 import pydantic
 
 from eom.errors import InputError, entries, near_matches, quoted
+from eom.scenes import catalogue, reduce
+from eom.scenes.description import Request
+from eom.scenes.reduce import Explanation, Pass, Step
+from eom.scenes.start import pick
+from eom.system import System
 
 MAX_FILE_BYTES = 1_000_000
 
@@ -43,6 +49,159 @@ def text_of(file: Path, pattern: str) -> str:
         return file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError("scene file cannot be read", where=str(file), got=str(error)) from None
+
+
+class BaseScene(Request):
+    """What scenes of every model answer, so that nobody needs to know which of them they have.
+
+    Fields: see `eom.scenes.description.Request`. Raises `InputError` for anything that is misspelt, missing
+    or impossible.
+    """
+
+    is_tree: ClassVar[bool] = False
+    """Whether its files say so."""
+
+    def __init__(self, /, **data: Any) -> None:
+        try:
+            super().__init__(**self._written_out(limited(data)))
+        except pydantic.ValidationError as error:
+            raise readable(error, type(self)) from None
+
+    def __hash__(self) -> int:
+        """Scenes are values; hash by content that matters for lookup only."""
+        return hash((type(self), self.title, self.outputs))
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Return the scene of a TOML file at ``path``.
+
+        Raises `InputError` with the file's name for whatever is wrong in it.
+        """
+        file = Path(path)
+        data = data_of(file)
+        with in_file(file):
+            if (data.get("model") == catalogue.TREE) != cls.is_tree:
+                own, found = ("one body", "a tree of bodies")[:: -1 if cls.is_tree else 1]
+                raise InputError(
+                    f"this scene is {found}, not {own}",
+                    where="model",
+                    hint="eom.load_scene opens scenes of every model",
+                )
+            return cls(**data)
+
+    @classmethod
+    def ready(cls, name: str) -> Self:
+        """Return one of the scenes that ship with the package; ``eom list`` names them.
+
+        Raises `InputError` for other names.
+        """
+        return cls.from_toml(catalogue.path_of(name))
+
+    @classmethod
+    def _written_out(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """Return what a file says with what it abbreviates."""
+        return data
+
+    def changed(self, **changes: Any) -> Self:
+        """Return the scene with ``changes``: values by key. Raises `InputError` as its class does."""
+        return type(self)(**{**self.model_dump(exclude_unset=True), **changes})
+
+    def as_stated(self) -> Self:
+        """Return the scene over its own coordinates, whatever it is integrated in."""
+        return self
+
+    def in_attitude(self, attitude: str) -> Self:
+        """Return the scene in the coordinates ``attitude``, all of whose states are asked for.
+
+        Raises `InputError` where they are not the scene's to choose.
+        """
+        raise InputError("attitudes of a tree belong to its joints", got=attitude)
+
+    @property
+    def tree(self) -> Any:
+        """The tree of its bodies and joints; None where it is one body by itself."""
+        return None
+
+    @property
+    def full_system(self) -> System:
+        """The system with every state and output that can be asked for."""
+        raise NotImplementedError
+
+    @property
+    def requested(self) -> tuple[str, ...]:
+        """What is asked for: the outputs, or all states and more where none are named."""
+        raise NotImplementedError
+
+    def _general(self) -> System:
+        """Return the system that passes make smaller."""
+        raise NotImplementedError
+
+    def _passes(self) -> Mapping[str, Pass]:
+        """Return what leaves out what is not needed, by name, in order."""
+        raise NotImplementedError
+
+    @cached_property
+    def _reduced(self) -> tuple[System, tuple[Step, ...]]:
+        return reduce.reduced(self._general(), self._passes())
+
+    def derive(self, off: Collection[str] = ()) -> System:
+        """Return the smallest system that the requested outputs need.
+
+        ``off``: names of passes that are not applied, as ``outputs``. Raises `InputError` for others.
+        """
+        if not off:
+            return self._reduced[0]
+        return reduce.reduced(self._general(), self._passes(), off)[0]
+
+    def explain(self) -> Explanation:
+        """Return what was skipped, why, and the operations saved; print it to read it."""
+        system, steps = self._reduced
+        return Explanation(
+            reduce.reductions(steps), reduce.cost(steps[0].before), reduce.cost(system)
+        )
+
+    def requested_names(self) -> tuple[str, ...]:
+        """Return what is asked for that varies: frozen states are constants of the motion."""
+        system = self.derive()
+        return tuple(n for n in self.requested if n in (*system.state_names, *system.output_names))
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The value of each parameter of the scene, by name, in SI units."""
+        return {n: v.value for n, v in self.parameters.items()}
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The value at t = 0 of each state that the scene determines, by name, in SI units.
+
+        Raises `InputError` for an attitude that is no rotation.
+        """
+        raise NotImplementedError
+
+    def initial_values(self) -> dict[str, float]:
+        """Return the value at t = 0 of each state of `derive`, by name, in SI units.
+
+        Raises `InputError` for missing ones, and for an attitude that is no rotation.
+        """
+        return pick(self.start, self.derive().state_names, "initial value", "[initial]")
+
+    def parameter_values(self) -> dict[str, float]:
+        """Return the value of each parameter of `derive`, by name, constants of the motion included.
+
+        SI units. Raises `InputError` for missing ones.
+        """
+        names = self.derive().parameter_names
+        return pick(self.start | self.numbers, names, "parameter", "[parameters] or [initial]")
+
+    def input_values(self) -> dict[str, float]:
+        """Return the value at which each input of `derive` is held, by name; 0 where none is given."""
+        given = {n: v.value for n, v in self.inputs.items()}
+        return {n: given.get(n, 0.0) for n in self.derive().input_names}
+
+    @property
+    def attitudes(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the states that are one attitude together, and cannot vary alone."""
+        raise NotImplementedError
 
 
 @contextmanager

@@ -13,7 +13,12 @@ from eom.kinematics.coordinates import attitude, constraint_value, quaternion_of
 from eom.kinematics.coordinates import quaternion as quaternion_coordinates
 from eom.quantities import Definition
 from eom.scenes import parse
-from eom.scenes.description import Description, inertia_values, principal_values
+from eom.scenes.description import (
+    Description,
+    InitialAttitude,
+    inertia_values,
+    principal_values,
+)
 from eom.system import System
 
 Expr = Any
@@ -54,7 +59,7 @@ def initial(scene: Description) -> dict[str, float]:
     values = constants(scene)
     formulas = _formulas(scene)
     return {
-        name: _number(formulas[name], values, f"[initial] {name}")
+        name: number(formulas[name], values, f"[initial] {name}")
         if name in formulas
         else float(value)
         for name, value in scene.initial.items()
@@ -68,12 +73,31 @@ def _formulas(scene: Description) -> dict[str, Expr]:
     return {n: parse.parse(text, names, f"[initial] {n}") for n, text in texts.items()}
 
 
-def _number(expression: Expr, values: Mapping[str, float], where: str) -> float:
+def number(expression: Expr, values: Mapping[str, float], where: str) -> float:
+    """Return a formula for numbers of its symbols by name. Raises `InputError` where it has none."""
     numbers = {s: sp.Float(values[s.name]) for s in expression.free_symbols}
     value = sp.N(expression.xreplace(numbers))
     if not value.is_real or not math.isfinite(value):
         raise InputError("no finite number", where=where, got=f"{expression} = {value}")
     return float(value)
+
+
+def in_coordinates(given: InitialAttitude, wanted: str, where: str) -> tuple[float, ...]:
+    """Return an attitude in ``wanted`` coordinates: a sequence's angles (rad), else as a quaternion.
+
+    Raises `InputError` for angles of another sequence.
+    """
+    angles = given.radians or tuple(math.radians(a) for a in given.degrees or ())
+    if angles and wanted == given.sequence:
+        return angles
+    if wanted not in {"quaternion", "dcm"}:
+        raise InputError(
+            f"initial attitude in other coordinates than attitude = {wanted!r}",
+            where=where,
+            got=f"sequence {given.sequence}" if angles else "quaternion",
+            hint="give the angles of the chosen sequence, or choose quaternion or dcm",
+        )
+    return given.quaternion or quaternion_of_sequence(given.sequence, angles)
 
 
 def states(scene: Description, full: System) -> dict[str, float]:
@@ -149,19 +173,9 @@ def _initial_attitude(scene: Description) -> dict[str, float]:
     if given is None:
         return {}
     wanted = "3-1-2" if scene.model == "spinner" else scene.coordinates
-    angles = given.radians or [math.radians(a) for a in given.degrees or ()]
-    if angles and wanted == given.sequence:
-        return {q.name: a for q, a in zip(attitude(wanted).coordinates, angles, strict=True)}
-    if wanted not in {"quaternion", "dcm"}:
-        raise InputError(
-            f"initial attitude in other coordinates than attitude = {scene.attitude!r}",
-            where="[initial_attitude]",
-            got=f"sequence {given.sequence}" if angles else "quaternion",
-            hint="give the angles of the chosen sequence, or choose quaternion or dcm",
-        )
-    q = given.quaternion or quaternion_of_sequence(given.sequence, angles)
-    if wanted == "quaternion":
-        return {f"q{k}": v for k, v in enumerate(q)}
+    q = in_coordinates(given, wanted, "[initial_attitude]")
+    if wanted != "dcm":
+        return {c.name: v for c, v in zip(attitude(wanted).coordinates, q, strict=True)}
     coordinates = quaternion_coordinates()
     matrix = coordinates.matrix.xreplace(
         {s: sp.Float(v) for s, v in zip(coordinates.symbols, q, strict=True)}

@@ -28,8 +28,6 @@ from eom.mechanics.rigidbody import free_rigid_body, gravity_gradient_satellite,
 from eom.mechanics.spinning import lecture_torque
 from eom.quantities import Quantity
 from eom.scenes import catalogue
-from eom.scenes.scene import Scene
-from eom.scenes.start import constants
 from eom.system import Expr, System
 from eom.typeset.markup import symbol_latex
 from eom.worlds.solutions import Inconsistent, Motion, Restriction
@@ -173,8 +171,7 @@ def _solution(
 def _of_scene(scene: AnyScene) -> Model:
     """Sort the restrictions of parameters by what the scene's numbers say."""
     system = scene.full_system
-    own = constants(scene) if isinstance(scene, Scene) else scene.numbers
-    values = {**own, **{n: v.value for n, v in scene.inputs.items()}}
+    values = {**scene.numbers, **{n: v.value for n, v in scene.inputs.items()}}
     given, possible = [], []
     for r in restrictions(system):
         names = {str(s.name) for s in (*r.zero, *(s for pair in r.equal for s in pair))}
@@ -246,9 +243,11 @@ def load_model(
     from eom.opening import load_scene  # many bodies are loaded where a scene is
 
     if name.endswith(".toml"):
-        return model_of(_turned(load_scene(_beside(name, folder)), attitude), assume)
+        scene = load_scene(_beside(name, folder))
+        return model_of(scene.in_attitude(attitude) if attitude else scene, assume)
     if name in catalogue.names():
-        return model_of(_turned(load_scene(name), attitude), assume)
+        scene = load_scene(name)
+        return model_of(scene.in_attitude(attitude) if attitude else scene, assume)
     if name in BUILTIN:
         return model_of(BUILTIN[name](attitude), assume)
     if name in SOLIDS:
@@ -263,20 +262,6 @@ def _beside(name: str, folder: Path | None) -> Path:
     if not file.is_relative_to(root):
         raise InputError("a scene file lies outside of the note's folder", got=name)
     return file
-
-
-def _turned(scene: AnyScene, attitude: str) -> AnyScene:
-    """Return a scene in other attitude coordinates, all of whose states are asked for."""
-    if not attitude:
-        return scene
-    if not isinstance(scene, Scene):
-        raise InputError("attitudes of a tree belong to its joints", got=attitude)
-    if attitude == scene.attitude:
-        return scene
-    left_out = {"outputs", "initial_attitude", "attitude", "angles", "integrate"}
-    data = {k: v for k, v in scene.model_dump(exclude_unset=True).items() if k not in left_out}
-    rates = {k: v for k, v in data.get("initial", {}).items() if k.startswith("omega_")}
-    return Scene(**{**data, "initial": rates, "attitude": attitude})
 
 
 _KEYS: dict[str, type] = {"is": str, "attitude": str, "assume": list, "point": str, "symbols": dict}

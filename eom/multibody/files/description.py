@@ -3,18 +3,79 @@
 Wherever a number is wanted a formula in quotes may stand, over the scene's parameters; but for those of
 bodies also over masses, moments and sizes that bodies state: mass_BODY, I1_BODY, radius_BODY.
 
-Rotors, springs between points, points that are asked for, and constraints, of these a kind a row of
-`eom.multibody.files.sections.ROWS`.
+The keys of a part are the fields of the part of the tree that it becomes (`eom.multibody.model.parts`).
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import dataclasses
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from functools import cache, reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
+import pydantic
 from pydantic import Field, StrictBool
 
-from eom.multibody.files.places import Axis, Each, Formulas, Place, Point, Turned
+from eom.multibody.algebra.values import NAMED_AXES
+from eom.multibody.model import model
+from eom.multibody.model.constraints import (
+    Coupling,
+    Distance,
+    Equation,
+    KnifeEdge,
+    Loop,
+    Rolling,
+    SpeedEquation,
+)
+from eom.multibody.model.parts import ACTING, MOVING, Kind, kinds
+from eom.multibody.recursion.quantities import Point as TreePoint
 from eom.scenes.description import Formula, InitialAttitude, Part, Request
+
+Formulas = tuple[Formula, Formula, Formula]
+_formula = pydantic.TypeAdapter(Formula)
+_formulas = pydantic.TypeAdapter(Formulas)
+_each = pydantic.TypeAdapter(tuple[Formula, ...])
+
+
+def _axis(given: Any) -> Any:
+    """Return the name of an axis, or three components."""
+    if isinstance(given, str) and given not in NAMED_AXES:
+        raise ValueError(f"expected {', '.join(NAMED_AXES)} or three components")
+    return given if isinstance(given, str) else _formulas.validate_python(given)
+
+
+def _point(given: Any) -> Any:
+    """Return centre, origin, or three components."""
+    if isinstance(given, str) and given not in {"centre", "origin"}:
+        raise ValueError("expected centre, origin or three components")
+    return given if isinstance(given, str) else _formulas.validate_python(given)
+
+
+def _one_or_each(given: Any) -> Any:
+    """Return a formula, or several in a list."""
+    listed = isinstance(given, list | tuple)
+    return _each.validate_python(given) if listed else _formula.validate_python(given)
+
+
+Point = Annotated[Any, pydantic.PlainValidator(_point)]
+
+
+class Turned(Part):
+    """A rotation from the body's axes to others: C takes components in the first to the second.
+
+    ``matrix``: C, 3 x 3. Or angles in ``radians`` or ``degrees`` of a ``sequence``: the body's axes are
+    turned about the first named axis, what results about the second named axis as it then is, and so on,
+    as in `eom.kinematics.coordinates`.
+    """
+
+    matrix: tuple[Formulas, Formulas, Formulas] | None = None
+    sequence: str = "3-2-1"
+    radians: Formulas | None = None
+    degrees: Formulas | None = None
 
 
 class BodyPart(Part):
@@ -35,163 +96,102 @@ class BodyPart(Part):
     rotation: Turned | None = None
 
 
-class MotionPart(Part):
-    """A prescribed motion over parameters and t; ``rate`` and ``acceleration`` follow if left out.
+_FORMS: Mapping[Any, Any] = {
+    "number": Formula,
+    "vector": Formulas,
+    "axis": Annotated[Any, pydantic.PlainValidator(_axis)],
+    "each": Annotated[Any, pydantic.PlainValidator(_one_or_each)],
+    "rotation": Turned | None,
+    "ratios": dict[str, Formula],
+    "body": str,
+    "axes": Literal["body", "ground"],
+    "word": str,
+    bool: StrictBool,
+}
+"""What a file may say of a field: by its shape (`eom.multibody.model.parts.Kind`), or by its type."""
+_SCOPES = {MOVING: "parameters and t", ACTING: "parameters, inputs, states and t"}
 
-    ``position``: the coordinates, one formula or a list (rad, m). See `eom.multibody.model.model.Motion`.
+
+@cache
+def _described(part: type, kind: str = "", words: str = "", **more: Any) -> type[Part]:
+    """Return what a file may say of a part of a tree: its fields, with their forms and defaults.
+
+    ``kind``: the word for its kind, where the file has one; ``more``: other keys, and ``words`` on them.
     """
-
-    position: Each
-    rate: Each | None = None
-    acceleration: Each | None = None
-
-
-class JointPart(Part):
-    """A joint: see `eom.multibody.model.model.Joint`.
-
-    ``force`` is over parameters, inputs, states and t. ``angles``: of a joint with a quaternion the
-    sequence whose angles, q_JOINT_1 to 3, are outputs and count whole turns (`codegen.runs.turns`).
-    """
-
-    kind: str
-    parent: str
-    child: str
-    axis: Axis = "z"
-    second_axis: Axis = "x"
-    pitch: Formula = 0
-    attitude: str = "quaternion"
-    angles: str = ""
-    on_parent: Place = Place()
-    on_child: Place = Place()
-    stiffness: Each = 0
-    rest: Each = 0
-    damping: Each = 0
-    armature: Each = 0
-    force: Each = 0
-    motor: StrictBool = False
-    motion: MotionPart | None = None
+    keys: dict[str, Any] = {"kind": (Literal[kind], ...)} if kind else {}
+    keys |= {key: row for field in fields(part) for key, row in _keys(part, field)}
+    told = re.split(r"\s+(?:Raises|Source|>>>)", inspect.getdoc(part) or "")[0]
+    over = [
+        f"``{name}``: over {_SCOPES[held.scope]}."
+        for name, held in kinds(part).items()
+        if held.scope in _SCOPES
+    ]
+    named = [f"Of ``kind`` {kind}."] if kind else []
+    doc = "\n\n".join([told, " ".join([*named, *over, words])]).strip()
+    made: type[Part] = pydantic.create_model(
+        f"{part.__name__}Part", __base__=Part, __doc__=doc, **keys, **more
+    )
+    return made
 
 
-class LoadPart(Part):
-    """A force and a torque on a body: see `eom.multibody.model.model.Load`."""
-
-    body: str
-    force: Formulas = (0, 0, 0)
-    torque: Formulas = (0, 0, 0)
-    point: Formulas = (0, 0, 0)
-    axes: Literal["body", "ground"] = "ground"
-
-
-class RotorPart(Part):
-    """A rotor in a body: see `eom.multibody.model.attachments.Rotor`.
-
-    ``torque`` is over parameters, inputs, states and t; ``speed`` over parameters and t.
-    """
-
-    body: str
-    inertia: Formula
-    axis: Axis = "z"
-    damping: Formula = 0
-    torque: Formula = 0
-    motor: StrictBool = False
-    angle: StrictBool = False
-    speed: Formula | None = None
+def _keys(part: type, field: dataclasses.Field[Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    """Yield the keys of a field in a file, each with its form and default."""
+    if field.name == "name":
+        return
+    own = get_type_hints(part)[field.name]
+    held = kinds(part).get(field.name)
+    if held is None:
+        form, held = _FORMS.get(own, own), Kind("word")
+    else:
+        form = _described(held.shape) if isinstance(held.shape, type) else _FORMS[held.shape]
+    default = ... if held.needed or field.default is dataclasses.MISSING else field.default
+    if held.shape == "rotation":
+        default = None
+    elif held.shape is model.Placement:
+        default = form()
+    for k, key in enumerate(held.keys or (field.name,)):
+        given = default[k] if len(held.keys) > 1 and default is not ... else default
+        yield key, (form | None if held.optional else form, given)
 
 
-class SpringPart(Part):
-    """A spring and damper between two points: see `eom.multibody.model.attachments.Spring`.
+CONSTRAINTS: Mapping[str, type[model.Constraint]] = {
+    "loop": Loop,
+    "distance": Distance,
+    "equation": Equation,
+    "speed_equation": SpeedEquation,
+    "coupling": Coupling,
+    "rolling": Rolling,
+    "knife_edge": KnifeEdge,
+}
+"""Constraints by the words for their kinds."""
 
-    ``first``, ``second``: bodies, or the ground. ``first_point``, ``second_point``: on these, from their
-    origins, in their axes (m).
-    """
-
-    first: str
-    second: str
-    first_point: Formulas = (0, 0, 0)
-    second_point: Formulas = (0, 0, 0)
-    stiffness: Formula = 0
-    length: Formula = 0
-    damping: Formula = 0
-
-
-class PointPart(Part):
-    """A point of a ``body``, or of the ground: see `eom.multibody.recursion.quantities.Point`."""
-
-    body: str
-    position: Formulas = (0, 0, 0)
-
-
-class LoopPart(Part):
-    """A ``joint`` that closes a loop, of ``kind`` loop: see `eom.multibody.model.constraints.Loop`."""
-
-    kind: Literal["loop"]
-    joint: str
-    first: str
-    second: str
-    axis: Axis = "z"
-    second_axis: Axis = "x"
-    on_first: Place = Place()
-    on_second: Place = Place()
-
-
-class DistancePart(Part):
-    """A rod without mass, of ``kind`` distance: see `eom.multibody.model.constraints.Distance`."""
-
-    kind: Literal["distance"]
-    first: str
-    second: str
-    length: Formula
-    first_point: Formulas = (0, 0, 0)
-    second_point: Formulas = (0, 0, 0)
-
-
-class EquationPart(Part):
-    """An equation between coordinates, or with ``kind`` speed_equation between speeds.
-
-    See `eom.multibody.model.constraints.Equation` and `SpeedEquation`; ``expression`` is a formula in
-    quotes.
-    """
-
-    kind: Literal["equation", "speed_equation"]
-    expression: Formula
-
-
-class CouplingPart(Part):
-    """Gears, of ``kind`` coupling: see `eom.multibody.model.constraints.Coupling`; ``ratios`` by joint."""
-
-    kind: Literal["coupling"]
-    ratios: dict[str, Formula]
-
-
-class RollingPart(Part):
-    """A wheel (``axis``) or ``ball`` on a plane, of ``kind`` rolling.
-
-    See `eom.multibody.model.constraints.Rolling`.
-    """
-
-    kind: Literal["rolling"]
-    body: str
-    radius: Formula
-    axis: Axis = "z"
-    ball: bool = False
-    centre: Formulas = (0, 0, 0)
-    normal: Axis = "z"
-    origin: Formulas = (0, 0, 0)
-
-
-class KnifeEdgePart(Part):
-    """A ``body`` on a knife edge, of ``kind`` knife_edge: see `eom.multibody.KnifeEdge`."""
-
-    kind: Literal["knife_edge"]
-    body: str
-    direction: Axis = "y"
-    point: Formulas = (0, 0, 0)
-
-
-ConstraintPart = Annotated[
-    LoopPart | DistancePart | EquationPart | CouplingPart | RollingPart | KnifeEdgePart,
-    Field(discriminator="kind"),
-]
+if TYPE_CHECKING:
+    JointPart = Any
+    LoadPart = Any
+    RotorPart = Any
+    SpringPart = Any
+    PointPart = Any
+    ConstraintPart = Any
+else:
+    JointPart = _described(
+        model.Joint,
+        words="``angles``: of a joint with a quaternion the sequence whose angles, q_JOINT_1 to 3, are "
+        "outputs and count whole turns (`codegen.runs.turns`).",
+        angles=(str, ""),
+    )
+    LoadPart = _described(model.Load)
+    RotorPart = _described(model.Rotor)
+    SpringPart = _described(
+        model.Spring,
+        words="``first``, ``second``: the bodies; ``first_point``, ``second_point``: the points.",
+    )
+    PointPart = _described(TreePoint)
+    _more: dict[str, dict[str, Any]] = {
+        "loop": {"words": "``joint``: the kind of the joint."},
+        "rolling": {"words": "``ball``: whether it is one.", "ball": (bool, False)},
+    }
+    _constraints = (_described(c, kind, **_more.get(kind, {})) for kind, c in CONSTRAINTS.items())
+    ConstraintPart = Annotated[reduce(or_, _constraints), Field(discriminator="kind")]
 
 
 class TreeDescription(Request):

@@ -19,36 +19,31 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from pathlib import Path
 from typing import Any, Self
 
 import pydantic
+import sympy as sp
 
 from eom.errors import InputError, unknown_name
-from eom.kinematics.coordinates import quaternion_of_sequence
-from eom.multibody.algebra.lazy_sums import used
 from eom.multibody.constrained.consistent import assemble
 from eom.multibody.files.description import TreeDescription
-from eom.multibody.files.formulas import numbered
-from eom.multibody.files.joint_angles import JointAngles, angles_of
-from eom.multibody.files.sections import Reading, check_used, points_of, tree_of
+from eom.multibody.files.sections import JointAngles, Reading, angles_of, points_of, tree_of
 from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
-from eom.multibody.recursion.operation_count import Savings, savings
+from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
 from eom.multibody.system.derive import derive
 from eom.multibody.system.output_quantities import OUTPUTS
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
-from eom.quantities import Definition
-from eom.scenes import catalogue
-from eom.scenes.description import InitialAttitude, check_end, check_initial_attitude
-from eom.scenes.scene_files import data_of, in_file, limited, readable
-from eom.scenes.start import pick
-from eom.structure import kept as kept_attitudes
+from eom.scenes.description import check_end, check_initial_attitude
+from eom.scenes.naming import check_used
+from eom.scenes.reduce import Explanation, Pass, Reduction, by_name, only, reductions
+from eom.scenes.scene_files import BaseScene
+from eom.scenes.start import in_coordinates, number
 from eom.system import System
 
 
-class TreeScene(TreeDescription):
+class TreeScene(BaseScene, TreeDescription):
     """A checked description, with the tree, systems and numbers that follow from it.
 
     Fields: see `eom.multibody.files.description.TreeDescription`; ``repeat`` writes out repeated parts
@@ -63,24 +58,24 @@ class TreeScene(TreeDescription):
     System('scene': states q_hinge, u_hinge; parameters g, l, m; invariants energy)
     """
 
+    is_tree = True
     notes: tuple[str, ...] = ()
 
     def __init__(self, /, **data: Any) -> None:
-        try:
-            super().__init__(**written_out(limited(data)))
-        except pydantic.ValidationError as error:
-            raise readable(error, TreeDescription) from None
+        super().__init__(**data)
 
-    def __hash__(self) -> int:
-        """Scenes are values; hash by content that matters for lookup only."""
-        return hash((self.title, self.model, tuple(self.bodies), self.outputs))
+    @classmethod
+    def _written_out(cls, data: dict[str, Any]) -> dict[str, Any]:
+        return written_out(data)
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Self:
         """Check everything that one field alone cannot tell."""
         check_end(self)
         states, choice, angles = self._start, self._choice, self._angles
-        check_used(self._reading)
+        read = self._reading
+        hint = "use it in a formula of a body, joint, load or the like, or remove it"
+        check_used((q.name for q in (*read.parameters, *read.inputs)), read.used, hint)
         if self.keep and not self.tree.constraints:
             raise InputError("keep belongs to constraints", where="keep", got=", ".join(self.keep))
         for name in self.outputs:
@@ -88,34 +83,6 @@ class TreeScene(TreeDescription):
                 known = [*states, *angles, *choice.known()]
                 raise unknown_name("output", name, known, "outputs")
         return self
-
-    @classmethod
-    def from_toml(cls, path: str | Path) -> TreeScene:
-        """Return the scene of a TOML file at ``path``.
-
-        Raises `InputError` with the file's name for whatever is wrong in it.
-        """
-        file = Path(path)
-        data = data_of(file)
-        with in_file(file):
-            if data.get("model") != catalogue.TREE:
-                raise InputError(
-                    "this scene is one body, not a tree",
-                    where="model",
-                    hint="eom.load_scene opens scenes of every model",
-                )
-            return cls(**data)
-
-    @classmethod
-    def ready(cls, name: str) -> TreeScene:
-        """Return one of the scenes that ship with the package; ``eom list`` names them.
-
-        Raises `InputError` for other names.
-
-        >>> TreeScene.ready("double-pendulum").derive().state_names
-        ('q_shoulder', 'q_elbow', 'u_shoulder', 'u_elbow')
-        """
-        return cls.from_toml(catalogue.path_of(name))
 
     @cached_property
     def _reading(self) -> Reading:
@@ -166,9 +133,12 @@ class TreeScene(TreeDescription):
         wanted = self._choice.needed(self._asked)
         return self._named(derive(self.tree, wanted, start=self._near))
 
-    @cached_property
-    def _derived(self) -> System:
-        return smallest(self._whole, self.requested) if self.outputs else self._whole
+    def _general(self) -> System:
+        return self._whole
+
+    def _passes(self) -> Mapping[str, Pass]:
+        every: Pass = lambda system: (system, (), "")  # noqa: E731
+        return {"outputs": only(self.requested, by_name) if self.outputs else every}
 
     def _named(self, system: System) -> System:
         named = replace(system, name=self.name, title=self.title)
@@ -179,37 +149,17 @@ class TreeScene(TreeDescription):
         """What is asked for: the outputs, or all states and points where none are named."""
         return self._choice.names(self._asked, self._whole)
 
-    def requested_names(self) -> tuple[str, ...]:
-        """Return what is asked for, groups of outputs by their names."""
-        return self.requested
-
-    def derive(self) -> System:
-        """Return the smallest system that the requested outputs need."""
-        return self._derived
-
-    def explain(self) -> Saved:
+    def explain(self) -> Explanation:
         """Return what was skipped, why, and the operations saved; print it to read it."""
-        kept = self.derive().state_names
-        lost = tuple(n for n in self._whole.state_names if n not in kept)
-        return Saved(savings(self.tree), lost, self.notes)
-
-    def initial_values(self) -> dict[str, float]:
-        """Return the value of each state of `derive` at t = 0, by name, in SI units."""
-        return {n: self._start[n] for n in self.derive().state_names}
+        saved = savings(self.tree)
+        left_out = (*map(Reduction, saved.reasons), *reductions(self._reduced[1]))
+        notes = tuple(map(Reduction, self.notes))
+        return Explanation((*left_out, *notes), saved.without, saved.done, "without")
 
     @property
-    def numbers(self) -> dict[str, float]:
-        """The value of each parameter of the scene."""
-        return {n: v.value for n, v in self.parameters.items()}
-
-    def parameter_values(self) -> dict[str, float]:
-        """Return the value of each parameter of `derive`, by name. Raises `InputError` for missing ones."""
-        return pick(self.numbers, self.derive().parameter_names, "parameter", "[parameters]")
-
-    def input_values(self) -> dict[str, float]:
-        """Return the value at which each input of `derive` is held; of a motor 0 if none is given."""
-        given = {n: v.value for n, v in self.inputs.items()}
-        return {n: given.get(n, 0.0) for n in self.derive().input_names}
+    def start(self) -> dict[str, float]:
+        """The value of each state at t = 0, by name, in SI units."""
+        return self._start
 
     @property
     def attitudes(self) -> tuple[tuple[str, ...], ...]:
@@ -332,7 +282,9 @@ def start_values(tree: Tree, reading: Reading) -> dict[str, float]:
     for name, given in reading.scene.initial.items():
         if name not in found:
             raise unknown_name("state", name, found, "[initial]")
-        found[name] = numbered(reading.constants.value(given, f"[initial] {name}"), parameters)
+        place = f"[initial] {name}"
+        formula = sp.sympify(reading.constants.value(given, place), strict=True)
+        found[name] = number(formula, parameters, place)
     for name, value in _attitudes(reading, free):
         if name in reading.scene.initial:
             where = "[initial] and [initial_attitude]"
@@ -370,23 +322,9 @@ def _attitudes(reading: Reading, free: list[Joint]) -> Iterator[tuple[str, float
             raise unknown_name("joint with an attitude", name, joints, where)
         check_initial_attitude(given, where)
         joint = joints[name]
-        values = _coordinates(given, joint.attitude, where)
+        values = in_coordinates(given, joint.attitude, where)
         names = [c.name for c in joint.coordinates[-len(values) :]]
         yield from zip(names, values, strict=True)
-
-
-def _coordinates(given: InitialAttitude, attitude: str, where: str) -> tuple[float, ...]:
-    """Return an attitude in the coordinates of a joint."""
-    angles = given.radians or tuple(math.radians(a) for a in given.degrees or ())
-    if attitude == QUATERNION:
-        return given.quaternion or quaternion_of_sequence(given.sequence, angles)
-    if not angles or given.sequence != attitude:
-        got = f"sequence {given.sequence}" if angles else "quaternion"
-        raise InputError(
-            "attitude at the start in other coordinates than the joint's",
-            where=where, got=got, expected=f"angles of the sequence {attitude}",
-        )  # fmt: skip
-    return angles
 
 
 def _normalised(parts: dict[str, float]) -> dict[str, float]:
@@ -477,105 +415,3 @@ class Choice:
         """Tell whether a name begins as the multipliers of a constraint do; or all are meant."""
         begins = tuple(f"{LAMBDA}{c.name}" for c in self.tree.constraints)
         return name == FORCES or name.startswith(begins)
-
-
-@dataclass(frozen=True)
-class Saved:
-    """What was left out of a tree's equations: operations by structure, states that nothing needs.
-
-    ``savings``: the operations. ``states``: names of those left out. ``notes``: what a file said that is
-    not used.
-    """
-
-    savings: Savings
-    states: tuple[str, ...]
-    notes: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        lines = [f"- {reason}" for reason in self.savings.reasons]
-        if self.states:
-            lines.append(f"- {', '.join(self.states)}: no output needs them")
-        lines += [f"- {note}" for note in self.notes]
-        total = (
-            f"{self.savings.without} operations an evaluation without, {self.savings.done} of these"
-        )
-        return "\n".join([*lines, total])
-
-
-def smallest(system: System, requested: Sequence[str]) -> System:
-    """Leave out the states, outputs and definitions that ``requested`` names do not depend on.
-
-    Law: what is kept has the same values along every motion. Dependence is that of names: nothing
-    is expanded, so that a long chain of definitions costs no more than reading it.
-    """
-    depends = _dependence(system)
-    outputs = tuple(d for d in system.outputs if d.name in requested)
-    wanted = {q.symbol for q in system.states if q.name in requested}
-    wanted |= {s for d in outputs for s in _reached(d.expression, depends)}
-    kept = _closure(system, wanted, depends)
-    if not kept:
-        kept = _closure(system, {system.states[0].symbol}, depends)
-    if len(kept) == len(system.states) and len(outputs) == len(system.outputs):
-        return system
-    return _restricted(system, kept, outputs, depends)
-
-
-def _restricted(
-    system: System,
-    kept: Sequence[int],
-    outputs: tuple[Definition, ...],
-    depends: dict[Any, set[Any]],
-) -> System:
-    states = {system.states[k].symbol for k in kept}
-    lost = {q.symbol for q in system.states} - states
-    rates = tuple(system.rates[k] for k in kept)
-    invariants = tuple(d for d in system.invariants if not _reached(d.expression, depends) & lost)
-    singular = tuple(s for s in system.singularities if not _reached(s.expression, depends) & lost)
-    results = [*rates, *(d.expression for d in (*outputs, *invariants))]
-    definitions = used(system.definitions, results)
-    everything = [*results, *(d.expression for d in definitions)]
-    free = set().union(
-        *(e.free_symbols for e in everything), *(s.expression.free_symbols for s in singular)
-    )
-    known = {*free, *states, *(d.symbol for d in definitions)}
-    return replace(
-        system,
-        states=tuple(system.states[k] for k in kept),
-        rates=rates,
-        parameters=tuple(q for q in system.parameters if q.symbol in free),
-        inputs=tuple(q for q in system.inputs if q.symbol in free),
-        definitions=definitions,
-        outputs=outputs,
-        invariants=invariants,
-        singularities=singular,
-        maintained=tuple(n for n in system.maintained if n in {d.name for d in invariants}),
-        attitudes=kept_attitudes(system.attitudes, states, known),
-    )
-
-
-def _dependence(system: System) -> dict[Any, set[Any]]:
-    """Return the variables that each definition depends on."""
-    found: dict[Any, set[Any]] = {}
-    for d in system.definitions:
-        found[d.symbol] = _reached(d.expression, found)
-    return found
-
-
-def _reached(expression: Any, depends: dict[Any, set[Any]]) -> set[Any]:
-    reached: set[Any] = set()
-    for s in expression.free_symbols:
-        reached |= depends.get(s, {s})
-    return reached
-
-
-def _closure(system: System, wanted: set[Any], depends: dict[Any, set[Any]]) -> list[int]:
-    """Return the places of the states that ``wanted`` symbols depend on through the rates."""
-    index = {q.symbol: k for k, q in enumerate(system.states)}
-    stack = [index[s] for s in wanted if s in index]
-    found: set[int] = set()
-    while stack:
-        k = stack.pop()
-        if k not in found:
-            found.add(k)
-            stack += [index[s] for s in _reached(system.rates[k], depends) if s in index]
-    return sorted(found)

@@ -1,194 +1,107 @@
-"""From the sections of a scene to a `Tree`: one row of `SECTIONS` a section of the file.
-
-Of constraints there is one row of `ROWS` a kind.
-"""
+"""From the sections of a scene to a `Tree`: formulas over parameters, time, inputs and states as values."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import sympy as sp
 
 from eom.errors import InputError, unknown_name
+from eom.kinematics.coordinates import SEQUENCES, rotation_sequence
 from eom.mass import solids
-from eom.multibody.algebra.spatial import ZERO
-from eom.multibody.algebra.values import is_number
+from eom.mechanics.sequence_angles import with_angles
+from eom.multibody.algebra.spatial import IDENTITY, ZERO
+from eom.multibody.algebra.values import Value, is_number, value
 from eom.multibody.files.description import (
+    CONSTRAINTS,
     BodyPart,
-    CouplingPart,
-    DistancePart,
-    EquationPart,
+    ConstraintPart,
     JointPart,
-    KnifeEdgePart,
-    LoadPart,
-    LoopPart,
-    PointPart,
-    RollingPart,
     RotorPart,
-    SpringPart,
     TreeDescription,
+    Turned,
 )
-from eom.multibody.files.formulas import Formulas
-from eom.multibody.files.places import Place
-from eom.multibody.model.attachments import Rotor, Spring
-from eom.multibody.model.constraints import (
-    Coupling,
-    Distance,
-    Equation,
-    KnifeEdge,
-    Loop,
-    Rolling,
-    SpeedEquation,
-)
-from eom.multibody.model.joints import KINDS
-from eom.multibody.model.model import GROUND, Body, Constraint, Joint, Load, Motion, Placement, Tree
+from eom.multibody.model.joints import QUATERNION
+from eom.multibody.model.model import GROUND, Body, Joint, Load, Rotor, Spring, Tree
+from eom.multibody.model.parts import Kind, kinds
 from eom.multibody.recursion.quantities import Point
 from eom.quantities import TIME, Quantity
+from eom.scenes import parse
+from eom.scenes.description import one_of
 from eom.scenes.naming import check_names, spelling
+from eom.system import System
+
+Names = Mapping[str, Any]
 
 
-def placement(part: Place, read: Formulas, where: str) -> Placement:
-    """Return where a joint's frame is."""
-    return Placement(
-        read.values(part.position, f"{where}: position"),
-        read.rotation(part.rotation, f"{where}: rotation"),
-    )
+class Formulas:
+    """Reads formulas over names, and keeps which names were used."""
+
+    def __init__(self, names: Names) -> None:
+        self.names = names
+        self.used: set[str] = set()
+
+    def value(self, given: Any, where: str) -> Value:
+        """Return a number or formula as a value. Raises `InputError` with its place."""
+        if not isinstance(given, str):
+            return value(given, where)
+        found = parse.parse(given, self.names, where)
+        self.used |= {str(s.name) for s in found.free_symbols}
+        return rounded(found, where)
+
+    def values(self, given: Any, where: str) -> Any:
+        """Return a value, those of a list, of rows, or of a table."""
+        if isinstance(given, tuple | list):
+            return tuple(self.values(g, where) for g in given)
+        if isinstance(given, Mapping):
+            return {n: self.value(g, f"{where} of {n}") for n, g in given.items()}
+        return self.value(given, where)
+
+    def rotation(self, given: Turned | None, where: str) -> Any:
+        """Return the matrix of a rotation. Raises `InputError` unless it is given in one way."""
+        if given is None:
+            return IDENTITY
+        one_of(given, ("matrix", "radians", "degrees"), "a rotation", where)
+        if given.matrix is not None:
+            return self.values(given.matrix, where)
+        factor = sp.pi / 180 if given.degrees is not None else sp.Integer(1)
+        angles = self.values(given.degrees or given.radians or (), where)
+        return turned(
+            given.sequence, [right(sp.sympify(a, strict=True) * factor) for a in angles], where
+        )
 
 
-def axis_of(given: Any, read: Formulas, where: str) -> Any:
-    """Return the name of an axis as it is, or its components."""
-    return given if isinstance(given, str) else read.values(given, where)
+def turned(sequence: str, angles: Iterable[Any], where: str) -> tuple[tuple[Value, ...], ...]:
+    """Return the matrix of a rotation sequence (`eom.kinematics.coordinates`) for angles in radians."""
+    if sequence not in SEQUENCES:
+        raise unknown_name("rotation sequence", sequence, SEQUENCES, where)
+    C = rotation_sequence(sequence, list(angles)).matrix
+    return tuple(tuple(rounded(C[i, j], where) for j in range(3)) for i in range(3))
 
 
-def _loop(name: str, part: LoopPart, reading: Reading) -> Loop:
-    where, read = f"constraint {name!r}", reading.constants
-    return Loop(
-        name,
-        part.joint,
-        part.first,
-        part.second,
-        axis_of(part.axis, read, f"{where}: axis"),
-        axis_of(part.second_axis, read, f"{where}: second_axis"),
-        placement(part.on_first, read, f"{where}: on_first"),
-        placement(part.on_second, read, f"{where}: on_second"),
-    )
+def rounded(expression: Any, where: str) -> Value:
+    """Return a number that is no fraction as the nearest double, everything else as it is."""
+    if expression.is_number and not expression.is_Rational:
+        return value(float(expression), where)
+    return value(expression, where)
 
 
-def _distance(name: str, part: DistancePart, reading: Reading) -> Distance:
-    where, read = f"constraint {name!r}", reading.constants
-    return Distance(
-        name,
-        part.first,
-        part.second,
-        read.value(part.length, f"{where}: length"),
-        read.values(part.first_point, f"{where}: first_point"),
-        read.values(part.second_point, f"{where}: second_point"),
-    )
+RIGHT = 4
+"""Spacings of doubles by which a right angle may be off and still have sines of exactly 0 and 1."""
 
 
-def _equation(name: str, part: EquationPart, reading: Reading) -> Constraint:
-    found = reading.acting.value(part.expression, f"constraint {name!r}: expression")
-    return Equation(name, found) if part.kind == "equation" else SpeedEquation(name, found)
-
-
-def _coupling(name: str, part: CouplingPart, reading: Reading) -> Coupling:
-    where, read = f"constraint {name!r}", reading.constants
-    ratios = {j: read.value(x, f"{where}: ratio of {j}") for j, x in part.ratios.items()}
-    return Coupling(name, ratios)
-
-
-def _rolling(name: str, part: RollingPart, reading: Reading) -> Rolling:
-    where, read = f"constraint {name!r}", reading.constants
-    return Rolling(
-        name,
-        part.body,
-        read.value(part.radius, f"{where}: radius"),
-        None if part.ball else axis_of(part.axis, read, f"{where}: axis"),
-        read.values(part.centre, f"{where}: centre"),
-        axis_of(part.normal, read, f"{where}: normal"),
-        read.values(part.origin, f"{where}: origin"),
-    )
-
-
-def _knife_edge(name: str, part: KnifeEdgePart, reading: Reading) -> KnifeEdge:
-    where, read = f"constraint {name!r}", reading.constants
-    return KnifeEdge(
-        name,
-        part.body,
-        axis_of(part.direction, read, f"{where}: direction"),
-        read.values(part.point, f"{where}: point"),
-    )
-
-
-ROWS: dict[str, Callable[[str, Any, Reading], Constraint]] = {
-    "loop": _loop,
-    "distance": _distance,
-    "equation": _equation,
-    "speed_equation": _equation,
-    "coupling": _coupling,
-    "rolling": _rolling,
-    "knife_edge": _knife_edge,
-}
-"""What makes a constraint, by the word for its kind."""
-
-
-def constraint(name: str, part: Any, reading: Reading) -> Constraint:
-    """Return a constraint of a scene. Raises `InputError` that names it."""
-    return ROWS[part.kind](name, part, reading)
-
-
-def bare_rotor(name: str, part: RotorPart) -> Rotor:
-    """Return a rotor that has the states and motors of one of a scene, and no more."""
-    given = None if part.speed is None else 0
-    return Rotor(name, part.body, inertia=1, motor=part.motor, angle=part.angle, speed=given)
-
-
-def rotor(name: str, part: RotorPart, reading: Reading) -> Rotor:
-    """Return a rotor of a scene. Raises `InputError` that names it."""
-    where, read = f"rotor {name!r}", reading.constants
-    speed = part.speed
-    return Rotor(
-        name,
-        part.body,
-        axis_of(part.axis, read, f"{where}: axis"),
-        read.value(part.inertia, f"{where}: inertia"),
-        read.value(part.damping, f"{where}: damping"),
-        reading.acting.value(part.torque, f"{where}: torque"),
-        motor=part.motor,
-        angle=part.angle,
-        speed=None if speed is None else reading.moving.value(speed, f"{where}: speed"),
-    )
-
-
-def spring(name: str, part: SpringPart, reading: Reading) -> Spring:
-    """Return a spring of a scene. Raises `InputError` that names it."""
-    where, read = f"spring {name!r}", reading.constants
-    points = (
-        read.values(part.first_point, f"{where}: first_point"),
-        read.values(part.second_point, f"{where}: second_point"),
-    )
-    stiffness, length, damping = (
-        read.value(getattr(part, key), f"{where}: {key}")
-        for key in ("stiffness", "length", "damping")
-    )
-    return Spring(name, (part.first, part.second), points, stiffness, length, damping)
-
-
-def point(name: str, part: PointPart, reading: Reading) -> Point:
-    """Return a point of a scene. Raises `InputError` that names it."""
-    where = f"point {name!r}"
-    known = (*reading.scene.bodies, GROUND)
-    if part.body not in known:
-        raise unknown_name("body", part.body, known, where)
-    found = Point(name, part.body, reading.constants.values(part.position, f"{where}: position"))
-    taken = {q.name for q in (*reading.states, *reading.parameters, *reading.inputs)}
-    for output in found.names:
-        if output in taken:
-            raise InputError("something else has the name of this output", where=where, got=output)
-    return found
+def right(angle: Any) -> Any:
+    """Return an angle that is a rounded multiple of a right angle as that multiple of pi."""
+    if not (angle.is_Float or angle.is_Rational):
+        return angle
+    turns = round(float(angle) / float(sp.pi / 2))
+    near = turns * sp.pi / 2
+    close = abs(float(angle) - float(near)) <= RIGHT * 2.0**-52 * abs(float(near))
+    return near if close else angle
 
 
 @dataclass(frozen=True)
@@ -220,7 +133,7 @@ class Reading:
     @cached_property
     def rotors(self) -> tuple[Rotor, ...]:
         """The rotors, as far as names go."""
-        return tuple(bare_rotor(name, part) for name, part in self.scene.rotors.items())
+        return tuple(_bare_rotor(name, part) for name, part in self.scene.rotors.items())
 
     @cached_property
     def states(self) -> tuple[Quantity, ...]:
@@ -293,23 +206,55 @@ def _quantities(group: Mapping[str, Any]) -> tuple[Quantity, ...]:
 
 def _bare(name: str, part: JointPart) -> Joint:
     """Return a joint of the kind, for the names of its coordinates, speeds and motors."""
-    if part.kind not in KINDS:
-        raise unknown_name("kind of joint", part.kind, KINDS, f"joint {name!r}")
     return Joint(name, part.kind, part.parent, part.child, attitude=part.attitude, motor=part.motor)
 
 
-def _body(name: str, part: BodyPart, reading: Reading) -> Body:
+def _bare_rotor(name: str, part: RotorPart) -> Rotor:
+    """Return a rotor that has the states and motors of one of a scene, and no more."""
+    given = None if part.speed is None else 0
+    return Rotor(name, part.body, inertia=1, motor=part.motor, angle=part.angle, speed=given)
+
+
+def made(
+    part: Any, given: Any, reading: Reading, name: str = "", where: str = "", **own: Any
+) -> Any:
+    """Return a part of a tree from what a file says of it; ``own``: fields that are known.
+
+    ``where``: its place, if it has no name. Raises `InputError` for formulas that say what they may not.
+    """
+    where = where or f"{part.noun} {name!r}"
+    held = kinds(part)
+    for field in (f.name for f in dataclasses.fields(part) if f.name not in own):
+        kind = held.get(field, Kind("word"))
+        keys = kind.keys or (field,)
+        found = [
+            name if key == "name" else _read(kind, getattr(given, key), reading, f"{where}: {key}")
+            for key in keys
+        ]
+        own[field] = tuple(found) if len(keys) > 1 else found[0]
+    return part(**own)
+
+
+def _read(held: Kind, given: Any, reading: Reading, where: str) -> Any:
+    known = (*reading.scene.bodies, GROUND)
+    if held.shape == "body" and given not in known:
+        raise unknown_name("body", given, known, where.rpartition(":")[0])
+    if held.shape == "rotation":
+        return reading.constants.rotation(given, where)
+    if given is None or held.shape in {"body", "axes", "word"}:
+        return given
+    if isinstance(held.shape, type):
+        return made(held.shape, given, reading, where=where)
+    if held.shape in {"axis", "place"} and isinstance(given, str):
+        return given
+    return getattr(reading, held.scope).values(given, where)
+
+
+def _body(part: BodyPart, reading: Reading, name: str) -> Any:
     where, read = f"body {name!r}", reading.plain
-    mass = read.value(part.mass, f"{where}: mass")
-    about = part.about
-    return Body(
-        name,
-        mass,
-        read.values(part.centre, f"{where}: centre"),
-        _inertia(part, mass, read, where),
-        about if isinstance(about, str) else read.values(about, f"{where}: about"),
-        read.rotation(part.rotation, f"{where}: rotation"),
-    )
+    J = _inertia(part, read.value(part.mass, f"{where}: mass"), read, where)
+    axes = read.rotation(part.rotation, f"{where}: rotation")
+    return made(Body, part, reading, name, inertia=J, axes=axes)
 
 
 def _inertia(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
@@ -322,7 +267,7 @@ def _inertia(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     if part.size:
         raise InputError("size belongs to a solid", where=where, hint="name a solid, or drop it")
     if part.matrix is not None:
-        return read.matrix(part.matrix, f"{where}: matrix")
+        return read.values(part.matrix, f"{where}: matrix")
     return ZERO if part.moments is None else read.values(part.moments, f"{where}: moments")
 
 
@@ -347,74 +292,20 @@ def _solid(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     return solids.central_inertia(name).xreplace(values).tolist()
 
 
-def _joint(name: str, part: JointPart, reading: Reading) -> Joint:
-    where, read = f"joint {name!r}", reading.constants
-    _bare(name, part)
-    settings = {
-        key: read.each(getattr(part, key), f"{where}: {key}")
-        for key in ("stiffness", "rest", "damping", "armature")
-    }
-    return Joint(
-        name,
-        part.kind,
-        part.parent,
-        part.child,
-        axis=axis_of(part.axis, read, f"{where}: axis"),
-        second_axis=axis_of(part.second_axis, read, f"{where}: second_axis"),
-        pitch=read.value(part.pitch, f"{where}: pitch"),
-        attitude=part.attitude,
-        on_parent=placement(part.on_parent, read, f"{where}: on_parent"),
-        on_child=placement(part.on_child, read, f"{where}: on_child"),
-        force=reading.acting.each(part.force, f"{where}: force"),
-        motor=part.motor,
-        motion=_motion(part, reading.moving, f"{where}: motion"),
-        **settings,
-    )
+def _constraint(part: ConstraintPart, reading: Reading, name: str) -> Any:
+    own: dict[str, Any] = {"axis": None} if getattr(part, "ball", False) else {}
+    return made(CONSTRAINTS[part.kind], part, reading, name, **own)
 
 
-def _motion(part: JointPart, read: Formulas, where: str) -> Motion | None:
-    if part.motion is None:
-        return None
-
-    def listed(key: str) -> tuple[Any, ...] | None:
-        given = getattr(part.motion, key)
-        if given is None:
-            return None
-        found = read.each(given, f"{where}: {key}")
-        return found if isinstance(found, tuple) else (found,)
-
-    return Motion(listed("position") or (), listed("rate"), listed("acceleration"))
-
-
-def _load(name: str, part: LoadPart, reading: Reading) -> Load:
-    where, read = f"load {name!r}", reading.acting
-    if part.body not in reading.scene.bodies:
-        raise unknown_name("body", part.body, reading.scene.bodies, where)
-    force, torque, point = (
-        read.values(getattr(part, key), f"{where}: {key}") for key in ("force", "torque", "point")
-    )
-    return Load(part.body, force, torque, point, part.axes)
-
-
-@dataclass(frozen=True)
-class Section:
-    """A section of the file, which is a field of `TreeDescription` and of `Tree`.
-
-    ``make``: name, part and what formulas may speak of, to a part of the tree.
-    """
-
-    key: str
-    make: Callable[[str, Any, Reading], Any]
-
-
-SECTIONS: tuple[Section, ...] = (
-    Section("bodies", _body),
-    Section("joints", _joint),
-    Section("loads", _load),
-    Section("constraints", constraint),
-    Section("rotors", rotor),
-    Section("springs", spring),
-)
+SECTIONS: Mapping[str, Callable[[Any, Reading, str], Any]] = {
+    "bodies": _body,
+    "joints": partial(made, Joint),
+    "loads": partial(made, Load),
+    "constraints": _constraint,
+    "rotors": partial(made, Rotor),
+    "springs": partial(made, Spring),
+}
+"""What makes the parts of each section, a field of `TreeDescription` and of `Tree`, of data and name."""
 
 
 def tree_of(reading: Reading) -> Tree:
@@ -424,10 +315,8 @@ def tree_of(reading: Reading) -> Tree:
     check_names([q.name for q in reading.inputs], "[inputs]")
     _check_clash(reading)
     parts: dict[str, Any] = {
-        section.key: tuple(
-            section.make(name, part, reading) for name, part in getattr(scene, section.key).items()
-        )
-        for section in SECTIONS
+        key: tuple(make(part, reading, name) for name, part in getattr(scene, key).items())
+        for key, make in SECTIONS.items()
     }
     return Tree(
         spelling(scene.name),
@@ -440,7 +329,14 @@ def tree_of(reading: Reading) -> Tree:
 
 def points_of(reading: Reading) -> tuple[Point, ...]:
     """Return the points that a scene tells of. Raises `InputError` that names the one at fault."""
-    return tuple(point(name, part, reading) for name, part in reading.scene.points.items())
+    points = tuple(made(Point, part, reading, name) for name, part in reading.scene.points.items())
+    taken = {q.name for q in (*reading.states, *reading.parameters, *reading.inputs)}
+    for point in points:
+        for output in {*point.names} & taken:
+            raise InputError(
+                "something else has the name of this output", where=point.where, got=output
+            )
+    return points
 
 
 def _check_clash(reading: Reading) -> None:
@@ -459,12 +355,42 @@ def _check_clash(reading: Reading) -> None:
                 raise InputError("a body defines this name", where=where, got=quantity.name)
 
 
-def check_used(reading: Reading) -> None:
-    """Raise `InputError` for a parameter or input that no formula uses."""
-    for quantity in (*reading.parameters, *reading.inputs):
-        if quantity.name not in reading.used:
-            raise InputError(
-                f"no formula uses {quantity.name!r}",
-                where="[parameters] or [inputs]",
-                hint="use it in a formula of a body, joint, load or the like, or remove it",
-            )
+@dataclass(frozen=True)
+class JointAngles:
+    """The angles of a ``sequence`` (rad) of a joint that has a quaternion, child on parent."""
+
+    joint: Joint
+    sequence: str
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What they would be called if the joint had them in the place of the quaternion."""
+        return replace(self.joint, attitude=self.sequence).coordinates[-3:]
+
+    def of(self, system: System) -> System:
+        """Return a system that has them as outputs; ``system`` has the joint's quaternion."""
+        q = [c.symbol for c in self.joint.coordinates[-4:]]
+        return with_angles(system, rotation_sequence(self.sequence), q, self.quantities)
+
+
+def angles_of(parts: Mapping[str, JointPart], tree: Tree) -> tuple[JointAngles, ...]:
+    """Return the angles that joints are shown in.
+
+    Raises `InputError` for other words than sequences, and for joints that have no quaternion.
+    """
+    joints = {j.name: j for j in tree.ordered}
+    return tuple(_checked(joints[name], part.angles) for name, part in parts.items() if part.angles)
+
+
+def _checked(joint: Joint, sequence: str) -> JointAngles:
+    where = f"joint {joint.name!r}: angles"
+    if sequence not in SEQUENCES:
+        raise unknown_name("rotation sequence", sequence, SEQUENCES, where)
+    if not joint.row.attitude or joint.attitude != QUATERNION or joint.motion is not None:
+        raise InputError(
+            "only a joint that moves in a quaternion has such outputs",
+            where=where,
+            got=f"kind {joint.kind}, attitude {joint.attitude}"
+            + (", a prescribed motion" if joint.motion is not None else ""),
+        )
+    return JointAngles(joint, sequence)

@@ -8,52 +8,25 @@ radians; every number may be a SymPy expression over parameters. How the equatio
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import sympy as sp
 
-from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields
+from eom.errors import InputError, entries, is_text, near_matches, shown, typed_fields, unknown_name
 from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
-from eom.multibody.model.joints import KINDS, Kind
-from eom.multibody.model.model import GROUND, HERE, Constraint, Placement, Tree
-from eom.quantities import TIME
+from eom.multibody.model.joints import KINDS
+from eom.multibody.model.joints import Kind as JointKind
+from eom.multibody.model.model import HERE, Constraint, Placement, Tree
+from eom.multibody.model.parts import ACTING, Axis, BodyName, Kind, Number, Triple
 
 CLOSING = tuple(k for k in KINDS if k not in {"free", "helical"})
 """Kinds of joints that close loops."""
-
-
-def _known_bodies(tree: Tree, constraint: Constraint) -> None:
-    """Raise `InputError` for bodies that the tree does not have, and for one body bound to itself."""
-    known = {GROUND, *(b.name for b in tree.bodies)}
-    for name in constraint.bodies:
-        if name not in known:
-            raise InputError(
-                f"unknown body {name!r}", where=constraint.where, hint=near_matches(name, known)
-            )
-    if len(set(constraint.bodies)) < len(constraint.bodies):
-        raise InputError(
-            "a body is bound to itself", where=constraint.where, got=constraint.bodies[0]
-        )
-
-
-def _without_motion(constraint: Constraint, tree: Tree) -> None:
-    """Raise `InputError` where a length or direction depends on what moves."""
-    moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
-    for given in constraint.values:
-        found = set() if is_number(given) else given.free_symbols & moving
-        if found:
-            raise InputError(
-                "a length or direction of a constraint is not constant",
-                where=constraint.where,
-                got=", ".join(sorted(map(str, found))),
-                hint="write an Equation over coordinates and time",
-            )
 
 
 @typed_fields
@@ -70,16 +43,16 @@ class Loop(Constraint):
     """
 
     name: str
-    kind: str
-    first: str
-    second: str
-    axis: Any = (0, 0, 1)
-    second_axis: Any = (1, 0, 0)
-    on_first: Placement = HERE
-    on_second: Placement = HERE
+    kind: Annotated[str, Kind("word", keys=("joint",))]
+    first: BodyName
+    second: BodyName
+    axis: Axis = "z"
+    second_axis: Axis = "x"
+    on_first: Annotated[Placement, Kind(Placement)] = HERE
+    on_second: Annotated[Placement, Kind(Placement)] = HERE
 
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
+    def complete(self) -> None:
+        """Raise `InputError` for a kind that closes no loop, and for two axes along one line."""
         if self.kind not in CLOSING:
             raise InputError(
                 f"no joint of kind {self.kind!r} closes a loop",
@@ -87,34 +60,13 @@ class Loop(Constraint):
                 expected=", ".join(CLOSING),
                 hint=near_matches(self.kind, CLOSING),
             )
-        keep = object.__setattr__
-        for name in ("axis", "second_axis"):
-            found = values.unit(getattr(self, name), f"{self.where}: {name.replace('_', ' ')}")
-            keep(self, name, found)
         if self.row.axes == 2:
             checks.not_parallel(self.axis, self.second_axis, self.where)
 
     @property
-    def row(self) -> Kind:
+    def row(self) -> JointKind:
         """The row of the table of joints."""
         return KINDS[self.kind]
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """The bodies that it binds."""
-        return (self.first, self.second)
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield from (*self.axis, *self.second_axis)
-        for place in (self.on_first, self.on_second):
-            yield from (*place.position, *(x for row in place.rotation for x in row))
-
-    def check(self, tree: Tree) -> None:
-        """Raise `InputError` for what does not fit to the tree."""
-        _known_bodies(tree, self)
-        _without_motion(self, tree)
 
 
 @typed_fields
@@ -129,18 +81,14 @@ class Distance(Constraint):
     """
 
     name: str
-    first: str
-    second: str
-    length: Value
-    first_point: Any = ZERO
-    second_point: Any = ZERO
+    first: BodyName
+    second: BodyName
+    length: Number
+    first_point: Triple = ZERO
+    second_point: Triple = ZERO
 
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
-        keep = object.__setattr__
-        keep(self, "length", values.value(self.length, f"{self.where}: length"))
-        for name in ("first_point", "second_point"):
-            keep(self, name, values.triple(getattr(self, name), f"{self.where}: point"))
+    def complete(self) -> None:
+        """Raise `InputError` for a distance that is not positive."""
         if is_number(self.length) and self.length <= 0:
             raise InputError(
                 "the distance is not positive",
@@ -149,37 +97,13 @@ class Distance(Constraint):
                 hint="points that coincide are a Loop of kind spherical",
             )
 
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """The bodies that it binds."""
-        return (self.first, self.second)
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield from (self.length, *self.first_point, *self.second_point)
-
-    def check(self, tree: Tree) -> None:
-        """Raise `InputError` for what does not fit to the tree."""
-        _known_bodies(tree, self)
-        _without_motion(self, tree)
-
 
 @dataclass(frozen=True)
 class _Expressed(Constraint):
     """An expression that is zero."""
 
     name: str
-    expression: Value
-
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
-        object.__setattr__(self, "expression", values.value(self.expression, self.where))
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield self.expression
+    expression: Annotated[Value, Kind("number", ACTING)]
 
 
 @typed_fields
@@ -232,10 +156,10 @@ class Coupling(Constraint):
     """
 
     name: str
-    ratios: Any
+    ratios: Annotated[Any, Kind("ratios")]
 
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
+    def complete(self) -> None:
+        """Raise `InputError` for fewer than two joints, and for a ratio of zero."""
         pairs = self.ratios.items() if isinstance(self.ratios, Mapping) else self.ratios
         given = entries(pairs, f"{self.where}: ratios")
         if not all(isinstance(g, tuple | list) and len(g) == 2 and is_text(g[0]) for g in given):
@@ -250,21 +174,14 @@ class Coupling(Constraint):
                 where=self.where,
                 got=", ".join(f"{j}: {x}" for j, x in rows),
             )
-        object.__setattr__(self, "ratios", rows)
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield from (x for _, x in self.ratios)
+        self._keep("ratios", rows)
 
     def check(self, tree: Tree) -> None:
         """Raise `InputError` for joints that are unknown or have several speeds."""
         known = {j.name: j for j in tree.joints}
         for name, _ in self.ratios:
             if name not in known:
-                raise InputError(
-                    f"unknown joint {name!r}", where=self.where, hint=near_matches(name, known)
-                )
+                raise unknown_name("joint", name, known, self.where)
             if known[name].row.paired(known[name].attitude) != (0,):
                 raise InputError(
                     "a coupling needs joints of one speed, the rate of their coordinate",
@@ -272,7 +189,7 @@ class Coupling(Constraint):
                     got=f"{name}, {known[name].kind}",
                     hint="write a SpeedEquation",
                 )
-        _without_motion(self, tree)
+        super().check(tree)
 
 
 @typed_fields
@@ -291,22 +208,17 @@ class Rolling(Constraint):
     """
 
     name: str
-    body: str
-    radius: Value
-    axis: Any = (0, 0, 1)
-    centre: Any = ZERO
-    normal: Any = (0, 0, 1)
-    origin: Any = ZERO
+    body: BodyName
+    radius: Number
+    axis: Annotated[Any, Kind("axis", optional=True)] = "z"
+    centre: Triple = ZERO
+    normal: Axis = "z"
+    origin: Triple = ZERO
 
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
-        keep = object.__setattr__
-        keep(self, "radius", values.value(self.radius, f"{self.where}: radius"))
+    def complete(self) -> None:
+        """Raise `InputError` for a radius that is not positive, and a normal in no plane of two axes."""
         if is_number(self.radius) and self.radius <= 0:
             raise InputError("the radius is not positive", where=self.where, got=self.radius)
-        if self.axis is not None:
-            keep(self, "axis", values.unit(self.axis, f"{self.where}: axis"))
-        keep(self, "normal", values.unit(self.normal, f"{self.where}: normal"))
         if not any(map(is_zero, self.normal)) and not all(map(is_number, self.normal)):
             raise InputError(
                 "a symbolic normal must be in a plane of two of the ground's axes",
@@ -314,23 +226,6 @@ class Rolling(Constraint):
                 got=self.normal,
                 hint="keep the plane horizontal, and tilt gravity instead",
             )
-        for name in ("centre", "origin"):
-            keep(self, name, values.triple(getattr(self, name), f"{self.where}: {name}"))
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """The body that rolls."""
-        return (self.body,)
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield from (self.radius, *(self.axis or ()), *self.centre, *self.normal, *self.origin)
-
-    def check(self, tree: Tree) -> None:
-        """Raise `InputError` for what does not fit to the tree."""
-        _known_bodies(tree, self)
-        _without_motion(self, tree)
 
 
 @typed_fields
@@ -344,30 +239,9 @@ class KnifeEdge(Constraint):
     """
 
     name: str
-    body: str
-    direction: Any = (0, 1, 0)
-    point: Any = ZERO
-
-    def __post_init__(self) -> None:
-        checks.name(self.name, self.where)
-        keep = object.__setattr__
-        keep(self, "direction", values.unit(self.direction, f"{self.where}: direction"))
-        keep(self, "point", values.triple(self.point, f"{self.where}: point"))
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """The body that it binds."""
-        return (self.body,)
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        yield from (*self.direction, *self.point)
-
-    def check(self, tree: Tree) -> None:
-        """Raise `InputError` for what does not fit to the tree."""
-        _known_bodies(tree, self)
-        _without_motion(self, tree)
+    body: BodyName
+    direction: Axis = "y"
+    point: Triple = ZERO
 
 
 def _over(constraint: Equation | SpeedEquation, symbols: Any, kind: str) -> None:

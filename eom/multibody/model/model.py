@@ -1,4 +1,4 @@
-"""Bodies, joints and loads as frozen values, and the tree that they make.
+"""Bodies, joints, loads, rotors and springs as frozen values, and the tree that they make.
 
 Every number may be a SymPy expression instead; units are SI, angles are in radians.
 """
@@ -6,33 +6,46 @@ Every number may be a SymPy expression instead; units are SI, angles are in radi
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import sympy as sp
 
-from eom.errors import InputError, entries, near_matches, typed_fields
+from eom.errors import InputError, entries, near_matches, shown, typed_fields, unknown_name
 from eom.kinematics.coordinates import SEQUENCES
 from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
 from eom.multibody.algebra.spatial import IDENTITY, ZERO, Matrix
-from eom.multibody.algebra.values import Value
+from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
-from eom.multibody.model.attachments import Rotor, Spring
-from eom.multibody.model.joints import KINDS, QUATERNION, Kind
+from eom.multibody.model.joints import KINDS, QUATERNION
+from eom.multibody.model.joints import Kind as JointKind
+from eom.multibody.model.parts import (
+    ACTING,
+    CENTRE,
+    MOVING,
+    ORIGIN,
+    PLAIN,
+    Axis,
+    BodyName,
+    Each,
+    Kind,
+    Number,
+    Part,
+    Triple,
+    kinds,
+)
 from eom.quantities import TIME, Quantity
 
 GROUND = "ground"
 """What does not move: the parent of the first joints, with the axes that are inertial."""
 
-CENTRE, ORIGIN = "centre", "origin"
-
 
 @typed_fields
 @dataclass(frozen=True)
-class Body:
+class Body(Part):
     """A rigid body with axes of its own.
 
     ``mass`` (kg). ``centre``: of mass, from the body's origin, in its axes (m). ``inertia`` (kg m^2):
@@ -47,24 +60,18 @@ class Body:
     (1, 0, 0)
     """
 
-    name: str
-    mass: Value = 0
-    centre: Any = ZERO
-    inertia: Any = ZERO
-    about: Any = CENTRE
-    axes: Any = IDENTITY
+    noun = "body"
 
-    def __post_init__(self) -> None:
-        where = f"body {self.name!r}"
-        checks.name(self.name, where)
-        keep = object.__setattr__
-        keep(self, "mass", values.value(self.mass, f"{where}: mass"))
-        keep(self, "centre", values.triple(self.centre, f"{where}: centre"))
-        keep(self, "inertia", values.symmetric(self.inertia, f"{where}: inertia"))
-        keep(self, "axes", values.rotation(self.axes, f"{where}: axes"))
-        if not (isinstance(self.about, str) and self.about in {CENTRE, ORIGIN}):
-            keep(self, "about", values.triple(self.about, f"{where}: about"))
-        checks.body(self.mass, self.central_inertia, where)
+    name: str
+    mass: Annotated[Value, Kind("number", PLAIN)] = 0
+    centre: Annotated[Any, Kind("vector", PLAIN)] = ZERO
+    inertia: Annotated[Any, Kind("inertia", PLAIN)] = ZERO
+    about: Annotated[Any, Kind("place", PLAIN)] = CENTRE
+    axes: Annotated[Any, Kind("rotation")] = IDENTITY
+
+    def complete(self) -> None:
+        """Raise `InputError` for an inertia that no body has."""
+        checks.body(self.mass, self.central_inertia, self.where)
 
     @property
     def _point(self) -> tuple[Value, ...]:
@@ -80,29 +87,32 @@ class Body:
         """
         return checks.central(self.inertia, self.axes, self.mass, self.centre, self._point)
 
+    @property
+    def values(self) -> Iterator[Value]:
+        """Mass, centre of mass and inertia about it."""
+        yield from (self.mass, *self.centre, *(x for row in self.central_inertia for x in row))
+
 
 @typed_fields
 @dataclass(frozen=True)
-class Placement:
+class Placement(Part):
     """Where a joint's frame is on a body.
 
     ``position``: of its origin (m), in the body's axes, (3,). ``rotation``: C, (3, 3), takes components in
     the body's axes to components in the joint's. Raises `InputError` for a matrix that is no rotation.
     """
 
-    position: Any = ZERO
-    rotation: Any = IDENTITY
+    noun = "placement of a joint"
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", values.triple(self.position, "position of a joint"))
-        object.__setattr__(self, "rotation", values.rotation(self.rotation, "rotation of a joint"))
+    position: Triple = ZERO
+    rotation: Annotated[Any, Kind("rotation")] = IDENTITY
 
 
 HERE = Placement()
 
 
 @dataclass(frozen=True)
-class Motion:
+class Motion(Part):
     """A prescribed motion: coordinates as expressions of time, and their two derivatives.
 
     ``position``: one expression a coordinate of the joint (rad, m); ``rate`` and ``acceleration``: what is
@@ -110,22 +120,24 @@ class Motion:
     Raises `InputError` for what is no number or expression.
     """
 
-    position: tuple[Value, ...]
-    rate: tuple[Value, ...] | None = None
-    acceleration: tuple[Value, ...] | None = None
+    noun = "prescribed motion"
 
-    def __post_init__(self) -> None:
-        keep = object.__setattr__
+    position: Annotated[tuple[Value, ...], Kind("each", MOVING)]
+    rate: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
+    acceleration: Annotated[tuple[Value, ...] | None, Kind("each", MOVING, optional=True)] = None
+
+    def complete(self) -> None:
+        """Derive the rates that are left out, and raise `InputError` for what is no expression."""
         for name in ("position", "rate", "acceleration"):
             given = getattr(self, name)
             if given is not None or name == "position":
                 is_list = isinstance(given, Sequence) and not isinstance(given, str | bytes)
                 parts = entries(given, f"{name} of a motion") if is_list else (given,)
-                keep(self, name, tuple(values.value(p, "prescribed motion") for p in parts))
+                self._keep(name, tuple(values.value(p, self.where) for p in parts))
         if self.rate is None:
-            keep(self, "rate", _derivatives(self.position))
+            self._keep("rate", _derivatives(self.position))
         if self.acceleration is None:
-            keep(self, "acceleration", _derivatives(self.rate or ()))
+            self._keep("acceleration", _derivatives(self.rate or ()))
 
 
 def _derivatives(expressions: Iterable[Value]) -> tuple[Value, ...]:
@@ -135,7 +147,7 @@ def _derivatives(expressions: Iterable[Value]) -> tuple[Value, ...]:
 
 @typed_fields
 @dataclass(frozen=True)
-class Joint:
+class Joint(Part):
     """A joint from a ``parent`` (a body, or the ground) to its ``child``.
 
     ``kind``: a row of `eom.multibody.model.joints.KINDS`. ``axis``: ``x``, ``-y``, ... or three
@@ -163,52 +175,44 @@ class Joint:
     ['e_hip_0', 'e_hip_1', 'e_hip_2', 'e_hip_3']
     """
 
+    noun = "joint"
+
     name: str
     kind: str
     parent: str
     child: str
-    axis: Any = (0, 0, 1)
-    second_axis: Any = (1, 0, 0)
-    pitch: Value = 0
+    axis: Axis = "z"
+    second_axis: Axis = "x"
+    pitch: Number = 0
     attitude: str = QUATERNION
-    on_parent: Placement = HERE
-    on_child: Placement = HERE
-    stiffness: Any = 0
-    rest: Any = 0
-    damping: Any = 0
-    armature: Any = 0
-    force: Any = 0
+    on_parent: Annotated[Placement, Kind(Placement)] = HERE
+    on_child: Annotated[Placement, Kind(Placement)] = HERE
+    stiffness: Each = 0
+    rest: Each = 0
+    damping: Each = 0
+    armature: Each = 0
+    force: Annotated[Any, Kind("each", ACTING)] = 0
     motor: bool = False
-    motion: Any = None
+    motion: Annotated[Any, Kind(Motion, optional=True)] = None
 
-    def __post_init__(self) -> None:
-        where = f"joint {self.name!r}"
-        checks.name(self.name, where)
+    def complete(self) -> None:
+        """Give each speed its values, and raise `InputError` for what the kind of joint does not take."""
         if self.kind not in KINDS:
-            raise InputError(
-                f"unknown kind of joint {self.kind!r}",
-                where=where,
-                expected=", ".join(KINDS),
-                hint=near_matches(self.kind, KINDS),
-            )
+            raise unknown_name("kind of joint", self.kind, KINDS, self.where)
         if self.attitude != QUATERNION and self.attitude not in SEQUENCES:
             raise InputError(
-                "unknown attitude", where=where, got=self.attitude,
+                "unknown attitude", where=self.where, got=self.attitude,
                 expected=f"{QUATERNION} or one of {', '.join(SEQUENCES)}",
             )  # fmt: skip
-        keep = object.__setattr__
-        keep(self, "axis", values.unit(self.axis, f"{where}: axis"))
-        keep(self, "second_axis", values.unit(self.second_axis, f"{where}: second axis"))
-        keep(self, "pitch", values.value(self.pitch, f"{where}: pitch"))
         size = len(self.row.speeds(self.attitude))
-        for name in ("stiffness", "rest", "damping", "armature", "force"):
-            keep(self, name, _each(getattr(self, name), size, f"{where}: {name}"))
+        for name in (n for n, kind in kinds(Joint).items() if kind.shape == "each"):
+            self._keep(name, _each(getattr(self, name), size, f"{self.where}: {name}"))
         if self.motion is not None and not isinstance(self.motion, Motion):
-            keep(self, "motion", Motion(self.motion))
+            self._keep("motion", Motion(self.motion))
         _check_joint(self)
 
     @property
-    def row(self) -> Kind:
+    def row(self) -> JointKind:
         """The row of the table of joints."""
         return KINDS[self.kind]
 
@@ -264,7 +268,7 @@ def _each(given: Any, size: int, where: str) -> tuple[Value, ...]:
 
 @typed_fields
 @dataclass(frozen=True)
-class Load:
+class Load(Part):
     """A force (N) that acts at a ``point`` of a body, and a torque (N m) on it.
 
     ``body``: its name. ``point``: in the body's axes, from its origin (m). ``axes``: those of ``force`` and
@@ -272,47 +276,156 @@ class Load:
     parameters, inputs, time and states. Raises `InputError` for other axes and for text.
     """
 
-    body: str
-    force: Any = ZERO
-    torque: Any = ZERO
-    point: Any = ZERO
-    axes: str = GROUND
+    noun = "load"
 
-    def __post_init__(self) -> None:
-        where = f"load on {self.body!r}"
-        for name in ("force", "torque", "point"):
-            object.__setattr__(self, name, values.triple(getattr(self, name), f"{where}: {name}"))
+    body: BodyName
+    force: Annotated[Any, Kind("vector", ACTING)] = ZERO
+    torque: Annotated[Any, Kind("vector", ACTING)] = ZERO
+    point: Annotated[Any, Kind("vector", ACTING)] = ZERO
+    axes: Annotated[str, Kind("axes")] = GROUND
+
+    @property
+    def where(self) -> str:
+        """How errors name it."""
+        return f"load on {self.body!r}"
+
+    def complete(self) -> None:
+        """Raise `InputError` for other axes."""
         if self.axes not in {"body", GROUND}:
-            raise InputError("unknown axes", where=where, got=self.axes, expected="body or ground")
+            expected = f"body or {GROUND}"
+            raise InputError("unknown axes", where=self.where, got=self.axes, expected=expected)
 
 
-class Constraint:
+@typed_fields
+@dataclass(frozen=True)
+class Rotor(Part):
+    """A body of revolution that spins in bearings of a ``body``: a reaction wheel, a gyroscope, a motor.
+
+    ``axis``: in the body's axes. ``inertia``: its moment about the axis (kg m^2), which the body's
+    inertia includes. With a speed of its own there is a state ``Omega_<name>``, the rotor's whole angular
+    velocity along the axis (rad/s), driven by ``torque`` (N m), if ``motor`` by an input ``tau_<name>``,
+    and braked by ``damping`` (N m s) of its speed in the body; ``angle``: whether the angle in the body,
+    ``q_<name>``, is a state too. ``speed``: instead, its speed in the body as an expression of time.
+
+    ``torque`` and ``tau_<name>`` act on the rotor, their opposites on the body. Raises `InputError` for a
+    moment that is not positive, and a given speed together with what drives it.
+    Source: Hughes, Spacecraft Attitude Dynamics (1986), sect. 3.3 and 6.2.
+    """
+
+    noun = "rotor"
+
+    name: str
+    body: BodyName
+    axis: Axis = "z"
+    inertia: Annotated[Value, Kind("number", needed=True)] = 0
+    damping: Number = 0
+    torque: Annotated[Value, Kind("number", ACTING)] = 0
+    motor: bool = False
+    angle: bool = False
+    speed: Annotated[Any, Kind("number", MOVING, optional=True)] = None
+
+    def complete(self) -> None:
+        """Raise `InputError` for a moment that is not positive, and for two ways to say how it spins."""
+        J = self.inertia
+        if (is_number(J) and J <= 0) or getattr(J, "is_positive", None) is False:
+            raise InputError("inertia is not positive", where=self.where, got=J, expected="kg m^2")
+        driven = self.motor or self.angle or not (is_zero(self.torque) and is_zero(self.damping))
+        if self.speed is not None and driven:
+            raise InputError(
+                "a given speed leaves no room for torque, damping, motor and angle",
+                where=self.where,
+            )
+
+    @property
+    def states(self) -> tuple[Quantity, ...]:
+        """The angle, if it is a state, and the angular velocity."""
+        if self.speed is not None:
+            return ()
+        angle = Quantity(sp.Symbol(f"q_{self.name}", real=True), "rad", f"angle of {self.name}")
+        meaning = f"angular velocity of {self.name} along its axis, its body's included"
+        omega = Quantity(sp.Symbol(f"Omega_{self.name}", real=True), "rad/s", meaning)
+        return (angle, omega) if self.angle else (omega,)
+
+    @property
+    def motors(self) -> tuple[Quantity, ...]:
+        """The input of the motor, if there is one."""
+        symbol = sp.Symbol(f"tau_{self.name}", real=True)
+        return (Quantity(symbol, "N m", f"motor of {self.name}"),) if self.motor else ()
+
+    @property
+    def acceleration(self) -> Value:
+        """The rate of a given speed (rad/s^2). Raises `InputError` where it is no real expression."""
+        return (
+            0
+            if values.is_number(self.speed)
+            else values.value(sp.diff(self.speed, TIME), f"rotor {self.name!r}: rate of the speed")
+        )
+
+
+@typed_fields
+@dataclass(frozen=True)
+class Spring(Part):
+    """A spring and damper between a point of one body and one of another, or of the ground.
+
+    ``bodies``: two names. ``points``: one of each, in its axes, from its origin (m). The tension is
+    ``stiffness`` (N/m) times the distance less the free ``length`` (m), and ``damping`` (N s/m) times
+    the rate of the distance. Its direction is lost where the points coincide, unless length and damping
+    are zero. Raises `InputError` for other than two bodies and two points.
+    """
+
+    noun = "spring"
+
+    name: str
+    bodies: Annotated[tuple[str, str], Kind("body", keys=("first", "second"))]
+    points: Annotated[Any, Kind("vector", keys=("first_point", "second_point"))] = (ZERO, ZERO)
+    stiffness: Number = 0
+    length: Number = 0
+    damping: Number = 0
+
+    def complete(self) -> None:
+        """Raise `InputError` for other than two points."""
+        points = entries(self.points, f"{self.where}: points")
+        if len(points) != 2:
+            raise InputError("not two points", where=self.where, got=shown(self.points))
+        self._keep("bodies", tuple(self.bodies))
+        self._keep("points", tuple(values.triple(p, f"{self.where}: point") for p in points))
+
+
+class Constraint(Part):
     """What all rows of `eom.multibody.model.constraints` have: a name, bodies, and multipliers.
 
     Units are SI. Multiplier number k of a constraint is ``lambda_<constraint>_<letter>``: a force (N) or
     torque (N m) on the second body, its opposite on the first; each row says along what.
     """
 
-    name: str
+    noun = "constraint"
 
-    @property
-    def where(self) -> str:
-        """How errors name it."""
-        return f"constraint {self.name!r}"
+    name: str
 
     @property
     def bodies(self) -> tuple[str, ...]:
         """The bodies that it binds, or the ground."""
-        return ()
-
-    @property
-    def values(self) -> Iterable[Value]:
-        """All numbers and expressions that it holds."""
-        raise NotImplementedError
+        held = (name for name, kind in self._kinds.items() if kind.shape == "body")
+        return tuple(getattr(self, name) for name in held)
 
     def check(self, tree: Tree) -> None:
-        """Raise `InputError` for what does not fit to the tree."""
-        raise NotImplementedError
+        """Raise `InputError` for unknown bodies, one that is bound to itself, and sizes that change."""
+        known = {GROUND, *(b.name for b in tree.bodies)}
+        for name in self.bodies:
+            if name not in known:
+                raise unknown_name("body", name, known, self.where)
+        if len(set(self.bodies)) < len(self.bodies):
+            raise InputError("a body is bound to itself", where=self.where, got=self.bodies[0])
+        moving = {q.symbol for j in tree.joints for q in (*j.coordinates, *j.speeds)} | {TIME}
+        for given in self.values:
+            found = set() if is_number(given) else given.free_symbols & moving
+            if found:
+                raise InputError(
+                    "a length or direction of a constraint is not constant",
+                    where=self.where,
+                    got=", ".join(sorted(map(str, found))),
+                    hint="write an Equation over coordinates and time",
+                )
 
 
 @typed_fields
@@ -408,30 +521,20 @@ def _check_tree(given: Tree) -> None:
     checks.name(given.name, where)
     _once("body", [b.name for b in given.bodies], where)
     _once("joint", [j.name for j in given.joints], where)
+    _once("rotor", [r.name for r in given.rotors], where)
+    _once("spring", [s.name for s in given.springs], where)
     known = {b.name for b in given.bodies}
-    if "ground" in known:
+    if GROUND in known:
         raise InputError(
             "a body is called ground", where=where, hint="ground is what does not move"
         )
-    for j in given.joints:
-        for role, body_name, allowed in (
-            ("parent", j.parent, known | {"ground"}),
-            ("child", j.child, known),
-        ):
-            if body_name not in allowed:
-                raise InputError(
-                    f"unknown {role} {body_name!r}",
-                    where=f"joint {j.name!r}",
-                    hint=near_matches(body_name, allowed),
-                )
-    for load in given.loads:
-        if load.body not in known:
-            raise InputError(
-                f"load on unknown body {load.body!r}",
-                where=where,
-                hint=near_matches(load.body, known),
-            )
-    _attached(given, known, where)
+    for what, place, name, allowed in _held(given, known, where):
+        if name not in allowed:
+            hint = near_matches(name, allowed)
+            raise InputError(f"{what} {name!r}", where=place, hint=hint)
+    for s in given.springs:
+        if s.bodies[0] == s.bodies[1]:
+            raise InputError("both ends are on one body", where=s.where, got=s.bodies[0])
     _single_parents(given, where)
     ordered(given)
     _once("constraint", [c.name for c in given.constraints], where)
@@ -440,24 +543,18 @@ def _check_tree(given: Tree) -> None:
     _massless(given)
 
 
-def _attached(given: Tree, known: set[str], where: str) -> None:
-    """Rotors and springs are on bodies that there are."""
-    _once("rotor", [r.name for r in given.rotors], where)
-    _once("spring", [s.name for s in given.springs], where)
-    held = [("rotor", r.name, r.body, known) for r in given.rotors]
-    held += [("spring", s.name, b, known | {"ground"}) for s in given.springs for b in s.bodies]
-    for kind, own, body_name, allowed in held:
-        if body_name not in allowed:
-            raise InputError(
-                f"{kind} on unknown body {body_name!r}",
-                where=f"{kind} {own!r}",
-                hint=near_matches(body_name, allowed),
-            )
+def _held(given: Tree, known: set[str], where: str) -> Iterator[tuple[str, str, str, set[str]]]:
+    """Yield the bodies that parts name: what an unknown one is, where it is named, which there are."""
+    for j in given.joints:
+        yield "unknown parent", j.where, j.parent, known | {GROUND}
+        yield "unknown child", j.where, j.child, known
+    for load in given.loads:
+        yield "load on unknown body", where, load.body, known
+    for rotor in given.rotors:
+        yield "rotor on unknown body", rotor.where, rotor.body, known
     for s in given.springs:
-        if s.bodies[0] == s.bodies[1]:
-            raise InputError(
-                "both ends are on one body", where=f"spring {s.name!r}", got=s.bodies[0]
-            )
+        for name in s.bodies:
+            yield "spring on unknown body", s.where, name, known | {GROUND}
 
 
 def _once(kind: str, names: Sequence[str], where: str) -> None:

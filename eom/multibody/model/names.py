@@ -1,4 +1,4 @@
-"""The names of a tree: what has one before a derivation, and what its symbols are."""
+"""The names of a tree: what has one before a derivation, what its symbols are, what must hold of them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
+import sympy as sp
+
 from eom.kinematics.coordinates import rotation_sequence
+from eom.mass.inertia import physical
 from eom.multibody.algebra.values import is_number
 from eom.multibody.model.joints import QUATERNION
-from eom.multibody.model.model import Tree
-from eom.quantities import TIME, Quantity, Singularity
+from eom.multibody.model.model import Body, Tree
+from eom.quantities import TIME, Assumption, Quantity, Singularity
 from eom.structure import COUNTS
 from eom.system import BodyAttitude, Expr
 
@@ -71,23 +74,8 @@ def symbols_in(values: Iterable[Any]) -> list[Expr]:
 def values_of(tree: Tree) -> Iterable[Any]:
     """Yield every value of a description."""
     yield from tree.gravity
-    for b in tree.bodies:
-        yield from (b.mass, *b.centre, *(x for row in b.central_inertia for x in row))
-    for j in tree.joints:
-        yield from (*(x for a in j.axes for x in a), j.pitch)
-        for place in (j.on_parent, j.on_child):
-            yield from (*place.position, *(x for row in place.rotation for x in row))
-        yield from (*j.stiffness, *j.rest, *j.damping, *j.armature, *j.force)
-        if j.motion is not None:
-            yield from (*j.motion.position, *j.motion.rate, *j.motion.acceleration)
-    for load in tree.loads:
-        yield from (*load.force, *load.torque, *load.point)
-    for spring in tree.springs:
-        yield from (*spring.points[0], *spring.points[1])
-        yield from (spring.stiffness, spring.length, spring.damping)
-    for rotor in tree.rotors:
-        yield from (*rotor.axis, rotor.inertia, rotor.damping, rotor.torque)
-        yield from () if rotor.speed is None else (rotor.speed, rotor.acceleration)
+    for part in (*tree.bodies, *tree.joints, *tree.loads, *tree.springs, *tree.rotors):
+        yield from part.values
 
 
 def parameters_of(tree: Tree) -> tuple[Quantity, ...]:
@@ -109,3 +97,50 @@ def singularities_of(tree: Tree) -> tuple[Singularity, ...]:
             singular = rotation_sequence(joint.attitude, angles).singularities
             found += [replace(s, hint=f"{way} go through it") for s in singular]
     return tuple(found)
+
+
+_SLACK = 1e-12
+"""Of conditions on moments, relative to the largest of the values that they are made of."""
+
+
+def assumptions(tree: Tree) -> tuple[Assumption, ...]:
+    """Return that masses are not negative, and that moments of inertia obey the triangle inequality.
+
+    One for each body, and each rotor, of which parameters decide that; numbers were tested when the tree
+    was made. A guard tests them on values (`codegen.frontend.guard`), those of ensembles, too.
+    """
+    found = [a for body in tree.bodies for a in _of_body(body)]
+    for rotor in tree.rotors:
+        found += _not_negative(rotor.inertia, f"rotor {rotor.name}", "inertia")
+    for constraint in tree.constraints:
+        for word in ("radius", "length"):
+            size = getattr(constraint, word, 1)
+            found += _not_negative(size, f"constraint {constraint.name}", word)
+    return tuple(found)
+
+
+def _not_negative(given: Any, where: str, what: str) -> list[Assumption]:
+    if is_number(given) or not isinstance(given, sp.Expr):
+        return []
+    meaning = f"{what} of {where} is not negative"
+    return [Assumption(f"{what}_not_negative", meaning, nonnegative=(given,), tolerance=0.0)]
+
+
+def _of_body(body: Body) -> list[Assumption]:
+    found = _not_negative(body.mass, f"body {body.name}", "mass")
+    J = body.central_inertia
+    if all(is_number(x) for row in J for x in row):
+        return found
+    conditions = physical(
+        sp.ImmutableMatrix([[sp.sympify(x, strict=True) for x in row] for row in J])
+    )
+    meaning = (
+        f"no moment of inertia of body {body.name} about its centre of mass exceeds the sum of the "
+        "other two (triangle inequality)"
+    )
+    return [
+        *found,
+        Assumption(
+            "physical_inertia", meaning, nonnegative=conditions.nonnegative, tolerance=_SLACK
+        ),
+    ]

@@ -14,7 +14,6 @@ from fractions import Fraction
 from typing import Any
 
 from eom.errors import InputError, near_matches, typed_fields
-from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import Scalar, Work, add, mul, negative, total
 from eom.multibody.algebra.spatial import (
     ZERO,
@@ -30,7 +29,7 @@ from eom.multibody.algebra.spatial import (
     times,
     transposed,
 )
-from eom.multibody.model import checks
+from eom.multibody.model.parts import BodyName, Part, Triple
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import (
     Place,
@@ -160,7 +159,7 @@ QUANTITIES = {
 
 @typed_fields
 @dataclass(frozen=True)
-class Point:
+class Point(Part):
     """A point of a body that is told: outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.
 
     Position (m), velocity (m/s) and acceleration (m/s^2) from the ground's origin, in the ground's axes.
@@ -171,20 +170,20 @@ class Point:
     ('v_tip_1', 'v_tip_2', 'v_tip_3')
     """
 
+    noun = "point"
+
     name: str
-    body: str
-    position: Any = ZERO
+    body: BodyName
+    position: Triple = ZERO
     quantities: tuple[str, ...] = tuple(QUANTITIES)
 
-    def __post_init__(self) -> None:
-        where = f"point {self.name!r}"
-        checks.name(self.name, where)
-        object.__setattr__(self, "position", values.triple(self.position, f"{where}: position"))
-        object.__setattr__(self, "quantities", tuple(self.quantities))
+    def complete(self) -> None:
+        """Raise `InputError` for unknown quantities."""
+        self._keep("quantities", tuple(self.quantities))
         for name in self.quantities:
             if name not in QUANTITIES:
                 raise InputError(
-                    f"unknown quantity {name!r}", where=where, expected=", ".join(QUANTITIES)
+                    f"unknown quantity {name!r}", where=self.where, expected=", ".join(QUANTITIES)
                 )
 
     @property

@@ -14,9 +14,9 @@ from eom.multibody.algebra.scalars import add, is_zero, mul, sub
 from eom.multibody.algebra.spatial import cross, forward, plus
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.constraint_plan import Plan, bind, plan
-from eom.multibody.model import possible
 from eom.multibody.model.model import Joint, Tree
 from eom.multibody.model.names import (
+    assumptions,
     attitudes_of,
     inputs_of,
     named_of,
@@ -203,7 +203,7 @@ def _system(
         outputs=tuple(outputs),
         invariants=tuple(invariants),
         singularities=found,
-        assumptions=(*possible.assumptions(tree), *binding.assumptions(held)),
+        assumptions=(*assumptions(tree), *binding.assumptions(held)),
         maintained=tuple(d.name for d in held),
         attitudes=attitudes,
     )

@@ -22,9 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from eom.multibody.algebra.values import is_number
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.files.sections import Reading
-from eom.multibody.model.attachments import Rotor
 from eom.multibody.model.constraints import Distance, Loop
-from eom.multibody.model.model import GROUND, Body, Joint
+from eom.multibody.model.model import GROUND, Body, Joint, Rotor
 from eom.opening import AnyScene
 from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.scene import Scene

@@ -36,9 +36,9 @@ REFUSED = {
     "not three components": (lambda: Body("arm", 1, (1, 2)), "body 'arm': centre"),
     "not a list": (lambda: Body("arm", 1, 3), "body 'arm': centre"),
     "rows are not orthonormal": (
-        lambda: Placement(rotation=((1, 1, 0), (0, 1, 0), (0, 0, 1))), "rotation of a joint"),
+        lambda: Placement(rotation=((1, 1, 0), (0, 1, 0), (0, 0, 1))), "joint: rotation"),
     "a reflection": (
-        lambda: Placement(rotation=((-1, 0, 0), (0, 1, 0), (0, 0, 1))), "rotation of a joint"),
+        lambda: Placement(rotation=((-1, 0, 0), (0, 1, 0), (0, 0, 1))), "joint: rotation"),
     "the axis is zero": (lambda: hinge(axis=(0, 0, 0)), "joint 'hinge': axis"),
     "unknown axis": (lambda: hinge(axis="w"), "joint 'hinge': axis"),
     "squares that add to 1": (lambda: hinge(axis=(q, 0, 1)), "joint 'hinge': axis"),

@@ -47,7 +47,7 @@ def moved(given, **inputs):
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_left_out_is_told_of_any_number_of_wheels(kind, count):
     given = scene(kind, count)
-    saved = given.explain().savings
+    saved = savings(given.tree)
     assert 0 < saved.done < saved.without
     assert {f"Omega_w{n}" for n in AXES[:count]} <= set(given.derive().state_names)
 

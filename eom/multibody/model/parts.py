@@ -1,0 +1,114 @@
+"""Fields of the parts of a tree: the shape of their values, and what formulas in them may speak of.
+
+A field says both once, in its annotation. By it what a part is made of is checked (`Part`), the numbers
+that it holds are found (`Part.values`), and scene files are described and read (`eom.multibody.files`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any, ClassVar, get_args, get_type_hints
+
+from eom.multibody.algebra import values
+from eom.multibody.algebra.values import Value
+from eom.multibody.model import checks
+
+PLAIN, CONSTANTS, MOVING, ACTING = "plain", "constants", "moving", "acting"
+"""Over parameters; what bodies define, too; time, too; inputs, coordinates and speeds, too."""
+CENTRE, ORIGIN = "centre", "origin"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a field holds.
+
+    ``shape``: a row of `SHAPES`; ``each`` (one value, or one a speed), ``ratios`` (by name), ``body`` (its
+    name), ``axes`` (whose), ``word``; or the class of a part in it. ``scope``: what formulas may be over.
+    ``keys``: what scene files call it, where that is not the field's name; of several the field is the
+    tuple. ``needed``: files must say it; ``optional``: it may be None.
+    """
+
+    shape: str | type
+    scope: str = CONSTANTS
+    keys: tuple[str, ...] = ()
+    needed: bool = False
+    optional: bool = False
+
+
+def _place(given: Any, where: str) -> Any:
+    """Return centre or origin as they are, else three components."""
+    named = isinstance(given, str) and given in {CENTRE, ORIGIN}
+    return given if named else values.triple(given, where)
+
+
+SHAPES: Mapping[str, Callable[[Any, str], Any]] = {
+    "number": values.value,
+    "vector": values.triple,
+    "axis": values.unit,
+    "rotation": values.rotation,
+    "inertia": values.symmetric,
+    "place": _place,
+}
+"""What makes values of a shape of what is given, or raises `InputError` with its place."""
+
+Number = Annotated[Value, Kind("number")]
+Triple = Annotated[Any, Kind("vector")]
+Axis = Annotated[Any, Kind("axis")]
+Each = Annotated[Any, Kind("each")]
+BodyName = Annotated[str, Kind("body")]
+
+
+class Part:
+    """A part of a tree, as a frozen dataclass whose annotations hold a `Kind`; its name, if it has one."""
+
+    noun: ClassVar[str] = ""
+
+    @property
+    def where(self) -> str:
+        """How errors name it."""
+        return f"{self.noun} {self.name!r}" if hasattr(self, "name") else self.noun
+
+    def __post_init__(self) -> None:
+        if hasattr(self, "name"):
+            checks.name(self.name, self.where)
+        for name, kind in self._kinds.items():
+            given = getattr(self, name)
+            if kind.shape in SHAPES and not kind.keys and not (kind.optional and given is None):
+                self._keep(name, SHAPES[str(kind.shape)](given, f"{self.where}: {name}"))
+        self.complete()
+
+    @property
+    def _kinds(self) -> dict[str, Kind]:
+        own: type = type(self)
+        return kinds(own)
+
+    def _keep(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)
+
+    def complete(self) -> None:
+        """Derive what else a field is, and raise `InputError` for what does not go together."""
+
+    @property
+    def values(self) -> Iterator[Value]:
+        """All numbers and expressions that it holds."""
+        return _values(tuple(getattr(self, name) for name in self._kinds))
+
+
+def _values(given: Any) -> Iterator[Value]:
+    if isinstance(given, Part):
+        yield from given.values
+    elif isinstance(given, tuple):
+        for entry in given:
+            yield from _values(entry)
+    elif given is not None and not isinstance(given, str):
+        yield given
+
+
+@cache
+def kinds(part: type) -> dict[str, Kind]:
+    """Return what the fields of a part hold, by name."""
+    hints = get_type_hints(part, include_extras=True)
+    told = {n: [k for k in get_args(hint) if isinstance(k, Kind)] for n, hint in hints.items()}
+    return {n: found[0] for n, found in told.items() if found}
