@@ -109,7 +109,7 @@ def _animation(
     scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
 ) -> Animation:
     from eom.views.animation.animation import animation_of
-    from eom.views.animation.equivalents import shapes_of_file
+    from eom.views.animation.figures import shapes_of_file
 
     with progress_of("integrating") as progress:
 

@@ -19,7 +19,8 @@ import numpy as np
 from codegen.closed.exact import free_motion, kind_of
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
-from eom.views.animation.tracks import sequence_matrices
+from eom.views.animation.bodies import single
+from eom.views.body.frame_sketches import elementary
 from eom.views.draw.picture import Floats
 
 if TYPE_CHECKING:
@@ -118,22 +119,19 @@ def free_body(scene: AnyScene, what: str) -> FreeBody:
     >>> free_body(eom.load_scene("t-handle"), "polhode").moments
     (0.00015, 0.0004, 0.00052)
     """
-    from eom.scenes.scene import Scene
-
-    if reason := not_free(scene):
+    one = single(scene)
+    if (reason := not_free(scene)) or one is None:
         raise InputError(f"no {what} of this scene: {reason}", where=scene.title or scene.name)
-    assert isinstance(scene, Scene)
-    body = _spinner(scene) if scene.model == "spinner" else _rigid(scene)
+    body = _spinner(one) if one.model == "spinner" else _rigid(one)
     return body.turning(what)
 
 
 def not_free(scene: AnyScene) -> str:
     """Return why a scene is no torque-free body; empty if it is one."""
-    from eom.scenes.scene import Scene
-
-    if not isinstance(scene, Scene):
+    one = single(scene)
+    if one is None:
         return "it is a tree of bodies, and this is about one free body"
-    torque = scene.torque
+    torque = one.torque
     if torque.weight is not None:
         return "a weight turns it, and this is about torque-free motion"
     if torque.gravity_gradient is not None:
@@ -192,7 +190,7 @@ def _spinner(scene: Scene) -> FreeBody:
     theta, phi, tilting, turning, spin = pick(known, names, "initial value", "[initial]").values()
     first, axial = principal_values(scene)[:2]
     in_B = np.array([tilting, spin, turning * np.cos(theta)])
-    omega = sequence_matrices("2", np.array([[phi]]))[0] @ in_B
+    omega = elementary(2, phi) @ in_B
     attitude = quaternion_of_matrix(attitude_at_start(scene))
     return _made((first, axial, first), omega, attitude, scene)
 

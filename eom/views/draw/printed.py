@@ -26,7 +26,7 @@ from eom.errors import InputError
 from eom.views.draw import formulas
 from eom.views.draw.depth import Drawn, View, bounds, diagonal, in_space
 from eom.views.draw.formulas import as_text
-from eom.views.draw.meshes import Faces
+from eom.views.draw.meshes import Faces, Mesh
 from eom.views.draw.picture import (
     COLOURS,
     Arrow,
@@ -41,7 +41,6 @@ from eom.views.draw.picture import (
     Words,
     check,
 )
-from eom.views.draw.solid_meshes import Mesh
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
