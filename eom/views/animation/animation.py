@@ -321,6 +321,15 @@ def at(track: Track, point: Any) -> Floats:
     return np.asarray(track.positions + moved)
 
 
+def level(up: Floats) -> tuple[Floats, Floats]:
+    """Return level unit vectors: nearest to a1, or to a2 if that is up, and across it."""
+    across = np.eye(3)[0] - up[0] * up
+    if across @ across < 0.1:
+        across = np.eye(3)[1] - up[1] * up
+    across /= np.linalg.norm(across)
+    return across, np.cross(up, across)
+
+
 def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
     """Return azimuth and elevation (degrees): in front of a plane motion, above any other.
 
@@ -331,11 +340,7 @@ def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
     normal = directions[0]
     if sizes[1] > 1e-6 * max(sizes[0], 1e-300) or abs(normal @ up) > 0.1:
         return 35.0, 20.0
-    across = np.eye(3)[0] - up[0] * up
-    if across @ across < 0.1:
-        across = np.eye(3)[1] - up[1] * up
-    across /= np.linalg.norm(across)
-    along = np.cross(up, across)
+    across, along = level(up)
     azimuth = math.degrees(math.atan2(float(normal @ along), float(normal @ across)))
     azimuth = azimuth - 180 if azimuth > 45 else azimuth
     azimuth = azimuth + 180 if azimuth < -135 else azimuth

@@ -74,6 +74,11 @@ class FreeBody:
         return free_motion(self.moments, self.omega, self.attitude)
 
     @property
+    def polhode(self) -> Polhode:
+        """The exact data of its polhode; see `codegen.closed.polhode.polhode`."""
+        return polhode(self.moments, self.omega)
+
+    @property
     def energy(self) -> float:
         """Kinetic energy T, J."""
         return float(sum(I * w * w for I, w in zip(self.moments, self.omega, strict=True)) / 2)
@@ -203,11 +208,6 @@ def class_of(body: Polhode) -> int:
 def moving(body: Polhode) -> bool:
     """Tell whether the angular velocity moves in the body at all."""
     return kind_of(body).name not in {"rest", "spherical", "steady"}
-
-
-def polhode_of(moments: Triple, omega: Triple) -> Polhode:
-    """Return the exact data of a polhode; see `codegen.closed.polhode.polhode`."""
-    return polhode(moments, omega)
 
 
 def polhode_points(body: Polhode, count: int = COUNT) -> Floats:

@@ -20,7 +20,6 @@ from eom.views.body.free import (
     class_of,
     family,
     moving,
-    polhode_of,
     polhode_points,
     separatrix,
 )
@@ -141,7 +140,7 @@ def _resting(body: FreeBody, semi_axes: Floats) -> list[Item]:
 
 
 def _own(body: FreeBody) -> list[Item]:
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     start = Marks(
         np.array([body.omega]), OWN, 7.0, "" if moving(exact) else f"this motion: {_kind(body)}"
     )
@@ -151,7 +150,7 @@ def _own(body: FreeBody) -> list[Item]:
 
 
 def _kind(body: FreeBody) -> str:
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     return CLASSES[class_of(exact)].words if moving(exact) else "constant angular velocity"
 
 

@@ -14,7 +14,6 @@ import contextlib
 import importlib.util
 import io
 import itertools
-import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -125,7 +124,11 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
 
 
 def write(
-    picture: Picture, file: Path, kind: str, size: tuple[float, float] | None, dpi: float
+    picture: Picture,
+    file: Path | io.BytesIO,
+    kind: str,
+    size: tuple[float, float] | None,
+    dpi: float,
 ) -> None:
     """Write a picture to a file of a ``kind`` (png, svg, pdf); ``dpi``: pixels an inch, of PNG.
 
@@ -513,15 +516,14 @@ def bundle(picture: Picture) -> Bundle:
     PNG, and as text the title with the caption, which is also the image's text for screen readers. Raises
     `InputError` for a picture that cannot be drawn.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "picture.png"
-        write(picture, file, "png", None, DPI)
-        image = base64.b64encode(_smaller(file)).decode("ascii")
+    drawn = io.BytesIO()
+    write(picture, drawn, "png", None, DPI)
+    image = base64.b64encode(_smaller(drawn)).decode("ascii")
     words = ". ".join(as_text(part) for part in (picture.title, picture.caption) if part)
     return {"image/png": image, "text/plain": words}, {"image/png": {"alt": words}}
 
 
-def _smaller(file: Path) -> bytes:
+def _smaller(file: io.BytesIO) -> bytes:
     """Return an image with a palette: a third of the bytes, and the same to the eye."""
     from PIL import Image
 

@@ -28,8 +28,7 @@ from eom.errors import InputError
 from eom.opening import AnyScene
 from eom.quantities import Definition
 from eom.system import System
-from eom.terms.terms import VECTOR, Equation, Term, add, cross, der, dot, zero
-from eom.terms.vocabulary import omega, quantity
+from eom.terms.terms import Equation
 from eom.typeset import printing
 from eom.typeset.blocks import Block, Display, Heading, Line
 from eom.typeset.boxes import row, symbol
@@ -90,21 +89,21 @@ def written(subject: Subject, speed: float = 1.0) -> str:
         "speed": speed,
     }
     scripts = [web("three.js"), web("viewer.js"), core, web("live.js")]
-    single_body = subject.kind != "tree"
+    lawful = bool(subject.variants[subject.choice].law)
     parts = {
         "title": html.escape(subject.title),
         "words": "\n".join(
             f"<p>{html.escape(w)}</p>" for w in (subject.description, *subject.notes) if w
         ),
         "picture": html.escape(f"{subject.title}: the motion in three dimensions"),
-        "caption": _caption(subject),
+        "caption": subject.caption,
         "speeds": _speeds(speed),
         "tolerance": f"{TOLERANCE:.0e}".replace("e-", "e\u2212"),
         "switches": _switches(subject.switches),
         "knobs": "\n".join(_groups(subject)),
         "shown": _shown(subject),
-        "notation": _notation() if single_body else "",
-        "with_attitude": "attitude included, " if single_body else "",
+        "notation": _notation() if lawful else "",
+        "with_attitude": "attitude included, " if lawful else "",
         "templates": "\n".join([*texts.elements(), *_symbols(subject)]),
     }
     return pages.page("live", parts, data, scripts, "data: blob:")
@@ -136,9 +135,7 @@ class _Templates:
 def told(subject: Subject, choice: Choice, texts: _Templates) -> dict[str, Any]:
     """Return what the page says of a choice: equations by notation, operations, what is left out."""
     variant = subject.variants[choice]
-    laws: Mapping[str, str] = {"": ""}
-    if subject.kind != "tree":
-        laws = {n: statements(subject, variant, n) for n in notations()}
+    laws = {n: statements(variant, n) for n in notations() if variant.law} or {"": ""}
     return {
         "statements": {n: texts.name(text) for n, text in laws.items()},
         "components": texts.name(components(variant.own)),
@@ -158,24 +155,6 @@ def _speeds(base: float) -> str:
     )
 
 
-def _caption(subject: Subject) -> str:
-    if subject.kind == "tree":
-        return (
-            "Boxes and cylinders have the mass and the moments of inertia of the bodies; the line is the "
-            "path of the last one."
-        )
-    shapes = {
-        "spinner": "A wheel about b2; its proportions are those of a picture.",
-        "body": "A solid with the moments of inertia of the body.",
-    }
-    shape = "A picture of a top, its point fixed." if subject.centre else shapes[subject.kind]
-    axis = 2 if subject.kind == "spinner" else 3
-    return (
-        f"{shape} Arrows: ω, H and the torque τ, each against its largest value so far; the line is the "
-        f"path of b{axis}."
-    )
-
-
 def _switches(switches: tuple[Switch, ...]) -> str:
     if not switches:
         return ""
@@ -191,12 +170,10 @@ def _switches(switches: tuple[Switch, ...]) -> str:
 
 
 def _shown(subject: Subject) -> str:
-    single_body = subject.kind != "tree"
     return "\n".join(
-        f'<label class="check"><input type="checkbox" data-show="{name}"'
-        f"{' checked' * (single_body or name != 'body frames')}> {words}</label>"
-        for name, words in SHOWN.items()
-        if single_body or name not in {"omega", "H", "torque"}
+        f'<label class="check"><input type="checkbox" data-show="{name}"{" checked" * on}> '
+        f"{SHOWN[name]}</label>"
+        for name, on in subject.shown.items()
     )
 
 
@@ -338,42 +315,16 @@ def notations() -> dict[str, str]:
     return {name: notation.title for name, notation in NOTATIONS.items()}
 
 
-def statements(subject: Subject, variant: Variant, notation: str) -> str:
-    """Return the law of motion of one body as HTML, in a notation; empty for trees."""
-    if subject.kind == "tree":
-        return ""
-    found = list(_statements(subject, variant))
+def statements(variant: Variant, notation: str) -> str:
+    """Return the law of motion of a choice as HTML, in a notation; empty where none is stated."""
     written = NOTATIONS[notation]
-    lines = tuple(_line(e, written, words) for e, words in found)
-    return html_body([Display(lines)])
+    lines = tuple(_line(e, written, words) for e, words in variant.law)
+    return html_body([Display(lines)]) if lines else ""
 
 
 def _line(equation: Equation, notation: Notation, words: str) -> Line:
     left, relation, right = equation_parts(equation, notation)
     return Line(row(*left), relation, right, words, broken_left=left)
-
-
-def _statements(subject: Subject, variant: Variant) -> Iterator[tuple[Equation, str]]:
-    """Yield the law, the momentum and the equation that follows, with words."""
-    about = "O" if subject.centre else "C"
-    J = quantity("inertia", about)
-    h, torque = (quantity(n, "body", about) for n in ("angular_momentum", "torque"))
-    if subject.centre:  # words for the angular momentum about a point, of all mass
-        h = quantity("absolute_angular_momentum", "body", about)
-    right = zero(VECTOR) if variant.free else torque
-    law = "Angular momentum does not change" if variant.free else "Torque changes angular momentum"
-    yield Equation(der(h), right), law
-    if subject.kind == "spinner":
-        yield Equation(h, dot(J, omega("C"))), "Momentum of the body C, which spins in B"
-        yield Equation(_seen_from_b(h), right), "The same as seen from B, which does not spin"
-        return
-    yield Equation(h, dot(J, omega())), "Momentum of a rigid body"
-    euler = add(dot(J, der(omega(), "B")), cross(omega(), dot(J, omega())))
-    yield Equation(euler, right), "Euler's equation: the same as seen from the body"
-
-
-def _seen_from_b(h: Term) -> Term:
-    return add(der(h, "B"), cross(omega("B"), h))
 
 
 def components(system: System) -> str:

@@ -43,6 +43,8 @@ from eom.scenes.description import inertia_values, principal_values
 from eom.scenes.reduce import cost
 from eom.scenes.scene import Scene
 from eom.system import System, as_expression
+from eom.terms.terms import VECTOR, Equation, Term, add, cross, der, dot, zero
+from eom.terms.vocabulary import omega, quantity
 from eom.views.animation.bodies import ManyBodies
 
 Expr = Any
@@ -52,6 +54,8 @@ Choice = tuple[bool, ...]
 
 MOST_SWITCHES = 3
 """Every choice has a right-hand side of its own: eight at most."""
+VECTORS, FRAMES = ("omega", "H", "torque"), ("trails", "body frames", "space frame")
+"""What can be hidden, by the names of the viewer: of one body, and of all."""
 VIEW = "view_"
 """How the names of outputs begin that are there to be drawn."""
 
@@ -89,7 +93,8 @@ class Variant:
     ``own``: the scene's equations; ``drawn``: those that the page integrates, with attitude and with the
     outputs that are drawn. ``left_out``: what the passes left out, a line each. ``general``: operations
     of the right-hand side before them, ``after`` behind them. ``equal``: parameters that have become one
-    with another. ``free``: no torque, so that Poinsot's construction holds.
+    with another. ``free``: no torque, so that Poinsot's construction holds. ``law``: the law of motion,
+    with words, of one body.
     """
 
     own: System
@@ -99,6 +104,7 @@ class Variant:
     after: int
     equal: Mapping[str, str] = field(default_factory=dict)
     free: bool = False
+    law: tuple[tuple[Equation, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,7 +115,8 @@ class Subject:
     the turns that the knobs attitude_1 to 3 are the angles of, or empty. ``inertia``: names of the
     entries of the inertia matrix, of one body. ``centre``: names of the components of the centre of mass
     from the fixed point, or empty. ``bodies``: by the order of what is drawn. ``joints``: by body the
-    number of joints that lead on. ``up``: against gravity.
+    number of joints that lead on. ``up``: against gravity. ``caption``: below the
+    picture; ``shown``: what can be hidden, and whether it is seen at first.
     """
 
     kind: str
@@ -127,6 +134,8 @@ class Subject:
     joints: tuple[int, ...] = ()
     up: Sequence[float] = (0.0, 0.0, 1.0)
     notes: tuple[str, ...] = ()
+    caption: str = ""
+    shown: Mapping[str, bool] = field(default_factory=dict)
 
     @property
     def choice(self) -> Choice:
@@ -221,6 +230,8 @@ def _of_body(scene: Scene) -> Subject:
         centre=_centre(scene),
         bodies=("body",),
         notes=tuple(_notes(scene, attitude_used)),
+        caption=_caption(scene),
+        shown=dict.fromkeys((*VECTORS, *FRAMES), True),
     )  # fmt: skip
 
 
@@ -347,6 +358,41 @@ def _body_data(scene: Scene, off: Off, pair: tuple[int, int] | None) -> Data:
     return {"moments": moments}
 
 
+def _caption(scene: Scene) -> str:
+    shape, axis = "A solid with the moments of inertia of the body.", 3
+    if scene.torque.weight is not None:
+        shape = "A picture of a top, its point fixed."
+    if scene.model == "spinner":
+        shape, axis = "A wheel about b2; its proportions are those of a picture.", 2
+    return (
+        f"{shape} Arrows: ω, H and the torque τ, each against its largest value so far; the line is the "
+        f"path of b{axis}."
+    )
+
+
+def _law(scene: Scene, free: bool) -> Iterator[tuple[Equation, str]]:
+    """Yield the law, the momentum and the equation that follows, with words."""
+    about = "C" if scene.torque.weight is None else "O"
+    J = quantity("inertia", about)
+    h, torque = (quantity(n, "body", about) for n in ("angular_momentum", "torque"))
+    if scene.torque.weight is not None:  # words for the angular momentum about a point, of all mass
+        h = quantity("absolute_angular_momentum", "body", about)
+    right = zero(VECTOR) if free else torque
+    law = "Angular momentum does not change" if free else "Torque changes angular momentum"
+    yield Equation(der(h), right), law
+    if scene.model == "spinner":
+        yield Equation(h, dot(J, omega("C"))), "Momentum of the body C, which spins in B"
+        yield Equation(_seen_from_b(h), right), "The same as seen from B, which does not spin"
+        return
+    yield Equation(h, dot(J, omega())), "Momentum of a rigid body"
+    euler = add(dot(J, der(omega(), "B")), cross(omega(), dot(J, omega())))
+    yield Equation(euler, right), "Euler's equation: the same as seen from the body"
+
+
+def _seen_from_b(h: Term) -> Term:
+    return add(der(h, "B"), cross(omega("B"), h))
+
+
 # -- one choice ---------------------------------------------------------------------------------------
 
 
@@ -380,6 +426,7 @@ def _variant(scene: Scene, used: str, off: Off, pair: tuple[int, int] | None) ->
         after=explanation.after,
         equal={f"I{pair[1] + 1}": f"I{pair[0] + 1}"} if pair and SYMMETRIC in off else {},
         free=TORQUE in off,
+        law=tuple(_law(scene, TORQUE in off)),
     )
 
 
@@ -543,6 +590,8 @@ def _of_tree(scene: TreeScene) -> Subject:
         bodies=tuple(b.name for b in tree.bodies),
         joints=tuple(len(_joints_on(tree, b.name)) for b in tree.bodies),
         up=_up(scene),
+        caption=TREE_CAPTION,
+        shown={name: name != "body frames" for name in FRAMES},
     )
 
 
@@ -568,6 +617,10 @@ def _without_damping(tree: Tree) -> Tree:
     )
 
 
+TREE_CAPTION = (
+    "Boxes and cylinders have the mass and the moments of inertia of the bodies; the line is the path of "
+    "the last one."
+)
 EDITS = {GRAVITY: _without_gravity, SPRINGS: _without_springs, DAMPING: _without_damping}
 
 
