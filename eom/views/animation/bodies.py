@@ -308,7 +308,7 @@ class ManyBodies:
         bodies = tuple(drawing.body(b) for b in self.scene.tree.bodies)
         rotors = tuple(drawing.rotor(r) for r in self.scene.tree.rotors)
         shown = (*map(drawing.seen_through, bodies), *rotors)
-        return Figures(shown, drawing.held_by(GROUND), tuple(drawing.lines()))
+        return Figures(shown, drawing.ground(), tuple(drawing.lines()))
 
 
 @dataclass(frozen=True)
@@ -386,32 +386,32 @@ class Drawing:
     def pin(self, joint: Joint) -> tuple[Shape, ...]:
         """Return what is drawn of a joint, on its child: a hinge along its axis, a ball; or nothing."""
         place, turn = self.array(joint.on_child.position), self.array(joint.on_child.rotation).T
-        radius = PIN * self.reach
         if joint.kind in {"revolute", "cylindrical", "helical"}:
             half = turn @ self.array(joint.axis) * HINGE * self.reach / 2
-            return rod(place - half, place + half, radius, "black")
+            return rod(place - half, place + half, PIN * self.reach, "black")
         if joint.kind in {"spherical", "universal"}:
-            ball = of_solid("sphere", {"radius": 1.5 * radius})
-            return (Shape(replace(ball.moved(place), round=False), "black"),)
+            return (self.ball(place, 1.5, "black"),)
         return ()
 
-    def held_by(self, name: str) -> tuple[Shape, ...]:
+    def ground(self) -> tuple[Shape, ...]:
         """Return what is drawn on the ground: rails of sliding joints, stands of the others."""
         found: list[Shape] = []
-        for joint in self.scene.tree.joints:
+        for joint in (j for j in self.scene.tree.joints if j.parent == GROUND):
             place, turn = (
                 self.array(joint.on_parent.position),
                 self.array(joint.on_parent.rotation).T,
             )
-            if joint.parent != name:
-                continue
             if joint.kind == "prismatic":
                 axis = turn @ self.array(joint.axis) * 3 * self.reach
                 found += rod(place - axis, place + axis, BONE * self.reach)
             elif joint.kind not in {"free", "fixed", "planar"}:
-                ball = of_solid("sphere", {"radius": 2.2 * PIN * self.reach})
-                found.append(Shape(replace(ball.moved(place), round=False), "grey"))
+                found.append(self.ball(place, 2.2, "grey"))
         return tuple(found)
+
+    def ball(self, place: Floats, size: float, colour: str) -> Shape:
+        """Return a ball at a place, of a radius in those of joints."""
+        mesh = of_solid("sphere", {"radius": size * PIN * self.reach})
+        return Shape(replace(mesh.moved(place), round=False), colour)
 
     def lines(self) -> Iterator[Line]:
         """Yield springs, and rods without mass that keep a distance."""

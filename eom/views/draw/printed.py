@@ -40,6 +40,7 @@ from eom.views.draw.picture import (
     Words,
     check,
 )
+from eom.views.draw.viewpoint import USUAL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,8 +92,6 @@ SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
 SIDEWAYS = 0.5
 """Words at the tip of an arrow in space whose way across the paper is more stand beside the tip."""
-ELEVATION, AZIMUTH = 22.0, 35.0
-"""Where space is seen from, in degrees."""
 
 
 @contextlib.contextmanager
@@ -347,7 +346,7 @@ def _space(axes: Any, panel: Panel) -> None:
     """Draw all items of a panel in space as one collection, sorted by depth as one."""
     low, high = bounds(panel)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    elevation, azimuth = panel.view or (ELEVATION, AZIMUTH)
+    elevation, azimuth = panel.view or USUAL
     axes.view_init(elev=elevation, azim=azimuth)
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)

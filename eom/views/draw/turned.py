@@ -35,6 +35,7 @@ from eom.views.draw.picture import (
     placed,
 )
 from eom.views.draw.printed import height_of, require
+from eom.views.draw.viewpoint import line_of_sight
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -250,10 +251,8 @@ def _eye(panel: Panel) -> Data:
     """Return where space is seen from: from the side that the panel asks for, as far off as others."""
     if panel.view is None:
         return EYE
-    up, around = (math.radians(x) for x in panel.view)
-    way = (math.cos(up) * math.cos(around), math.cos(up) * math.sin(around), math.sin(up))
-    distance = math.hypot(*EYE.values())
-    return {letter: distance * x for letter, x in zip("xyz", way, strict=True)}
+    eye = math.hypot(*EYE.values()) * line_of_sight(panel.view)
+    return dict(zip("xyz", eye.tolist(), strict=True))
 
 
 def _space_axis(axis: Axis, low: float, high: float, bare: bool) -> Data:

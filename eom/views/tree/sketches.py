@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, singledispatch
+from functools import cached_property, partial, singledispatch
 from typing import Any
 
 import numpy as np
@@ -289,13 +289,8 @@ def push(point: Floats, way: Floats, length: float, words: str) -> Iterator[Item
     """Yield the arrow of a reaction whose tip is at the point that it acts on."""
     along = unit(way)
     if along is not None:
-        yield Arrow(point - length * along, point, REACTION, 2.4, label=LEGEND[REACTION])
+        yield from force(point - length * along, along, length, "", REACTION)
         yield Words(point - 1.12 * length * along, words, REACTION)
-
-
-def hang(point: Floats, way: Floats, length: float, words: str) -> Iterator[Item]:
-    """Yield the arrow of a reaction that starts at the point that it acts on."""
-    yield from force(point, way, length, words, REACTION)
 
 
 def torque(point: Floats, way: Floats, length: float, words: str) -> Iterator[Item]:
@@ -496,7 +491,7 @@ def _joint(s: TreeAtStart, joint: Joint) -> Iterator[Item]:
     if joint.parent == GROUND and np.any(s.down):
         words = f"$R_{{{name(joint.name).strip('$')}}}$"
         standing = float((s.centre(joint.child) - frame.origin) @ s.down) < -0.01 * s.size
-        draw = push if standing else hang
+        draw = push if standing else partial(force, colour=REACTION)
         yield from draw(frame.origin, -s.down, 0.45 * s.size, words)
     for k, (angular, linear) in enumerate(columns):
         law = _law(joint, k)
