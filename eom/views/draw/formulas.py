@@ -15,21 +15,16 @@ from typing import Any
 
 import sympy as sp
 
-from eom.typeset.boxes import row
-from eom.typeset.markup import render, symbol_latex
+from eom.typeset.boxes import GREEK_NAMES, row
+from eom.typeset.markup import ACCENTS, greek, render, symbol_latex
 from eom.typeset.writing import expression_pieces
 
 _DOLLAR = re.compile(r"(?<!\\)\$")
 _WORDS = re.compile(r"(?:\$(?:\\.|[^$])*\$|\\.|[^\s$]|\$)+")
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\s+|.", re.DOTALL)
 
-GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho"
-    " final-sigma sigma tau upsilon phi chi psi omega"
-).split()
 SYMBOLS = {
-    **{name: chr(0x3B1 + k) for k, name in enumerate(GREEK)},
-    **{name.capitalize(): chr(0x391 + k) for k, name in enumerate(GREEK)},
+    **{name: greek(name) for name in GREEK_NAMES},
     "varepsilon": "\u03b5",
     "varphi": "\u03c6",
     "phi": "\u03d5",
@@ -57,7 +52,6 @@ SYMBOLS = {
     "right": "",
 }
 """Commands that stand for a character; of ``\\left`` and ``\\right`` the bracket alone is left."""
-ACCENTS = {"dot": "\u0307", "ddot": "\u0308", "hat": "\u0302", "vec": "\u20d7", "bar": "\u0304"}
 STYLES = {"mathbf": "b", "boldsymbol": "b", "mathit": "i", "mathrm": "", "text": "", "mathsf": ""}
 LEVELS = {"_": "sub", "^": "sup"}
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
@@ -217,7 +211,7 @@ def _one(tokens: list[str]) -> tuple[str, list[str]]:
     if name in ACCENTS and rest:
         inner, rest = _one(rest)
         at = inner.rfind("</") if inner.endswith(">") else len(inner)
-        return inner[:at] + ACCENTS[name] + inner[at:], rest
+        return inner[:at] + ACCENTS[name][1] + inner[at:], rest
     if name in STYLES and rest:
         return _styled(rest, STYLES[name])
     character = SYMBOLS.get(name, name) if name else first
