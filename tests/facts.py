@@ -264,7 +264,6 @@ FACTS = {
         NONE,
     ),
     "eom.views.animation.animation_page.page": (NONE, NONE, NONE, NONE),
-    "eom.views.body.body_sketch.body_sketch": (NONE, NONE, "along -a3", NONE),
     "eom.views.body.cones.cones": (
         NONE,
         "without a unit",
@@ -300,7 +299,7 @@ FACTS = {
     "eom.views.time.histories.quantities": (NONE, "with their units", NONE, NONE),
     "eom.views.tree.joint_trees.joint_tree": (NONE, "no units", NONE, NONE),
     "eom.views.live.page.page": (NONE, "in SI units", NONE, NONE),
-    "eom.views.body.momentum_path.momentum_path": (
+    "eom.views.body.polhodes.momentum_path": (
         "(N, 3)",
         "(N m s)",
         "along the principal axes",
@@ -381,11 +380,21 @@ FACTS = {
     "eom.views.body.rotating.turning": (NONE, "how long (s)", NONE, NONE),
     "eom.views.draw.saving.save": (NONE, "in inches", NONE, NONE),
     "eom.views.body.rotating.sphere": (NONE, NONE, "along the axes of the frame", NONE),
-    "eom.views.tree.tree_sketch.tree_frames": (NONE, NONE, "the axes x, y, z of the ground", NONE),
-    "eom.views.tree.tree_sketch.tree_sketch": (NONE, "to scale (m)", "on the child", NONE),
+    "eom.views.tree.sketches.tree_frames": (NONE, NONE, "the axes x, y, z of the ground", NONE),
+    "eom.views.tree.sketches.sketch": (NONE, "to scale (m)", "along -a3", NONE),
     "eom.views.draw.turned.figure": (NONE, "in inches", NONE, NONE),
-    "eom.views.body.wheel.wheel": (NONE, "(rad)", "turns about axes 3, 1 and 2", "lecture 001"),
-    "eom.views.body.wheel.wheel_of": (NONE, "the time (s)", "axes as of `wheel`", "as of `wheel`"),
+    "eom.views.body.frame_sketches.wheel": (
+        NONE,
+        "(rad)",
+        "turns about axes 3, 1 and 2",
+        "lecture 001",
+    ),
+    "eom.views.body.frame_sketches.wheel_of": (
+        NONE,
+        "the time (s)",
+        "axes as of `wheel`",
+        "as of `wheel`",
+    ),
     "eom.views.time.work_precision.work_precision": (NONE, "time (s)", NONE, NONE),
     "codegen.METHODS": (
         NONE,

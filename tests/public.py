@@ -40,15 +40,12 @@ MODULES = {
     "eom.typeset.printing": "show",
     "eom.views.animation.animation": "animation_of animation_of_motion",
     "eom.views.animation.animation_page": "page",
-    "eom.views.body.body_sketch": "body_sketch",
     "eom.views.body.cones": "cones free_cones",
-    "eom.views.body.frame_sketches": "frame_sketch",
+    "eom.views.body.frame_sketches": "frame_sketch wheel wheel_of",
     "eom.views.body.free": "FreeBody free_body",
-    "eom.views.body.momentum_path": "momentum_path",
     "eom.views.body.poinsot": "herpolhode",
-    "eom.views.body.polhodes": "ellipsoids polhodes",
+    "eom.views.body.polhodes": "ellipsoids momentum_path polhodes",
     "eom.views.body.rotating": "Turning sphere turning",
-    "eom.views.body.wheel": "wheel wheel_of",
     "eom.views.draw.picture": (
         "Arrow Axis COLOURS Curve Marks Panel Picture Surface Words check points"
     ),
@@ -60,7 +57,7 @@ MODULES = {
     "eom.views.time.histories": "histories histories_of quantities",
     "eom.views.time.work_precision": "work_precision",
     "eom.views.tree.joint_trees": "joint_tree",
-    "eom.views.tree.tree_sketch": "tree_frames tree_sketch",
+    "eom.views.tree.sketches": "sketch tree_frames",
 }
 """Names of modules that documents tell users to import, beside those of the packages."""
 DUNDERS = ("__call__", "__getitem__")

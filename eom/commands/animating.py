@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
     from eom.views.animation.animation import Animation
+    from eom.views.animation.filming import Film
 
 PAGE = ".html"
 FILMS = (".gif", ".png", ".apng", ".webp")
@@ -67,7 +68,7 @@ def animate(
     film = _film(file, fps, length, size, dark)
     chosen = scene_of(scene)
     found = _animation(chosen, scene, seconds, speed, target)
-    data = _page(found) if film is None else _filmed(found, file, film)
+    data = _filmed(found, file.suffix, film) if film else _page(found)
     whole(file, lambda part: part.write_bytes(data))
     report_files([file])
     for note in found.notes[:1]:
@@ -77,7 +78,7 @@ def animate(
 
 def _film(
     file: Path, fps: int | None, length: float | None, size: str | None, dark: bool
-) -> tuple[int, float | None, tuple[int, int], bool] | None:
+) -> Film | None:
     """Return how slides are filmed, None for a page. Raises `InputError` before anything is computed."""
     if file.suffix not in {PAGE, *FILMS}:
         expected = ", ".join((PAGE, *FILMS))
@@ -93,9 +94,7 @@ def _film(
     from eom.views.animation.filming import Film, checked
 
     wide, high = _size(size) if size else (Film.width, Film.height)
-    rate = Film.fps if fps is None else fps
-    checked(Film(wide, high, rate, dark, length))
-    return rate, length, (wide, high), dark
+    return checked(Film(wide, high, Film.fps if fps is None else fps, dark, length))
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -109,7 +108,7 @@ def _animation(
     scene: AnyScene, name: str, seconds: float | None, speed: float | None, target: str
 ) -> Animation:
     from eom.views.animation.animation import animation_of
-    from eom.views.animation.equivalents import shapes_of_file
+    from eom.views.animation.figures import shapes_of_file
 
     with progress_of("integrating") as progress:
 
@@ -127,11 +126,8 @@ def _page(animation: Animation) -> bytes:
     return page(animation).encode("utf-8")
 
 
-def _filmed(
-    animation: Animation, file: Path, film: tuple[int, float | None, tuple[int, int], bool]
-) -> bytes:
-    from eom.views.animation.filming import Film, film_bytes
+def _filmed(animation: Animation, suffix: str, film: Film) -> bytes:
+    from eom.views.animation.filming import film_bytes
 
-    fps, length, (wide, high), dark = film
     with progress_of("drawing") as progress:
-        return film_bytes(animation, file.suffix, Film(wide, high, fps, dark, length), progress)
+        return film_bytes(animation, suffix, film, progress)

@@ -7,9 +7,19 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from eom.errors import InputError, unknown_name
+from eom.views.animation.bodies import bodies_of
+from eom.views.body.cones import cones
+from eom.views.body.frame_sketches import frame_sketch, sequence_of, wheel_of
 from eom.views.body.free import free_body, not_free
+from eom.views.body.poinsot import herpolhode
+from eom.views.body.polhodes import ellipsoids, polhodes
+from eom.views.body.rotating import sphere, turning
 from eom.views.draw.formulas import plain
 from eom.views.draw.picture import Panel, Picture
+from eom.views.draw.printed import size_of
+from eom.views.time.histories import histories_of
+from eom.views.tree.joint_trees import joint_tree
+from eom.views.tree.sketches import sketch, tree_frames
 
 if TYPE_CHECKING:
     from eom.opening import AnyScene
@@ -40,43 +50,6 @@ class Entry:
     make: Callable[[Ask], Picture]
 
 
-def _polhodes(ask: Ask) -> Picture:
-    from eom.views.body.polhodes import polhodes
-
-    return polhodes(free_body(ask.scene, "polhode"))
-
-
-def _ellipsoids(ask: Ask) -> Picture:
-    from eom.views.body.polhodes import ellipsoids
-
-    return ellipsoids(free_body(ask.scene, "ellipsoid"))
-
-
-def _herpolhode(ask: Ask) -> Picture:
-    from eom.views.body.poinsot import herpolhode
-
-    return herpolhode(free_body(ask.scene, "herpolhode"), ask.seconds, ask.points)
-
-
-def _cones(ask: Ask) -> Picture:
-    from eom.views.body.cones import cones
-    from eom.views.body.rotating import turning
-
-    return cones(turning(ask.scene, ask.seconds, ask.points), ask.seconds)
-
-
-def _sphere(ask: Ask) -> Picture:
-    from eom.views.body.rotating import sphere, turning
-
-    return sphere(turning(ask.scene, ask.seconds, ask.points))
-
-
-def _histories(ask: Ask) -> Picture:
-    from eom.views.time.histories import histories_of
-
-    return histories_of(ask.scene, ask.seconds, ask.points)
-
-
 def _work_precision(ask: Ask) -> Picture:
     """Measure the scene by every method at few tolerances; `eom bench` measures with care."""
     from codegen.measure.workprecision.case import Case
@@ -91,35 +64,18 @@ def _work_precision(ask: Ask) -> Picture:
     return work_precision(measure(case, programs([]), QUICK, ask.progress))
 
 
-def _joints(ask: Ask) -> Picture:
-    from eom.views.tree.joint_trees import joint_tree
+def _cones(ask: Ask) -> Picture:
+    return cones(turning(ask.scene, ask.seconds, ask.points), ask.seconds)
 
+
+def _joints(ask: Ask) -> Picture:
     assert ask.scene.model == "tree"
     return joint_tree(ask.scene.tree, ask.scene.title)
 
 
-def _sketch(ask: Ask) -> Picture:
-    from eom.views.body.body_sketch import body_sketch
-    from eom.views.tree.tree_sketch import tree_sketch
-
-    return tree_sketch(ask.scene) if ask.scene.model == "tree" else body_sketch(ask.scene)
-
-
 def _frames(ask: Ask) -> Picture:
-    from eom.views.body.frame_sketches import frame_sketch, sequence_of
-    from eom.views.tree.tree_sketch import tree_frames
-
-    return (
-        tree_frames(ask.scene)
-        if ask.scene.model == "tree"
-        else frame_sketch(sequence_of(ask.scene))
-    )
-
-
-def _wheel(ask: Ask) -> Picture:
-    from eom.views.body.wheel import wheel_of
-
-    return wheel_of(ask.scene, ask.seconds)
+    scene = ask.scene
+    return tree_frames(scene) if scene.model == "tree" else frame_sketch(sequence_of(scene))
 
 
 def _nothing(_: AnyScene) -> str:
@@ -135,8 +91,6 @@ def _no_spinner(scene: AnyScene) -> str:
 
 
 def _no_angles(scene: AnyScene) -> str:
-    from eom.views.body.frame_sketches import sequence_of
-
     return "" if scene.model == "tree" or sequence_of(scene) else "its attitude has no angles"
 
 
@@ -145,9 +99,7 @@ def _no_single_body(scene: AnyScene) -> str:
 
 
 def _no_cones(scene: AnyScene) -> str:
-    from eom.scenes.scene import Scene
-
-    if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
+    if bodies_of(scene).orbit:
         return "its attitude is measured in a frame that turns with an orbit"
     return _no_single_body(scene)
 
@@ -158,22 +110,34 @@ PICTURES = {
         "ellipsoids of momentum and energy with polhodes by class and the separatrix",
         FREE,
         not_free,
-        _polhodes,
+        lambda ask: polhodes(free_body(ask.scene, "polhode")),
     ),
     "ellipsoids": Entry(
-        "both ellipsoids, and the polhode where they meet", FREE, not_free, _ellipsoids
+        "both ellipsoids, and the polhode where they meet",
+        FREE,
+        not_free,
+        lambda ask: ellipsoids(free_body(ask.scene, "ellipsoid")),
     ),
     "herpolhode": Entry(
-        "Poinsot's construction, and the herpolhode in its plane", FREE, not_free, _herpolhode
+        "Poinsot's construction, and the herpolhode in its plane",
+        FREE,
+        not_free,
+        lambda ask: herpolhode(free_body(ask.scene, "herpolhode"), ask.seconds, ask.points),
     ),
     "cones": Entry(
         "body cone and space cone, which the axis of rotation traces", ONE, _no_cones, _cones
     ),
     "sphere": Entry(
-        "attitude: paths of the body axes on the unit sphere", ONE, _no_single_body, _sphere
+        "attitude: paths of the body axes on the unit sphere",
+        ONE,
+        _no_single_body,
+        lambda ask: sphere(turning(ask.scene, ask.seconds, ask.points)),
     ),
     "histories": Entry(
-        "states and outputs over time, the drift of the invariants below", ANY, _nothing, _histories
+        "states and outputs over time, the drift of the invariants below",
+        ANY,
+        _nothing,
+        lambda ask: histories_of(ask.scene, ask.seconds, ask.points),
     ),
     "work-precision": Entry(
         "run time over error of every method, measured now (eom bench: with more care)",
@@ -185,9 +149,14 @@ PICTURES = {
         "the body or the bodies at the start, with the forces and torques on them",
         ANY,
         _nothing,
-        _sketch,
+        lambda ask: sketch(ask.scene),
     ),
-    "joints": Entry("diagram of bodies, joints and constraints", "a tree", _no_tree, _joints),
+    "joints": Entry(
+        "diagram of bodies, joints and constraints",
+        "a tree",
+        _no_tree,
+        _joints,
+    ),
     "frames": Entry(
         "frames of the rotation sequence, each turn as an arc; frames of a tree's bodies",
         "attitude by angles, or a tree",
@@ -198,7 +167,7 @@ PICTURES = {
         "the wheel of the 3-1-2 spinning symmetric body, with its angles",
         "the model spinner",
         _no_spinner,
-        _wheel,
+        lambda ask: wheel_of(ask.scene, ask.seconds),
     ),
 }
 """Pictures by name: what each shows, what it needs (``words``, ``needs``), and what makes it."""
@@ -273,8 +242,6 @@ def pictures(names: Sequence[str], ask: Ask) -> Picture:
 
 def _size(made: Sequence[Picture]) -> tuple[float, float] | None:
     """Return the size of pictures below each other, if one of them needs a size of its own."""
-    from eom.views.draw.printed import size_of
-
     sizes = [size_of(one) for one in made]
     if all(one.size is None for one in made):
         return None

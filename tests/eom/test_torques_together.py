@@ -11,9 +11,9 @@ from eom.mechanics import torques
 from eom.mechanics.rigidbody import OMEGA, principal_inertia
 from eom.scenes.assembly import torques_of
 from eom.scenes.scene import Scene
-from eom.views.body.body_sketch import FORCE, TORQUE, body_sketch
 from eom.views.draw.picture import Arrow
-from eom.views.live.single import subject as subject_of
+from eom.views.live.subject import subject_of
+from eom.views.tree.sketches import FORCE, TORQUE, sketch
 
 TOP = {"mass": 2.0, "gravity": 10.0, "centre_of_mass": [0.0, 0.0, 0.2]}
 ORBIT = {"orbital_rate": 0.5}
@@ -144,15 +144,15 @@ def test_a_start_that_is_no_number_is_told():
 
 def test_the_picture_draws_every_load():
     def drawn(given, colour):
-        items = body_sketch(given).rows[0][0].items
+        items = sketch(given).rows[0][0].items
         return [i for i in items if isinstance(i, Arrow) and i.colour == colour and i.label]
 
     applied = {"components": [0, 0, "M"]}
     top = scene(torque={"weight": TOP, **applied}, parameters={"M": 0.2})
     assert len(drawn(top, FORCE)) == 1
     assert len(drawn(top, TORQUE)) == 1
-    assert "Its weight" in body_sketch(top).caption
-    assert "1 components" in body_sketch(top).caption
+    assert "Its weight" in sketch(top).caption
+    assert "1 components" in sketch(top).caption
     orbit = scene(torque={"gravity_gradient": ORBIT, **applied}, parameters={"M": 0.2})
     assert len(drawn(orbit, TORQUE)) == 2
 

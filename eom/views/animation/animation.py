@@ -14,23 +14,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from eom.errors import InputError
-from eom.multibody.model.constraints import Rolling
 from eom.opening import AnyScene
-from eom.scenes.scene import Scene
-from eom.views.animation.equivalents import Shape, equivalent
-from eom.views.animation.figures import Figure, Figures, figures_of
+from eom.views.animation.bodies import Bodies, bodies_of, tracks_of, with_attitude
+from eom.views.animation.figures import Figure, Figures, Shape, equivalent
 from eom.views.animation.tracks import (
     Floats,
     Track,
     Tracks,
     continuous,
     matrices,
-    tracks_of,
     turned,
-    with_attitude,
 )
 
 if TYPE_CHECKING:
@@ -136,7 +132,7 @@ def animation_of(
     ``scene``: of any model; vectors get components in A, the frame that attitude is measured in, or the
     ground's. ``integrate``: from a scene to its `codegen.Result`. ``seconds`` (s): of the motion, else to
     the scene's end; ``speed``: seconds of it that are shown in one, else so that it takes a fair time.
-    ``robot``: shapes of bodies by name (`eom.views.animation.equivalents`).
+    ``robot``: shapes of bodies by name (`eom.views.animation.figures`).
 
     Raises `InputError` for a time or speed that is not positive, for a motion that ends before it can be
     shown, and for one that turns so fast that its samples would not fit into a page of 3 MB.
@@ -225,10 +221,10 @@ def shown(
     robot: dict[str, tuple[Shape, ...]] | None = None,
     asked: tuple[str, ...] = (),
 ) -> Animation:
-    """Return the animation of a motion that was simulated (`eom.views.animation.tracks.tracks_of`)."""
-    figures = figures_of(scene, robot)
+    """Return the animation of a motion that was simulated (`eom.views.animation.bodies.tracks_of`)."""
+    bodies = bodies_of(scene)
+    figures = bodies.figures(robot or {})
     span = abs(float(tracks.times[-1] - tracks.times[0]))
-    orbit = isinstance(scene, Scene) and scene.torque.gravity_gradient is not None
     return Animation(
         title=scene.title or scene.name,
         words=scene.description,
@@ -236,10 +232,10 @@ def shown(
         figures=figures,
         arrows=tuple(arrows_of(tracks)),
         told=tuple(_told(scene, result, asked))[:MOST_TOLD],
-        view=_view(scene, tracks, figures),
+        view=_view(bodies, tracks, figures),
         speed=speed or speed_of(span),
-        axes=("a₁ radial", "a₂ along", "a₃ normal") if orbit else ("a₁", "a₂", "a₃"),
-        notes=tuple(_notes(scene, result, figures)),
+        axes=("a₁ radial", "a₂ along", "a₃ normal") if bodies.orbit else ("a₁", "a₂", "a₃"),
+        notes=tuple(_notes(bodies, result, figures)),
     )
 
 
@@ -270,10 +266,10 @@ def _told(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[T
             yield Told(name, units.get(name, ""), np.asarray(result[name]))
 
 
-def _notes(scene: AnyScene, result: Result, figures: Figures) -> Iterator[str]:
+def _notes(bodies: Bodies, result: Result, figures: Figures) -> Iterator[str]:
     if result.status not in {0, 2}:
         yield result.message
-    if isinstance(scene, Scene) and scene.torque.gravity_gradient is not None:
+    if bodies.orbit:
         yield "Space frame: a₁ points away from the Earth, a₂ along the orbit, a₃ normal to it."
     for figure in figures.bodies:
         if figure.words:
@@ -294,13 +290,13 @@ def view_of(tracks: Tracks, figures: Figures) -> View:
     return View(centre, radius * (AROUND_ONE if len(tracks.bodies) == 1 else 1))
 
 
-def _view(scene: AnyScene, tracks: Tracks, figures: Figures) -> View:
+def _view(bodies: Bodies, tracks: Tracks, figures: Figures) -> View:
     """Return the view of a scene: under gravity there are up, down and a ground."""
-    view, gravity = view_of(tracks, figures), _gravity(scene)
+    view, gravity = view_of(tracks, figures), bodies.gravity
     if gravity is None:
         return view
     up = -gravity / np.linalg.norm(gravity)
-    floor = _floor(scene)
+    floor = bodies.floor
     if floor is None:
         lowest = min(float((p @ up).min()) for p in _places(tracks, figures))
         floor = lowest - GROUND_GAP * view.radius
@@ -325,26 +321,13 @@ def at(track: Track, point: Any) -> Floats:
     return np.asarray(track.positions + moved)
 
 
-def _gravity(scene: AnyScene) -> NDArray[np.float64] | None:
-    if isinstance(scene, Scene):
-        return None if scene.torque.weight is None else np.array([0.0, 0.0, -1.0])
-    from eom.views.animation.figures import Drawing
-
-    found = Drawing(scene, {}).array(scene.tree.gravity)
-    return found if np.any(found) else None
-
-
-def _floor(scene: AnyScene) -> float | None:
-    """Return the height of a plane on which a body of a tree rolls."""
-    if isinstance(scene, Scene):
-        return None
-    from eom.views.animation.figures import Drawing
-
-    drawing = Drawing(scene, {})
-    for constraint in scene.tree.constraints:
-        if isinstance(constraint, Rolling):
-            return float(drawing.array(constraint.origin) @ drawing.array(constraint.normal))
-    return None
+def level(up: Floats) -> tuple[Floats, Floats]:
+    """Return level unit vectors: nearest to a1, or to a2 if that is up, and across it."""
+    across = np.eye(3)[0] - up[0] * up
+    if across @ across < 0.1:
+        across = np.eye(3)[1] - up[1] * up
+    across /= np.linalg.norm(across)
+    return across, np.cross(up, across)
 
 
 def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
@@ -357,11 +340,7 @@ def _camera(tracks: Tracks, up: Floats) -> tuple[float, float]:
     normal = directions[0]
     if sizes[1] > 1e-6 * max(sizes[0], 1e-300) or abs(normal @ up) > 0.1:
         return 35.0, 20.0
-    across = np.eye(3)[0] - up[0] * up
-    if across @ across < 0.1:
-        across = np.eye(3)[1] - up[1] * up
-    across /= np.linalg.norm(across)
-    along = np.cross(up, across)
+    across, along = level(up)
     azimuth = math.degrees(math.atan2(float(normal @ along), float(normal @ across)))
     azimuth = azimuth - 180 if azimuth > 45 else azimuth
     azimuth = azimuth + 180 if azimuth < -135 else azimuth
@@ -462,17 +441,3 @@ def _check_times(t: Floats, omega: Floats) -> None:
         raise InputError(
             "too many times for one page", where="times", got=len(t), expected=f"at most {most}"
         )
-
-
-def quaternions_of_rodrigues(parameters: ArrayLike) -> Floats:
-    """Return unit quaternions (N, 4) of Rodrigues parameters, axis tan(angle/2), shape (N, 3)."""
-    p = np.asarray(parameters, dtype=np.float64)
-    q = np.concatenate([np.ones((len(p), 1)), p], axis=1)
-    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True))
-
-
-def quaternions_of_modified_rodrigues(parameters: ArrayLike) -> Floats:
-    """Return unit quaternions (N, 4) of modified Rodrigues parameters, axis tan(angle/4), shape (N, 3)."""
-    p = np.asarray(parameters, dtype=np.float64)
-    square = np.einsum("ni,ni->n", p, p)[:, None]
-    return np.asarray(np.concatenate([1 - square, 2 * p], axis=1) / (1 + square))

@@ -1,35 +1,29 @@
 """An animation as one HTML page: data, three.js and the player in it, nothing asked for from elsewhere.
 
-Arrays are 32-bit floats, little-endian, in base64. The page's scripts and style are allowed by their
-hashes alone; what a scene brings along is escaped. The same animation gives the same bytes.
+Arrays are 32-bit floats, little-endian, in base64. What a scene brings along is escaped. The same animation
+gives the same bytes.
 """
 
 from __future__ import annotations
 
 import base64
 import html
-import json
-import re
 from collections.abc import Iterator
-from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eom.typeset.policy import hashed, policy
 from eom.views.animation.animation import Animation
-from eom.views.animation.equivalents import Shape
-from eom.views.animation.figures import Figure
+from eom.views.animation.figures import Figure, Shape
 from eom.views.animation.tracks import Track
-from eom.views.draw.solid_meshes import Mesh
+from eom.views.draw import pages
+from eom.views.draw.meshes import Mesh
 
 FRAME = 1.15
 """Length of b1, b2, b3 as a share of the extent of one body; of many, of what is seen."""
 FRAME_OF_MANY = 0.16
 PALETTE = ("blue", "orange", "green", "sky", "red", "purple", "yellow", "grey")
-_MARK = re.compile(r"\{\{(\w+)\}\}")
 
 
 def page(animation: Animation) -> str:
@@ -42,31 +36,14 @@ def page(animation: Animation) -> str:
     >>> made[:15], "<title>Tumbling T-handle" in made
     ('<!DOCTYPE html>', True)
     """
-    scripts = [_web("three.js"), _web("viewer.js"), _web("animation.js")]
-    scripts = [s.replace("</script", "<\\/script") for s in scripts]
-    style = _web("animation.css")
-    title, words = animation.title, animation.words
-    told = {
-        "title": html.escape(title),
+    words = animation.words
+    parts = {
+        "title": html.escape(animation.title),
         "words": f"<p>{html.escape(words)}</p>" if words else "",
-        "style": style,
-        "policy": html.escape(policy(scripts, hashed(style))),
         "notes": "".join(f"<li>{html.escape(n)}</li>" for n in animation.notes),
-        "data": _json(data(animation)),
-        "scripts": "\n".join(f"<script>{s}</script>" for s in scripts),
     }
-    return _MARK.sub(lambda found: told[found[1]], _web("animation.html"))
-
-
-@cache
-def _web(name: str) -> str:
-    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
-
-
-def _json(value: Any) -> str:
-    """Return JSON that ends no script element."""
-    text = json.dumps(value, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+    scripts = [pages.web(name) for name in ("three.js", "viewer.js", "animation.js")]
+    return pages.page("animation", parts, data(animation), scripts)
 
 
 def floats(values: ArrayLike) -> str:

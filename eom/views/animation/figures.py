@@ -1,40 +1,55 @@
-"""What the bodies of a scene look like: the shapes it names, or uniform bodies of equal inertia.
+"""What bodies look like: meshes that a file names, or uniform bodies of the same mass and inertia.
 
-Lengths in m, in the axes of the body, from its origin; of one body from its centre of mass, or the fixed
-point of its weight.
+The integral of x_k^2 over the mass is P_k = (J11 + J22 + J33)/2 - J_kk; a box has sides a_k^2 = 12 P_k/m,
+a cylinder 4 P/m = r^2 across and 12 P/m = l^2 along its axis, a sphere 5 P/m = r^2. Lengths in m, in the
+axes of the body, from its origin.
 
-What the bodies of a tree look like: solids and shapes that are named, else of equal inertia; joints.
-
-Bones, thin rods in a body, lead from its joint to those that hang on it. A body that others are inside of
-is drawn so that one sees through it.
+Links of a URDF file have boxes, cylinders, spheres and mesh files beside the robot's (extra ``mesh``), to
+be seen, else to touch; a mesh that is not there, or in a format that is not read, is left out, and the
+link is drawn by its inertia.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eom.multibody.algebra.values import is_number
-from eom.multibody.files.scene import TreeScene
-from eom.multibody.files.sections import Reading
-from eom.multibody.model.constraints import Distance, Loop
-from eom.multibody.model.model import GROUND, Body, Joint, Rotor
-from eom.opening import AnyScene
-from eom.scenes.description import inertia_values, principal_values
-from eom.scenes.scene import Scene
-from eom.views.animation.equivalents import FLAT, Shape, central, equivalent, wheel
-from eom.views.draw.solid_meshes import Mesh, of_solid
+from eom.errors import InputError
+from eom.mass.meshes import read_mesh
+from eom.multibody.files.urdf import checked, parsed
+from eom.scenes import catalogue
+from eom.scenes.naming import spelling
+from eom.views.draw.meshes import Mesh, of_solid
 
 Floats = NDArray[np.float64]
 
 BODY_AXES = ("b₁", "b₂", "b₃")
-SPUN_AXES = ("c₁", "b₂", "c₃")
-"""Names of the axes fixed in a spinner, beside B, which does not spin with it."""
+EQUAL = 1e-6
+"""Moments of inertia that differ by less than this share are drawn as equal."""
+THINNEST = 0.05
+"""The least thickness that is drawn, as a share of the largest."""
+FLAT = 0.3
+"""A cylinder whose length is less than this share of its radius is a wheel, if it shall be one."""
+UNKNOWN_SIZE = 0.5
+"""Half the largest extent (m) of a body whose mass is not known."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A mesh in the axes of its body.
+
+    ``colour``: a name, or the body's where it is empty; ``opacity``: from 0, not seen, to 1.
+    """
+
+    mesh: Mesh
+    colour: str = ""
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,52 +86,103 @@ class Figures:
     links: tuple[Line, ...] = ()
 
 
-def figures_of(scene: AnyScene, robot: dict[str, tuple[Shape, ...]] | None = None) -> Figures:
-    """Return what the bodies of a scene look like; ``robot``: shapes of links that a file names."""
-    if isinstance(scene, Scene):
-        return Figures((_one(scene),))
+@dataclass(frozen=True, eq=False)
+class Equivalent:
+    """A uniform body: the name of a solid, its sizes (m), and ``axes``: from the solid's to the body's.
 
-    return figures_of_tree(scene, robot or {})
+    ``thickened``: whether it is drawn thicker than it is.
+    """
 
+    solid: str
+    sizes: dict[str, float]
+    axes: Floats
+    thickened: bool = False
 
-def _one(scene: Scene) -> Figure:
-    spinner, name = scene.model == "spinner", scene.title or scene.name
-    axis = 1 if spinner else 2
-    axes = SPUN_AXES if spinner else BODY_AXES
-    if scene.body.solid is not None:
-        solid, sizes = scene.body.solid, scene.body.size
-        mesh = of_solid(solid, sizes).moved((0, 0, 0), np.roll(np.eye(3), axis - 2, axis=0))
-        told = ", ".join(f"{n} {v:g} m" for n, v in sizes.items())
-        return _tipped(Figure(name, (Shape(mesh),), f"{solid} of the scene ({told})", axes), axis)
-    J = inertia_values(scene)
-    inertia = np.array(J) if J is not None else np.diag(principal_values(scene))
-    if scene.torque.weight is not None:
-        return _tipped(_held(name, inertia, scene), axis)
-    found = equivalent(inertia)
-    unknown = "; its size is not known, as the scene says no mass"
-    if spinner and found.sizes.get("length", 1) < FLAT * found.sizes.get("radius", 1):
-        words = f"wheel{unknown}"
-        return _tipped(Figure(name, wheel(found.sizes["radius"], axis), words, axes), axis)
-    return _tipped(Figure(name, (Shape(found.mesh),), found.words + unknown, axes), axis)
+    @property
+    def mesh(self) -> Mesh:
+        """Its surface, its centre of mass at the origin."""
+        return of_solid(self.solid, self.sizes).moved((0, 0, 0), self.axes)
+
+    @property
+    def words(self) -> str:
+        """How it is called, with its sizes."""
+        sizes = ", ".join(f"{n} {v:.3g} m" for n, v in self.sizes.items())
+        return f"{self.solid} of equal inertia ({sizes}{', thickened' if self.thickened else ''})"
 
 
-def _held(name: str, inertia: Floats, scene: Scene) -> Figure:
-    """Return a body with weight about its fixed point, and a stalk from there to its centre of mass."""
-    weight = scene.torque.weight
-    assert weight is not None
-    r = np.array(weight.centre_of_mass)
-    found = central(inertia, weight.mass, r)
-    if found is None:
-        body = equivalent(inertia, weight.mass)
-        return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
-    body = equivalent(found, weight.mass)
-    stalk = rod((0, 0, 0), r, 0.02 * body.mesh.extent)
-    return Figure(name, (Shape(body.mesh.moved(r)), *stalk), body.words)
+def equivalent(inertia: ArrayLike, mass: float | None = None) -> Equivalent:
+    """Return the uniform body with a central ``inertia`` (kg m^2, shape (3, 3)) and a mass (kg).
+
+    A sphere where all principal moments are equal, a cylinder where two are, otherwise a box; extents
+    that are too thin to be seen get `THINNEST`. Without a mass the size is not known, and is chosen.
+    """
+    moments, axes = _principal(np.asarray(inertia, dtype=np.float64))
+    spread = np.maximum(moments.sum() / 2 - moments, 0.0)
+    m = mass or 3 * float(spread.max()) / UNKNOWN_SIZE**2
+    largest = float(moments.max())
+    equal = [abs(moments[k - 2] - moments[k - 1]) <= EQUAL * largest for k in range(3)]
+    if all(equal):
+        return Equivalent("sphere", {"radius": math.sqrt(5 * spread[0] / m)}, axes)
+    if any(equal):
+        k = equal.index(True)
+        return _cylinder(float(spread[k - 1]) / m, float(spread[k]) / m, axes @ _to_third(k))
+    (a, b, c), thickened = _thick([math.sqrt(12 * p / m) for p in spread])
+    return Equivalent("box", {"a": a, "b": b, "c": c}, axes, thickened)
 
 
-def _tipped(figure: Figure, axis: int) -> Figure:
-    """Return a figure with its tip on an axis of the body, a little outside of it."""
-    return replace(figure, tip=1.15 * figure.extent * np.eye(3)[axis])
+def _cylinder(across: float, along: float, axes: Floats) -> Equivalent:
+    (radius, half), thickened = _thick([math.sqrt(4 * across), math.sqrt(3 * along)])
+    return Equivalent("cylinder", {"radius": radius, "length": 2 * half}, axes, thickened)
+
+
+def _thick(sizes: list[float]) -> tuple[list[float], bool]:
+    least = THINNEST * max(sizes)
+    return [max(s, least) for s in sizes], min(sizes) < least
+
+
+def _to_third(axis: int) -> Floats:
+    """Return the rotation that takes the third axis to axis 0, 1 or 2, by a cyclic exchange."""
+    return np.roll(np.eye(3), axis - 2, axis=0)
+
+
+def _principal(J: Floats) -> tuple[Floats, Floats]:
+    """Return principal moments, and the rotation from principal axes to the body's."""
+    if np.count_nonzero(J - np.diag(np.diag(J))) == 0:
+        return np.diag(J).copy(), np.eye(3)
+    moments, axes = np.linalg.eigh((J + J.T) / 2)
+    return moments, axes * np.sign(np.linalg.det(axes))
+
+
+def central(inertia: ArrayLike, mass: float, centre: ArrayLike) -> Floats | None:
+    """Return an inertia about the centre of mass from one about the origin, by Huygens and Steiner.
+
+    None where no body has it: the mass would have to lie nearer to the centre than the inertia says.
+    """
+    r = np.asarray(centre, dtype=np.float64)
+    J = np.asarray(inertia, dtype=np.float64) - mass * (r @ r * np.eye(3) - np.outer(r, r))
+    moments = np.linalg.eigvalsh(J)
+    return J if moments[0] > 0 and moments[0] + moments[1] >= moments[2] * (1 - EQUAL) else None
+
+
+def wheel(radius: float, axis: int = 2) -> tuple[Shape, ...]:
+    """Return rim, spokes, one in another colour, hub and axle; ``axis``: 0, 1 or 2, the axle's."""
+    rim = of_solid("torus", {"ring_radius": radius, "tube_radius": 0.055 * radius})
+    hub = of_solid("cylinder", {"radius": 0.07 * radius, "length": 0.22 * radius})
+    axle = of_solid("cylinder", {"radius": 0.025 * radius, "length": 1.1 * radius})
+    spoke = of_solid("cylinder", {"radius": 0.012 * radius, "length": radius})
+    first = of_solid("cylinder", {"radius": 0.03 * radius, "length": radius})
+    parts = [Shape(replace(rim, round=False)), Shape(hub, "grey"), Shape(axle, "grey")]
+    for k in range(8):
+        turn = _turned_about_third(math.pi * k / 4) @ _to_third(0)
+        out = turn @ np.array([0.0, 0.0, radius / 2])
+        mesh = (spoke if k else first).moved(out, turn)
+        parts.append(Shape(replace(mesh, round=False), "grey" if k else "red"))
+    return tuple(replace(p, mesh=p.mesh.moved((0, 0, 0), _to_third(axis))) for p in parts)
+
+
+def _turned_about_third(angle: float) -> Floats:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def rod(start: ArrayLike, end: ArrayLike, radius: float, colour: str = "grey") -> tuple[Shape, ...]:
@@ -138,170 +204,67 @@ def along(direction: Sequence[float] | Floats) -> Floats:
     return np.stack([first, np.cross(d, first), d], axis=1)
 
 
-BONE, PIN, HINGE, POINT, ROTOR = 0.008, 0.016, 0.05, 0.12, 0.1
-"""Radius of bones and joints, length of a hinge, side of a body without inertia, radius of a rotor: as
-shares of the tree's reach."""
-GLASS = 0.3
-"""Opacity of a body that others are inside of."""
+MOST_TRIANGLES = 20_000
+"""Of all links: links beyond that would not fit into a page of 3 MB, and are drawn by their inertia."""
+_SCHEMES = ("package://", "file://")
 
 
-def figures_of_tree(scene: TreeScene, robot: Mapping[str, tuple[Shape, ...]]) -> Figures:
-    """Return the bodies, then the rotors; ``robot``: shapes of bodies by name, which come first."""
-    drawing = Drawing(scene, robot)
-    bodies = tuple(drawing.body(b) for b in scene.tree.bodies)
-    rotors = tuple(drawing.rotor(r) for r in scene.tree.rotors)
-    shown = (*map(drawing.seen_through, bodies), *rotors)
-    return Figures(shown, drawing.held_by(GROUND), tuple(drawing.lines()))
+def shapes_of_file(name: str | Path) -> dict[str, tuple[Shape, ...]]:
+    """Return the shapes of the links of a URDF file by the names of their bodies; none for other scenes."""
+    left = MOST_TRIANGLES
+    if not catalogue.is_file(str(name)) or Path(name).suffix != catalogue.URDF:
+        return {}
+    file = Path(name)
+    robot = parsed(checked(file)[0])
+    found = {}
+    for link in robot.links:
+        shapes = tuple(_shapes(link.visuals, file)) or tuple(_shapes(link.collisions, file))
+        size = sum(len(s.mesh.faces) for s in shapes)
+        if size <= left:
+            found[spelling(link.name)] = shapes
+            left -= size
+    return found
 
 
-@dataclass(frozen=True)
-class Drawing:
-    """A tree in numbers."""
+def _shapes(elements: Sequence[Any], file: Path) -> Iterator[Shape]:
+    for element in elements:
+        mesh = _mesh(element.geometry, file)
+        if mesh is not None:
+            origin = np.eye(4) if element.origin is None else np.asarray(element.origin)
+            yield Shape(mesh.moved(origin[:3, 3], origin[:3, :3]))
 
-    scene: TreeScene
-    robot: Mapping[str, tuple[Shape, ...]]
 
-    @cached_property
-    def known(self) -> dict[Any, float]:
-        """The values of parameters by symbol."""
-        symbols = {q.name: q.symbol for q in self.scene.tree.parameters}
-        return {symbols[n]: v for n, v in self.scene.numbers.items() if n in symbols}
+def _mesh(geometry: Any, file: Path) -> Mesh | None:
+    if geometry is None:
+        return None
+    if geometry.box is not None:
+        a, b, c = (float(x) for x in geometry.box.size)
+        return of_solid("box", {"a": a, "b": b, "c": c})
+    if geometry.cylinder is not None:
+        shape = geometry.cylinder
+        sizes = {"radius": float(shape.radius), "length": float(shape.length)}
+        return replace(of_solid("cylinder", sizes), round=False)
+    if geometry.sphere is not None:
+        return replace(of_solid("sphere", {"radius": float(geometry.sphere.radius)}), round=False)
+    return None if geometry.mesh is None else _from_file(geometry.mesh, file)
 
-    def number(self, given: Any) -> float:
-        """Return the value of a number or expression over parameters."""
-        return float(given) if is_number(given) else float(given.subs(self.known))
 
-    def array(self, given: Any) -> Floats:
-        """Return the values of a vector or matrix."""
-        nested = [[self.number(x) for x in row] if isinstance(row, list | tuple) else
-                  self.number(row) for row in given]  # fmt: skip
-        return np.array(nested, dtype=np.float64)
+def _from_file(mesh: Any, file: Path) -> Mesh | None:
+    """Return a mesh that lies in the robot's folder or below one above it, None if it cannot be used."""
+    text = str(mesh.filename)
+    for scheme in _SCHEMES:
+        text = text.removeprefix(scheme)
+    for folder in (file.absolute().parent, *file.absolute().parents[1:3]):
+        place = (folder / text).resolve()
+        if place.is_relative_to(folder.resolve()) and place.is_file():
+            return _read(place, mesh.scale)
+    return None
 
-    @cached_property
-    def places(self) -> dict[str, list[Floats]]:
-        """For each body and the ground: where other joints are on it, from its origin."""
-        found: dict[str, list[Floats]] = {
-            GROUND: [],
-            **{b.name: [] for b in self.scene.tree.bodies},
-        }
-        for joint in self.scene.tree.joints:
-            found[joint.parent].append(self.array(joint.on_parent.position))
-        for loop in (c for c in self.scene.tree.constraints if isinstance(c, Loop)):
-            found[loop.first].append(self.array(loop.on_first.position))
-            found[loop.second].append(self.array(loop.on_second.position))
-        return found
 
-    @cached_property
-    def reach(self) -> float:
-        """The largest length (m) in a body, which sizes of joints follow."""
-        lengths = [float(np.linalg.norm(p)) for places in self.places.values() for p in places]
-        lengths += [float(np.linalg.norm(self.array(b.centre))) for b in self.scene.tree.bodies]
-        lengths += [0.5 * s.mesh.extent for b in self.scene.tree.bodies for s in self.own(b)[0]]
-        return float(max([x for x in lengths if x > 0], default=1.0))
-
-    def own(self, body: Body) -> tuple[tuple[Shape, ...], str]:
-        """Return the shapes of a body that the scene, or its inertia, gives, and how they were found."""
-        if self.robot.get(body.name):
-            return self.robot[body.name], "shapes of the file"
-        part = self.scene.bodies.get(body.name)
-        centre, axes = self.array(body.centre), self.array(body.axes).T
-        if part is not None and part.solid is not None:
-            mesh = of_solid(part.solid, self._sizes(part.size))
-            return (Shape(mesh.moved(centre, axes)),), f"{part.solid} of the scene"
-        J, m = self.array(body.central_inertia), self.number(body.mass)
-        if m <= 0 or not np.any(J):
-            return (), ""
-        found = equivalent(J, m)
-        return (Shape(found.mesh.moved(centre)),), found.words
-
-    def _sizes(self, sizes: Mapping[str, Any]) -> dict[str, float]:
-        read = Reading(self.scene).constants
-        return {n: self.number(read.value(v, n)) for n, v in sizes.items()}
-
-    def body(self, body: Body) -> Figure:
-        """Return a body with its bones and its joint."""
-        shapes, words = self.own(body)
-        if not shapes and self.number(body.mass) > 0:
-            a = POINT * self.reach
-            box = of_solid("box", {"a": 2 * a, "b": a, "c": a})
-            shapes, words = (Shape(box.moved(self.array(body.centre))),), "point mass, as a box"
-        joint = self.scene.tree.joint_of[body.name]
-        start = self.array(joint.on_child.position)
-        bones = [s for end in self.places[body.name]
-                 for s in rod(start, end, BONE * self.reach)]  # fmt: skip
-        figure = Figure(body.name, (*shapes, *bones, *self.pin(joint)), words)
-        return replace(figure, tip=self._tip(body))
-
-    def _tip(self, body: Body) -> Floats:
-        """Return the end of a body: the joint on it, or twice its centre of mass, that is farthest."""
-        start = self.array(self.scene.tree.joint_of[body.name].on_child.position)
-        ends = [*self.places[body.name], 2 * self.array(body.centre) - start]
-        return max(ends, key=lambda p: float(np.linalg.norm(p - start)))
-
-    def pin(self, joint: Joint) -> tuple[Shape, ...]:
-        """Return what is drawn of a joint, on its child: a hinge along its axis, a ball; or nothing."""
-        place, turn = self.array(joint.on_child.position), self.array(joint.on_child.rotation).T
-        radius = PIN * self.reach
-        if joint.kind in {"revolute", "cylindrical", "helical"}:
-            half = turn @ self.array(joint.axis) * HINGE * self.reach / 2
-            return rod(place - half, place + half, radius, "black")
-        if joint.kind in {"spherical", "universal"}:
-            ball = of_solid("sphere", {"radius": 1.5 * radius})
-            return (Shape(replace(ball.moved(place), round=False), "black"),)
-        return ()
-
-    def held_by(self, name: str) -> tuple[Shape, ...]:
-        """Return what is drawn on the ground: rails of sliding joints, stands of the others."""
-        found: list[Shape] = []
-        for joint in self.scene.tree.joints:
-            place, turn = (
-                self.array(joint.on_parent.position),
-                self.array(joint.on_parent.rotation).T,
-            )
-            if joint.parent != name:
-                continue
-            if joint.kind == "prismatic":
-                axis = turn @ self.array(joint.axis) * 3 * self.reach
-                found += rod(place - axis, place + axis, BONE * self.reach)
-            elif joint.kind not in {"free", "fixed", "planar"}:
-                ball = of_solid("sphere", {"radius": 2.2 * PIN * self.reach})
-                found.append(Shape(replace(ball.moved(place), round=False), "grey"))
-        return tuple(found)
-
-    def lines(self) -> Iterator[Line]:
-        """Yield springs, and rods without mass that keep a distance."""
-        number = {GROUND: -1, **{b.name: k for k, b in enumerate(self.scene.tree.bodies)}}
-        ends = [(s.bodies, s.points) for s in self.scene.tree.springs]
-        ends += [((c.first, c.second), (c.first_point, c.second_point))
-                 for c in self.scene.tree.constraints if isinstance(c, Distance)]  # fmt: skip
-        for (first, second), (p, q) in ends:
-            yield Line((number[first], number[second]), (self.array(p), self.array(q)))
-
-    def rotor(self, rotor: Rotor) -> Figure:
-        """Return a flat cylinder about its axis, which is the third of its own axes."""
-        radius = ROTOR * self.reach
-        mesh = of_solid("cylinder", {"radius": radius, "length": radius / 2})
-        return Figure(rotor.name, (Shape(mesh),), "rotor; its size is not known")
-
-    def seen_through(self, figure: Figure) -> Figure:
-        """Return a body that one sees through if others, or rotors, are wholly inside of a shape of it."""
-        count = len(self.own(self.scene.tree.body[figure.name])[0])
-        inner = list(self._inside(figure.name))
-
-        def hides(mesh: Mesh) -> bool:
-            low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-            return any(bool(np.all((p - e > low) & (p + e < high))) for p, e in inner)
-
-        glass = [replace(s, opacity=GLASS) if k < count and hides(s.mesh) else s
-                 for k, s in enumerate(figure.shapes)]  # fmt: skip
-        return replace(figure, shapes=tuple(glass))
-
-    def _inside(self, name: str) -> Iterator[tuple[Floats, float]]:
-        """Yield where bodies and rotors are on a body, and how large they are."""
-        tree = self.scene.tree
-        for joint in (j for j in tree.joints if j.parent == name):
-            shapes = self.own(tree.body[joint.child])[0]
-            if shapes:
-                yield self.array(joint.on_parent.position), max(s.mesh.extent for s in shapes)
-        if any(rotor.body == name for rotor in tree.rotors):
-            yield self.array(tree.body[name].centre), ROTOR * self.reach
+def _read(place: Path, scale: Any) -> Mesh | None:
+    try:
+        vertices, faces = read_mesh(place)
+    except InputError:
+        return None
+    factor = np.ones(3) if scale is None else np.broadcast_to(np.asarray(scale, dtype=float), (3,))
+    return Mesh(np.array(vertices) * factor, np.array(faces, dtype=np.int64), flat=True)

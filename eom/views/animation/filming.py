@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eom.errors import InputError
-from eom.views.animation.animation import Animation, at
+from eom.views.animation.animation import Animation, at, level
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
 from eom.views.draw.picture import COLOURS
@@ -61,11 +61,7 @@ class Camera:
         """Return the camera that sees all of the motion."""
         view = animation.view
         up = np.array(view.up)
-        across = np.eye(3)[0] - up[0] * up
-        if across @ across < 0.1:
-            across = np.eye(3)[1] - up[1] * up
-        across /= np.linalg.norm(across)
-        along = np.cross(up, across)
+        across, along = level(up)
         azimuth, elevation = (math.radians(a) for a in view.camera)
         flat = math.cos(azimuth) * across + math.sin(azimuth) * along
         towards = math.cos(elevation) * flat + math.sin(elevation) * up
@@ -271,10 +267,7 @@ def _ground(filming: Filming, axes: Any) -> None:
     if view.ground is None:
         return
     up = np.array(view.up)
-    first = np.eye(3)[int(np.argmin(np.abs(up)))]
-    first = first - (first @ up) * up
-    first /= np.linalg.norm(first)
-    second = np.cross(up, first)
+    first, second = level(up)
     foot = view.centre + (view.ground - view.centre @ up) * up
     reach = np.linspace(-1.6, 1.6, 13) * view.radius
     lines = [[foot + a * u + b * reach[0] * v, foot + a * u - b * reach[0] * v]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.body.free import CLASSES, FreeBody, class_of, moving, polhode_of, polhode_points
+from eom.views.body.free import CLASSES, FreeBody, class_of, moving, polhode_points
 from eom.views.body.poinsot import clear_of, traced
 from eom.views.body.polhodes import OWN
 from eom.views.body.rotating import Turning
@@ -63,7 +63,7 @@ def free_cones(body: FreeBody, seconds: float | None = None) -> Picture:
     """
     body.turning("cone")
     path = traced(body, seconds, periods=1.0)
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     items: list[Item] = []
     if moving(exact):
         items += _cone(polhode_points(exact) @ path.first, BODY, "body cone")

@@ -19,7 +19,8 @@ import numpy as np
 from codegen.closed.exact import free_motion, kind_of
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError
-from eom.views.animation.tracks import sequence_matrices
+from eom.views.animation.bodies import single
+from eom.views.body.frame_sketches import elementary
 from eom.views.draw.picture import Floats
 
 if TYPE_CHECKING:
@@ -73,6 +74,11 @@ class FreeBody:
         return free_motion(self.moments, self.omega, self.attitude)
 
     @property
+    def polhode(self) -> Polhode:
+        """The exact data of its polhode; see `codegen.closed.polhode.polhode`."""
+        return polhode(self.moments, self.omega)
+
+    @property
     def energy(self) -> float:
         """Kinetic energy T, J."""
         return float(sum(I * w * w for I, w in zip(self.moments, self.omega, strict=True)) / 2)
@@ -118,22 +124,19 @@ def free_body(scene: AnyScene, what: str) -> FreeBody:
     >>> free_body(eom.load_scene("t-handle"), "polhode").moments
     (0.00015, 0.0004, 0.00052)
     """
-    from eom.scenes.scene import Scene
-
-    if reason := not_free(scene):
+    one = single(scene)
+    if (reason := not_free(scene)) or one is None:
         raise InputError(f"no {what} of this scene: {reason}", where=scene.title or scene.name)
-    assert isinstance(scene, Scene)
-    body = _spinner(scene) if scene.model == "spinner" else _rigid(scene)
+    body = _spinner(one) if one.model == "spinner" else _rigid(one)
     return body.turning(what)
 
 
 def not_free(scene: AnyScene) -> str:
     """Return why a scene is no torque-free body; empty if it is one."""
-    from eom.scenes.scene import Scene
-
-    if not isinstance(scene, Scene):
+    one = single(scene)
+    if one is None:
         return "it is a tree of bodies, and this is about one free body"
-    torque = scene.torque
+    torque = one.torque
     if torque.weight is not None:
         return "a weight turns it, and this is about torque-free motion"
     if torque.gravity_gradient is not None:
@@ -192,7 +195,7 @@ def _spinner(scene: Scene) -> FreeBody:
     theta, phi, tilting, turning, spin = pick(known, names, "initial value", "[initial]").values()
     first, axial = principal_values(scene)[:2]
     in_B = np.array([tilting, spin, turning * np.cos(theta)])
-    omega = sequence_matrices("2", np.array([[phi]]))[0] @ in_B
+    omega = elementary(2, phi) @ in_B
     attitude = quaternion_of_matrix(attitude_at_start(scene))
     return _made((first, axial, first), omega, attitude, scene)
 
@@ -205,11 +208,6 @@ def class_of(body: Polhode) -> int:
 def moving(body: Polhode) -> bool:
     """Tell whether the angular velocity moves in the body at all."""
     return kind_of(body).name not in {"rest", "spherical", "steady"}
-
-
-def polhode_of(moments: Triple, omega: Triple) -> Polhode:
-    """Return the exact data of a polhode; see `codegen.closed.polhode.polhode`."""
-    return polhode(moments, omega)
 
 
 def polhode_points(body: Polhode, count: int = COUNT) -> Floats:

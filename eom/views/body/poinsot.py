@@ -15,7 +15,7 @@ from codegen.closed.polhode import context, number
 from eom.errors import InputError
 from eom.mechanics.freebody import herpolhode as exact_herpolhode
 from eom.views.animation.tracks import matrices
-from eom.views.body.free import FreeBody, moving, polhode_of, polhode_points
+from eom.views.body.free import FreeBody, moving, polhode_points
 from eom.views.body.polhodes import OWN, energy_axes
 from eom.views.draw.formulas import plain
 from eom.views.draw.meshes import ellipsoid, grid_faces
@@ -109,7 +109,7 @@ def _around(body: FreeBody) -> tuple[float, float]:
 
     w3 = a3 sech(p (t - t0)), p^2 = d32 C/(I1 I2 I3), and w2 has the sign of t - t0.
     """
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     own = context()
     (_, d32, d31), (I1, I2, I3) = exact.differences, exact.moments
     rate = float(own.sqrt(number(own, d32 * exact.C / (I1 * I2 * I3))))
@@ -161,7 +161,7 @@ def _construction(body: FreeBody, path: Traced) -> Panel:
     solid = Surface(
         surface.vertices @ turn, surface.faces, surface.colour, surface.opacity, surface.label
     )
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     curve = polhode_points(exact) @ turn
     omega = np.array(body.omega) @ turn
     foot = np.array([0.0, 0.0, 2 * body.energy / body.momentum])
@@ -207,7 +207,7 @@ def _plane(body: FreeBody, path: Traced) -> Panel:
                 Curve(radius * circle, "grey", 1.0, "dashed", f"{words} {radius:.4g} rad/s")
             )
     flat = path.space[:, :2]
-    if moving(polhode_of(body.moments, body.omega)):
+    if moving(body.polhode):
         items.append(Curve(flat, "green", 1.2, label="herpolhode"))
     at = int(np.argmin(np.abs(path.t)))
     items += [

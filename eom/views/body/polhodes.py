@@ -3,25 +3,40 @@
 Both are the surfaces of `eom.mechanics.freebody`: omega . J omega = 2 T and |J omega| = H, with semi-axes
 sqrt(2 T/I) and H/I. A polhode is where they meet (Hughes, Spacecraft Attitude Dynamics, 1986, ch. 4;
 Goldstein, Poole, Safko, 2002, sect. 5.6).
+
+The momentum of a body as the body sees it moves on a sphere, between the separatrices: without loss of
+energy on a polhode, with loss from the axis of the least moment to that of the greatest.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from eom.errors import InputError
 from eom.views.body.free import (
     CLASSES,
     FreeBody,
     class_of,
     family,
     moving,
-    polhode_of,
     polhode_points,
     separatrix,
 )
-from eom.views.draw.formulas import plain
+from eom.views.draw.formulas import plain, short
 from eom.views.draw.meshes import ellipsoid
-from eom.views.draw.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture, Words
+from eom.views.draw.picture import (
+    Arrow,
+    Axis,
+    Curve,
+    Floats,
+    Item,
+    Marks,
+    Panel,
+    Picture,
+    Words,
+    check,
+)
 
 EACH = 4
 """Polhodes of each class, on each of its two sides."""
@@ -29,6 +44,8 @@ OWN = "red"
 """Colour of the polhode of the motion itself."""
 LONGEST = 6.0
 """Ratio of the axes of an ellipsoid up to which all axes of the picture have the same scale."""
+SPREAD = 1e-3
+"""How much the length of h may vary, relative."""
 
 
 def energy_axes(body: FreeBody) -> Floats:
@@ -123,7 +140,7 @@ def _resting(body: FreeBody, semi_axes: Floats) -> list[Item]:
 
 
 def _own(body: FreeBody) -> list[Item]:
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     start = Marks(
         np.array([body.omega]), OWN, 7.0, "" if moving(exact) else f"this motion: {_kind(body)}"
     )
@@ -133,7 +150,7 @@ def _own(body: FreeBody) -> list[Item]:
 
 
 def _kind(body: FreeBody) -> str:
-    exact = polhode_of(body.moments, body.omega)
+    exact = body.polhode
     return CLASSES[class_of(exact)].words if moving(exact) else "constant angular velocity"
 
 
@@ -153,3 +170,62 @@ def _letters(body: FreeBody, semi_axes: Floats) -> list[Item]:
     ends = np.diag(semi_axes + 0.2 * semi_axes.max())
     rows = zip(places, ends, names, strict=True)
     return [Arrow(start, end, "black", 1.2, name) for start, end, name in rows]
+
+
+def momentum_path(moments: ArrayLike, h: ArrayLike, title: str = "") -> Picture:
+    """Return the path of the tip of h in the body, on the sphere of its length.
+
+    ``moments``: principal moments, of all that turns together at the end (kg m^2); ``h``: components
+    along the principal axes (N m s), shape (N, 3). Circles are the separatrix: there the energy is that of
+    spin about the intermediate axis; with two equal moments there is none. Raises `InputError` for other
+    shapes, for fewer than two places, and where the length of h is not constant. Source: Hughes,
+    Spacecraft Attitude Dynamics (1986), ch. 5.
+
+    >>> import numpy as np
+    >>> angle = np.linspace(0.0, 1.0, 11)
+    >>> path = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    >>> [axis.words for axis in momentum_path((1.0, 2.0, 3.0), path).rows[0][0].axes]
+    ['$h_1$ [N m s]', '$h_2$ [N m s]', '$h_3$ [N m s]']
+    """
+    own, path, size = _checked(moments, h)
+    items: list[Item] = [
+        ellipsoid((size, size, size), "grey", 0.25),
+        Curve(path, "blue", 1.3, label=r"tip of $\mathbf{h}$ in the body"),
+    ]
+    for k, circle in enumerate(separatrices(own)):
+        items.append(Curve(size * circle, "black", 1.2, label="" if k else "separatrix"))
+    items += [Marks(path[:1], "orange", 7.0, "start"), Marks(path[-1:], "red", 7.0, "end")]
+    axes = tuple(Axis(f"$h_{k}$ [N m s]") for k in (1, 2, 3))
+    caption = (
+        "The angular momentum as the body sees it, on the sphere of its length; black circles part the "
+        "motions about the axis of the least moment from those about the axis of the greatest."
+    )
+    panel = Panel(tuple(items), axes, equal=True)
+    return check(Picture(((panel,),), short(title), caption))
+
+
+def _checked(moments: ArrayLike, h: ArrayLike) -> tuple[Floats, Floats, float]:
+    """Return moments, path and length of h. Raises `InputError` as `momentum_path`."""
+    own, path = np.asarray(moments, dtype=np.float64), np.asarray(h, dtype=np.float64)
+    if own.shape != (3,) or path.ndim != 2 or path.shape[1] != 3 or len(path) < 2:
+        raise InputError(
+            "unusable shapes",
+            where="momentum_path",
+            got=f"moments {own.shape}, h {path.shape}",
+            expected="(3,), and (N, 3) with N of at least 2",
+        )
+    sizes = np.linalg.norm(path, axis=1)
+    if not (np.all(np.isfinite(path)) and 0 < np.max(sizes) <= (1 + SPREAD) * np.min(sizes)):
+        got = f"lengths from {np.min(sizes):.6g} to {np.max(sizes):.6g} N m s"
+        raise InputError("the length of h is not constant", where="momentum_path", got=got)
+    return own, path, float(sizes[0])
+
+
+def separatrices(moments: Floats) -> tuple[Floats, ...]:
+    """Return two great circles, shape (N, 3) each, on which T = H^2/(2 I) with the intermediate moment I.
+
+    They are the momenta on the separatrix of omega. None where two moments are equal.
+    """
+    middle = np.sort(moments)[1]
+    a, b, c = (float(m) for m in moments)
+    return tuple(moments * w / middle for w in separatrix((a, b, c), 1.0))

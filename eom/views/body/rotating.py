@@ -7,25 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.animation.tracks import matrices, sequence_matrices
+from eom.kinematics.coordinates import SEQUENCES
+from eom.views.animation.bodies import single, tracks_of, with_attitude
+from eom.views.animation.tracks import matrices
 from eom.views.body.free import FreeBody, free_body, not_free
 from eom.views.draw.formulas import plain
 from eom.views.draw.meshes import ellipsoid
 from eom.views.draw.picture import Arrow, Axis, Curve, Floats, Item, Marks, Panel, Picture
-from eom.views.time.histories import integrated
+from eom.views.time.histories import run
 
 if TYPE_CHECKING:
     from codegen import Result
     from eom.opening import AnyScene
     from eom.scenes.scene import Scene
 
-RATES = ("omega_1", "omega_2", "omega_3")
-QUATERNION = ("q0", "q1", "q2", "q3")
 POINTS = 2000
 UNSTATED = "The scene states no attitude: the body axes start along those of space."
 PERIODS = 1.0
@@ -63,20 +63,18 @@ def turning(scene: AnyScene, seconds: float | None = None, points: int | None = 
     >>> turning(eom.load_scene("t-handle"), seconds=2.0, points=201).C.shape
     (201, 3, 3)
     """
-    from eom.scenes.scene import Scene
-
-    if not isinstance(scene, Scene):
+    one = single(scene)
+    if one is None:
         raise InputError(
             "a tree has many bodies, and this picture is about one",
             where=scene.title or scene.name,
             hint="eom animate shows all bodies",
         )
-    if not not_free(scene):
-        body = free_body(scene, "attitude")
-        found = of_free(body, _span(body, scene.integration.t_end, seconds), points or POINTS)
-        return replace(found, notes=_unstated(scene))
-    plan = seconds or scene.integration.t_end
-    return _integrated(scene, np.linspace(0.0, plan, points or POINTS))
+    if not_free(one):
+        return _integrated(one, seconds, points or POINTS)
+    body = free_body(one, "attitude")
+    found = of_free(body, _span(body, one.integration.t_end, seconds), points or POINTS)
+    return replace(found, notes=_unstated(one))
 
 
 def _span(body: FreeBody, own: float, seconds: float | None) -> float:
@@ -102,33 +100,21 @@ def symmetry_of(moments: Sequence[float]) -> int | None:
     return found[0] if len(found) == 1 else None
 
 
-def _integrated(scene: Scene, t: Floats) -> Turning:
+def _integrated(scene: Scene, seconds: float | None, points: int) -> Turning:
     from eom.scenes.description import inertia_values, principal_values
 
-    if scene.model == "spinner":
-        return _spinner(scene, t)
-    try:
-        told = _in_quaternion(scene)
-        told.derive()
-    except InputError:  # its torque is a formula of its own coordinates
-        told = scene
-    names = _coordinates(told)
-    result, values = _values(_asked(told, (*RATES, *names)), (*RATES, *names), t)
-    q = values[3:]
-    if told.attitude == "quaternion":
-        C = matrices((q / np.linalg.norm(q, axis=0)).T)
-    elif told.attitude == "dcm":
-        C = np.moveaxis(q.reshape(3, 3, -1), 2, 0)
-    else:
-        C = sequence_matrices(told.attitude, q)
+    prepared = with_attitude(_in_quaternion(scene), points, seconds)
+    result, _ = run(prepared)
+    (track,) = tracks_of(prepared, result).bodies
+    C = matrices(track.quaternions)
     return Turning(
         result.t,
-        values[:3].T,
+        np.einsum("nij,nj->ni", C, track.omega),
         C,
         scene.title or scene.name,
         orbit=scene.torque.gravity_gradient is not None,
         symmetry=symmetry_of(principal_values(scene)) if inertia_values(scene) is None else None,
-        notes=(*_stopped(result, t), *_unstated(scene)),
+        notes=(*_stopped(result, prepared.integration.t_end), *_unstated(scene)),
     )
 
 
@@ -137,73 +123,25 @@ def _unstated(scene: Scene) -> tuple[str, ...]:
     return (UNSTATED,) if scene.attitude == "none" and scene.model != "spinner" else ()
 
 
-def _coordinates(scene: Scene) -> tuple[str, ...]:
-    from eom.kinematics.coordinates import attitude
-
-    if scene.attitude == "none":
-        raise InputError(
-            "the scene has no attitude",
-            where=scene.title or scene.name,
-            hint='attitude = "quaternion"',
-        )
-    return tuple(c.name for c in attitude(scene.attitude).coordinates)
-
-
 def _in_quaternion(scene: Scene) -> Scene:
-    """Return a scene with its attitude as a quaternion, which no attitude is singular in."""
-    from eom.rotations import quaternion_of_matrix
-    from eom.scenes.conventions import attitude_at_start
+    """Return a scene whose angles are integrated in a quaternion, which no attitude is singular in.
 
-    data = scene.model_dump(exclude_unset=True)
-    start = (1.0, 0.0, 0.0, 0.0)
-    if scene.attitude != "none":
-        start = quaternion_of_matrix(attitude_at_start(scene))
-        own = _coordinates(scene)
-        data["initial"] = {n: v for n, v in data.get("initial", {}).items() if n not in own}
-    data |= {"attitude": "quaternion", "outputs": (*RATES, *QUATERNION)}
-    data |= {"angles": scene.sequence, "integrate": None}
-    data["initial_attitude"] = {"quaternion": start}
-    return type(scene)(**data)
+    One whose torque is a formula of its angles is left as it is.
+    """
+    if scene.attitude not in SEQUENCES or scene.model == "spinner":
+        return scene
+    try:
+        made = type(scene)(**{**scene.model_dump(exclude_unset=True), "integrate": "quaternion"})
+        made.derive()
+    except InputError:
+        return scene
+    return made
 
 
-def _asked(scene: Scene, outputs: tuple[str, ...]) -> Scene:
-    data: dict[str, Any] = scene.model_dump(exclude_unset=True)
-    return type(scene)(**{**data, "outputs": outputs})
-
-
-def _values(scene: Scene, names: tuple[str, ...], t: Floats) -> tuple[Result, Floats]:
-    """Integrate; return the run and the named quantities, (n, N), those that never change among them."""
-    result, parameters = integrated(scene, t), scene.parameter_values()
-    held = {**result.outputs, **dict(zip(result.names, result.y, strict=True))}
-    fixed = np.ones_like(result.t)
-    return result, np.array([held[n] if n in held else parameters[n] * fixed for n in names])
-
-
-def _stopped(result: Result, t: Floats) -> tuple[str, ...]:
-    if result.t_stop == t[-1]:
+def _stopped(result: Result, end: float) -> tuple[str, ...]:
+    if result.t_stop == end:
         return ()
     return (f"The run stopped at t = {result.t_stop:.4g} s: {result.message}.",)
-
-
-def _spinner(scene: Scene, t: Floats) -> Turning:
-    """Return the turning of the 3-1-2 body: psi about a3, theta about b1, phi about its axle b2."""
-    names = ("psi", "theta", "phi", "theta_dot", "psi_dot", "C")
-    data = scene.model_dump(exclude_unset=True)
-    data["initial"] = {"phi": 0.0, "psi": 0.0, **data.get("initial", {})}
-    result, values = _values(type(scene)(**{**data, "outputs": names}), names, t)
-    _, theta, phi, tilting, precessing, spin = values
-    across = precessing * np.cos(theta)
-    cosine, sine = np.cos(phi), np.sin(phi)
-    omega = [cosine * tilting - sine * across, spin, sine * tilting + cosine * across]
-    C = sequence_matrices("3-1-2", values[:3])
-    return Turning(
-        result.t,
-        np.array(omega).T,
-        C,
-        scene.title or scene.name,
-        symmetry=1,
-        notes=_stopped(result, t),
-    )
 
 
 COLOURS = ("red", "green", "blue")

@@ -1,7 +1,8 @@
 r"""Words of pictures: plain text with formulas between dollar signs, for every renderer.
 
 Formulas are in that part of TeX which pictures need: Greek letters, indices, exponents, ``\mathbf``,
-``\mathrm``, dots and hats. Text that comes from a user goes through `plain` first.
+``\mathrm``, dots and hats. Names and titles come from users: their text goes through `plain` or `short`
+first, names through `name`, expressions through `formula`.
 """
 
 from __future__ import annotations
@@ -10,18 +11,20 @@ import html
 import re
 import unicodedata
 from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from eom.typeset.boxes import GREEK_NAMES, row
+from eom.typeset.markup import ACCENTS, greek, render, symbol_latex
+from eom.typeset.writing import expression_pieces
 
 _DOLLAR = re.compile(r"(?<!\\)\$")
 _WORDS = re.compile(r"(?:\$(?:\\.|[^$])*\$|\\.|[^\s$]|\$)+")
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\s+|.", re.DOTALL)
 
-GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho"
-    " final-sigma sigma tau upsilon phi chi psi omega"
-).split()
 SYMBOLS = {
-    **{name: chr(0x3B1 + k) for k, name in enumerate(GREEK)},
-    **{name.capitalize(): chr(0x391 + k) for k, name in enumerate(GREEK)},
+    **{name: greek(name) for name in GREEK_NAMES},
     "varepsilon": "\u03b5",
     "varphi": "\u03c6",
     "phi": "\u03d5",
@@ -49,9 +52,14 @@ SYMBOLS = {
     "right": "",
 }
 """Commands that stand for a character; of ``\\left`` and ``\\right`` the bracket alone is left."""
-ACCENTS = {"dot": "\u0307", "ddot": "\u0308", "hat": "\u0302", "vec": "\u20d7", "bar": "\u0304"}
 STYLES = {"mathbf": "b", "boldsymbol": "b", "mathit": "i", "mathrm": "", "text": "", "mathsf": ""}
 LEVELS = {"_": "sub", "^": "sup"}
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+_RAISED = str.maketrans("-0123456789", "\N{SUPERSCRIPT MINUS}⁰¹²³⁴⁵⁶⁷⁸⁹")
+MOST_PARTS, DIGITS = 100, 4
+"""Fractions with larger denominators are written as decimals, of some digits."""
+LONGEST = 80
+"""Letters of a name or title of a user's that are shown."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,49 @@ def clean(text: str) -> str:
     return "".join(
         "\ufffd" if unicodedata.category(c) in {"Cc", "Cs", "Cn"} and c != "\n" else c for c in text
     )
+
+
+def short(text: Any) -> str:
+    r"""Return text that no renderer takes for a formula, on one line, and no longer than a title may be.
+
+    >>> short("5 $ a\nline")
+    '5 \\$ a line'
+    """
+    words = " ".join(str(text).split())
+    shown = "".join(c for c in words if c.isprintable())
+    cut = shown if len(shown) <= LONGEST else shown[: LONGEST - 1] + "…"
+    return cut.replace("$", r"\$")
+
+
+def name(given: str) -> str:
+    r"""Return the name of a quantity, a body or a joint as a formula; other text as it is.
+
+    >>> name("theta_dot"), name("a < b")
+    ('$\\dot{\\theta}$', 'a < b')
+    """
+    return f"${symbol_latex(given)}$" if _NAME.fullmatch(given) else short(given)
+
+
+def formula(value: Any, otherwise: str) -> str:
+    r"""Return an expression as a formula, or other words where it is too long to stand at an arrow.
+
+    >>> formula(-sp.Symbol("M1"), "torque")
+    '$-M_{1}$'
+    """
+    long = [r for r in value.atoms(sp.Rational) if r.q > MOST_PARTS]
+    short = value.xreplace({r: sp.Float(r, DIGITS) for r in long})
+    found = render(row(*expression_pieces(short)), "latex")
+    return f"${found}$" if len(found) <= LONGEST else otherwise
+
+
+def unit(given: str) -> str:
+    """Return a unit with raised digits.
+
+    >>> unit("kg m^2/s^2"), unit("1")
+    ('kg m²/s²', '')
+    """
+    words = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), short(given))
+    return "" if words == "1" else words
 
 
 def spans(text: str) -> list[Span]:
@@ -160,7 +211,7 @@ def _one(tokens: list[str]) -> tuple[str, list[str]]:
     if name in ACCENTS and rest:
         inner, rest = _one(rest)
         at = inner.rfind("</") if inner.endswith(">") else len(inner)
-        return inner[:at] + ACCENTS[name] + inner[at:], rest
+        return inner[:at] + ACCENTS[name][1] + inner[at:], rest
     if name in STYLES and rest:
         return _styled(rest, STYLES[name])
     character = SYMBOLS.get(name, name) if name else first

@@ -14,7 +14,6 @@ import contextlib
 import importlib.util
 import io
 import itertools
-import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +25,7 @@ from eom.errors import InputError
 from eom.views.draw import formulas
 from eom.views.draw.depth import Drawn, View, bounds, diagonal, in_space
 from eom.views.draw.formulas import as_text
-from eom.views.draw.meshes import Faces
+from eom.views.draw.meshes import Faces, Mesh
 from eom.views.draw.picture import (
     COLOURS,
     Arrow,
@@ -41,7 +40,7 @@ from eom.views.draw.picture import (
     Words,
     check,
 )
-from eom.views.draw.solid_meshes import Mesh
+from eom.views.draw.viewpoint import USUAL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -93,8 +92,6 @@ SEAM = 0.3
 """Width of the edges that close the seams between the triangles of an opaque surface; points."""
 SIDEWAYS = 0.5
 """Words at the tip of an arrow in space whose way across the paper is more stand beside the tip."""
-ELEVATION, AZIMUTH = 22.0, 35.0
-"""Where space is seen from, in degrees."""
 
 
 @contextlib.contextmanager
@@ -126,7 +123,11 @@ def figure(picture: Picture, size: tuple[float, float] | None = None) -> Figure:
 
 
 def write(
-    picture: Picture, file: Path, kind: str, size: tuple[float, float] | None, dpi: float
+    picture: Picture,
+    file: Path | io.BytesIO,
+    kind: str,
+    size: tuple[float, float] | None,
+    dpi: float,
 ) -> None:
     """Write a picture to a file of a ``kind`` (png, svg, pdf); ``dpi``: pixels an inch, of PNG.
 
@@ -345,7 +346,7 @@ def _space(axes: Any, panel: Panel) -> None:
     """Draw all items of a panel in space as one collection, sorted by depth as one."""
     low, high = bounds(panel)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    elevation, azimuth = panel.view or (ELEVATION, AZIMUTH)
+    elevation, azimuth = panel.view or USUAL
     axes.view_init(elev=elevation, azim=azimuth)
     axes.set_box_aspect((1, 1, 1))
     cube = _extent(axes, low, high)
@@ -514,15 +515,14 @@ def bundle(picture: Picture) -> Bundle:
     PNG, and as text the title with the caption, which is also the image's text for screen readers. Raises
     `InputError` for a picture that cannot be drawn.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "picture.png"
-        write(picture, file, "png", None, DPI)
-        image = base64.b64encode(_smaller(file)).decode("ascii")
+    drawn = io.BytesIO()
+    write(picture, drawn, "png", None, DPI)
+    image = base64.b64encode(_smaller(drawn)).decode("ascii")
     words = ". ".join(as_text(part) for part in (picture.title, picture.caption) if part)
     return {"image/png": image, "text/plain": words}, {"image/png": {"alt": words}}
 
 
-def _smaller(file: Path) -> bytes:
+def _smaller(file: io.BytesIO) -> bytes:
     """Return an image with a palette: a third of the bytes, and the same to the eye."""
     from PIL import Image
 

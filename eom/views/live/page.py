@@ -1,19 +1,17 @@
 """The page itself: one file of HTML that asks for nothing, from a subject and its scripts.
 
-Scripts and style are allowed by their hashes alone, so that nothing else on the page can run. What the
-scene brings along (titles, names, meanings) is escaped here, or set as text by the script.
-
-The scripts of a live page that need no document: data, right-hand sides, integrator.
+What the scene brings along (titles, names, meanings) is escaped here, or set as text by the script. Some
+scripts need no document: data, right-hand sides, integrator. The equations of a choice are HTML: the
+statement of vector mechanics in a notation, and components.
 """
 
 from __future__ import annotations
 
 import html
-import json
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from importlib import resources
+from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 from codegen.frontend.layout import Layout
@@ -27,14 +25,20 @@ from codegen.targets import javascript
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.target import refuse_unsupported
 from eom.errors import InputError
-from eom.multibody.files.scene import TreeScene
 from eom.opening import AnyScene
 from eom.quantities import Definition
-from eom.typeset.boxes import symbol
+from eom.system import System
+from eom.terms.terms import Equation
+from eom.typeset import printing
+from eom.typeset.blocks import Block, Display, Heading, Line
+from eom.typeset.boxes import row, symbol
+from eom.typeset.letters import Notation
 from eom.typeset.markup import render
-from eom.typeset.policy import hashed, policy
-from eom.views.live import equations, single, trees
-from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant
+from eom.typeset.notation import NOTATIONS, equation_parts
+from eom.typeset.pages import html_body
+from eom.views.draw import pages
+from eom.views.draw.pages import web
+from eom.views.live.subject import Choice, Knob, Subject, Switch, Variant, subject_of
 
 SPEEDS = (0.1, 0.25, 0.5, 1, 2, 4, 10)
 LONG = 120.0
@@ -68,7 +72,10 @@ def page(scene: AnyScene) -> str:
     >>> made[:15], "<title>Tumbling T-handle" in made
     ('<!DOCTYPE html>', True)
     """
-    return written(subject_of(scene), speed_of(scene.integration.t_end))
+    end = scene.integration.t_end
+    if end < 0:
+        raise InputError("a live page runs forward in time", where=scene.name, got=end)
+    return written(subject_of(scene), speed_of(end))
 
 
 def written(subject: Subject, speed: float = 1.0) -> str:
@@ -82,36 +89,24 @@ def written(subject: Subject, speed: float = 1.0) -> str:
         "speed": speed,
     }
     scripts = [web("three.js"), web("viewer.js"), core, web("live.js")]
-    style = web("live.css")
-    return web("live.html").format(
-        policy=policy(scripts, hashed(style), "data: blob:"),
-        style=style,
-        title=html.escape(subject.title),
-        words="\n".join(
+    lawful = bool(subject.variants[subject.choice].law)
+    parts = {
+        "title": html.escape(subject.title),
+        "words": "\n".join(
             f"<p>{html.escape(w)}</p>" for w in (subject.description, *subject.notes) if w
         ),
-        picture=html.escape(f"{subject.title}: the motion in three dimensions"),
-        caption=_caption(subject),
-        speeds=_speeds(speed),
-        tolerance=f"{TOLERANCE:.0e}".replace("e-", "e\u2212"),
-        switches=_switches(subject.switches),
-        knobs="\n".join(_groups(subject)),
-        shown=_shown(subject),
-        notation="" if subject.kind == "tree" else _notation(),
-        with_attitude="" if subject.kind == "tree" else "attitude included, ",
-        templates="\n".join([*texts.elements(), *_symbols(subject)]),
-        data=as_json(data),
-        scripts="\n".join(f"<script>{s}</script>" for s in scripts),
-    )
-
-
-def subject_of(scene: AnyScene) -> Subject:
-    """Return what a page about a scene needs. Raises `InputError` where there is no page."""
-    if scene.integration.t_end < 0:
-        raise InputError(
-            "a live page runs forward in time", where=scene.name, got=scene.integration.t_end
-        )
-    return trees.subject(scene) if isinstance(scene, TreeScene) else single.subject(scene)
+        "picture": html.escape(f"{subject.title}: the motion in three dimensions"),
+        "caption": subject.caption,
+        "speeds": _speeds(speed),
+        "tolerance": f"{TOLERANCE:.0e}".replace("e-", "e\u2212"),
+        "switches": _switches(subject.switches),
+        "knobs": "\n".join(_groups(subject)),
+        "shown": _shown(subject),
+        "notation": _notation() if lawful else "",
+        "with_attitude": "attitude included, " if lawful else "",
+        "templates": "\n".join([*texts.elements(), *_symbols(subject)]),
+    }
+    return pages.page("live", parts, data, scripts, "data: blob:")
 
 
 def speed_of(t_end: float) -> float:
@@ -140,12 +135,10 @@ class _Templates:
 def told(subject: Subject, choice: Choice, texts: _Templates) -> dict[str, Any]:
     """Return what the page says of a choice: equations by notation, operations, what is left out."""
     variant = subject.variants[choice]
-    statements: Mapping[str, str] = {"": ""}
-    if subject.kind != "tree":
-        statements = {n: equations.statements(subject, variant, n) for n in equations.notations()}
+    laws = {n: statements(variant, n) for n in notations() if variant.law} or {"": ""}
     return {
-        "statements": {n: texts.name(text) for n, text in statements.items()},
-        "components": texts.name(equations.components(variant.own)),
+        "statements": {n: texts.name(text) for n, text in laws.items()},
+        "components": texts.name(components(variant.own)),
         "left_out": list(variant.left_out),
         "general": variant.general,
         "after": variant.after,
@@ -159,24 +152,6 @@ def _speeds(base: float) -> str:
     return "".join(
         f'<option value="{factor}"{" selected" * (factor == 1)}>{factor * base:g} s a second</option>'
         for factor in SPEEDS
-    )
-
-
-def _caption(subject: Subject) -> str:
-    if subject.kind == "tree":
-        return (
-            "Boxes and cylinders have the mass and the moments of inertia of the bodies; the line is the "
-            "path of the last one."
-        )
-    shapes = {
-        "spinner": "A wheel about b2; its proportions are those of a picture.",
-        "body": "A solid with the moments of inertia of the body.",
-    }
-    shape = "A picture of a top, its point fixed." if subject.centre else shapes[subject.kind]
-    axis = 2 if subject.kind == "spinner" else 3
-    return (
-        f"{shape} Arrows: ω, H and the torque τ, each against its largest value so far; the line is the "
-        f"path of b{axis}."
     )
 
 
@@ -195,12 +170,10 @@ def _switches(switches: tuple[Switch, ...]) -> str:
 
 
 def _shown(subject: Subject) -> str:
-    single_body = subject.kind != "tree"
     return "\n".join(
-        f'<label class="check"><input type="checkbox" data-show="{name}"'
-        f"{' checked' * (single_body or name != 'body frames')}> {words}</label>"
-        for name, words in SHOWN.items()
-        if single_body or name not in {"omega", "H", "torque"}
+        f'<label class="check"><input type="checkbox" data-show="{name}"{" checked" * on}> '
+        f"{SHOWN[name]}</label>"
+        for name, on in subject.shown.items()
     )
 
 
@@ -244,7 +217,7 @@ def _invariants(subject: Subject) -> Iterator[Definition]:
 def _notation() -> str:
     options = "".join(
         f'<option value="{name}">{html.escape(title)}</option>'
-        for name, title in equations.notations().items()
+        for name, title in notations().items()
     )
     return f'<p><label>Notation <select id="notation">{options}</select></label></p>'
 
@@ -327,11 +300,56 @@ def key(choice: Choice) -> str:
     return "".join("01"[on] for on in choice)
 
 
-def as_json(data: object) -> str:
-    """Return data as JSON that cannot end the element of a page that it stands in."""
-    return json.dumps(data).replace("<", "\\u003c")
+# -- equations ----------------------------------------------------------------------------------------
+
+SECTIONS = ("Definitions", "Equations of motion", "Constants of the motion", "Singular where")
+"""What is shown of a system's page, by how the headings begin."""
+MOST_LINES = 64
+"""Systems with more definitions are counted and not shown."""
+MOST_OPEN = 12
+"""Sections of more lines are closed at first."""
 
 
-def web(name: str) -> str:
-    """Return a file of `eom/views/web`."""
-    return resources.files("eom.views").joinpath("web", name).read_text(encoding="utf-8")
+def notations() -> dict[str, str]:
+    """Return the titles of the notations by name."""
+    return {name: notation.title for name, notation in NOTATIONS.items()}
+
+
+def statements(variant: Variant, notation: str) -> str:
+    """Return the law of motion of a choice as HTML, in a notation; empty where none is stated."""
+    written = NOTATIONS[notation]
+    lines = tuple(_line(e, written, words) for e, words in variant.law)
+    return html_body([Display(lines)]) if lines else ""
+
+
+def _line(equation: Equation, notation: Notation, words: str) -> Line:
+    left, relation, right = equation_parts(equation, notation)
+    return Line(row(*left), relation, right, words, broken_left=left)
+
+
+def components(system: System) -> str:
+    """Return the scalar equations of a system as HTML; long ones are counted."""
+    if len(system.definitions) > MOST_LINES:
+        count = len(system.definitions)
+        return (
+            f"<p>{count:,} definitions and {len(system.rates)} rates: "
+            f"<code>eom derive {html.escape(system.name)}</code> prints them.</p>"
+        )
+    return "".join(_section(*section) for section in _sections(system))
+
+
+def _sections(system: System) -> Iterator[tuple[Heading, Block]]:
+    """Yield the headings that are shown, a level lower, with what stands under them."""
+    blocks = printing.blocks(system)
+    for heading, block in pairwise(blocks):
+        if isinstance(heading, Heading) and heading.words.startswith(SECTIONS):
+            yield replace(heading, level=3), block
+
+
+def _section(heading: Heading, block: Block) -> str:
+    """Return a section; where there are many lines, it is opened on demand."""
+    count = len(block.lines) if isinstance(block, Display) else 0
+    if count <= MOST_OPEN:
+        return html_body([heading, block])
+    words = f"{count} {heading.words.lower()}"
+    return f"<details><summary>{words}</summary>{html_body([block])}</details>"

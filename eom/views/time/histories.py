@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.draw.lettering import name, plain, unit
+from eom.views.draw.formulas import name, short, unit
 from eom.views.draw.picture import Axis, Curve, Dash, Floats, Item, Panel, Picture, check, points
 from eom.views.draw.printed import thinned
 
@@ -93,7 +93,7 @@ def histories(
     if result.drift:
         panels.append(_drifts(result, notes))
     return check(
-        Picture(tuple((p,) for p in _timed(panels, result)), plain(title), " ".join(notes))
+        Picture(tuple((p,) for p in _timed(panels, result)), short(title), " ".join(notes))
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from eom.errors import InputError
-from eom.views.draw.lettering import plain
+from eom.views.draw.formulas import short
 from eom.views.draw.picture import Axis, Curve, Dash, Item, Marks, Panel, Picture, check, points
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def work_precision(diagram: Diagram) -> Picture:
     'time of the integration [s]'
     """
     if not diagram.points:
-        raise InputError("nothing was measured", where=plain(diagram.case.title))
+        raise InputError("nothing was measured", where=short(diagram.case.title))
     items: list[Item] = [
         item
         for k, name in enumerate(dict.fromkeys(p.program for p in diagram.points))
@@ -76,9 +76,9 @@ def work_precision(diagram: Diagram) -> Picture:
     best = min(diagram.points, key=lambda p: p.error)
     told = (
         "Run time over error of each program, lower and further right is better; the least error is "
-        f"{best.error:.1e}, of {plain(best.program)}."
+        f"{best.error:.1e}, of {short(best.program)}."
     )
-    return check(Picture(((panel,),), plain(diagram.case.title), told))
+    return check(Picture(((panel,),), short(diagram.case.title), told))
 
 
 def _program(name: str, number: int, measured: Sequence[Point]) -> tuple[Item, Item]:
@@ -86,7 +86,7 @@ def _program(name: str, number: int, measured: Sequence[Point]) -> tuple[Item, I
     dash, width = next((v for k, v in STYLES.items() if name.startswith(k)), OWN)
     colour = HEYOKA if name == "heyoka" else COLOURS[number % len(COLOURS)]
     at = points([p.error for p in measured], [p.seconds for p in measured])
-    return Curve(at, colour, width, dash, plain(name)), Marks(at, colour, 4.0)
+    return Curve(at, colour, width, dash, short(name)), Marks(at, colour, 4.0)
 
 
 def _limits(values: Sequence[float]) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """Pictures of trees of bodies.
 
 In: trees and their scenes. Out: pictures.
-Imports: `eom.errors`, `eom.multibody.algebra`, `eom.multibody.files`, `eom.multibody.model`,
-`eom.multibody.recursion`, `eom.views.animation`, `eom.views.body`, `eom.views.draw`.
+Imports: `eom.errors`, `eom.mechanics`, `eom.multibody.algebra`, `eom.multibody.files`,
+`eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.scenes`,
+`eom.views.animation`, `eom.views.body`, `eom.views.draw`.
 """

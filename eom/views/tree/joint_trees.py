@@ -1,9 +1,15 @@
-"""A diagram of a tree of joints: bodies as boxes, joints as lines with their kind, constraints dashed."""
+"""A diagram of a tree of joints: bodies as boxes, joints as lines with their kind, constraints dashed.
+
+Bodies stand in columns by distance from the ground. A body's children are one column to its right, in
+rows of their own; where the columns are used up, the tree goes on in a band below. No two bodies share a
+place, and lines in the gaps between columns cross no body.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,8 +18,7 @@ import numpy as np
 from eom.errors import InputError
 from eom.multibody.model.constraints import Coupling
 from eom.multibody.model.model import GROUND, Constraint, Joint, Tree
-from eom.views.draw.layout import Cell, cells
-from eom.views.draw.lettering import name, plain
+from eom.views.draw.formulas import name, short
 from eom.views.draw.picture import Axis, Curve, Item, Panel, Picture, Words, check
 
 LETTERS = {
@@ -40,6 +45,73 @@ USUAL_HEIGHT = 3.6
 """Inches of a panel of height 1: what the height of a diagram is given in."""
 ROUND = 1.5
 """Radius of the circle round the letter of a joint."""
+CROWD, MOST_TURNS = 12, 3
+"""Leaves on one node that stand below each other in one column; columns in which more take turns."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Where a node is: its row from the top, its column from the left, and its band."""
+
+    row: int
+    column: int
+    band: int
+
+
+def cells(root: str, children: Mapping[str, Sequence[str]], columns: int) -> dict[str, Cell]:
+    """Return the cell of every node of a tree, at most ``columns`` (at least 2) beside each other.
+
+    Every leaf takes a row; a parent stands in the row of its middle child.
+    """
+    found: dict[str, Cell] = {}
+    waiting = deque([root])
+    band = first = 0
+    while waiting:
+        start = waiting.popleft()
+        block = _block(start, children, columns, bool(band))
+        for node, (row, column) in block.items():
+            found[node] = Cell(first + row, column, band)
+            if column == columns - 1:
+                waiting.extend(children.get(node, ()))
+        first += 1 + max(row for row, _ in block.values())
+        band += 1
+    return found
+
+
+def _block(
+    start: str, children: Mapping[str, Sequence[str]], columns: int, indented: bool
+) -> dict[str, tuple[int, int]]:
+    """Return row and column of a node and of those below it that the columns have room for."""
+    levels = {start: int(indented)}
+    order = [start]
+    stack = [start]
+    while stack:
+        node = stack.pop()
+        if levels[node] < columns - 1:
+            below = list(children.get(node, ()))
+            levels |= _levels(below, levels[node] + 1, children, columns - 1)
+            stack += reversed(below)
+        if node != start:
+            order.append(node)
+    rows: dict[str, int] = {}
+    leaves = 0
+    for node in order:
+        if not any(c in levels for c in children.get(node, ())):
+            rows[node] = leaves
+            leaves += 1
+    for node in reversed(order):
+        if node not in rows:
+            rows[node] = rows[children[node][(len(children[node]) - 1) // 2]]
+    return {node: (rows[node], levels[node]) for node in order}
+
+
+def _levels(
+    below: Sequence[str], first: int, children: Mapping[str, Sequence[str]], last: int
+) -> dict[str, int]:
+    """Return the columns of the children of one node: many leaves take turns in several columns."""
+    leaves = [node for node in below if not children.get(node)]
+    turns = max(1, min(MOST_TURNS, 1 + last - first, -(-len(leaves) // CROWD)))
+    return dict.fromkeys(below, first) | {n: first + k % turns for k, n in enumerate(leaves)}
 
 
 def _cut(given: str) -> str:
@@ -48,7 +120,7 @@ def _cut(given: str) -> str:
 
 def _shown(given: str) -> str:
     """Return a name of a body or joint as it is spelt."""
-    return plain(_cut(given))
+    return short(_cut(given))
 
 
 def _coordinates(joint: Joint) -> tuple[str, int]:
@@ -196,9 +268,9 @@ def joint_tree(tree: Tree, title: str = "") -> Picture:
     'Joints: rod on ground by pin (revolute).'
     """
     if not tree.bodies:
-        raise InputError("a tree without bodies", where=plain(title) or tree.name)
+        raise InputError("a tree without bodies", where=short(title) or tree.name)
     d = _widest(tree)
-    words = plain(title or tree.name)
+    words = short(title or tree.name)
     items = [
         *(item for body in d.names for item in _body(d, body)),
         *(item for joint in tree.ordered for item in _joint(d, joint)),
@@ -212,7 +284,7 @@ def joint_tree(tree: Tree, title: str = "") -> Picture:
     axes = (Axis(limits=limits[0]), Axis(limits=limits[1]))
     size = (INCH * (limits[0][1] - limits[0][0]), INCH * (limits[1][1] - limits[1][0]) + 0.6)
     height = size[1] / USUAL_HEIGHT
-    panel = Panel(tuple(items), axes, plain(_legend(d)), equal=True, bare=True, height=height)
+    panel = Panel(tuple(items), axes, short(_legend(d)), equal=True, bare=True, height=height)
     return check(Picture(((panel,),), words, _told(tree), size))
 
 
@@ -310,7 +382,7 @@ def _bonds(d: _Diagram) -> Iterator[Item]:
         ways = [_down(d, body, row, y, k, side) for body, side in zip(ends, (1, -1), strict=True)]
         yield _line(*ways[0], *reversed(ways[1]), dashed=True, width=1.3)
         x = (ways[0][-1][0] + ways[1][-1][0]) / 2
-        yield _words(x, y - 1.3, plain(bond.words), "red")
+        yield _words(x, y - 1.3, short(bond.words), "red")
 
 
 def _down(

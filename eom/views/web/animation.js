@@ -127,13 +127,11 @@
   const state = {time: 0, playing: false, speed: 1, chosen: 0, last: 0, said: 0};
   const shown = {};
   const WORDS = {omega: "\u03c9, angular velocity", momentum: "H, angular momentum", torque: "\u03c4, torque"};
-  const COLOURS = {red: "#d55e00", purple: "#cc79a7", green: "#009e73", blue: "#0072b2", orange: "#e69f00",
-                   sky: "#56b4e9", yellow: "#d9c400", grey: "#8a8a8a"};
 
   function swatch(colour) {
     const found = document.createElement("span");
     found.className = "swatch";
-    found.style.background = COLOURS[colour];
+    found.style.background = createViewer.colours[colour];
     return found;
   }
 

@@ -1,7 +1,7 @@
 /* Bodies in space, drawn by three.js: what the animation and the live page share.
 
    createViewer(canvas, description) returns an object with the methods at the end of this file; nothing
-   is drawn before render(). Lengths are in metres, vectors in the space frame a1, a2, a3.
+   is drawn before render(). createViewer.colours: colours by name. Lengths are in metres, vectors in the space frame a1, a2, a3.
    A quaternion is [q0, q1, q2, q3], the scalar first as everywhere in eom: it takes components in the
    body frame to the space frame, which is the transpose of C_BA of the same quaternion.
 
@@ -57,15 +57,12 @@ const createViewer = (() => {
     ellipsoid: (s) => one(unit.ball(), s.size),
     sphere: (s) => one(unit.ball(), [s.radius, s.radius, s.radius]),
     cylinder: (s) => one(unit.cylinder(), [s.radius, s.radius, s.length]),
-    disc: (s) => one(unit.cylinder(), [s.radius, s.radius, s.thickness || 0.04 * s.radius]),
     rod: (s) => one(unit.cylinder(), [s.radius || 0.02 * s.length, s.radius || 0.02 * s.length, s.length]),
     cone: (s) => one(unit.cone(), [s.radius, s.radius, s.height]),
-    capsule: (s) => one(alongThird(new THREE.CapsuleGeometry(s.radius, s.length, 12, ROUND, 2)), [1, 1, 1]),
-    torus: (s) => one(new THREE.TorusGeometry(s.ring_radius, s.tube_radius, 20, 2 * ROUND), [1, 1, 1]),
     wheel,
     mesh: (s) => one(meshGeometry(s), [1, 1, 1]),
   };
-  const ROUNDED = new Set(["ellipsoid", "sphere", "cylinder", "disc", "cone", "capsule"]);
+  const ROUNDED = new Set(["ellipsoid", "sphere", "cylinder", "cone"]);
 
   /* A rim, spokes, one of them in another colour, and an axle: a body of revolution whose turns are seen. */
   function wheel(s) {
@@ -142,7 +139,7 @@ const createViewer = (() => {
     const mesh = new THREE.Mesh(part.geometry, marked ? materials : materials[0]);
     mesh.scale.set(...part.scale);
     mesh.castShadow = mesh.receiveShadow = shape.opacity === undefined || shape.opacity === 1;
-    if (["box", "mesh", "cylinder", "disc"].includes(shape.kind)) {
+    if (["box", "mesh", "cylinder"].includes(shape.kind)) {
       const dark = colour.clone().multiplyScalar(0.45);
       const edges = new THREE.EdgesGeometry(part.geometry, 30);
       mesh.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: dark, transparent: true, opacity: 0.7})));
@@ -234,7 +231,7 @@ const createViewer = (() => {
 
   // -- the viewer -----------------------------------------------------------------------------------
 
-  return (canvas, description) => {
+  const make = (canvas, description) => {
     const radius = description.radius || 1;
     const centre = vectorOf(description.centre || [0, 0, 0]);
     const up = vectorOf(description.up || [0, 0, 1]).normalize();
@@ -659,4 +656,5 @@ const createViewer = (() => {
       },
     };
   };
+  return Object.assign(make, {colours: COLOURS});
 })();

@@ -10,7 +10,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import eom
-from eom.views.live.page import subject_of, written
+from eom.views.live.page import written
+from eom.views.live.subject import subject_of
 from tests import node
 
 SUPPORTED = (

@@ -26,16 +26,14 @@ from eom.views.animation.animation import (
     animation_of,
     animation_of_motion,
     at,
-    quaternions_of_modified_rodrigues,
-    quaternions_of_rodrigues,
     sampled,
 )
 from eom.views.animation.animation_page import data, page
-from eom.views.animation.equivalents import equivalent, shapes_of_file
-from eom.views.animation.figures import figures_of
+from eom.views.animation.bodies import bodies_of, tracks_of, with_attitude
+from eom.views.animation.figures import equivalent, shapes_of_file
 from eom.views.animation.filming import Film, Filming, film_bytes
-from eom.views.animation.tracks import continuous, matrices, of_matrices, tracks_of, with_attitude
-from eom.views.draw.solid_meshes import of_solid
+from eom.views.animation.tracks import continuous, matrices, of_matrices
+from eom.views.draw.meshes import of_solid
 from tests.eom.rows import only
 
 HOSTILE = "</script><img src=x onerror=alert(1)>\u2028{{data}} $x$ & \"'"
@@ -268,7 +266,7 @@ def test_a_named_solid_is_drawn_as_it_is():
     scene = tumbling(
         "none", body={"solid": "box", "mass": 2.0, "size": {"a": 0.4, "b": 0.3, "c": 0.2}}
     )
-    (figure,) = figures_of(scene).bodies
+    (figure,) = bodies_of(scene).figures({}).bodies
     assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.2, 0.15, 0.1))
     assert "box" in figure.words
 
@@ -291,7 +289,7 @@ def test_shapes_of_a_robot_come_from_its_file(tmp_path):
     file.write_text(URDF, encoding="utf-8")
     shapes = shapes_of_file(file)
     (name,) = (n for n, s in shapes.items() if s)
-    figure = {f.name: f for f in figures_of(load_scene(file), shapes).bodies}[name]
+    figure = {f.name: f for f in bodies_of(load_scene(file)).figures(shapes).bodies}[name]
     assert figure.words == "shapes of the file"
     assert figure.shapes[0].mesh.vertices.max(axis=0) == pytest.approx((0.05, 0.1, 1.0))
     assert shapes_of_file("heavy-top") == {}
@@ -317,17 +315,6 @@ def test_a_gyrostat_keeps_its_momentum_in_space():
     )
     assert "box" in animation.notes[0]
     assert data(animation)["count"] == 301
-
-
-@given(st.floats(0.01, 3.0), quaternions)
-def test_rodrigues_parameters_are_quaternions(angle, direction):
-    axis = np.array(direction[:3]) / np.linalg.norm(direction[:3])
-    q = np.array([math.cos(angle / 2), *(math.sin(angle / 2) * axis)])
-    for found, parameters in (
-        (quaternions_of_rodrigues, math.tan(angle / 2) * axis),
-        (quaternions_of_modified_rodrigues, math.tan(angle / 4) * axis),
-    ):
-        assert found([parameters])[0] == pytest.approx(q, abs=1e-12)
 
 
 @pytest.mark.parametrize(

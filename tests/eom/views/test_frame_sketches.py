@@ -11,9 +11,17 @@ from eom.errors import InputError
 from eom.kinematics.coordinates import SEQUENCES, quaternion_of_sequence
 from eom.rotations import matrix_of_quaternion
 from eom.scenes.scene import Scene
-from eom.views.body.frame_sketches import ANGLES, frame_sketch, frames_of, sequence_of
-from eom.views.body.turns import after_turns, arc_points, elementary
-from eom.views.body.wheel import wheel, wheel_of
+from eom.views.body.frame_sketches import (
+    ANGLES,
+    after_turns,
+    arc_points,
+    elementary,
+    frame_sketch,
+    frames_of,
+    sequence_of,
+    wheel,
+    wheel_of,
+)
 from eom.views.draw.picture import Arrow, Curve, Words
 from eom.views.draw.viewpoint import line_of_sight
 from tests.draws import examples

@@ -13,7 +13,7 @@ from codegen.runs.simulation import Result
 from eom.errors import InputError
 from eom.quantities import Quantity
 from eom.scenes.scene import Scene
-from eom.views.draw import lettering
+from eom.views.draw import formulas
 from eom.views.draw.picture import Curve
 from eom.views.draw.printed import thinned
 from eom.views.time.histories import FLOOR, MOST, histories, histories_of
@@ -155,24 +155,22 @@ def test_thinning_keeps_the_ends_the_order_and_the_extremes(values, most):
 
 @given(st.text(max_size=200))
 def test_plain_text_opens_no_formula_and_stays_on_one_line(text):
-    found = lettering.plain(text)
+    found = formulas.short(text)
     assert found.replace("\\$", "").count("$") == 0
     assert "\n" not in found
-    assert len(found.replace("\\$", "$")) <= lettering.LONGEST
+    assert len(found.replace("\\$", "$")) <= formulas.LONGEST
 
 
 @given(st.text(max_size=70))
 def test_a_name_is_a_whole_formula_or_plain_text(text):
-    found = lettering.name(text)
-    assert found == lettering.plain(text) or (
-        found[0] == found[-1] == "$" and found.count("$") == 2
-    )
+    found = formulas.name(text)
+    assert found == formulas.short(text) or (found[0] == found[-1] == "$" and found.count("$") == 2)
 
 
 def test_units_have_raised_digits():
-    assert lettering.unit("kg m^2/s^2") == "kg m²/s²"
-    assert lettering.unit("N m") == "N m"
-    assert lettering.unit("1") == ""
+    assert formulas.unit("kg m^2/s^2") == "kg m²/s²"
+    assert formulas.unit("N m") == "N m"
+    assert formulas.unit("1") == ""
 
 
 def test_the_histories_of_a_scene_are_those_of_its_run():

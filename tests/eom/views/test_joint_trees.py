@@ -13,9 +13,8 @@ from eom.errors import InputError
 from eom.multibody import Body, Distance, Joint, Tree
 from eom.opening import load_scene
 from eom.scenes import catalogue
-from eom.views.draw.layout import cells
 from eom.views.draw.picture import Curve, Words
-from eom.views.tree.joint_trees import BOX, LETTERS, joint_tree
+from eom.views.tree.joint_trees import BOX, LETTERS, cells, joint_tree
 from tests.draws import examples
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]

@@ -20,8 +20,8 @@ from eom.scenes.description import principal_values
 from eom.scenes.scene import Scene
 from eom.views.live import page as code
 from eom.views.live import subject as knobs
-from eom.views.live.page import page, speed_of, subject_of, written
-from eom.views.live.single import switches_of
+from eom.views.live.page import page, speed_of, written
+from eom.views.live.subject import subject_of, switches_of
 from tests import node
 from tests.eom.rows import only
 from tests.eom.views.live_pages import (

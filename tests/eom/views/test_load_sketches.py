@@ -12,10 +12,10 @@ from eom.multibody.model.constraints import Loop
 from eom.opening import load_scene
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
-from eom.views.body.body_sketch import FORCE, REACTION, TORQUE, body_sketch, number
+from eom.views.animation.bodies import ManyBodies, number
 from eom.views.draw.picture import Arrow, Curve, Marks, Surface, Words
 from eom.views.draw.viewpoint import names, paper
-from eom.views.tree.tree_sketch import Posture, tree_frames, tree_sketch
+from eom.views.tree.sketches import FORCE, REACTION, TORQUE, TreeAtStart, sketch, tree_frames
 from tests.eom.rows import only
 
 TREES = [n for n in catalogue.names() if n not in catalogue.single()]
@@ -58,7 +58,7 @@ def axes_of(picture):
 
 def test_a_component_of_torque_has_its_sense_at_the_start():
     torque = {"components": ["M*cos(t)", 0, "-k*omega_3"]}
-    picture = body_sketch(body(torque=torque, parameters={"M": 1.5, "k": 0.5}))
+    picture = sketch(body(torque=torque, parameters={"M": 1.5, "k": 0.5}))
     b = axes_of(picture)
     first, third = arrows(picture, TORQUE)
     np.testing.assert_allclose(way(first), b[0], atol=1e-12)
@@ -68,7 +68,7 @@ def test_a_component_of_torque_has_its_sense_at_the_start():
 
 
 def test_the_ring_turns_the_way_the_torque_does():
-    picture = body_sketch(body(torque={"components": [0, "-M", 0]}, parameters={"M": 1.0}))
+    picture = sketch(body(torque={"components": [0, "-M", 0]}, parameters={"M": 1.0}))
     (torque,) = arrows(picture, TORQUE)
     (ring,) = (i.points for i in items(picture) if isinstance(i, Curve) and i.colour == TORQUE)
     middle = torque.start + way(torque) * ((ring[0] - torque.start) @ way(torque))
@@ -79,7 +79,7 @@ def test_the_ring_turns_the_way_the_torque_does():
 
 def test_weight_and_reaction_of_a_top():
     scene = Scene.ready("heavy-top")
-    picture = body_sketch(scene)
+    picture = sketch(scene)
     (weight,), (reaction,) = arrows(picture, FORCE), arrows(picture, REACTION)
     np.testing.assert_allclose(way(weight), [0, 0, -1])
     np.testing.assert_allclose(way(reaction), [0, 0, 1])
@@ -95,7 +95,7 @@ def test_weight_and_reaction_of_a_top():
 def test_gravity_gradient_turns_as_the_cross_product_says():
     """3 n^2 a1 x (J a1): Hughes, Spacecraft Attitude Dynamics (1986), sect. 8.1."""
     scene = Scene.ready("gravity-gradient-satellite")
-    picture = body_sketch(scene)
+    picture = sketch(scene)
     (torque,) = arrows(picture, TORQUE)
     b = np.array(axes_of(picture))
     a1 = b @ [1, 0, 0]
@@ -105,7 +105,7 @@ def test_gravity_gradient_turns_as_the_cross_product_says():
 
 @pytest.mark.parametrize("name", catalogue.single())
 def test_every_scene_of_one_body_has_its_frames_and_centre(name):
-    picture = body_sketch(Scene.ready(name))
+    picture = sketch(Scene.ready(name))
     np.testing.assert_allclose(np.linalg.det(axes_of(picture)), 1)
     assert "$G$" in {i.text for i in items(picture) if isinstance(i, Words)}
 
@@ -113,7 +113,7 @@ def test_every_scene_of_one_body_has_its_frames_and_centre(name):
 @pytest.mark.parametrize("name", only(TREES, "double-pendulum", "four-bar-linkage"))
 def test_bodies_hang_together_and_weights_act_at_their_centres(name):
     scene = TreeScene.ready(name)
-    tree, here = scene.tree, Posture.of(scene)
+    tree, here = scene.tree, TreeAtStart(ManyBodies(scene))
     for joint in tree.ordered:
         frame, columns = here.joints[joint.name]
         np.testing.assert_allclose(
@@ -130,7 +130,7 @@ def test_bodies_hang_together_and_weights_act_at_their_centres(name):
             first = here.on_body(constraint.first, constraint.on_first.position)
             second = here.on_body(constraint.second, constraint.on_second.position)
             np.testing.assert_allclose(first, second, atol=1e-9)
-    picture = tree_sketch(scene)
+    picture = sketch(scene)
     texts = {i.text for i in items(picture) if isinstance(i, Words)}
     assert {b.name for b in tree.bodies} <= texts
     gravity = any(tree.gravity)
@@ -143,7 +143,7 @@ def test_bodies_hang_together_and_weights_act_at_their_centres(name):
 
 
 def test_a_double_pendulum_stands_where_its_angles_say():
-    here = Posture.of(TreeScene.ready("double-pendulum"))
+    here = TreeAtStart(ManyBodies(TreeScene.ready("double-pendulum")))
     a, b = 1.2, 1.2 - 0.5
     elbow = np.array([-math.sin(a), 0, -math.cos(a)])
     lower = elbow + 0.4 * np.array([-math.sin(b), 0, -math.cos(b)])
@@ -155,7 +155,7 @@ def test_a_double_pendulum_stands_where_its_angles_say():
 def test_a_spring_acts_against_what_it_is_turned_by():
     """The panel is turned by 0.05 rad about x, so that its spring pulls back about -x."""
     scene = TreeScene.ready("satellite-with-panels")
-    found = {a.words: way(a) for a in arrows(tree_sketch(scene), TORQUE)}
+    found = {a.words: way(a) for a in arrows(sketch(scene), TORQUE)}
     (left,) = (v for words, v in found.items() if "left" in words)
     (wheel,) = (v for words, v in found.items() if "wheel" in words and ",x" in words)
     np.testing.assert_allclose(left, [-1, 0, 0], atol=1e-12)
@@ -163,7 +163,7 @@ def test_a_spring_acts_against_what_it_is_turned_by():
 
 
 def test_a_disc_touches_its_plane():
-    picture = tree_sketch(TreeScene.ready("rolling-disc"))
+    picture = sketch(TreeScene.ready("rolling-disc"))
     (reaction,) = arrows(picture, REACTION)
     assert reaction.end[2] == pytest.approx(0, abs=1e-12)
     np.testing.assert_allclose(way(reaction), [0, 0, 1])
@@ -173,7 +173,7 @@ def test_a_disc_touches_its_plane():
 
 
 def test_a_tree_is_drawn_with_what_is_up_upwards():
-    picture = tree_sketch(TreeScene.ready("four-bar-linkage"))
+    picture = sketch(TreeScene.ready("four-bar-linkage"))
     y = next(i for i in items(picture) if isinstance(i, Arrow) and i.words == "$y$")
     np.testing.assert_allclose(way(y), [0, 0, 1], atol=1e-12)
 
@@ -203,7 +203,7 @@ def test_hostile_titles_are_plain_text():
     pytest.importorskip("matplotlib")
     from eom.views.draw.printed import figure
 
-    picture = body_sketch(body(title="$\\frac{<script>$ \\input{x} $"))
+    picture = sketch(body(title="$\\frac{<script>$ \\input{x} $"))
     assert picture.title.replace("\\$", "").count("$") == 0
     figure(picture)
     marks = [i for i in items(picture) if isinstance(i, Marks)]
@@ -216,14 +216,14 @@ def test_a_robot_of_a_file_is_drawn():
 
     file = Path(__file__).parents[1] / "multibody" / "robots" / "walker.urdf"
     scene = load_scene(file)
-    texts = {i.text for i in items(tree_sketch(scene)) if isinstance(i, Words)}
+    texts = {i.text for i in items(sketch(scene)) if isinstance(i, Words)}
     assert {b.name for b in scene.tree.bodies} <= texts
 
 
 @pytest.mark.parametrize("name", only(TREES, "double-pendulum", "floating-tree"))
 def test_the_frames_of_a_tree_stand_at_the_origins_of_its_bodies(name):
     scene = TreeScene.ready(name)
-    here, picture = Posture.of(scene), tree_frames(scene)
+    here, picture = TreeAtStart(ManyBodies(scene)), tree_frames(scene)
     drawn = [i for i in items(picture) if isinstance(i, Arrow)]
     assert len(drawn) == 3 * (1 + len(scene.tree.bodies))
     assert [i.words for i in drawn[:3]] == ["$x$", "$y$", "$z$"]

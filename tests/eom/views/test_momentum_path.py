@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from codegen import free_motion
 from eom.errors import InputError
-from eom.views.body.momentum_path import momentum_path, separatrices
+from eom.views.body.polhodes import momentum_path, separatrices
 from eom.views.draw.picture import Curve, Surface
 
 sizes = st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 1.0), st.floats(0.1, 1.0))

@@ -6,20 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from eom import InputError, Scene, load_scene
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.freebody import herpolhode as exact_herpolhode
-from eom.views.animation.tracks import matrices, sequence_matrices
+from eom.views.animation.tracks import matrices
 from eom.views.body.cones import cones, free_cones
+from eom.views.body.frame_sketches import after_turns
 from eom.views.body.free import FreeBody, free_body
 from eom.views.body.poinsot import herpolhode, traced
 from eom.views.body.rotating import sphere, symmetry_of, turning
 from eom.views.draw.picture import Arrow, Curve, Surface, check
-from tests.draws import examples
 
 GENERAL = FreeBody((1.0, 2.0, 2.6), (0.5, 0.3, 1.0), (0.6, 0.0, 0.8, 0.0), "General")
 SEPARATRIX = FreeBody((4.0, 5.0, 9.0), (3.0, 2.0, 1.0))
@@ -138,19 +136,6 @@ def test_poinsots_ellipsoid_touches_the_plane():
     assert solid.vertices[:, 2].max() == pytest.approx(height, rel=5e-3)
 
 
-angle = st.floats(-3.0, 3.0)
-
-
-@examples(30)
-@given(st.sampled_from(["3-1-2", "3-2-1", "3-1-3", "1-2-1"]), st.tuples(angle, angle, angle))
-def test_matrices_of_angles_are_those_of_the_derivations(sequence, angles):
-    written = attitude(sequence)
-    numbers = dict(zip([c.symbol for c in written.coordinates], angles, strict=True))
-    expected = np.array(written.matrix.xreplace(numbers).evalf(), float)
-    made = sequence_matrices(sequence, np.array(angles)[:, None])[0]
-    assert made == pytest.approx(expected, abs=1e-14)
-
-
 def test_matrices_of_quaternions_are_those_of_the_derivations():
     q = np.array([0.1, -0.5, 0.7, 0.5])
     q /= np.linalg.norm(q)
@@ -217,7 +202,7 @@ def test_a_spinner_without_torque_is_free():
     body = free_body(scene, "polhode")
     assert motion.free == body
     assert body.omega[1] == pytest.approx(6.0)
-    C = sequence_matrices("3-1-2", np.array([[0.0], [0.1], [0.3]]))[0]
+    C = after_turns("3-1-2", (0.0, 0.1, 0.3))[-1]
     assert motion.C[0] == pytest.approx(C, abs=1e-14)
     in_space = C.T @ np.array(body.omega)
     level = [np.cos(0.0), np.sin(0.0), 0.0]  # theta turns about a1, which is i1 at psi = 0

@@ -1,0 +1,632 @@
+"""What is to be drawn of a scene, of one body or of a tree of them: a body is a tree of one.
+
+`bodies_of` alone asks which scene it has. What it returns says what the bodies look like, where they are at
+the start or over a simulation, what is down, and how the axes of A are called: the frame of the ground, or
+the one that attitude is measured in.
+
+Of a tree, bones, thin rods in a body, lead from its joint to those that hang on it, and a body that others
+are inside of is drawn so that one sees through it. Where its bodies are, the recursions tell, over arrays
+of all times at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from eom.errors import InputError
+from eom.kinematics.coordinates import quaternion_of_sequence
+from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.values import is_number
+from eom.multibody.files.scene import TreeScene, start_values
+from eom.multibody.files.sections import Reading
+from eom.multibody.model.constraints import Distance, Loop, Rolling
+from eom.multibody.model.model import GROUND, Body, Joint, Rotor, Tree
+from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
+from eom.multibody.recursion.quantities import (
+    Flow,
+    about_centre,
+    first_moments,
+    flow,
+    mass,
+    momentum,
+)
+from eom.opening import AnyScene
+from eom.scenes import start
+from eom.scenes.description import inertia_values, principal_values
+from eom.scenes.scene import Scene
+from eom.structure import DCM, NONE, QUATERNION
+from eom.views.animation.figures import (
+    BODY_AXES,
+    FLAT,
+    Figure,
+    Figures,
+    Line,
+    Shape,
+    central,
+    equivalent,
+    rod,
+    wheel,
+)
+from eom.views.animation.tracks import (
+    Floats,
+    Track,
+    Tracks,
+    continuous,
+    from_third,
+    multiplied,
+    of_matrices,
+    turned,
+)
+from eom.views.draw.meshes import Mesh, of_solid
+
+if TYPE_CHECKING:
+    from codegen import Result
+
+LEAST_POINTS = 2
+SPUN_AXES = ("c₁", "b₂", "c₃")
+"""Names of the axes fixed in a spinner, beside B, which does not spin with it."""
+Robot = Mapping[str, tuple[Shape, ...]]
+"""Shapes of bodies that a file names."""
+
+
+def number(value: Any, known: Mapping[str, float]) -> float:
+    """Return the number that a value of a description has; symbols without one count as zero.
+
+    Raises `InputError` where it is none.
+    """
+    if is_number(value):
+        return float(value)
+    at = {s: sp.Float(known.get(s.name, 0.0)) for s in value.free_symbols}
+    found = sp.sympify(value, strict=True).xreplace(at).evalf()
+    if not found.is_real or not math.isfinite(found):
+        raise InputError("not a number at the start", where="sketch", got=f"{value} = {found}")
+    return float(found)
+
+
+def numbers(values: Any, known: Mapping[str, float]) -> Floats:
+    """Return numbers of a vector or a matrix."""
+    if isinstance(values, list | tuple):
+        return np.array([numbers(v, known) for v in values])
+    return np.asarray(number(values, known))
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """All numbers of a scene by name at N times ``t`` (s), shape (N,): one number, or one for each time."""
+
+    t: Floats
+    values: Mapping[str, float | Floats]
+
+    def series(self, name: str) -> Floats:
+        """Return a number over time, shape (N,); zero where it is not known."""
+        return np.broadcast_to(np.asarray(self.values.get(name, 0.0)), self.t.shape)
+
+    def triple(self, letter: str) -> Floats:
+        """Return three numbers that are called by a letter and 1, 2, 3, shape (N, 3)."""
+        return np.stack([self.series(f"{letter}_{k}") for k in (1, 2, 3)], axis=-1)
+
+
+@dataclass(frozen=True)
+class OneBody:
+    """A scene of one body, whose origin is its centre of mass or the fixed point of its weight."""
+
+    scene: Scene
+    floor = None
+
+    @property
+    def gravity(self) -> Floats | None:
+        """What is down, None without weight."""
+        return None if self.scene.torque.weight is None else np.array([0.0, 0.0, -1.0])
+
+    @property
+    def orbit(self) -> bool:
+        """Whether attitude is measured in a frame that turns with an orbit."""
+        return self.scene.torque.gravity_gradient is not None
+
+    @property
+    def known(self) -> dict[str, float]:
+        """Parameters and inputs by name."""
+        given = {n: v.value for n, v in self.scene.inputs.items()}
+        return {**start.constants(self.scene), **given}
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The states at the start."""
+        return start.states(self.scene, self.scene.full_system)
+
+    @property
+    def inertia(self) -> Floats:
+        """About the origin (kg m^2), shape (3, 3)."""
+        matrix = inertia_values(self.scene)
+        return np.diag(principal_values(self.scene)) if matrix is None else np.array(matrix)
+
+    def moving(self, data: dict[str, Any]) -> Scene:
+        """Return a scene of these data whose states and outputs say how the body turns, and why.
+
+        A body without attitude coordinates gets a quaternion, with B on A at the start; a spinner without
+        its angle of spin starts at zero.
+        """
+        if self.scene.model == "spinner":
+            data["initial"] = {"phi": 0.0, "psi": 0.0, **data.get("initial", {})}
+            if "initial_attitude" in data:
+                kept = {n: v for n, v in data["initial"].items() if n not in {"phi", "psi"}}
+                data["initial"] = kept
+        elif self.scene.attitude == "none":
+            data["attitude"] = "quaternion"
+            data["initial_attitude"] = {"quaternion": (1.0, 0.0, 0.0, 0.0)}
+        full = Scene(**data).full_system
+        told = [f"{letter}_{k}" for letter in ("h", "torque") for k in (1, 2, 3)]
+        wanted = dict.fromkeys([*full.state_names, *told, *self.scene.outputs])
+        return Scene(**{**data, "outputs": tuple(wanted)})
+
+    def tracks(self, motion: Motion) -> Tracks:
+        """Return the motion of the body; h and torque of a spinner are in the frame before the spin."""
+        whole, frame = self.turns(motion)
+        still = np.zeros((len(motion.t), 3))
+        spun = self.scene.full_system.attitudes[0].unspun
+        omega = motion.triple("h") / self.inertia.diagonal() if spun else motion.triple("omega")
+        h, torque, omega = (
+            turned(frame, v) for v in (motion.triple("h"), motion.triple("torque"), omega)
+        )
+        body = Track(self.scene.title or self.scene.name, still, whole, omega)
+        return Tracks(motion.t, (body,), h, still, torque)
+
+    def turns(self, motion: Motion) -> tuple[Floats, Floats]:
+        """Return the quaternions of the body, and of the frame that h and torque have components in."""
+        (stated,) = self.scene.full_system.attitudes
+        names = [c.name for c in stated.coordinates if c is not None]
+        whole = _quaternions(stated.kind, names, motion)
+        if not stated.unspun:
+            return whole, whole
+        return whole, _quaternions(stated.kind, [*names[:-1], None], motion)
+
+    def figures(self, robot: Robot) -> Figures:  # noqa: ARG002
+        """Return what the body looks like."""
+        return Figures((_one(self),))
+
+
+def _quaternions(kind: str, names: Sequence[str | None], motion: Motion) -> Floats:
+    """Return the quaternions of an attitude in coordinates of these names; an angle without one is zero."""
+    if kind == NONE:
+        return np.tile((1.0, 0.0, 0.0, 0.0), (len(motion.t), 1))
+    rows = np.stack([motion.series(n or "") for n in names], axis=-1)
+    if kind == QUATERNION:
+        return continuous(rows)
+    if kind == DCM:
+        return of_matrices(rows.reshape(-1, 3, 3))
+    return continuous([quaternion_of_sequence(kind, row) for row in rows.tolist()])
+
+
+def _one(body: OneBody) -> Figure:
+    scene, inertia = body.scene, body.inertia
+    spinner, name = scene.model == "spinner", scene.title or scene.name
+    axis = 1 if spinner else 2
+    axes = SPUN_AXES if spinner else BODY_AXES
+    if scene.body.solid is not None:
+        solid, sizes = scene.body.solid, scene.body.size
+        mesh = of_solid(solid, sizes).moved((0, 0, 0), np.roll(np.eye(3), axis - 2, axis=0))
+        told = ", ".join(f"{n} {v:g} m" for n, v in sizes.items())
+        return _tipped(Figure(name, (Shape(mesh),), f"{solid} of the scene ({told})", axes), axis)
+    if scene.torque.weight is not None:
+        return _tipped(_held(name, inertia, scene), axis)
+    found = equivalent(inertia)
+    unknown = "; its size is not known, as the scene says no mass"
+    if spinner and found.sizes.get("length", 1) < FLAT * found.sizes.get("radius", 1):
+        words = f"wheel{unknown}"
+        return _tipped(Figure(name, wheel(found.sizes["radius"], axis), words, axes), axis)
+    return _tipped(Figure(name, (Shape(found.mesh),), found.words + unknown, axes), axis)
+
+
+def _held(name: str, inertia: Floats, scene: Scene) -> Figure:
+    """Return a body with weight about its fixed point, and a stalk from there to its centre of mass."""
+    weight = scene.torque.weight
+    assert weight is not None
+    r = np.array(weight.centre_of_mass)
+    found = central(inertia, weight.mass, r)
+    if found is None:
+        body = equivalent(inertia, weight.mass)
+        return Figure(name, (Shape(body.mesh),), f"about the fixed point: {body.words}")
+    body = equivalent(found, weight.mass)
+    stalk = rod((0, 0, 0), r, 0.02 * body.mesh.extent)
+    return Figure(name, (Shape(body.mesh.moved(r)), *stalk), body.words)
+
+
+def _tipped(figure: Figure, axis: int) -> Figure:
+    """Return a figure with its tip on an axis of the body, a little outside of it."""
+    return replace(figure, tip=1.15 * figure.extent * np.eye(3)[axis])
+
+
+BONE, PIN, HINGE, POINT, ROTOR = 0.008, 0.016, 0.05, 0.12, 0.1
+"""Radius of bones and joints, length of a hinge, side of a body without inertia, radius of a rotor: as
+shares of the tree's reach."""
+GLASS = 0.3
+"""Opacity of a body that others are inside of."""
+
+
+@dataclass(frozen=True)
+class ManyBodies:
+    """A tree of bodies."""
+
+    scene: TreeScene
+    orbit = False
+
+    @property
+    def gravity(self) -> Floats | None:
+        """What is down, None without weight."""
+        found = numbers(self.scene.tree.gravity, self.known)
+        return found if np.any(found) else None
+
+    @property
+    def floor(self) -> float | None:
+        """The height (m) of a plane on which a body rolls."""
+        for c in self.scene.tree.constraints:
+            if isinstance(c, Rolling):
+                return float(numbers(c.origin, self.known) @ numbers(c.normal, self.known))
+        return None
+
+    @property
+    def known(self) -> dict[str, float]:
+        """Parameters and inputs by name."""
+        given = {n: v.value for n, v in self.scene.inputs.items()}
+        return {**self.scene.numbers, **given}
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The states at the start."""
+        return start_values(self.scene.tree, Reading(self.scene))
+
+    def moving(self, data: dict[str, Any]) -> TreeScene:
+        """Return a scene of these data, the angles of rotors among the states where their speed is one."""
+        rotors = {
+            name: {**part, "angle": True} if part.get("speed") is None else part
+            for name, part in data.get("rotors", {}).items()
+        }
+        return TreeScene(**{**data, **({"rotors": rotors} if rotors else {})})
+
+    def tracks(self, motion: Motion) -> Tracks:
+        """Return the motion of all bodies, and of rotors with a name of their own, after their bodies."""
+        posture = Posture(self.scene.tree, motion)
+        bodies = tuple(posture.track(b.name) for b in self.scene.tree.bodies)
+        rotors = tuple(posture.rotor(k) for k in range(len(self.scene.tree.rotors)))
+        whole, N = posture.flow, len(motion.t)
+        heavy = mass(whole)
+        centre = [x / heavy for x in first_moments(whole)]
+        H = about_centre(whole, momentum(whole))
+        return Tracks(motion.t, (*bodies, *rotors), filled(H, N), filled(centre, N))
+
+    def figures(self, robot: Robot) -> Figures:
+        """Return the bodies, then the rotors; ``robot``: shapes of bodies by name, which come first."""
+        drawing = Drawing(self.scene, robot)
+        bodies = tuple(drawing.body(b) for b in self.scene.tree.bodies)
+        rotors = tuple(drawing.rotor(r) for r in self.scene.tree.rotors)
+        shown = (*map(drawing.seen_through, bodies), *rotors)
+        return Figures(shown, drawing.ground(), tuple(drawing.lines()))
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A tree in numbers."""
+
+    scene: TreeScene
+    robot: Robot
+
+    def array(self, given: Any) -> Floats:
+        """Return the values of a vector or matrix."""
+        return numbers(given, self.scene.numbers)
+
+    @cached_property
+    def places(self) -> dict[str, list[Floats]]:
+        """For each body and the ground: where other joints are on it, from its origin."""
+        found: dict[str, list[Floats]] = {
+            GROUND: [],
+            **{b.name: [] for b in self.scene.tree.bodies},
+        }
+        for joint in self.scene.tree.joints:
+            found[joint.parent].append(self.array(joint.on_parent.position))
+        for loop in (c for c in self.scene.tree.constraints if isinstance(c, Loop)):
+            found[loop.first].append(self.array(loop.on_first.position))
+            found[loop.second].append(self.array(loop.on_second.position))
+        return found
+
+    @cached_property
+    def reach(self) -> float:
+        """The largest length (m) in a body, which sizes of joints follow."""
+        lengths = [float(np.linalg.norm(p)) for places in self.places.values() for p in places]
+        lengths += [float(np.linalg.norm(self.array(b.centre))) for b in self.scene.tree.bodies]
+        lengths += [0.5 * s.mesh.extent for b in self.scene.tree.bodies for s in self.own(b)[0]]
+        return float(max([x for x in lengths if x > 0], default=1.0))
+
+    def own(self, body: Body) -> tuple[tuple[Shape, ...], str]:
+        """Return the shapes of a body that the scene, or its inertia, gives, and how they were found."""
+        if self.robot.get(body.name):
+            return self.robot[body.name], "shapes of the file"
+        part = self.scene.bodies.get(body.name)
+        centre, axes = self.array(body.centre), self.array(body.axes).T
+        if part is not None and part.solid is not None:
+            mesh = of_solid(part.solid, self._sizes(part.size))
+            return (Shape(mesh.moved(centre, axes)),), f"{part.solid} of the scene"
+        J, m = self.array(body.central_inertia), float(self.array(body.mass))
+        if m <= 0 or not np.any(J):
+            return (), ""
+        found = equivalent(J, m)
+        return (Shape(found.mesh.moved(centre)),), found.words
+
+    def _sizes(self, sizes: Mapping[str, Any]) -> dict[str, float]:
+        read = Reading(self.scene).constants
+        return {n: number(read.value(v, n), self.scene.numbers) for n, v in sizes.items()}
+
+    def body(self, body: Body) -> Figure:
+        """Return a body with its bones and its joint."""
+        shapes, words = self.own(body)
+        if not shapes and float(self.array(body.mass)) > 0:
+            a = POINT * self.reach
+            box = of_solid("box", {"a": 2 * a, "b": a, "c": a})
+            shapes, words = (Shape(box.moved(self.array(body.centre))),), "point mass, as a box"
+        joint = self.scene.tree.joint_of[body.name]
+        start = self.array(joint.on_child.position)
+        bones = [s for end in self.places[body.name]
+                 for s in rod(start, end, BONE * self.reach)]  # fmt: skip
+        figure = Figure(body.name, (*shapes, *bones, *self.pin(joint)), words)
+        return replace(figure, tip=self._tip(body))
+
+    def _tip(self, body: Body) -> Floats:
+        """Return the end of a body: the joint on it, or twice its centre of mass, that is farthest."""
+        start = self.array(self.scene.tree.joint_of[body.name].on_child.position)
+        ends = [*self.places[body.name], 2 * self.array(body.centre) - start]
+        return max(ends, key=lambda p: float(np.linalg.norm(p - start)))
+
+    def pin(self, joint: Joint) -> tuple[Shape, ...]:
+        """Return what is drawn of a joint, on its child: a hinge along its axis, a ball; or nothing."""
+        place, turn = self.array(joint.on_child.position), self.array(joint.on_child.rotation).T
+        if joint.kind in {"revolute", "cylindrical", "helical"}:
+            half = turn @ self.array(joint.axis) * HINGE * self.reach / 2
+            return rod(place - half, place + half, PIN * self.reach, "black")
+        if joint.kind in {"spherical", "universal"}:
+            return (self.ball(place, 1.5, "black"),)
+        return ()
+
+    def ground(self) -> tuple[Shape, ...]:
+        """Return what is drawn on the ground: rails of sliding joints, stands of the others."""
+        found: list[Shape] = []
+        for joint in (j for j in self.scene.tree.joints if j.parent == GROUND):
+            place, turn = (
+                self.array(joint.on_parent.position),
+                self.array(joint.on_parent.rotation).T,
+            )
+            if joint.kind == "prismatic":
+                axis = turn @ self.array(joint.axis) * 3 * self.reach
+                found += rod(place - axis, place + axis, BONE * self.reach)
+            elif joint.kind not in {"free", "fixed", "planar"}:
+                found.append(self.ball(place, 2.2, "grey"))
+        return tuple(found)
+
+    def ball(self, place: Floats, size: float, colour: str) -> Shape:
+        """Return a ball at a place, of a radius in those of joints."""
+        mesh = of_solid("sphere", {"radius": size * PIN * self.reach})
+        return Shape(replace(mesh.moved(place), round=False), colour)
+
+    def lines(self) -> Iterator[Line]:
+        """Yield springs, and rods without mass that keep a distance."""
+        number = {GROUND: -1, **{b.name: k for k, b in enumerate(self.scene.tree.bodies)}}
+        ends = [(s.bodies, s.points) for s in self.scene.tree.springs]
+        ends += [((c.first, c.second), (c.first_point, c.second_point))
+                 for c in self.scene.tree.constraints if isinstance(c, Distance)]  # fmt: skip
+        for (first, second), (p, q) in ends:
+            yield Line((number[first], number[second]), (self.array(p), self.array(q)))
+
+    def rotor(self, rotor: Rotor) -> Figure:
+        """Return a flat cylinder about its axis, which is the third of its own axes."""
+        radius = ROTOR * self.reach
+        mesh = of_solid("cylinder", {"radius": radius, "length": radius / 2})
+        return Figure(rotor.name, (Shape(mesh),), "rotor; its size is not known")
+
+    def seen_through(self, figure: Figure) -> Figure:
+        """Return a body that one sees through if others, or rotors, are wholly inside of a shape of it."""
+        count = len(self.own(self.scene.tree.body[figure.name])[0])
+        inner = list(self._inside(figure.name))
+
+        def hides(mesh: Mesh) -> bool:
+            low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+            return any(bool(np.all((p - e > low) & (p + e < high))) for p, e in inner)
+
+        glass = [replace(s, opacity=GLASS) if k < count and hides(s.mesh) else s
+                 for k, s in enumerate(figure.shapes)]  # fmt: skip
+        return replace(figure, shapes=tuple(glass))
+
+    def _inside(self, name: str) -> Iterator[tuple[Floats, float]]:
+        """Yield where bodies and rotors are on a body, and how large they are."""
+        tree = self.scene.tree
+        for joint in (j for j in tree.joints if j.parent == name):
+            shapes = self.own(tree.body[joint.child])[0]
+            if shapes:
+                yield self.array(joint.on_parent.position), max(s.mesh.extent for s in shapes)
+        if any(rotor.body == name for rotor in tree.rotors):
+            yield self.array(tree.body[name].centre), ROTOR * self.reach
+
+
+ARRAYS = Numbers(np.sin, np.cos, np.sqrt)
+"""Scalars that are arrays over time."""
+STRUCTURE = (0, 1, -1)
+"""Numbers that recursions leave out."""
+
+
+def filled(entries: Any, count: int) -> Floats:
+    """Return a vector or matrix of numbers and arrays (N,) as one array, N first."""
+    if isinstance(entries, list | tuple):
+        return np.stack([filled(e, count) for e in entries], axis=1)
+    return np.broadcast_to(np.asarray(entries, dtype=np.float64), (count,))
+
+
+@dataclass(frozen=True)
+class Posture:
+    """A tree whose coordinates and speeds are arrays over the times of a motion."""
+
+    tree: Tree
+    motion: Motion
+
+    @property
+    def count(self) -> int:
+        """Number of times."""
+        return len(self.motion.t)
+
+    @cached_property
+    def known(self) -> dict[str, Any]:
+        """The values of all symbols by name; speeds that constraints eliminate are outputs."""
+        return {**self.motion.values, "t": self.motion.t}
+
+    def lift(self, given: Any) -> Any:
+        """Return the number or array that a value of the description has; 0, 1 and -1 stay numbers."""
+        if is_number(given):
+            return int(given) if given in STRUCTURE else float(given)
+        if given.is_Symbol:
+            return self.known.get(given.name, 0.0)
+        at = {s.name: self.known.get(s.name, 0.0) for s in given.free_symbols}
+        changing = {n: v for n, v in at.items() if not isinstance(v, float)}
+        if not changing:
+            return number(given, at)
+        rows = ({**at, **{n: v[k] for n, v in changing.items()}} for k in range(self.count))
+        return np.array([number(given, row) for row in rows])
+
+    @cached_property
+    def bones(self) -> LumpedTree:
+        """The parts, whose frames all turn with them."""
+        tree = without_forces(self.tree)
+        return lumped_tree(tree, self.lift, ARRAYS, [b.name for b in tree.bodies])
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints that lead to parts, in order."""
+        leading = {part.joint for part in self.bones.parts}
+        return tuple(j for j in self.tree.ordered if j.name in leading)
+
+    @cached_property
+    def coordinates(self) -> list[Any]:
+        """The coordinates of all parts."""
+        rows = [
+            j.motion.position if j.motion else [c.symbol for c in j.coordinates]
+            for j in self.joints
+        ]
+        return [self.lift(v) for row in rows for v in row]
+
+    @cached_property
+    def flow(self) -> Flow:
+        """The motion of all parts."""
+        rows = [
+            j.motion.rate or () if j.motion else [s.symbol for s in j.speeds] for j in self.joints
+        ]
+        return flow(
+            self.bones, self.coordinates, [self.lift(v) for row in rows for v in row], ARRAYS
+        )
+
+    def pose(self, name: str) -> tuple[Floats, Floats]:
+        """Return C_BA of a body, shape (N, 3, 3), and where its origin is (m), shape (N, 3)."""
+        seat, N = self.bones.seats[name], self.count
+        own, origin = (filled(x, N) for x in (_lists(seat.rotation), list(seat.origin)))
+        if seat.part < 0:
+            return own, origin
+        R, x = self.flow.poses[seat.part]
+        C = filled(_lists(R), N)
+        return own @ C, filled(list(x), N) + np.einsum("nij,ni->nj", C, origin)
+
+    def track(self, name: str) -> Track:
+        """Return the motion of a body."""
+        (C, position), part = self.pose(name), self.bones.seats[name].part
+        if part < 0:
+            return Track(name, position, of_matrices(C), np.zeros((self.count, 3)))
+        omega = filled(list(self.flow.velocities[part].angular), self.count)
+        R = filled(_lists(self.flow.poses[part][0]), self.count)
+        return Track(name, position, of_matrices(C), np.einsum("nij,ni->nj", R, omega))
+
+    def rotor(self, number: int) -> Track:
+        """Return the motion of a rotor about its axis, which is the third one of its own."""
+        rotor = self.tree.rotors[number]
+        body, N = self.track(rotor.body), self.count
+        axis = np.array([float(self.lift(a)) for a in rotor.axis])
+        centre = filled([self.lift(c) for c in self.tree.body[rotor.body].centre], N)
+        if rotor.speed is None:
+            angle = self.motion.series(rotor.states[0].name)
+            along = filled(self.lift(rotor.states[-1].symbol), N)
+        else:
+            speed, t = filled(self.lift(rotor.speed), N), self.motion.t
+            angle = np.concatenate([[0.0], np.cumsum(np.diff(t) * (speed[1:] + speed[:-1]) / 2)])
+            along = None
+        space = turned(body.quaternions, np.broadcast_to(axis, (N, 3)))
+        within = speed if along is None else along - np.einsum("ni,ni->n", body.omega, space)
+        spin = np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * np.eye(3)[2][:, None]]).T
+        tilt = np.broadcast_to(from_third(axis), (N, 4))
+        return Track(
+            rotor.name,
+            body.positions + turned(body.quaternions, centre),
+            continuous(multiplied(multiplied(body.quaternions, tilt), spin)),
+            body.omega + within[:, None] * space,
+        )
+
+
+def without_forces(tree: Tree) -> Tree:
+    """Return a tree with what its motion is read from alone: no forces, springs and constraints."""
+    return replace(
+        tree,
+        joints=tuple(
+            replace(j, force=0, stiffness=0, damping=0, rest=0, motor=False) for j in tree.joints
+        ),
+        rotors=tuple(replace(r, torque=0, damping=0, motor=False) for r in tree.rotors),
+        loads=(),
+        springs=(),
+        constraints=(),
+        inputs=(),
+    )
+
+
+def _lists(rows: Any) -> list[list[Any]]:
+    return [list(row) for row in rows]
+
+
+Bodies = OneBody | ManyBodies
+
+
+def single(scene: AnyScene) -> Scene | None:
+    """Return a scene if it is of one body, for pictures of one."""
+    return scene if isinstance(scene, Scene) else None
+
+
+def bodies_of(scene: AnyScene) -> Bodies:
+    """Return what is to be drawn of a scene of any model."""
+    return OneBody(scene) if isinstance(scene, Scene) else ManyBodies(scene)
+
+
+def at_start(bodies: Bodies) -> Motion:
+    """Return the numbers of a scene at t = 0. Raises `InputError` as the scene does."""
+    return Motion(np.zeros(1), {**bodies.known, **bodies.start})
+
+
+def with_attitude(scene: AnyScene, points: int, t_end: float | None = None) -> AnyScene:
+    """Return a scene whose simulation says where its bodies are, at ``points`` equally spaced times.
+
+    All states are asked for, and momentum and torque of one body. Coordinates that say so are added where
+    the scene has none (`OneBody.moving`, `ManyBodies.moving`).
+    """
+    data = scene.model_dump(exclude_unset=True)
+    plan = {**data.get("integration", {}), "points": max(points, LEAST_POINTS)}
+    data["integration"] = plan if t_end is None else {**plan, "t_end": t_end}
+    data["outputs"] = ()
+    return bodies_of(scene).moving(data)
+
+
+def tracks_of(scene: AnyScene, result: Result) -> Tracks:
+    """Return the motion of the bodies of a scene of `with_attitude` from its simulation.
+
+    Raises `InputError` for fewer than two times.
+    """
+    if len(result.t) < LEAST_POINTS:
+        raise InputError("the motion has no duration", where=scene.name, got=result.message)
+    bodies = bodies_of(scene)
+    fixed = {**bodies.known, **scene.parameter_values(), **scene.input_values()}
+    found = {n: np.asarray(result[n]) for n in (*result.names, *result.outputs)}
+    return bodies.tracks(Motion(result.t, {**fixed, **found}))
