@@ -13,12 +13,12 @@ from codegen.integrate.methods import METHODS
 from codegen.linearisation.equilibria import equilibria, equilibrium
 from codegen.linearisation.linear_motion import LinearMotion, linearise_about
 from codegen.linearisation.sensitivity import Sensitivities, sensitivities
-from codegen.linearisation.steady import Equilibrium
+from codegen.linearisation.unknowns import Equilibrium
 from codegen.native.native import CompilerError
 from codegen.native.trajectory import Stop
 from codegen.precision.accuracy import accuracy
-from codegen.precision.card import Card
-from codegen.runs.drift import Drift
+from codegen.precision.domain import Card
+from codegen.runs.pruning import Drift
 from codegen.runs.run_accuracy import Accuracy
 from codegen.runs.simulation import Result, simulate
 

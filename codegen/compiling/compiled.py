@@ -25,32 +25,29 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from codegen.compiling.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
-from codegen.compiling.jacobians import (
+from codegen.compiling.sparse import (
     KINDS,
+    SparseJacobian,
     differentiated,
     layout_of_derivatives,
     one_group,
     slots,
 )
-from codegen.compiling.sparse import SparseJacobian
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.from_sympy_mechanics import as_system
-from codegen.frontend.guard import Guard
 from codegen.frontend.layout import Layout, names_of
-from codegen.frontend.structure import Structure
+from codegen.frontend.structure import Guard, Structure
 from codegen.ir import telling
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.loops import javascript, written
 from codegen.loops.written import Choice
 from codegen.native import native
 from codegen.native.native import bind
-from codegen.passes.pipeline import fitted, formed, optimise
-from codegen.passes.stages import by_parameters
-from codegen.targets import c, checks, lanes, load_module, packaging, python_
-from codegen.targets.c_float import C_FLOAT
+from codegen.passes.pipeline import by_parameters, fitted, formed, optimise
+from codegen.targets import c, lanes, load_module, packaging, python_
+from codegen.targets.c import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.lanes import LANES
 from codegen.targets.numpy_ import NUMPY
@@ -385,7 +382,7 @@ def _c_files(integrator: written.Choice, program: Program, layout: Layout) -> Ma
         **written.files(integrator, program, layout),
         **packaging.descriptions(layout),
         **(packaging.sparsity(layout, layout.patterns) if layout.patterns else {}),
-        **checks.checks(program, layout),
+        **packaging.checks(program, layout),
     }
     return {**files, **packaging.build(layout, files)}
 

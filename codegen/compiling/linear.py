@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from codegen.compiling.checked import Array
 from codegen.compiling.compiled import Compiled, kept_jacobian
-from codegen.ir.groups import OUTPUTS, RATES
+from codegen.ir.program import OUTPUTS, RATES
 from eom.errors import typed
 
 

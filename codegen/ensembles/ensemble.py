@@ -45,12 +45,12 @@ from codegen.ensembles.work_units import (
     run,
 )
 from codegen.frontend.layout import names_of, to_array
-from codegen.integrate import fleet, onward
+from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
-from codegen.ir.groups import INVARIANTS, OUTPUTS
 from codegen.ir.identity import SameObject
+from codegen.ir.program import INVARIANTS, OUTPUTS
 from codegen.native import memory
-from codegen.native.halting import Flag, obey
+from codegen.native.children import Flag, obey
 from codegen.native.trajectory import MAX_STEPS, Array
 from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
@@ -396,7 +396,7 @@ def _result(
     plan, layout = gathered.plan, gathered.plan.compiled.layout
     used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
-    went_on, wound = onward.told(gathered.continued), _wound(layout.winds)
+    went_on, wound = fleet.continued_notice(gathered.continued), _wound(layout.winds)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.frontend.guard import Condition
 from codegen.frontend.layout import names_of
+from codegen.frontend.structure import Condition
 from codegen.ir.identity import SameObject
 from codegen.native.trajectory import Array
 from eom.errors import AssumptionError, InputError, shown, unknown_name

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from codegen.compiling.compiled import Compiled
-from codegen.ir.groups import INVARIANTS
+from codegen.ir.program import INVARIANTS
 from codegen.loops.projection import units
 from codegen.native.trajectory import Array, Problem
 

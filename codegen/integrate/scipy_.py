@@ -18,8 +18,8 @@ from codegen.compiling.sparse import SparseJacobian
 from codegen.integrate import sundials
 from codegen.integrate.projector import Projector
 from codegen.integrate.watching import Cut, Watcher
-from codegen.ir.groups import RATES
 from codegen.ir.passes import dependence, prune
+from codegen.ir.program import RATES
 from codegen.loops import jumps
 from codegen.loops.tableaux import TSIT5, Tableau
 from codegen.native.trajectory import Array, Problem, Stop, Trajectory

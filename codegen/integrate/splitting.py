@@ -42,15 +42,14 @@ from typing import Any
 
 from codegen.frontend.layout import Layout
 from codegen.integrate import group
-from codegen.integrate.momentum import CONSTANTS, KICK, START, Variables, kicks, start
-from codegen.ir.groups import SINGULARITIES
+from codegen.integrate.group import CONSTANTS, KICK, START, Variables, kicks, start
 from codegen.ir.names import identifier
-from codegen.ir.program import Program
+from codegen.ir.program import SINGULARITIES, Program
 from codegen.loops import lookout, runge_kutta
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.native import native
 from codegen.native.trajectory import Problem
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 from codegen.watch.narrow import narrow
 from eom.errors import InputError
 

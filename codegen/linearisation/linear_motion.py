@@ -36,14 +36,11 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.linear import Linear
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.interpret import Point
 from codegen.ir.ops import OPS, SOLVE, Instruction, Op, row_of
 from codegen.ir.passes import needed
-from codegen.ir.program import Program
-from codegen.linearisation.steady import Equilibrium
-from codegen.linearisation.tangents import tangents
-from codegen.linearisation.unknowns import leaves_of, maintained
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
+from codegen.linearisation.unknowns import Equilibrium, leaves_of, maintained, tangents
 from eom.errors import InputError, near_matches, typed, unknown_name
 
 Array = NDArray[np.float64]

@@ -28,9 +28,11 @@ from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
-from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
+from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers
 from codegen.targets.c import assigned, guarded, part_lines, variables
+from codegen.targets.c_helpers import COSINE, LARGEST_ANGLE, SINE, horner
+from codegen.targets.c_helpers import WHOLE as _WHOLE
 from codegen.targets.render import (
     ATOM,
     EVERY_NUMBER,
@@ -45,8 +47,6 @@ from codegen.targets.render import (
     table_names,
     with_slots_of,
 )
-from codegen.targets.sincos import COSINE, LARGEST_ANGLE, SINE, horner
-from codegen.targets.sincos import WHOLE as _WHOLE
 from codegen.targets.target import Target, call, words
 
 ULPS: dict[str, float] = {

@@ -13,7 +13,7 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.ir.stumpff import SERIES
-from codegen.passes.stages import CONSTANT, by_parameters
+from codegen.passes.pipeline import CONSTANT, by_parameters
 from codegen.targets.render import (
     Body,
     Names,

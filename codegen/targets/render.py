@@ -18,7 +18,7 @@ from codegen.ir.linsolve import Shape
 from codegen.ir.names import HELPERS, comment, identifiers
 from codegen.ir.ops import BLOCKS, OPS
 from codegen.ir.program import Name, Program
-from codegen.passes.stages import Cut
+from codegen.passes.pipeline import Cut
 from eom.quantities import Quantity
 from eom.tables import Table
 

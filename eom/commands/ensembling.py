@@ -44,7 +44,7 @@ KNOWN = ("count", "seed", "vary")
 
 
 def _distributions() -> Rows:
-    from codegen.ensembles.distributions import KINDS
+    from codegen.ensembles.sampler import KINDS
 
     return [(kind.usage, kind.meaning) for kind in KINDS]
 
@@ -302,10 +302,9 @@ def _start_of(
 
 def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
-    from codegen import Sampler
-    from codegen.ensembles import distributions
+    from codegen.ensembles.sampler import Sampler, sampler_of
 
-    varied = distributions.sampler(plan.vary, plan.count, plan.seed)
+    varied = sampler_of(plan.vary, plan.count, plan.seed)
     if not len(varied):
         raise InputError("how many trajectories?", expected="--count N", hint="or a grid")
     _check_attitude(scene, varied)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import eom
 from codegen.compiling.compiled import compile as compile_system
 from codegen.frontend.attitude import FRAME, INERTIA, attitude_of
-from codegen.integrate.momentum import (
+from codegen.integrate.group import (
     CONSTANTS,
     ERRORS,
     FIXED,

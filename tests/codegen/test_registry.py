@@ -12,8 +12,7 @@ from click.testing import CliRunner
 import eom
 from codegen import compile as compile_system
 from codegen.compiling.compiled import ROWS, generate
-from codegen.frontend.excerpt import excerpt
-from codegen.frontend.layout import Layout
+from codegen.frontend.layout import Layout, excerpt
 from codegen.frontend.lower import lower_system
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.names import identifier

@@ -5,50 +5,56 @@ Griewank and Walther, Evaluating Derivatives, 2nd ed. (2008), ch. 3: forward pro
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from eom.fields import Operators
 from eom.multibody.algebra.scalars import Scalar, Work, add, is_zero, mul, negative, reciprocal, sub
 
 
 @dataclass(frozen=True)
-class Dual:
+class Dual(Operators):
     """A value and its rate. Operands are of its kind, or constant."""
 
     value: Scalar
     rate: Scalar
 
-    def __add__(self, other: Any) -> Dual:
-        x, dx = parts(other)
-        return Dual(add(self.value, x), add(self.rate, dx))
-
-    __radd__ = __add__
-
-    def __neg__(self) -> Dual:
-        return Dual(negative(self.value), negative(self.rate))
-
-    def __sub__(self, other: Any) -> Dual:
-        x, dx = parts(other)
-        return Dual(sub(self.value, x), sub(self.rate, dx))
-
-    def __rsub__(self, other: Any) -> Dual:
-        return Dual(sub(other, self.value), negative(self.rate))
-
-    def __mul__(self, other: Any) -> Dual:
-        x, dx = parts(other)
-        return Dual(mul(self.value, x), add(mul(self.rate, x), mul(self.value, dx)))
-
-    __rmul__ = __mul__
-
-    def __rtruediv__(self, other: Any) -> Dual:
-        inverse = reciprocal(self.value)
-        found = mul(other, inverse)
-        return Dual(found, negative(mul(mul(found, inverse), self.rate)))
+    def operated(self, op: str, *operands: Any) -> Dual:
+        """Return the result of an operation, with its rate."""
+        return Dual(*_RULES[op](*map(parts, operands)))
 
 
 def parts(x: Any) -> tuple[Scalar, Scalar]:
     """Return value and rate; a constant's is zero."""
     return (x.value, x.rate) if isinstance(x, Dual) else (x, 0)
+
+
+Parts = tuple[Scalar, Scalar]
+
+
+def _negative(x: Parts) -> Parts:
+    return negative(x[0]), negative(x[1])
+
+
+def _product(x: Parts, y: Parts) -> Parts:
+    return mul(x[0], y[0]), add(mul(x[1], y[0]), mul(x[0], y[1]))
+
+
+def _quotient(x: Parts, y: Parts) -> Parts:
+    """(x/y)' = x'/y - x/y y'/y."""
+    inverse = reciprocal(y[0])
+    found = mul(x[0], inverse)
+    return found, sub(mul(x[1], inverse), mul(mul(found, inverse), y[1]))
+
+
+_RULES: dict[str, Callable[..., Parts]] = {
+    "add": lambda x, y: (add(x[0], y[0]), add(x[1], y[1])),
+    "sub": lambda x, y: (sub(x[0], y[0]), sub(x[1], y[1])),
+    "neg": _negative,
+    "mul": _product,
+    "div": _quotient,
+}
 
 
 @dataclass(frozen=True)

@@ -25,14 +25,15 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.algebra.values import is_number, unit
-from eom.multibody.constrained.point_kinematics import PointKinematics, Scene
 from eom.multibody.constrained.relations import (
     Apart,
     Contact,
     Edge,
+    PointKinematics,
     Relation,
     Rod,
     Roll,
+    Scene,
     Square,
     Sum,
 )
