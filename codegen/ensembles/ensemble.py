@@ -31,8 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.compiled import Compiled, processors
 from codegen.ensembles import store as stores
-from codegen.ensembles.sampler import Sampler
-from codegen.ensembles.samples import Many, Population, population
+from codegen.ensembles.sampler import Many, Population, Sampler, population
 from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
 from codegen.ensembles.work_units import (
     DRIFT,

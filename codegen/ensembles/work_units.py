@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled, batch
-from codegen.ensembles.samples import Population, check
+from codegen.ensembles.sampler import Population, check
 from codegen.ensembles.statistics import (
     BLOCK,
     Bins,

@@ -2,8 +2,8 @@
 
 Derivatives of a program at one point, by carrying them along with the values; nothing is generated.
 
-For a single point this is sooner done than deriving and compiling a Jacobian (`codegen.compiling.linear`),
-which pays from some hundreds of points on. Partial derivatives are those of the table of operations.
+For a single point this is sooner done than deriving and compiling a Jacobian (`linearise`), which pays
+from some hundreds of points on. Partial derivatives are those of the table of operations.
 
 A steady state as it is told, and which states may run together in a steady motion.
 """
@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import names_of
-from codegen.ir.interpret import UNIT_ROUNDOFF, Point, constants, interpret_with_bound
+from codegen.ir.interpret import UNIT_ROUNDOFF, Point, constants, evaluated, interpret_with_bound
 from codegen.ir.linsolve import Shape, whole
-from codegen.ir.ops import OPS, Instruction, row_of
+from codegen.ir.ops import Instruction, row_of
 from codegen.ir.passes import needed, prune
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
 
@@ -110,19 +110,13 @@ def tangents(
     """
     names = list(groups)
     units = dict(zip(by, np.eye(len(by)), strict=True))
-    known = constants(program)
-    carried: dict[int, Carried] = {}
+    known = {k: Carried(np.float64(value), 0.0) for k, value in constants(program).items()}
+
+    def leaf(instruction: Instruction) -> Carried:
+        return Carried(np.float64(point.slot(instruction)), units.get(instruction, 0.0))
+
     with np.errstate(all="ignore"):
-        for k in sorted(needed(program, names)):
-            instruction = program.instructions[k]
-            if k in known:
-                carried[k] = Carried(np.float64(known[k]), 0.0)
-            elif instruction.op in OPS:
-                carried[k] = _operation(instruction, [carried[a] for a in instruction.args])
-            else:
-                carried[k] = Carried(
-                    np.float64(point.slot(instruction)), units.get(instruction, 0.0)
-                )
+        carried = evaluated(program, leaf, _operation, known, sorted(needed(program, names)))
     found = [carried[k] for name in names for k in program.results[name]]
     slopes = [np.broadcast_to(c.slope, len(by)) for c in found]
     values = np.array([c.value for c in found], dtype=np.float64)

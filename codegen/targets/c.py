@@ -26,6 +26,7 @@ from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
 from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets.c_helpers import HELPERS, circles, table_function
 from codegen.targets.render import (
+    ARITHMETIC,
     ATOM,
     Body,
     Line,
@@ -33,7 +34,8 @@ from codegen.targets.render import (
     Part,
     Tables,
     Template,
-    infix,
+    call,
+    calls,
     leaf_names,
     render,
     split,
@@ -43,51 +45,18 @@ from codegen.targets.render import (
 from codegen.targets.target import Target
 from eom.quantities import Quantity
 
-
-def _call(name: str, arity: int = 1) -> Template:
-    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
-
-
 TEMPLATES: dict[str, Template] = {
-    "add": infix("+", 10),
-    "sub": infix("-", 10),
-    "mul": infix("*", 20),
-    "div": infix("/", 20),
-    "neg": Template("-{0}", 15, (20,)),
-    "pow": _call("pow", 2),
-    "sqrt": _call("sqrt"),
-    "sin": _call("sin"),
-    "cos": _call("cos"),
-    "tan": _call("tan"),
-    "asin": _call("asin"),
-    "acos": _call("acos"),
-    "atan": _call("atan"),
-    "sinh": _call("sinh"),
-    "cosh": _call("cosh"),
-    "tanh": _call("tanh"),
-    "asinh": _call("asinh"),
-    "acosh": _call("acosh"),
-    "atanh": _call("atanh"),
-    "exp": _call("exp"),
-    "log": _call("log"),
-    "atan2": _call("atan2", 2),
-    "abs": _call("fabs"),
-    "sign": _call("sign_", 1),
-    "min": _call("min_", 2),
-    "max": _call("max_", 2),
+    **ARITHMETIC,
+    **calls("{}", "pow sqrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh atan2"),
+    **calls("{}", "exp expm1 log log1p floor hypot erf erfc"),
+    **calls("{}_", "sign min max mod"),
+    "abs": call("fabs"),
     "lt": Template("(double)({0} < {1})", 50, (6, 6)),
     "le": Template("(double)({0} <= {1})", 50, (6, 6)),
     "eq": Template("(double)({0} == {1})", 50, (6, 6)),
     "and": Template("(double)({0} != 0.0 && {1} != 0.0)", 50, (6, 6)),
     "or": Template("(double)({0} != 0.0 || {1} != 0.0)", 50, (6, 6)),
     "not": Template("(double)({0} == 0.0)", 50, (6,)),
-    "floor": _call("floor"),
-    "mod": _call("mod_", 2),
-    "hypot": _call("hypot", 2),
-    "erf": _call("erf"),
-    "erfc": _call("erfc"),
-    "expm1": _call("expm1"),
-    "log1p": _call("log1p"),
     "besselj": Template("jn((int){0}, {1})", ATOM, (ATOM, 0)),
     "bessely": Template("yn((int){0}, {1})", ATOM, (ATOM, 0)),
     "stumpff": Template("stumpff_((int){0}, {1})", ATOM, (ATOM, 0)),

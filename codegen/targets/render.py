@@ -111,6 +111,26 @@ def infix(symbol: str, power: int) -> Template:
     return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1))
 
 
+def call(name: str, arity: int = 1) -> Template:
+    """Return the template of a function call."""
+    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
+
+
+def calls(name: str, operations: str) -> dict[str, Template]:
+    """Return templates of function calls, by operation; ``{}`` in ``name`` stands for it."""
+    return {op: call(name.format(op), OPS[op].arity) for op in operations.split()}
+
+
+ARITHMETIC = {
+    "add": infix("+", 10),
+    "sub": infix("-", 10),
+    "mul": infix("*", 20),
+    "div": infix("/", 20),
+    "neg": Template("-{0}", 15, (20,)),
+}
+"""What most languages write alike."""
+
+
 Names = Mapping[str, Sequence[Name]]
 """What the slots of each kind of leaf are called; an empty name leaves the slot without a variable."""
 

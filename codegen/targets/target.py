@@ -110,11 +110,6 @@ def words(body: Body) -> set[str]:
     return {word for text in texts for word in _WORD.findall(text)}
 
 
-def call(name: str, arity: int = 1) -> Template:
-    """Return the template of a function call."""
-    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
-
-
 def nested(width: int) -> str:
     """Return Horner's rule over the coefficients ``c`` of a row of a table, in ``h``; NaN stays NaN."""
     text = f"c[{width - 1}]" if width > 1 else "c[0] + 0.0 * h"

@@ -28,7 +28,7 @@ from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Compiled, Ensemble, Sampler, Summary
-    from codegen.ensembles.samples import Samples
+    from codegen.ensembles.sampler import Samples
     from eom.opening import AnyScene
     from eom.system import SequenceAngles
 

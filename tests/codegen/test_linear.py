@@ -6,10 +6,10 @@ import sympy as sp
 
 import codegen
 from codegen.compiling.compiled import compiled_jacobian, generate
-from codegen.compiling.linear import linearise
 from codegen.compiling.sparse import KINDS, with_jacobians
 from codegen.derivatives.derivative import ORDERS
 from codegen.ir.names import identifier
+from codegen.linearisation.linear_motion import linearise
 from codegen.passes.pipeline import specialised
 from codegen.targets import load_module
 from eom.errors import InputError

@@ -156,9 +156,9 @@ class Lagrange:
     def dissipation(self) -> Scalar:
         """Rayleigh's function: half the power that dampers take."""
         found: Scalar = 0
-        for link in self.mechanism.links:
-            for c, u in zip(link.joint.damping, self.mechanism.own(link), strict=True):
-                found = found + self.mechanism.algebra.lift(c) * u * u * HALF
+        for _, k, source, drag in self.mechanism.in_joints():
+            if source == "damper":
+                found = found + drag * self.mechanism.joint_speeds[k] * HALF
         return found
 
     @cached_property
@@ -231,15 +231,11 @@ class Lagrange:
 
     def _work(self, row: int, s: int) -> list[Contribution]:
         """Return the virtual work of motors, applied forces and loads, for a unit of one speed."""
-        found, algebra = [], self.mechanism.algebra
-        for link in self.mechanism.links:
-            for k, u in enumerate(self.mechanism.own(link)):
-                joint = link.joint
-                force = algebra.lift(joint.force[k])
-                if joint.motors:
-                    force = force + algebra.atom(joint.motors[k].symbol)
-                value = force * self.mechanism.part(u, s)
-                found.append(Contribution(row, "applied", f"work at {joint.name}", value))
+        found = []
+        for joint, k, source, force in self.mechanism.in_joints():
+            if source == "applied":
+                value = force * self.mechanism.part(self.mechanism.joint_speeds[k], s)
+                found.append(Contribution(row, source, f"work at {joint.name}", value))
         for pull in self.mechanism.pulls:
             C = self.poses[pull.link][0]
             v = self.velocity(self.point(pull.link, pull.point), s)
@@ -325,15 +321,6 @@ class Kane:
         """Return m a of the centre of mass: less the inertia force."""
         return scaled(self.mechanism.links[k].mass, self.accelerations[k].linear)
 
-    @cached_property
-    def rotations(self) -> list[Matrix]:
-        """From the ground's axes to those of each link."""
-        found: list[Matrix] = []
-        for link in self.mechanism.links:
-            before = found[link.parent] if link.parent >= 0 else IDENTITY
-            found.append(product(link.rotation, before))
-        return found
-
     # -- the equations -----------------------------------------------------------------------
 
     def contributions(self) -> list[Contribution]:
@@ -349,7 +336,7 @@ class Kane:
             inertia = dot(v, self.inertia_force(k)) + dot(w, self.inertia_torque(k))
             yield Contribution(row, "motion", f"-F* of {link.name}", inertia)
             if not is_zero(link.mass):
-                g = times(self.rotations[k], self.mechanism.gravity)
+                g = times(self.mechanism.rotations[k], self.mechanism.gravity)
                 weight = negative(link.mass * dot(v, g))
                 yield Contribution(row, "gravity", f"-F of {link.name}", weight)
         for link, J, u in self.mechanism.rotors():
@@ -357,38 +344,19 @@ class Kane:
             yield Contribution(row, "motion", f"-F* of the rotor of {link.joint.name}", part)
 
     def _joints(self, row: int, s: int) -> Iterator[Contribution]:
-        start, algebra = 0, self.mechanism.algebra
-        for link in self.mechanism.links:
-            joint = link.joint
-            paired = joint.row.paired(joint.attitude)
-            for k, u in enumerate(self.mechanism.own(link)):
-                part = self.mechanism.part(u, s)
-                c = paired[k]
-                if c is not None:
-                    stretch = self.mechanism.coordinates[start + c] - algebra.lift(joint.rest[k])
-                    pull = algebra.lift(joint.stiffness[k]) * stretch * part
-                    yield Contribution(row, "spring", f"-F of {joint.name}", pull)
-                drag = algebra.lift(joint.damping[k]) * u * part
-                yield Contribution(row, "damper", f"-F of {joint.name}", drag)
-                force = algebra.lift(joint.force[k])
-                if joint.motors:
-                    force = force + algebra.atom(joint.motors[k].symbol)
-                yield Contribution(row, "applied", f"F of {joint.name}", force * part)
-            start += len(joint.coordinates)
+        for joint, k, source, value in self.mechanism.in_joints():
+            part = self.mechanism.part(self.mechanism.joint_speeds[k], s)
+            label = f"{'F' if source == 'applied' else '-F'} of {joint.name}"
+            yield Contribution(row, source, label, value * part)
 
     def _pulls(self, row: int, s: int) -> Iterator[Contribution]:
         for pull in self.mechanism.pulls:
-            k = pull.link
-            force, torque = pull.force, pull.torque
-            if pull.grounded:
-                force, torque = (times(self.rotations[k], x) for x in (force, torque))
+            force, torque = self.mechanism.pull_of(pull)
             part = self.mechanism.part_of
-            v = part(self.velocity(k, pull.point), s)
-            w = part(self.origins[k].angular, s)
-            value: Scalar = dot(force, v) + dot(torque, w)
-            yield Contribution(
-                row, "applied", f"F of the load on {self.mechanism.links[k].name}", value
-            )
+            v = part(self.velocity(pull.link, pull.point), s)
+            w = part(self.origins[pull.link].angular, s)
+            label = f"F of the load on {self.mechanism.links[pull.link].name}"
+            yield Contribution(row, "applied", label, dot(force, v) + dot(torque, w))
 
 
 class Moved(NamedTuple):
@@ -454,15 +422,6 @@ class NewtonEuler:
         w, alpha, a = self.motions[k]
         return plus(a, plus(cross(alpha, point), cross(w, cross(w, point))))
 
-    @cached_property
-    def rotations(self) -> list[Matrix]:
-        """From the ground's axes to those of each link."""
-        found: list[Matrix] = []
-        for link in self.mechanism.links:
-            before = found[link.parent] if link.parent >= 0 else IDENTITY
-            found.append(product(link.rotation, before))
-        return found
-
     # -- balances of single bodies -------------------------------------------------------------
 
     def momentum_rate(self, k: int) -> SpatialVector:
@@ -479,15 +438,13 @@ class NewtonEuler:
             moment = plus(spin, cross(link.centre, force))
             yield Wrench(k, "motion", f"momentum of {link.name}", moment, force)
             if not is_zero(link.mass):
-                g = times(self.rotations[k], self.mechanism.gravity)
+                g = times(self.mechanism.rotations[k], self.mechanism.gravity)
                 weight = negative_vector(scaled(link.mass, g))
                 yield Wrench(
                     k, "gravity", f"weight of {link.name}", cross(link.centre, weight), weight
                 )
         for pull in self.mechanism.pulls:
-            k, force, torque = pull.link, pull.force, pull.torque
-            if pull.grounded:
-                force, torque = (times(self.rotations[k], x) for x in (force, torque))
+            k, (force, torque) = pull.link, self.mechanism.pull_of(pull)
             label = f"load on {self.mechanism.links[k].name}"
             yield Wrench(k, "applied", label, plus(torque, cross(pull.point, force)), force)
 
@@ -515,22 +472,14 @@ class NewtonEuler:
 
     def _in_joints(self) -> Iterator[tuple[int, str, str, Scalar]]:
         """Yield what acts in the joints themselves: rotors, springs, dampers, motors."""
-        start, algebra = 0, self.mechanism.algebra
+        names = {"spring": "spring", "damper": "damper", "applied": "force"}
         for link in self.mechanism.links:
-            joint = link.joint
-            paired = joint.row.paired(joint.attitude)
-            for k, s in enumerate(link.speeds):
-                u, at = self.mechanism.joint_speeds[s], f"in {joint.name}"
-                rotor = algebra.lift(joint.armature[k]) * self.mechanism.rate(u)
-                yield s, "motion", f"rotor {at}", rotor
-                c = paired[k]
-                if c is not None:
-                    stretch = self.mechanism.coordinates[start + c] - algebra.lift(joint.rest[k])
-                    yield s, "spring", f"spring {at}", algebra.lift(joint.stiffness[k]) * stretch
-                yield s, "damper", f"damper {at}", algebra.lift(joint.damping[k]) * u
-                motor = algebra.atom(joint.motors[k].symbol) if joint.motors else 0
-                yield s, "applied", f"force {at}", motor + algebra.lift(joint.force[k])
-            start += len(joint.coordinates)
+            for s, armature in zip(link.speeds, link.joint.armature, strict=True):
+                rate = self.mechanism.rate(self.mechanism.joint_speeds[s])
+                value = self.mechanism.algebra.lift(armature) * rate
+                yield s, "motion", f"rotor in {link.joint.name}", value
+        for joint, s, source, value in self.mechanism.in_joints():
+            yield s, source, f"{names[source]} in {joint.name}", value
 
     def contributions(self) -> list[Contribution]:
         """Return the free rows of the joints' balances, over the chosen speeds."""

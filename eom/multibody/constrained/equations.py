@@ -13,8 +13,18 @@ from typing import Any
 
 import sympy as sp
 
-from eom.multibody.algebra.dual import Dual, DualWork, parts
-from eom.multibody.algebra.scalars import Scalar, add, is_zero, mul, reciprocal, sub, total
+from eom.multibody.algebra.scalars import (
+    Dual,
+    DualWork,
+    Scalar,
+    add,
+    is_zero,
+    mul,
+    parts,
+    reciprocal,
+    sub,
+    total,
+)
 from eom.multibody.algebra.spatial import (
     IDENTITY,
     Vector,

@@ -22,7 +22,7 @@ from eom.multibody import (
     SpeedEquation,
     Tree,
 )
-from eom.multibody.algebra.dual import Dual, DualWork, parts
+from eom.multibody.algebra.scalars import Dual, DualWork, parts
 from eom.multibody.constrained.dependence import FLOATS
 from eom.multibody.constrained.equations import components, plane_directions
 from eom.multibody.constrained.relations import Arithmetic, scene
