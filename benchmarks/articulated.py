@@ -8,8 +8,8 @@ from typing import Any
 
 from eom.multibody import GROUND, Body, Joint, Placement, Tree
 from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
+from eom.multibody.recursion.recursions import forward_dynamics
 
 Scalar = Any
 Function = Callable[[Scalar], Scalar]

@@ -30,9 +30,8 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, alone, time_text
 from codegen.frontend.layout import Layout
 from codegen.frontend.lower import lower_system
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.native import native
 from codegen.targets import c
 from eom.multibody import derive

@@ -17,8 +17,7 @@ from benchmarks import chains
 from benchmarks.native_rates import empty_cache
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen.ir.groups import RATES
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.native import native
 from codegen.targets import c
 

@@ -22,7 +22,7 @@ import eom
 from benchmarks.pairs import Pairs, paired, seconds, settled
 from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, time_text
-from codegen.closed import closed_c
+from codegen.closed import closed_forms
 from codegen.closed.closed_forms import Closed, find
 from codegen.native import native
 from codegen.native.trajectory import Problem
@@ -95,7 +95,7 @@ def _times(what: str, quick: bool) -> list[Row]:
     t = np.linspace(-1e3, 1e3, 100_000 if quick else 1_000_000)
     forms: dict[str, Callable[[Any], Any]] = {"NumPy": closed.states}
     if native.compiler():
-        forms["C"] = closed_c.loaded(closed)
+        forms["C"] = closed_forms.loaded(closed)
     return [_time(f"{what}, {name}", form, t, quick) for name, form in forms.items()]
 
 
@@ -132,7 +132,7 @@ def _error(what: str) -> Row:
 
 def _errors(closed: Closed, what: str, times: list[float]) -> tuple[float, float]:
     oracle, data = _oracle(what)
-    forms = [closed.states, *([closed_c.loaded(closed)] if native.compiler() else [])]
+    forms = [closed.states, *([closed_forms.loaded(closed)] if native.compiler() else [])]
     worst = [0.0, 0.0]
     with mpmath.workdps(90):
         for t in times:

@@ -26,10 +26,9 @@ from benchmarks import fuzz_targets
 from benchmarks.expressions import PARAMETERS, STATES, Tree, context, draw, points
 from benchmarks.fuzz_targets import precision, refused, rounded, subset, values
 from codegen.frontend.lower import lower_expressions
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Bounded, Point, interpret, interpret_exactly
 from codegen.ir.ops import OPS
-from codegen.ir.program import Builder, Program
+from codegen.ir.program import RATES, Builder, Program
 from codegen.passes.pipeline import optimise
 from eom.errors import InputError
 from eom.tables import Table

@@ -12,11 +12,10 @@ import sympy as sp
 from benchmarks.expressions import PARAMETERS, STATES
 from codegen.compiling.compiled import ROWS, TARGETS, batch_kernel, generate
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.interpret import Point, constants
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.native import native
 from codegen.targets import lanes
 from eom.quantities import Quantity

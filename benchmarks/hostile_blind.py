@@ -21,7 +21,7 @@ from sympy.parsing.sympy_parser import parse_expr
 
 import codegen
 from codegen.measure.stress.hostile import RTOLS, Known, trusted
-from codegen.native.time_limit import TooLongError, watch
+from codegen.native.children import TooLongError, watch
 from eom.errors import InputError
 from eom.quantities import TIME
 from eom.system import BodyAttitude, System

@@ -10,10 +10,9 @@ from benchmarks.table import Row, Section, time_text
 from codegen import Compiled, SparseJacobian
 from codegen import compile as compile_system
 from codegen.derivatives.derivative import JACOBIAN
-from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
-from codegen.passes.stages import by_parameters
+from codegen.ir.program import RATES, Program
+from codegen.passes.pipeline import by_parameters
 from eom.scenes import catalogue
 from eom.scenes.scene import Scene
 

@@ -184,8 +184,8 @@ def stages(links: int) -> dict[str, Any]:
     """Return seconds by stage of our way to a callable, and operations of the right-hand side."""
     from codegen.compiling.compiled import TARGETS
     from codegen.frontend.from_sympy_mechanics import as_system
-    from codegen.ir.groups import RATES
     from codegen.ir.passes import prune
+    from codegen.ir.program import RATES
     from codegen.native import native
     from codegen.passes.pipeline import specialised
     from codegen.targets import c

@@ -49,8 +49,8 @@ def stages(name: str) -> dict[str, Any]:
     """Return seconds by stage, bytes of generated C and operations of the right-hand side."""
     from codegen.frontend.layout import Layout
     from codegen.frontend.lower import lower_system
-    from codegen.ir.groups import RATES
     from codegen.ir.passes import prune
+    from codegen.ir.program import RATES
     from eom.scenes.scene import Scene
 
     marks = [perf_counter()]

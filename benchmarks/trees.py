@@ -21,16 +21,14 @@ from benchmarks.settings import Settings
 from benchmarks.table import Row, Section, alone
 from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.ir import scalars
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from eom.multibody import Tree
 from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.quantities import flow, gravity_potential, kinetic_energy
-from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.recursions import forward_dynamics, inverse_dynamics, mass_matrix
 from tests.eom.multibody.peer import SHARED, pinocchio, shared_tree, their_state
 
 COUNT = 200

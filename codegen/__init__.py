@@ -3,7 +3,6 @@
 from codegen.closed.exact import FreeMotion, free_body, free_motion
 from codegen.compiling.compiled import Compiled, compile, compiled_jacobian
 from codegen.compiling.events import Event
-from codegen.compiling.linear import Linear, linearise
 from codegen.compiling.signals import Signal
 from codegen.compiling.sparse import SparseJacobian
 from codegen.ensembles.ensemble import Ensemble, ensemble
@@ -11,14 +10,14 @@ from codegen.ensembles.sampler import Grid, Normal, Sampler, Uniform, UniformQua
 from codegen.ensembles.statistics import Statistics, Summary
 from codegen.integrate.methods import METHODS
 from codegen.linearisation.equilibria import equilibria, equilibrium
-from codegen.linearisation.linear_motion import LinearMotion, linearise_about
+from codegen.linearisation.linear_motion import Linear, LinearMotion, linearise, linearise_about
 from codegen.linearisation.sensitivity import Sensitivities, sensitivities
-from codegen.linearisation.steady import Equilibrium
+from codegen.linearisation.unknowns import Equilibrium
 from codegen.native.native import CompilerError
 from codegen.native.trajectory import Stop
 from codegen.precision.accuracy import accuracy
-from codegen.precision.card import Card
-from codegen.runs.drift import Drift
+from codegen.precision.domain import Card
+from codegen.runs.pruning import Drift
 from codegen.runs.run_accuracy import Accuracy
 from codegen.runs.simulation import Result, simulate
 

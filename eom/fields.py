@@ -1,5 +1,7 @@
 """Exact fields: residues modulo a prime, or fractions; linear equations; fractions back from residues.
 
+Operators of scalars that are no numbers, all by one method.
+
 Elements are plain numbers, whole ones modulo the prime or `fractions.Fraction`; both packages compute with
 them, so nothing else is imported here. A false identity of total degree d holds at a random point with a
 chance of at most d over the prime (Schwartz and Zippel).
@@ -7,6 +9,7 @@ chance of at most d over the prime (Schwartz and Zippel).
 
 from __future__ import annotations
 
+import operator
 import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -22,8 +25,56 @@ LARGE_PRIME = int(
 """The first prime after digits of pi: no number that people write is zero modulo it by its form."""
 
 
+ARITHMETIC: dict[str, Callable[..., Any]] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "neg": operator.neg,
+}
+"""Operations that need no division, by the names of `Operators`."""
+
+
 class Singular(ArithmeticError):
     """A divisor happens to be zero; another point is drawn."""
+
+
+class Operators:
+    """Operators of scalars that are no numbers: each gives its name and its operands to `operated`.
+
+    Names are ``add``, ``sub``, ``mul``, ``div`` and ``neg``. One operand at least is of the class. A number
+    on the left of a sum or a product comes second, as if it stood on the right.
+    """
+
+    __slots__ = ()
+
+    def operated(self, op: str, *operands: Any) -> Any:
+        """Return the result of an operation; `NotImplemented` for operands of another kind."""
+        raise NotImplementedError
+
+    def __add__(self, other: Any) -> Any:
+        return self.operated("add", self, other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        return self.operated("sub", self, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self.operated("sub", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        return self.operated("mul", self, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        return self.operated("div", self, other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self.operated("div", other, self)
+
+    def __neg__(self) -> Any:
+        return self.operated("neg", self)
 
 
 @dataclass(frozen=True)
@@ -53,6 +104,12 @@ class Field:
         if self.reduce(value) == 0:
             raise Singular
         return pow(value, -1, self.prime) if self.prime else 1 / Fraction(value)
+
+    def operated(self, op: str, *operands: Any) -> Any:
+        """Return the result of an operation of `Operators`; raises `Singular` for a divisor zero."""
+        if op == "div":
+            return self.reduce(operands[0] * self.inverse(operands[1]))
+        return self.reduce(ARITHMETIC[op](*operands))
 
     def total(self, values: Sequence[Any]) -> Any:
         """Return the sum of elements."""

@@ -8,8 +8,8 @@ import pytest
 from benchmarks import chains, compile_time, peers, pendulum
 from benchmarks.articulated import accelerations, chain
 from benchmarks.settings import Settings
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
+from codegen.ir.program import RATES
 from codegen.native import native
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="times C itself")

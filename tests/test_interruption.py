@@ -18,7 +18,7 @@ import sympy as sp
 import codegen
 from codegen.integrate import fleet
 from codegen.loops import runge_kutta
-from codegen.native import children, halting, native
+from codegen.native import children, native
 from eom.system import System
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -92,13 +92,13 @@ def test_a_flag_ends_a_job_in_c_and_nothing_of_it_is_kept():
         built = fleet.build(compiled, method, 1e-9)
         span = (0.0, 1e12)
         shared = fleet.Shared(span, np.empty(0), 1e-9, 1e-12 * np.ones(2), 1e-6, one, 1.0, most)
-        flag, ended = halting.Flag(), []
+        flag, ended = children.Flag(), []
 
         def work(built=built, shared=shared, flag=flag, ended=ended):
-            halting.obey(flag)
+            children.obey(flag)
             try:
                 built.run(shared, np.ones((2, 9)), np.empty(0))
-            except halting.Halt:
+            except children.Halt:
                 ended.append("halt")
 
         thread = threading.Thread(target=work, daemon=True)

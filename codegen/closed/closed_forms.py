@@ -6,22 +6,43 @@ else is what the system states (`eom.system.BodyAttitude`). That every rate is t
 numbers, is an identity modulo a prime (`codegen.closed.held`): a torque that is there is a torque, however
 small and wherever it acts. The principal axes of
 an inertia matrix are found in fractions.
+
+Three quantities, the rate of each a multiple of the product of the others, by sn, cn, dn.
+
+    y1' = c1 y2 y3,  y2' = c2 y3 y1,  y3' = c3 y1 y2
+
+Euler's equations without torque are of this form, with or without a body that has such moments of
+inertia; so are two quantities that turn with a constant rate (c3 = 0). One c must have a sign of its
+own: call it c2, and let |c1| y3^2 >= |c3| y1^2. Then, with E = |c2| y1^2 + |c1| y2^2 and
+F = |c3| y2^2 + |c2| y3^2, which are constant,
+
+    y1 = a1 cn u,  y2 = -sign(c1) a2 sn u,  y3 = a3 dn u,  u = u0 + p t
+    a1^2 = E/|c2|,  a2^2 = E/|c1|,  a3^2 = F/|c2|,  p^2 = |c1| F
+    m = |c3| E/(|c1| F),  1 - m = |c2| (|c1| y3^2 - |c3| y1^2)/(|c1| F)
+
+All of these are computed as fractions of the data. Source: DLMF 22.13 (i).
+
+Closed forms in C: one motion, its constants in the text, at any times in vector lanes.
+
+The text is the program that the NumPy form leaves behind (`codegen.ir.scalars`), written by the target of
+lanes: the same operations in the same order, sines and exponentials of `codegen.targets.lanes`.
 """
 
 from __future__ import annotations
 
+import ctypes
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import permutations
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from codegen.closed import spinner, top_recognition
-from codegen.closed.angles import Angles, Sequence3, angles
-from codegen.closed.bilinear import triad
+from codegen.closed.angles import Angles, Sequence3, angles, own_axes, winding
 from codegen.closed.bodies import (
     Matrix,
     Spinning,
@@ -31,26 +52,127 @@ from codegen.closed.bodies import (
     moves,
     positive_definite,
 )
+from codegen.closed.elliptic import (
+    Modulus,
+    Pair,
+    Series,
+    carlson,
+    pair,
+    parity,
+    reduced,
+    scaled,
+    series,
+)
 from codegen.closed.exact import CHUNK, LENGTH, form_of
 from codegen.closed.heavy_top import top_form
 from codegen.closed.held import Held, fraction, held, states_of
-from codegen.closed.phase_unwrapping import own_axes, winding
-from codegen.closed.polhode import Frame, context, number, polhode
+from codegen.closed.polhode import Frame, context, number, polhode, root
 from codegen.compiling.compiled import Compiled
-from codegen.frontend.layout import names_of
+from codegen.frontend.layout import Layout, names_of, to_array
+from codegen.ir.names import comment, identifier
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.ir.residues import PRIME, RandomPoint
+from codegen.ir.scalars import traced
+from codegen.native import native
 from codegen.native.trajectory import Problem
+from codegen.targets import lanes
+from codegen.targets.c import guarded
 from eom.errors import InputError
+from eom.quantities import TIME, Quantity
 from eom.rotations import quaternion_product
 
 Array = NDArray[np.float64]
+Triple = tuple[Fraction, Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class Constant:
+    """Quantities that do not change."""
+
+    values: tuple[float, ...]
+    fastest: float = 0.0
+
+    def __call__(self, t: Array) -> Array:
+        """Return the values at each time, (3, N)."""
+        return np.stack([np.full_like(t, v) for v in self.values])
+
+
+@dataclass(frozen=True)
+class Triad:
+    """The elliptic functions; ``places``: of y1, y2, y3 among the three; ``fastest`` phase, rad/s."""
+
+    functions: Series
+    rate: Pair
+    start: Pair
+    amplitudes: tuple[float, float, float]
+    places: tuple[int, int, int]
+    fastest: float
+
+    def __call__(self, t: Array) -> Array:
+        """Return the three quantities at the times, (3, N)."""
+        u, count = reduced(t, self.rate, self.start, self.functions.period)
+        sn, cn, dn, _, _ = self.functions(u)
+        sign = parity(count)
+        shapes = (sign * cn, sign * sn, dn)
+        rows = [a * f for a, f in zip(self.amplitudes, shapes, strict=True)]
+        return np.stack([rows[self.places.index(k)] for k in range(3)])
+
+
+def triad(coefficients: Triple, start: Triple) -> Constant | Triad | None:
+    """Return the motion from ``start``; None where it is not of this kind.
+
+    None: no sign stands alone (the motion may grow without bounds), or c has a single entry that is
+    not zero.
+    """
+    if not any(_rates(coefficients, start)):
+        x, y, z = map(float, start)
+        return Constant((x, y, z))
+    order = next((o for o in permutations(range(3)) if _fits(coefficients, start, o)), None)
+    return None if order is None else _triad(coefficients, start, order)
+
+
+def _rates(c: Triple, y: Triple) -> list[Fraction]:
+    return [c[k] * y[k - 2] * y[k - 1] for k in range(3)]
+
+
+def _fits(c: Triple, y: Triple, order: Sequence[int]) -> bool:
+    first, odd, last = (c[k] for k in order)
+    alone = first * odd < 0 and first * last >= 0
+    return alone and abs(first) * y[order[2]] ** 2 >= abs(last) * y[order[0]] ** 2
+
+
+def _triad(c: Triple, y: Triple, order: tuple[int, ...]) -> Triad:
+    own = context()
+    first, odd, last = (abs(c[k]) for k in order)
+    x1, x2, x3 = (y[k] for k in order)
+    E, F = odd * x1**2 + first * x2**2, last * x2**2 + odd * x3**2
+    excess = first * x3**2 - last * x1**2
+    modulus = Modulus(number(own, last * E / (first * F)), number(own, odd * excess / (first * F)))
+    s1, s3 = (1 if v >= 0 else -1 for v in (x1, x3))
+    sense = -1 if c[order[0]] > 0 else 1
+    a1, a2, a3 = (root(own, v) for v in (E / odd, E / first, F / odd))
+    sine = number(own, s1 * s3 * sense * x2) / a2
+    cosine = number(own, abs(x1)) / a1
+    u0 = sine * carlson(cosine**2, (number(own, x3) / a3) ** 2, own.one)
+    p = root(own, first * F)
+    i, j, k = order
+    return Triad(
+        functions=series(modulus, own.zero).functions,
+        rate=scaled(p),
+        start=pair(u0),
+        amplitudes=(float(s1 * a1), float(s1 * s3 * sense * a2), float(s3 * a3)),
+        places=(i, j, k),
+        fastest=float(p),
+    )
+
+
 WHERE = "closed form"
 FARTHEST = 1e15
 """Phases beyond this, in radians, are refused."""
 
 
 class Motion(Protocol):
-    """States over time, computed for few times at once; made of the operations of `codegen.ir.tracing`."""
+    """States over time, computed for few times at once; made of the operations of `codegen.ir.scalars`."""
 
     @property
     def fastest(self) -> float:
@@ -346,7 +468,6 @@ def find(compiled: Compiled, problem: Problem) -> Closed | None:
 
 EQUAL = Fraction(1, 10**40)
 """Moments that differ by less of their size are equal; they are known to 50 digits."""
-Triple = tuple[Fraction, Fraction, Fraction]
 
 
 @dataclass(frozen=True)
@@ -410,3 +531,118 @@ def principal_axes(J: Sequence[Sequence[Fraction]]) -> tuple[Axes, Triple]:
     c = b if abs(c - b) <= EQUAL * b else c
     x, y, z = ((u[0], u[1], u[2]) for u in columns)
     return Axes((x, y, z)), (a, b, c)
+
+
+FLAGS = "-std=c99 -O2 (or -ffp-contract=off): sums and products must not be fused"
+
+
+def files(closed: Closed, name: str) -> Mapping[str, str]:
+    """Return headers and sources by file name: ``NAME_at(count, t, x)`` and the lanes behind it.
+
+    The same motion gives the same bytes.
+    """
+    own, layout, program = _parts(closed, name)
+    texts = lanes.files(program, layout)
+    return {f"{own}.h": _header(own, closed), f"{own}.c": _source(own, closed), **texts}
+
+
+def single_text(closed: Closed, name: str) -> str:
+    """Return all files as one text that compiles by itself."""
+    own, layout, program = _parts(closed, name)
+    source = _source(own, closed)
+    for header in (own, f"{own}_{lanes.SUFFIX}"):
+        source = source.replace(f'#include "{header}.h"\n', "")
+    return _header(own, closed) + lanes.single_text(program, layout) + source
+
+
+def _parts(closed: Closed, name: str) -> tuple[str, Layout, Program]:
+    own = identifier(name)
+    return own, _layout(own, closed), traced(closed.motion, OUTPUTS)
+
+
+def _layout(name: str, closed: Closed) -> Layout:
+    """The program's one state is the time: points that differ in it are one batch."""
+    time = Quantity(TIME, "s", "time since the initial state")
+    groups = {RATES: (), OUTPUTS: closed.names, INVARIANTS: (), SINGULARITIES: ()}
+    return Layout(name, closed.name, (time,), (), (), groups)
+
+
+def _header(name: str, closed: Closed) -> str:
+    guard = f"{name.upper()}_H"
+    rows = [f" *   {k}: {comment(n)}" for k, n in enumerate(closed.names)]
+    about = [
+        f"/* {comment(closed.name)}: one motion in closed form, generated by eom.",
+        " *",
+        " * t: count times since the initial state, s, of either sign; x: rows of count numbers,",
+        " * state k at time j in x[k * count + j]:",
+        *rows,
+        f" * Compile with {FLAGS}.",
+        " */",
+    ]
+    return guarded(
+        guard,
+        about,
+        [
+            f"void {name}_at(size_t count, const double *t, double *x);",
+        ],
+    )
+
+
+def _source(name: str, closed: Closed) -> str:
+    return "\n".join([
+        f"/* {comment(closed.name)}: one motion in closed form, generated by eom. */",
+        f'#include "{name}.h"',
+        f'#include "{name}_{lanes.SUFFIX}.h"',
+        "",
+        f"void {name}_at(size_t count, const double *t, double *x) {{",
+        "    const double start = 0.0;",
+        f"    {name}_{OUTPUTS}_{lanes.SUFFIX}(count, &start, 0, t, 0, 1, &start, 0, 0, &start, 0, 0,",
+        "        x, (ptrdiff_t)count, 1);",
+        "}",
+        "",
+    ])  # fmt: skip
+
+
+def of_values(
+    compiled: Compiled,
+    initial: Mapping[str, float],
+    parameters: Mapping[str, float],
+    inputs: Mapping[str, float],
+) -> Closed:
+    """Return the closed form of a system with numbers by name.
+
+    Raises `InputError` where none is known, and for names that do not fit.
+    """
+    layout = compiled.layout
+    x = to_array(initial, names_of(layout.states), "initial value")
+    p = to_array(parameters, names_of(layout.parameters), "parameter")
+    u = to_array(inputs, names_of(layout.inputs), "input")
+    found = find(compiled, Problem(x, (0.0, 1.0), p, u, 1e-9, np.full(len(x), 1e-12), 1e-6, 0))
+    if found is None:
+        kinds = dict.fromkeys(row.name for row in ROWS)
+        raise InputError(
+            "no closed form is known for this system with these values",
+            where=layout.name,
+            expected=f"one of: {', '.join(kinds)}",
+        )
+    return found
+
+
+def loaded(closed: Closed, name: str = "closed_form") -> Callable[[ArrayLike], Array]:
+    """Compile and load the motion; return the function of times (N,) that gives states (n, N).
+
+    Raises `CompilerError` where there is no compiler.
+    """
+    text = single_text(closed, name)
+    library = native.load(native.compile_library(text), text)
+    function = getattr(library, f"{identifier(name)}_at")
+    function.argtypes = [ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]
+    function.restype = None
+
+    def at(times: ArrayLike) -> Array:
+        t = np.ascontiguousarray(times, dtype=np.float64)
+        x = np.empty((len(closed.names), t.size))
+        function(t.size, t.ctypes.data, x.ctypes.data)
+        return x
+
+    return at

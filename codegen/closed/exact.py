@@ -28,8 +28,18 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from codegen.closed.elliptic import Modulus, Series, carlson, first_kind, series
-from codegen.closed.phases import Pair, pair, parity, reduced, scaled
+from codegen.closed.elliptic import (
+    Modulus,
+    Pair,
+    Series,
+    carlson,
+    first_kind,
+    pair,
+    parity,
+    reduced,
+    scaled,
+    series,
+)
 from codegen.closed.polhode import Polhode, context, number, polhode, root
 from eom.errors import InputError, typed
 from eom.rotations import quaternion_product

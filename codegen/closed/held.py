@@ -18,11 +18,10 @@ from typing import Any, TypeVar
 
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.attitude import Stated
-from codegen.ir.groups import RATES
 from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.ir.residues import FIELD, LARGEST, POINTS, PRIME, TRIES, RandomPoint, degree
 from codegen.native.trajectory import Problem
 from eom.fields import Singular

@@ -22,35 +22,31 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from codegen.compiling.checked import Array, CheckedFunction, Function, Kernel, in_whole_doubles
-from codegen.compiling.jacobians import (
+from codegen.compiling.sparse import (
     KINDS,
+    SparseJacobian,
     differentiated,
     layout_of_derivatives,
     one_group,
     slots,
 )
-from codegen.compiling.sparse import SparseJacobian
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.from_sympy_mechanics import as_system
-from codegen.frontend.guard import Guard
 from codegen.frontend.layout import Layout, names_of
-from codegen.frontend.structure import Structure
+from codegen.frontend.structure import Guard, Structure
 from codegen.ir import telling
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.loops import javascript, written
 from codegen.loops.written import Choice
 from codegen.native import native
 from codegen.native.native import bind
-from codegen.passes.pipeline import fitted, formed, optimise
-from codegen.passes.stages import by_parameters
-from codegen.targets import c, checks, lanes, load_module, packaging, python_
-from codegen.targets.c_float import C_FLOAT
+from codegen.passes.pipeline import by_parameters, fitted, formed, optimise
+from codegen.targets import c, lanes, load_module, packaging, python_
+from codegen.targets.c import C_FLOAT
 from codegen.targets.javascript import JAVASCRIPT
 from codegen.targets.lanes import LANES
 from codegen.targets.numpy_ import NUMPY
@@ -144,12 +140,12 @@ class Compiled:
 
     @cached_property
     def derived(self) -> dict[tuple[str, ...], object]:
-        """What `codegen.compiling.linear` made of this object: it is derived and compiled once."""
+        """What was made of this object, as Jacobians: it is derived and compiled once."""
         return {}
 
     @typed
     def jacobian(self, wrt: str = "states", of: str = RATES) -> SparseJacobian:
-        """Return the compiled derivatives of a group of results: see `codegen.compiling.linear`.
+        """Return the compiled derivatives of a group of results: see `codegen.linearisation.linear_motion`.
 
         ``wrt``: states, parameters, inputs or time. ``of``: rates, outputs, invariants or
         singularities. Made at the first call and kept. Raises `InputError` for other words.
@@ -385,7 +381,7 @@ def _c_files(integrator: written.Choice, program: Program, layout: Layout) -> Ma
         **written.files(integrator, program, layout),
         **packaging.descriptions(layout),
         **(packaging.sparsity(layout, layout.patterns) if layout.patterns else {}),
-        **checks.checks(program, layout),
+        **packaging.checks(program, layout),
     }
     return {**files, **packaging.build(layout, files)}
 
@@ -501,34 +497,18 @@ LEAST_WORK = 500_000
 """Additions of a share, at least: about a tenth of a millisecond, which a thread takes to wake up."""
 
 
-@dataclass(frozen=True)
-class Batch:
+@dataclass(frozen=True, repr=False)
+class Batch(CheckedFunction):
     """A function ``f(t, x, p, u, out=None)`` like those of `Compiled`, for many points at once.
 
-    ``compiled``, ``group``: of what; ``threads``: how many work at once; ``function``: what they run.
+    ``compiled``, ``group``: of what; ``threads``: how many work at once; ``kernel``: what they run.
     ``form``: ``lanes``, or the target whose plain form it is. ``notice``: why, in that case.
     """
 
     compiled: Compiled
-    group: str
     threads: int
     form: str
     notice: str
-    function: CheckedFunction
-
-    def __call__(
-        self,
-        t: ArrayLike,
-        x: ArrayLike,
-        p: ArrayLike | None = None,
-        u: ArrayLike | None = None,
-        out: Array | None = None,
-    ) -> Array:
-        """Return the results, (k,) or (k, N), in ``out`` where it is given.
-
-        ``t``, ``x``, ``p``, ``u``: as of `Function`. Raises `InputError` for wrong shapes and types.
-        """
-        return self.function(t, x, p, u, out)
 
     def __repr__(self) -> str:
         """Name the system, the group, the form and the threads."""
@@ -556,8 +536,8 @@ def batch(compiled: Compiled, group: str, threads: int | None = None) -> Batch:
     kernel, form, notice = _kernel(compiled, group)
     cost = prune(compiled.program, [group]).cost()
     fewest = max(FEWEST, LEAST_WORK // max(1, cost))
-    checked = CheckedFunction(group, compiled.layout, divided(kernel, threads, fewest))
-    return Batch(compiled, group, threads, form, notice, checked)
+    shared = divided(kernel, threads, fewest)
+    return Batch(group, compiled.layout, shared, compiled, threads, form, notice)
 
 
 def divided(kernel: Kernel, threads: int, fewest: int = FEWEST) -> Kernel:

@@ -18,8 +18,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from codegen.frontend.excerpt import excerpt
-from codegen.frontend.layout import Layout
+from codegen.frontend.layout import Layout, excerpt
 from codegen.ir.fold import constant
 from codegen.ir.linsolve import Shape, whole
 from codegen.ir.ops import OPS, TRUTH_VALUES, Instruction

@@ -31,8 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.compiling.compiled import Compiled, processors
 from codegen.ensembles import store as stores
-from codegen.ensembles.sampler import Sampler
-from codegen.ensembles.samples import Many, Population, population
+from codegen.ensembles.sampler import Many, Population, Sampler, population
 from codegen.ensembles.statistics import BLOCK, Bins, Counts, Statistics, Summary, Tree, summary
 from codegen.ensembles.work_units import (
     DRIFT,
@@ -45,12 +44,12 @@ from codegen.ensembles.work_units import (
     run,
 )
 from codegen.frontend.layout import names_of, to_array
-from codegen.integrate import fleet, onward
+from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
-from codegen.ir.groups import INVARIANTS, OUTPUTS
 from codegen.ir.identity import SameObject
+from codegen.ir.program import INVARIANTS, OUTPUTS
 from codegen.native import memory
-from codegen.native.halting import Flag, obey
+from codegen.native.children import Flag, obey
 from codegen.native.trajectory import MAX_STEPS, Array
 from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
@@ -396,7 +395,7 @@ def _result(
     plan, layout = gathered.plan, gathered.plan.compiled.layout
     used = integrator(plan)
     empty = np.empty((2, 0), dtype=np.int64)
-    went_on, wound = onward.told(gathered.continued), _wound(layout.winds)
+    went_on, wound = fleet.continued_notice(gathered.continued), _wound(layout.winds)
     reasons = sorted(gathered.reasons.items(), key=lambda item: list(fleet.STATUS).index(item[0]))
     return Ensemble(
         count=gathered.total,

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from codegen.ensembles.samples import Population
+from codegen.ensembles.sampler import Population
 from codegen.ensembles.work_units import Columns, Piece, Plan, counted, run
 from eom.errors import InputError, unknown_name
 

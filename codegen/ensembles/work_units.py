@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.compiling.compiled import Compiled, batch
-from codegen.ensembles.samples import Population, check
+from codegen.ensembles.sampler import Population, check
 from codegen.ensembles.statistics import (
     BLOCK,
     Bins,
@@ -28,13 +28,13 @@ from codegen.ensembles.statistics import (
     of_blocks,
 )
 from codegen.frontend.layout import names_of
-from codegen.integrate import fleet, onward, scales
+from codegen.integrate import fleet, scales
 from codegen.integrate.fleet import Runs, Shared
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.identity import SameObject
-from codegen.native import halting
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
+from codegen.native import children
 from codegen.native.trajectory import Array
-from codegen.precision.magnitude import GENEROUS, Sizes, measured
+from codegen.precision.conditioning import GENEROUS, Sizes, measured
 from codegen.runs.clock import Clock, clock_of, span_since
 
 Columns = Mapping[str, NDArray[Any]]
@@ -64,7 +64,7 @@ class Tallies:
     histograms: Mapping[str, Counts]
     reasons: Mapping[int, int]
     continued: Mapping[int, int]
-    """How many another method went on with, by what `codegen.integrate.onward` says of that."""
+    """How many another method went on with, by what `codegen.integrate.fleet` says of that."""
     stopped: NDArray[np.int64]
     """Rows (number, status) of trajectories that did not reach the end."""
     steps: int
@@ -89,7 +89,7 @@ DRIFT, VALUES = "drift", "values"
 @lru_cache(maxsize=16)
 def built(key: SameObject[Compiled], method: str, rtol: float) -> fleet.Built:
     """Return what integrates; compiled once a process."""
-    return onward.built(key.value, method, rtol)
+    return fleet.build_onward(key.value, method, rtol)
 
 
 def run(plan: Plan, some: Population, number: int) -> Piece:
@@ -218,7 +218,7 @@ def _outputs(plan: Plan, runs: Runs, p: Array) -> Array:
     if count:
         function = batch(plan.compiled, OUTPUTS, 1)
         for k, t in enumerate(plan.shared.t_eval):
-            halting.check()
+            children.check()
             found[:, k] = function(t, runs.y[k], p, plan.shared.inputs)
     return found
 
@@ -227,7 +227,7 @@ def _drift(plan: Plan, runs: Runs, x: Array, p: Array) -> Array:
     """Return the largest change of each constant of the motion, relative to the terms that it is made of.
 
     It is looked at where states are stored and where the trajectory stopped; see
-    `codegen.precision.magnitude`.
+    `codegen.precision.conditioning`.
     """
     if INVARIANTS not in plan.compiled.functions:
         return np.empty((0, x.shape[1]))
@@ -237,7 +237,7 @@ def _drift(plan: Plan, runs: Runs, x: Array, p: Array) -> Array:
     change, terms = np.zeros_like(start), sizes.terms(t0, x, p, u)
     places = [*zip(plan.shared.t_eval, runs.y, strict=True), (runs.t_stop, runs.y_stop)]
     for t, y in places:
-        halting.check()
+        children.check()
         off = np.abs(constants(t, y, p, u) - start)
         change = np.fmax(change, off)
         terms = np.fmax(terms, sizes.terms(t, y, p, u) - GENEROUS * off)

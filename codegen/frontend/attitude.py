@@ -168,16 +168,6 @@ class Body:
     of_rates: tuple[bool, bool, bool]
     zero: tuple[bool, bool, bool]
 
-    @property
-    def is_principal(self) -> bool:
-        """Whether all products of inertia are zero."""
-        entries = [self.values.instructions[k] for k in self.values.results[INERTIA]]
-        return all(
-            e.op == "const" and not e.value
-            for e, (i, j) in zip(entries, PAIRS, strict=True)
-            if i != j
-        )
-
 
 @dataclass(frozen=True)
 class Attitude:

@@ -1,4 +1,7 @@
-"""What the arrays of a compiled system hold: names and units of each slot, and how they are checked."""
+"""What the arrays of a compiled system hold: names and units of each slot, and how they are checked.
+
+Values of a program as short texts, for errors.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.frontend.attitude import Stated, stated_of
-from codegen.ir.groups import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
+from codegen.ir.ops import LEAVES
+from codegen.ir.passes import needed
+from codegen.ir.program import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from eom.errors import InputError, shown, unknown_name
 from eom.quantities import Quantity
 from eom.system import System
+from eom.tables import Table
 
 
 @dataclass(frozen=True)
@@ -137,3 +143,26 @@ def _in_order(values: Mapping[str, float], names: Sequence[str], kind: str) -> l
     if missing:
         raise InputError(f"missing {kind}{'s' if len(missing) > 1 else ''}: {', '.join(missing)}")
     return [values[n] for n in names]
+
+
+MAX_EXCERPT = 120
+"""Characters of an expression in an error."""
+
+
+def excerpt(program: Program, layout: Layout, number: int) -> str:
+    """Return a value of a program as text in the names of the layout, cut where it is long."""
+    kinds = {"state": layout.states, "parameter": layout.parameters, "input": layout.inputs}
+    texts: dict[int, str] = {}
+    for k in sorted(needed(Program(program.instructions, {"": (number,)}), [""])):
+        op, args, value = program.instructions[k]
+        if k in program.names and k != number:
+            text = program.names[k].name
+        elif op in kinds and isinstance(value, int):
+            text = kinds[op][value].name
+        elif op in LEAVES:
+            text = op if value is None else str(value)
+        else:
+            label = f"{value.label} " if isinstance(value, Table) else ""
+            text = f"{op}({label}{', '.join(texts[a] for a in args)})"
+        texts[k] = text if len(text) <= MAX_EXCERPT else f"{text[: MAX_EXCERPT - 3]}..."
+    return texts[number]

@@ -24,10 +24,9 @@ from sympy.codegen import cfunctions
 
 from codegen.frontend import removable_singularities as removable
 from codegen.ir import fold, telling
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.linsolve import Shape
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder, Name, Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Builder, Name, Program
 from codegen.ir.residues import vanishing
 from eom.errors import InputError
 from eom.quantities import Definition

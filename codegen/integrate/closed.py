@@ -10,7 +10,7 @@ import numpy as np
 
 from codegen.closed.closed_forms import Closed
 from codegen.compiling.compiled import Compiled
-from codegen.ir.groups import SINGULARITIES
+from codegen.ir.program import SINGULARITIES
 from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 
 POINTS = 1001

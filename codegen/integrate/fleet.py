@@ -2,13 +2,15 @@
 
 Three kinds of generated text take the same job: Taylor series in vector lanes, and the scalar
 integrators (Taylor, Runge-Kutta) in a loop.
+
+Trajectories of an ensemble that a Taylor series left go on, each by the rule of one run.
 """
 
 from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,13 +21,14 @@ from codegen.compiling.compiled import Compiled
 from codegen.derivatives.taylor import Prepared, operations, prepare
 from codegen.frontend.layout import Layout
 from codegen.integrate import scipy_
-from codegen.ir.groups import RATES, SINGULARITIES
+from codegen.integrate.choice import NEXT, Task
+from codegen.integrate.methods import resumed
 from codegen.ir.names import identifier
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import runge_kutta, taylor, taylor_lanes
 from codegen.loops.tableaux import DOP853
-from codegen.native import halting, native
-from codegen.native.trajectory import Array, Problem
+from codegen.native import children, native
+from codegen.native.trajectory import Array, Problem, Stop, Trajectory
 from eom.errors import InputError, unknown_name
 from eom.tables import Table
 
@@ -65,7 +68,7 @@ class Runs:
 
     ``status`` (N,): numbers of `STATUS`; ``which``: of the singularity, or of the state that is not
     finite, else -1. ``y`` is NaN at times that a trajectory did not reach. ``continued`` (N,): 0, or what
-    `codegen.integrate.onward` says where another method went on.
+    `codegen.integrate.fleet` says where another method went on.
     """
 
     y: Array
@@ -112,10 +115,10 @@ def runner(function: Any) -> Runner:
         shared = replace(shared, atol=_held(shared))
         runs = _empty(times, n, count)
         room = np.empty(times * (n + 1) + 1)
-        job, flag = _job(shared, x, p, runs, room), halting.flag()
+        job, flag = _job(shared, x, p, runs, room), children.flag()
         job.halt = flag.address
         function(ctypes.addressof(job))
-        halting.check()
+        children.check()
         return runs
 
     return run
@@ -259,7 +262,7 @@ def _by_scipy(compiled: Compiled) -> Runner:
     def run(shared: Shared, x: Array, p: Array) -> Runs:
         runs = _empty(len(shared.t_eval), *x.shape)
         for j in range(x.shape[1]):
-            halting.check()
+            children.check()
             found = scipy_.integrate(
                 compiled, problem_of(shared, x, p, j, singularities), "DOP853", None
             )
@@ -287,7 +290,7 @@ def problem_of(shared: Shared, x: Array, p: Array, j: int, singularities: int) -
         t_eval=shared.t_eval,
         max_step=shared.max_step,
         max_steps=shared.max_steps,
-        progress=lambda _: halting.check(),
+        progress=lambda _: children.check(),
     )
 
 
@@ -296,3 +299,77 @@ def _empty(times: int, n: int, count: int) -> Runs:
     return Runs(
         np.full((times, n, count), math.nan), np.empty(count), np.empty((n, count)), *numbers
     )
+
+
+STUCK = ("not finite", "step")
+"""Where a Taylor series may be stuck, and another method not."""
+WENT_ON, PASSED = 1, 2
+"""In `Runs.continued`: another method went on; it may have passed where the rates are singular."""
+
+
+def build_onward(compiled: Compiled, method: str, rtol: float) -> Built:
+    """Return what integrates many trajectories, as `fleet.build`; ``auto`` goes on where stuck."""
+    found = build(compiled, method, rtol)
+    if method != "auto" or not found.series:
+        return found
+    return replace(found, run=_going_on(found.run, compiled), text=f"{found.text}{dict(NEXT)}")
+
+
+def _going_on(run: Runner, compiled: Compiled) -> Runner:
+    """Return what runs Taylor series, and goes on with those trajectories where these are stuck.
+
+    A trajectory is gone on with from where it stopped, by itself: neither its neighbours nor the division
+    into chunks change a bit of it.
+    """
+    singularities = len(compiled.layout.results[SINGULARITIES])
+
+    def further(shared: Shared, x: Array, p: Array) -> Runs:
+        runs = run(shared, x, p)
+        for j in np.flatnonzero(np.isin(runs.status, [NUMBERS[kind] for kind in STUCK])).tolist():
+            children.check()
+            problem = problem_of(shared, x, p, j, singularities)
+            first = _stopped(runs, problem, j)
+            found = resumed(Task(compiled, problem, None), first)
+            if len(found.methods) > len(first.methods):
+                _put(runs, j, found, len(first.t))
+        return runs
+
+    return further
+
+
+def _stopped(runs: Runs, problem: Problem, j: int) -> Trajectory:
+    """Return a trajectory that stopped as a run of its own."""
+    assert problem.t_eval is not None
+    y = runs.y[:, :, j].T
+    count = int(np.isfinite(y).all(axis=0).sum())
+    stop = Stop(STATUS[int(runs.status[j])], float(runs.t_stop[j]), int(runs.which[j]))
+    return Trajectory(
+        t=problem.t_eval[:count],
+        y=y[:, :count],
+        stop=stop,
+        state_at_stop=np.ascontiguousarray(runs.y_stop[:, j]),
+        closest=(),
+        evaluations=0,
+        steps=int(runs.steps[j]),
+        rejected=int(runs.rejected[j]),
+        methods=("taylor",),
+    )
+
+
+def _put(runs: Runs, j: int, found: Trajectory, known: int) -> None:
+    """Write a whole trajectory in place of its first part, of which so many times are stored."""
+    runs.y[known : len(found.t), :, j] = found.y[:, known:].T
+    runs.t_stop[j], runs.y_stop[:, j] = found.stop.t, found.state_at_stop
+    runs.status[j], runs.which[j] = NUMBERS[found.stop.kind], found.stop.which
+    runs.steps[j], runs.rejected[j] = found.steps, found.rejected
+    runs.continued[j] = PASSED if found.passed else WENT_ON
+
+
+def continued_notice(continued: Mapping[int, int]) -> str:
+    """Return what a user should know of trajectories that were gone on with, by the number of each kind."""
+    count, passed = sum(continued.values()), continued.get(PASSED, 0)
+    if not count:
+        return ""
+    what = f"where the Taylor series was stuck another method went on (trajectories: {count:,})"
+    doubt = f"; if the rates are singular there, the rest says nothing (trajectories: {passed:,})"
+    return what + (doubt if passed else "")

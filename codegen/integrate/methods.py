@@ -11,7 +11,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import Layout
 from codegen.integrate import choice, group, rkmk, scipy_, splitting, sundials
 from codegen.integrate.choice import Task
-from codegen.integrate.projector import Projector, with_values
+from codegen.integrate.scipy_ import Projector, with_values
 from codegen.ir.identity import SameObject
 from codegen.ir.program import Program
 from codegen.loops import projection, runge_kutta, taylor
@@ -151,7 +151,7 @@ def _rkmk(task: Task) -> tuple[Integrator, str]:
 def _splitting(task: Task) -> tuple[Integrator, str]:
     _refuse_signals("splitting", task)
     native, evaluate = _splitting_once(SameObject(task.compiled))
-    used = f"splitting of order {splitting.METHOD.order} in generated C"
+    used = f"splitting of order {splitting.ORDER} in generated C"
     return lambda problem: group.integrate(native, evaluate, problem), used
 
 

@@ -5,7 +5,7 @@ of the differential of exp, exact in closed form for rotations, applied to the a
 other variables go along (Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; Iserles, Munthe-Kaas, Norsett and
 Zanna, Acta Numerica 9 (2000) 215). Any Runge-Kutta method keeps its order: here DOP853, order 8. The
 quaternion is a product of unit quaternions, held in two parts; a rigid body is moved by its momentum with
-components in the reference frame (`codegen.integrate.momentum`), which without torque does not change at
+components in the reference frame (`codegen.integrate.group`), which without torque does not change at
 all. Dense output is the interpolant of a and of the others, of order 7, so that it is a rotation, too.
 
 Errors are those of the states, each relative to its own size, as everywhere: what those of the turn and of
@@ -25,7 +25,7 @@ from typing import Any
 
 from codegen.frontend.layout import Layout, names_of
 from codegen.integrate import group
-from codegen.integrate.momentum import (
+from codegen.integrate.group import (
     ERRORS,
     FIXED,
     ROUNDING,
@@ -36,15 +36,14 @@ from codegen.integrate.momentum import (
     local,
     start,
 )
-from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import identifier
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import lookout, runge_kutta
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.loops.tableaux import DOP853, Row, Tableau
 from codegen.native import native
 from codegen.native.trajectory import Problem
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 
 NAME = "rkmk"
 FURTHER_STATUS = """\

@@ -35,22 +35,20 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
 
 from codegen.frontend.layout import Layout
 from codegen.integrate import group
-from codegen.integrate.momentum import CONSTANTS, KICK, START, Variables, kicks, start
-from codegen.ir.groups import SINGULARITIES
+from codegen.integrate.group import CONSTANTS, KICK, START, Variables, kicks, start
 from codegen.ir.names import identifier
-from codegen.ir.program import Program
+from codegen.ir.program import SINGULARITIES, Program
 from codegen.loops import lookout, runge_kutta
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.native import native
 from codegen.native.trajectory import Problem
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 from codegen.watch.narrow import narrow
 from eom.errors import InputError
 
@@ -58,84 +56,44 @@ NAME = "splitting"
 ROW = 28
 """Numbers of a row of dense output: see `keep` in splitting.c."""
 
-
-@dataclass(frozen=True)
-class Composition:
-    """A symmetric composition: kick, drift, kick, ..., kick; the first half of each kind and the middle."""
-
-    name: str
-    order: int
-    kicks: tuple[float, ...]
-    drifts: tuple[float, ...]
-
-
-def symmetric(
-    name: str, order: int, kicks: tuple[float, ...], drifts: tuple[float, ...]
-) -> Composition:
-    """Return a composition that begins with these parts; what is missing to 1 is in the middle.
-
-    One kick more than drifts puts a kick into the middle, as many of both a drift.
-    """
-    if len(kicks) == len(drifts) + 1:
-        whole_drifts = (*drifts, 0.5 - sum(drifts))
-        return Composition(
-            name,
-            order,
-            (*kicks, 1 - 2 * sum(kicks), *kicks[::-1]),
-            (*whole_drifts, *whole_drifts[::-1]),
-        )
-    half = (*kicks, 0.5 - sum(kicks))
-    return Composition(
-        name, order, (*half, *half[::-1]), (*drifts, 1 - 2 * sum(drifts), *drifts[::-1])
-    )
-
-
-RKN4 = symmetric(
-    "Blanes and Moan's RKN method of order 4",
-    4,
-    (0.0829844064174052, 0.396309801498368, -0.0390563049223486),
-    (0.245298957184271, 0.604872665711080),
+ORDER = 6
+"""Of Blanes and Moan's composition, symmetric: kick, drift, kick, ..., kick."""
+_KICKS = (
+    0.0414649985182624,
+    0.198128671918067,
+    -0.0400061921041533,
+    0.0752539843015807,
+    -0.0115113874206879,
 )
-RKN6 = symmetric(
-    "Blanes and Moan's RKN method of order 6",
-    6,
-    (
-        0.0414649985182624,
-        0.198128671918067,
-        -0.0400061921041533,
-        0.0752539843015807,
-        -0.0115113874206879,
-    ),
-    (
-        0.123229775946271,
-        0.290553797799558,
-        -0.127049212625417,
-        -0.246331761062075,
-        0.357208872795928,
-    ),
+_DRIFTS = (
+    0.123229775946271,
+    0.290553797799558,
+    -0.127049212625417,
+    -0.246331761062075,
+    0.357208872795928,
 )
-METHOD = RKN6
+_HALF = (*_KICKS, 0.5 - sum(_KICKS))
+KICKS = (*_HALF, *_HALF[::-1])
+DRIFTS = (*_DRIFTS, 1 - 2 * sum(_DRIFTS), *_DRIFTS[::-1])
 FURTHER_STATUS = "    {name}_COARSE = 6,   /* the chosen step is too long: begin again */\n"
 
 
-def files(program: Program, layout: Layout, method: Composition = METHOD) -> Mapping[str, str]:
+def files(program: Program, layout: Layout) -> Mapping[str, str]:
     """Return header and source of the integrator by file name.
 
     Raises `InputError` for what is not one rigid body with a quaternion, and for a torque that depends
     on the body rates.
     """
-    filled, _, _ = _filled(program, layout, method)
+    filled, _, _ = _filled(program, layout)
     return filled
 
 
-def build(
-    program: Program, layout: Layout, method: Composition = METHOD
-) -> tuple[NativeMethod, group.Between]:
+def build(program: Program, layout: Layout) -> tuple[NativeMethod, group.Between]:
     """Compile the integrator of a system for this machine; `group.integrate` runs it.
 
     Raises `CompilerError` if that fails, and `InputError` as `files`.
     """
-    filled, constants, watch = _filled(program, layout, method)
+    filled, constants, watch = _filled(program, layout)
     header, source = filled.values()
     text = group.single_text(program, layout, NAME, header, source)
     prefix = f"{identifier(layout.name)}_{NAME}"
@@ -197,7 +155,7 @@ def _body(layout: Layout) -> Variables:
 
 
 def _filled(
-    program: Program, layout: Layout, method: Composition
+    program: Program, layout: Layout
 ) -> tuple[Mapping[str, str], dict[str, int], lookout.Lookout]:
     variables = _body(layout)
     _check_sight(program, layout)
@@ -209,11 +167,11 @@ def _filled(
     made = group.functions(values["PREFIX"], [*parts, (begin, START, "begin")])
     text = resources.files("codegen.loops").joinpath("free_turn.c").read_text("ascii")
     values |= {
-        "METHOD": f"splitting into torque and exact free turns, order {method.order},",
-        "ORDER": str(method.order),
-        "STAGES": str(len(method.drifts)),
-        "KICKS": ", ".join(map(repr, method.kicks)),
-        "DRIFTS": ", ".join(map(repr, method.drifts)),
+        "METHOD": f"splitting into torque and exact free turns, order {ORDER},",
+        "ORDER": str(ORDER),
+        "STAGES": str(len(DRIFTS)),
+        "KICKS": ", ".join(map(repr, KICKS)),
+        "DRIFTS": ", ".join(map(repr, DRIFTS)),
         "FREE_TURN": text,
         "KERNELS": made.text,
         "QUATERNION": ", ".join(map(str, variables.attitude.quaternion)),

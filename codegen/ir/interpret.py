@@ -6,7 +6,7 @@ It is slow and simple on purpose; every target is tested against it.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, partial
@@ -84,20 +84,43 @@ def interpret(program: Program, point: Point) -> dict[str, list[float]]:
 
     What depends on constants alone is rounded once, as in every target: see `constants`.
     """
-    known = constants(program)
-    values: list[Any] = []
+    known = {k: np.float64(value) for k, value in constants(program).items()}
     with np.errstate(all="ignore"):
-        for k, instruction in enumerate(program.instructions):
-            if k in known:
-                values.append(np.float64(known[k]))
-            elif instruction.op in OPS:
-                values.append(row_of(instruction).double(*(values[a] for a in instruction.args)))
-            else:
-                values.append(np.float64(point.slot(instruction)))
-    plain = [
-        v if i.op in BLOCKS else float(v) for i, v in zip(program.instructions, values, strict=True)
-    ]
-    return {g: [plain[k] for k in r] for g, r in program.results.items()}
+        values = evaluated(
+            program,
+            lambda i: np.float64(point.slot(i)),
+            lambda i, a: row_of(i).double(*a),
+            known,
+        )
+    blocks = {k for k, i in enumerate(program.instructions) if i.op in BLOCKS}
+    return {
+        g: [values[k] if k in blocks else float(values[k]) for k in r]
+        for g, r in program.results.items()
+    }
+
+
+def evaluated(
+    program: Program,
+    leaf: Callable[[Instruction], Any],
+    operation: Callable[[Instruction, list[Any]], Any],
+    known: Mapping[int, Any] | None = None,
+    numbers: Iterable[int] | None = None,
+) -> dict[int, Any]:
+    """Return values of any kind by the number of the instruction, one operation after the other.
+
+    ``leaf``, ``operation``: the value of a leaf, and that of an operation on values. ``known``: values that
+    are not computed. ``numbers``: which are wanted, in order, with all that they need; all if left out.
+    """
+    values = dict(known or {})
+    for k in range(len(program.instructions)) if numbers is None else numbers:
+        instruction = program.instructions[k]
+        if k in values:
+            continue
+        if instruction.op in OPS:
+            values[k] = operation(instruction, [values[a] for a in instruction.args])
+        else:
+            values[k] = leaf(instruction)
+    return values
 
 
 @lru_cache(maxsize=256)
@@ -132,10 +155,10 @@ def interpret_exactly(program: Program, point: Point, digits: int = 50) -> dict[
     Where a result is not a real number, it is NaN.
     """
     context = _context(digits)
-    values = _walk(
+    values = evaluated(
         program,
         lambda i: _leaf_exact(i, point, context),
-        lambda row, a: _real(context, lambda: row.exact(context, *a)),
+        lambda i, a: _real(context, lambda: row_of(i).exact(context, *a)),
     )
     return {g: [values[k] for k in r] for g, r in program.results.items()}
 
@@ -158,7 +181,8 @@ def interpret_with_bound(
         exact = instruction.op not in {"const", "pi"}
         return Bounded(value, 0.0 if exact else float(abs(value)) * UNIT_ROUNDOFF + SMALLEST)
 
-    def apply(row: Op, args: list[Bounded]) -> Bounded:
+    def operation(instruction: Instruction, args: list[Bounded]) -> Bounded:
+        row = row_of(instruction)
         if row.name in SOLVE:
             return _solve_with_bound(m, row, args)
         operands = [a.value for a in args]
@@ -170,7 +194,7 @@ def interpret_with_bound(
         rounding = 2 * row.ulps * UNIT_ROUNDOFF * float(size) + (SMALLEST if row.ulps else 0.0)
         return Bounded(value, carried + rounding)
 
-    values = _walk(program, leaf, apply)
+    values = evaluated(program, leaf, operation)
     return {
         g: [Bounded(values[k].value, 2 * values[k].error) for k in r]
         for g, r in program.results.items()
@@ -258,16 +282,3 @@ def _real(m: Any, evaluate: Callable[[], Any]) -> Any:
         return m.nan
     huge = m.isfinite(value) and value != 0 and m.mag(value) > LARGEST_MAGNITUDE
     return m.sign(value) * m.inf if huge else value
-
-
-def _walk(
-    program: Program, leaf: Callable[[Instruction], Any], apply: Callable[[Op, list[Any]], Any]
-) -> list[Any]:
-    """Evaluate the instructions in order."""
-    values: list[Any] = []
-    for instruction in program.instructions:
-        if instruction.op in OPS:
-            values.append(apply(row_of(instruction), [values[a] for a in instruction.args]))
-        else:
-            values.append(leaf(instruction))
-    return values

@@ -216,7 +216,7 @@ class Instruction(NamedTuple):
     """An operation on earlier instructions, or a leaf.
 
     ``value``: the exact number of a ``const``, the slot of a ``state``, ``parameter``, ``input``,
-    ``constant`` or ``clock`` (see `codegen.passes.stages`) or ``turned`` (`codegen.targets.sincos`), the
+    ``constant`` or ``clock`` (see `codegen.passes.pipeline`) or ``turned`` (`codegen.targets.c_helpers`), the
     table of a ``table``, what `codegen.ir.linsolve` says; None otherwise.
     """
 

@@ -80,17 +80,6 @@ def _is_leaf(program: Program, k: int) -> bool:
     return program.instructions[k].op not in OPS
 
 
-def specialise(program: Program, values: Mapping[int, float], count: int) -> Program:
-    """Fix parameter slots (of ``count``) to numbers, fold what becomes constant, and prune.
-
-    Values do not change in exact arithmetic. The remaining parameters close ranks, in order.
-    """
-    rest = [k for k in range(count) if k not in values]
-    leaves = {("parameter", old): ("parameter", new) for new, old in enumerate(rest)}
-    numbers = {("parameter", k): Fraction(v) for k, v in values.items()}
-    return substitute(program, {**leaves, **numbers})
-
-
 def substitute(program: Program, leaves: Mapping[Slot, Slot | Fraction]) -> Program:
     """Read other slots, or numbers, instead of some slots; fold what becomes equal; prune.
 
@@ -159,11 +148,6 @@ def cross(b: Builder, x: Numbers, y: Numbers) -> list[int]:
     """Return the cross product."""
     order = ((1, 2), (2, 0), (0, 1))
     return [b.add("sub", b.add("mul", x[i], y[j]), b.add("mul", x[j], y[i])) for i, j in order]
-
-
-def copied_at(b: Builder, program: Program, given: Mapping[Slot, int]) -> list[int]:
-    """Append a program with whole numbers in place of some slots; return the new numbers."""
-    return copied(b, program, {slot: b.const(Fraction(v)) for slot, v in given.items()})
 
 
 def copied(b: Builder, program: Program, given: Mapping[Slot, int]) -> list[int]:

@@ -4,6 +4,8 @@ A `Program` is a tuple of instructions, each over earlier ones, and named groups
 `Builder` folds constants exactly and numbers values: equal instructions are one.
 
 Switching functions: values by whose signs the branches of a program choose.
+
+The groups of results that the program of a system has.
 """
 
 from __future__ import annotations
@@ -28,6 +30,10 @@ from codegen.ir.ops import (
     cost_of,
 )
 from eom.tables import Table
+
+RATES, OUTPUTS, INVARIANTS, SINGULARITIES = "rates", "outputs", "invariants", "singularities"
+GROUPS = (RATES, OUTPUTS, INVARIANTS, SINGULARITIES)
+"""Groups of results of a lowered system."""
 
 
 class Name(NamedTuple):

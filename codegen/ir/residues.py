@@ -21,7 +21,7 @@ from fractions import Fraction
 from codegen.ir.ops import OPS, Instruction
 from codegen.ir.passes import Slot
 from codegen.ir.program import Program
-from eom.fields import LARGE_RESIDUES, Singular, sum_of_angles
+from eom.fields import ARITHMETIC, LARGE_RESIDUES, Singular, sum_of_angles
 
 FIELD = LARGE_RESIDUES
 PRIME = FIELD.prime
@@ -134,10 +134,10 @@ class RandomPoint:
 
     def _value(self, instruction: Instruction, operands: Sequence[int]) -> Residue:
         op, _, data = instruction
-        if op == "div":
-            return _quotient(*operands)
-        if op in _FIELD:
-            return _FIELD[op](*operands) % PRIME
+        if op == "div" and not any(operands):
+            return NOT_A_NUMBER
+        if op in {"div", *ARITHMETIC}:
+            return int(FIELD.operated(op, *operands))
         key = sorted(operands) if OPS[op].commutative else operands
         return self._unknown((op, data, *key))
 
@@ -145,14 +145,6 @@ class RandomPoint:
         if key not in self._known:
             self._known[key] = self.draw()
         return self._known[key]
-
-
-_FIELD: Mapping[str, Callable[..., int]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "neg": lambda a: -a,
-}
 
 
 _SENSES: Mapping[str, tuple[int, ...]] = {"add": (1, 1), "sub": (1, -1), "neg": (-1,)}
@@ -187,12 +179,6 @@ def _somewhere(program: Program, seed: int) -> list[Residue]:
         except Singular:
             continue
     return [NOT_A_NUMBER] * len(program.instructions)
-
-
-def _quotient(a: int, b: int) -> Residue:
-    if b == 0 and a == 0:
-        return NOT_A_NUMBER
-    return a * int(FIELD.inverse(b)) % PRIME
 
 
 _CIRCLE: Mapping[str, Callable[[int, int], int]] = {

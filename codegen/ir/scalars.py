@@ -18,14 +18,16 @@ f: 4 5
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from numbers import Rational, Real
 from typing import Any
 
+from codegen.ir import fold
 from codegen.ir.ops import LEAVES, OPS
 from codegen.ir.program import Builder, Program
 from eom.errors import InputError, unknown_name
+from eom.fields import Operators
 
 Plain = int | float | Fraction
 """Numbers that may stand beside scalars."""
@@ -33,7 +35,7 @@ Plain = int | float | Fraction
 MAX_UNROLLED_POWER = 64
 
 
-class Scalar:
+class Scalar(Operators):
     """A value of a program that is being built.
 
     ``==`` compares what is built, not values: equal scalars are one instruction, and a scalar equals a
@@ -53,58 +55,38 @@ class Scalar:
         parts = (op, *args) if value is None else (op, value)
         return f"Scalar({self.number}: {' '.join(map(str, parts))})"
 
-    def __add__(self, other: Any) -> Any:
-        return _binary("add", self, other)
-
-    def __radd__(self, other: Any) -> Any:
-        return _binary("add", self, other)
-
-    def __sub__(self, other: Any) -> Any:
-        return _binary("sub", self, other)
-
-    def __rsub__(self, other: Any) -> Any:
-        return _reflected("sub", self, other)
-
-    def __mul__(self, other: Any) -> Any:
-        return _binary("mul", self, other)
-
-    def __rmul__(self, other: Any) -> Any:
-        return _binary("mul", self, other)
-
-    def __truediv__(self, other: Any) -> Any:
-        return _binary("div", self, other)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return _reflected("div", self, other)
-
-    def __neg__(self) -> Scalar:
-        return Scalar(self.builder, self.builder.add("neg", self.number))
+    def operated(self, op: str, *operands: Any) -> Any:
+        """Append an operation; plain numbers among the operands become constants."""
+        b = self.builder
+        if not all(isinstance(x, _OPERANDS) for x in operands):
+            return NotImplemented
+        return type(self)(b, b.add(op, *[_number(b, x) for x in operands]))
 
     def __pos__(self) -> Scalar:
         return self
 
-    def __abs__(self) -> Scalar:
-        return Scalar(self.builder, self.builder.add("abs", self.number))
+    def __abs__(self) -> Any:
+        return self.operated("abs", self)
 
     def __pow__(self, other: Any) -> Any:
         if isinstance(other, int) and abs(other) <= MAX_UNROLLED_POWER:
             return _whole_power(self, other)
-        return _binary("pow", self, other)
+        return self.operated("pow", self, other)
 
     def __rpow__(self, other: Any) -> Any:
-        return _reflected("pow", self, other)
+        return self.operated("pow", other, self)
 
     def __lt__(self, other: Any) -> Any:
-        return _binary("lt", self, other)
+        return self.operated("lt", self, other)
 
     def __le__(self, other: Any) -> Any:
-        return _binary("le", self, other)
+        return self.operated("le", self, other)
 
     def __gt__(self, other: Any) -> Any:
-        return _reflected("lt", self, other)
+        return self.operated("lt", other, self)
 
     def __ge__(self, other: Any) -> Any:
-        return _reflected("le", self, other)
+        return self.operated("le", other, self)
 
     def __eq__(self, other: object) -> bool:
         if isinstance(other, Scalar):
@@ -192,24 +174,8 @@ def _number(b: Builder, value: Any) -> int:
         raise InputError("not a finite number", got=repr(value)[:200]) from None
 
 
-_OPERANDS = (float, int, Scalar, Real)
+_OPERANDS = (Scalar, float, int, Real)
 """What an operator takes; the usual kinds first, since `Real` is slow to test."""
-
-
-def _binary(op: str, left: Scalar, right: Any) -> Any:
-    b = left.builder
-    if type(right) is Scalar and right.builder is b:
-        return Scalar(b, b.add(op, left.number, right.number))
-    if not isinstance(right, _OPERANDS):
-        return NotImplemented
-    return Scalar(b, b.add(op, left.number, _number(b, right)))
-
-
-def _reflected(op: str, right: Scalar, left: Any) -> Any:
-    if not isinstance(left, _OPERANDS):
-        return NotImplemented
-    b = right.builder
-    return Scalar(b, b.add(op, _number(b, left), right.number))
 
 
 def _whole_power(base: Scalar, exponent: int) -> Scalar:
@@ -222,7 +188,7 @@ def _whole_power(base: Scalar, exponent: int) -> Scalar:
         n >>= 1
         if n:
             square = b.add("mul", square, square)
-    return Scalar(b, b.add("div", b.const(1), result) if exponent < 0 else result)
+    return type(base)(b, b.add("div", b.const(1), result) if exponent < 0 else result)
 
 
 def _unary(op: str) -> Callable[[Scalar], Scalar]:
@@ -266,3 +232,106 @@ def equal(x: Any, y: Any) -> Scalar:
 def where(condition: Any, x: Any, y: Any) -> Scalar:
     """Return ``x`` where the condition holds, else ``y``."""
     return apply("select", condition, x, y)
+
+
+ROUNDER = 3.0 * 2.0**51
+"""Added and taken away again, it rounds numbers below 2^51 to whole ones, halves to even."""
+LARGEST_POWER = 1000
+"""Powers of two beyond it are multiplied in parts."""
+
+
+class Traced(Scalar):
+    """A scalar in the place of an array: functions of NumPy that are called on it become operations.
+
+    NumPy hands its functions to values that ask for them. What no operation gives is refused.
+    """
+
+    __slots__ = ()
+
+    def __array_ufunc__(self, function: Any, method: str, *inputs: Any) -> Any:
+        """Append the instruction of an elementwise function."""
+        name = function.__name__
+        if method != "__call__" or name not in {**_COMPOSED, **_UFUNCS}:
+            return NotImplemented
+        if name in _COMPOSED:
+            return _COMPOSED[name](*inputs)
+        return self.operated(_UFUNCS[name], *inputs)
+
+    def __array_function__(self, function: Any, types: Any, args: Sequence[Any], named: Any) -> Any:
+        """Append what a function of arrays stands for."""
+        if named or function.__name__ not in _FUNCTIONS:
+            return NotImplemented
+        return _FUNCTIONS[function.__name__](*args)
+
+    def __eq__(self, other: object) -> Any:
+        return self.operated("eq", self, other)
+
+    __hash__ = Scalar.__hash__
+
+
+_UFUNCS = {
+    "add": "add",
+    "subtract": "sub",
+    "multiply": "mul",
+    "divide": "div",
+    "negative": "neg",
+    "absolute": "abs",
+    "arctan2": "atan2",
+    "less": "lt",
+    "less_equal": "le",
+    "minimum": "min",
+    "maximum": "max",
+    **{name: name for name in ("sqrt", "sin", "cos", "exp", "expm1", "hypot")},
+}
+
+
+def _rint(x: Traced) -> Any:
+    """Round; sums of constants are exact and would not."""
+    value = fold.constant(x.builder, x.number)
+    if value is not None:
+        return _full_like(x, float(round(value)))
+    return (x + ROUNDER) - ROUNDER
+
+
+def _ldexp(x: Any, exponent: int) -> Any:
+    while abs(exponent) > LARGEST_POWER:
+        step = LARGEST_POWER if exponent > 0 else -LARGEST_POWER
+        x, exponent = x * 2.0**step, exponent - step
+    return x * 2.0**exponent
+
+
+def _full_like(x: Traced, value: float) -> Traced:
+    return Traced(x.builder, _number(x.builder, value))
+
+
+_COMPOSED: dict[str, Callable[..., Any]] = {"rint": _rint, "ldexp": _ldexp}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "where": lambda condition, a, b: condition.operated("select", condition, a, b),
+    "stack": list,
+    "full_like": _full_like,
+    "zeros_like": lambda x: _full_like(x, 0.0),
+    "ones_like": lambda x: _full_like(x, 1.0),
+}
+
+
+def traced(function: Callable[[Any], Sequence[Any]], group: str) -> Program:
+    """Return the program of a function of one NumPy array; its results are the rows that it returns.
+
+    The function runs once, on a `Traced` value, and its operations are folded by exact laws alone, so
+    that error-free products stay what they are. Raises `TypeError` where it uses what no operation gives.
+
+    >>> import numpy as np
+    >>> print(traced(lambda t: [np.sin(2 * t), np.where(t < 0, -1.0, 1.0)], "y"))
+    0 = state 0
+    1 = const 2
+    2 = mul 0 1
+    3 = sin 2
+    4 = const 0
+    5 = lt 0 4
+    6 = const -1
+    7 = const 1
+    8 = select 5 6 7
+    y: 3 8
+    """
+    b = Builder(fold.RULE_SETS["exact"])
+    return program(b, {group: function(Traced(b, b.leaf("state", 0)))})

@@ -4,8 +4,8 @@
     trim = equilibrium(compiled, guess, parameters, free=["thrust"], hold={"height": 100.0})
     steady = equilibrium(compiled, guess, parameters, cyclic=["phi"], hold={"spin": 20.0})
 
-Newton's method (`codegen.linearisation.newton`) with derivatives of the program
-(`codegen.linearisation.tangents`); where the equations leave a family of solutions open, it goes to a near
+Newton's method (`codegen.linearisation.equilibria`) with derivatives of the program
+(`codegen.linearisation.unknowns`); where the equations leave a family of solutions open, it goes to a near
 one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found is told with
 its residual, and with the rank of the Jacobian: whether it stands alone.
 
@@ -16,11 +16,19 @@ of derivatives of rates by states is balanced by a diagonal matrix D: row and co
 sums (Osborne, J. ACM 7 (1960) 338; Parlett and Reinsch, Numer. Math. 13 (1969) 293). For x' = v, v' = -w^2
 x a change of v has w times the size of one of x; it does not depend on units. Each set of states that have
 to do with each other keeps one factor free, which angles, else the values of a state, settle.
+
+Newton's method for equations that may be fewer or more than the unknowns.
+
+Each step is the shortest one that solves the linear equations (Ben-Israel, J. Math. Anal. Appl. 15, 1966,
+p. 243), no longer than a radius within which the linear equations held so far, and halved until the
+equations get smaller: so a search goes to a solution near its start. Unknowns are in their scales
+(`codegen.linearisation.equilibria`); rows are scaled by the size that their derivatives have around the
+start.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,14 +38,122 @@ from numpy.typing import NDArray
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.attitude import quaternions_of
 from codegen.frontend.layout import names_of, to_array
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
 from codegen.ir.passes import dependence
-from codegen.linearisation import newton
-from codegen.linearisation.steady import Equilibrium, together
-from codegen.linearisation.unknowns import Equations, maintained
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
+from codegen.linearisation.unknowns import Equations, Equilibrium, maintained, together
 from eom.errors import InputError, near_matches, typed, unknown_name
 
 Array = NDArray[np.float64]
+
+TOLERANCE = 1e-11
+"""Of a residual, relative to the terms that it is made of."""
+CONVERGING = 1e-4
+"""How far the next step goes at most from a solution, relative to its size."""
+MOST_STEPS, HALVINGS = 80, 30
+FARTHEST = 1e9
+"""A search that gets so far beyond its start, relative to its size, is given up."""
+RADIUS = 0.2
+"""Longest first step, in the scales of the unknowns."""
+HELD = 0.5
+"""Part of what a step was to make equations smaller by, with which its radius is doubled."""
+RANK = 1e-9
+"""Singular values below this, relative to the largest, count as zero."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Equations: ``value(z)`` is zero at a solution; ``derived(z)``: that, and its derivatives.
+
+    ``size``: of the derivatives of each equation, as they are around the start: at a solution all
+    derivatives of one may vanish.
+    """
+
+    value: Callable[[Array], Array]
+    derived: Callable[[Array], tuple[Array, Array]]
+    size: Array
+
+
+def solve(problem: Problem, z: Array) -> Array | None:
+    """Return a solution from a start; None where none is found."""
+    limit = FARTHEST * (1 + np.max(np.abs(z), initial=0.0))
+    radius = RADIUS
+    for _ in range(MOST_STEPS):
+        f, J = problem.derived(z)
+        if not (np.all(np.isfinite(f)) and np.all(np.isfinite(J))):
+            return None
+        forward = step(problem, f, J)
+        near = np.max(np.abs(forward), initial=0.0) <= CONVERGING * (
+            1 + np.max(np.abs(z), initial=0.0)
+        )
+        if near and np.all(np.abs(f) <= TOLERANCE * scale(problem, z)):
+            return _polished(problem, z, f, forward)
+        moved, radius = _shortened(problem, z, f, forward, radius)
+        if moved is None or np.max(np.abs(moved)) > limit:
+            return None
+        z = moved
+    return None
+
+
+def step(problem: Problem, f: Array, J: Array) -> Array:
+    """Return the shortest step that solves the linear equations, or comes nearest to it."""
+    size = problem.size
+    return np.asarray(np.linalg.lstsq(J / size[:, None], -f / size, rcond=RANK)[0])
+
+
+def scale(problem: Problem, z: Array) -> Array:
+    """Return the size of each equation's terms."""
+    return np.asarray(problem.size * (1 + np.max(np.abs(z), initial=0.0)))
+
+
+def _shortened(
+    problem: Problem, z: Array, f: Array, step: Array, radius: float
+) -> tuple[Array | None, float]:
+    """Return the point by the longest halving of a step that makes the equations smaller.
+
+    The step is at most ``radius`` long; it comes back twice as long where the equations got smaller as the
+    linear ones said, else as long as the step that was made.
+    """
+    size, length = problem.size, float(np.linalg.norm(step))
+    here, part = np.linalg.norm(f / size), min(1.0, radius / length) if length > 0 else 1.0
+    for _ in range(HALVINGS):
+        there = z + part * step
+        with np.errstate(all="ignore"):
+            value = np.linalg.norm(problem.value(there) / size)
+        if value <= (1 - HELD * part) * here:
+            return there, max(radius, 2 * part * length)
+        if value <= (1 - part / 4) * here:
+            return there, min(radius, part * length)
+        part /= 2
+    return None, radius
+
+
+def _polished(problem: Problem, z: Array, f: Array, step: Array) -> Array:
+    """Take one step more where that makes the residual smaller."""
+    better = problem.value(z + step)
+    return z + step if np.linalg.norm(better) < np.linalg.norm(f) else z
+
+
+def sizes(matrices: Sequence[Array], rounding: Sequence[Array]) -> Array:
+    """Return the median of the norms of each row, of those that are finite; 1 for rows of zeros.
+
+    ``rounding``: of each equation at the same points; a row that is nothing but that counts as so large
+    that its rounding is `TOLERANCE` of it: a residual of that size is zero.
+    """
+    norms = np.array([np.linalg.norm(J, axis=1) for J in matrices if np.all(np.isfinite(J))])
+    if not norms.size:
+        return np.ones(len(matrices[0]))
+    found = np.median(norms, axis=0)
+    found = np.where(found > 0, found, np.where(norms.max(axis=0) > 0, norms.max(axis=0), 1.0))
+    known = [r for r in rounding if np.all(np.isfinite(r))]
+    return np.maximum(found, np.median(known, axis=0) / TOLERANCE) if known else found
+
+
+def null_space(J: Array, size: Array) -> tuple[int, Array]:
+    """Return the rank of J with rows scaled by ``size``, and its null space as columns."""
+    _, singular, rows = np.linalg.svd(J / size[:, None])
+    rank = int(np.sum(singular > RANK * max(1.0, float(np.max(singular, initial=0.0)))))
+    return rank, np.asarray(rows[rank:].T)
+
 
 ALIKE = 1e-6
 """Solutions closer than this, relative to their size, are one."""
@@ -90,7 +206,7 @@ def equilibrium(
     for start in search.starts(starts, seed, spread):
         if best is not None and search.near.distance(start) >= search.near.distance(best):
             break
-        found = search.solve(start)
+        found = search.solved(start)
         if found is not None:
             found = search.wrapped(found)
             if best is None or search.near.distance(found) < search.near.distance(best):
@@ -129,7 +245,7 @@ def equilibria(
     search = _Search(compiled, guess, parameters, inputs, free, cyclic, hold)
     found: list[Array] = []
     for start in search.starts(starts, seed, spread):
-        z = search.solve(start)
+        z = search.solved(start)
         if z is None:
             continue
         z = search.wrapped(z)
@@ -251,12 +367,12 @@ class _Search:
         return self.near.scales
 
     @cached_property
-    def problem(self) -> newton.Problem:
+    def problem(self) -> Problem:
         """The equations over unknowns in their scales, with the size of derivatives around the guess."""
         draw = np.random.default_rng(0).normal(size=(NEAR_POINTS, self.first.size))
         points = [self.first, *(self.first + NEAR * draw * self.scales)]
         with np.errstate(all="ignore"):
-            size = newton.sizes(
+            size = sizes(
                 [self.values(z)[1] * self.scales for z in points],
                 [self.equations.rounding(*self.whole(z)) for z in points],
             )
@@ -265,11 +381,11 @@ class _Search:
             f, J = self.values(y * self.scales)
             return f, J * self.scales
 
-        return newton.Problem(lambda y: self.value(y * self.scales), derived, size)
+        return Problem(lambda y: self.value(y * self.scales), derived, size)
 
-    def solve(self, z: Array) -> Array | None:
+    def solved(self, z: Array) -> Array | None:
         """Return a solution from a start; None where none is found."""
-        found = newton.solve(self.problem, z / self.scales)
+        found = solve(self.problem, z / self.scales)
         return None if found is None else found * self.scales
 
     def starts(self, count: int, seed: int, spread: float) -> list[Array]:
@@ -287,7 +403,7 @@ class _Search:
         turned = self.near.turned(z)
         if np.array_equal(turned, z):
             return z
-        again = self.solve(turned)
+        again = self.solved(turned)
         return z if again is None or not _alike(again, turned) else again
 
     def exact(self, z: Array) -> Array:
@@ -314,10 +430,8 @@ class _Search:
         f, J = self.problem.derived(y)
         self._check_cyclic(z)
         x, u = self.whole(z)
-        rank, null = newton.null_space(J, self.problem.size)
-        certain = np.max(np.abs(newton.step(self.problem, f, J))) <= CERTAIN * (
-            1 + np.max(np.abs(y))
-        )
+        rank, null = null_space(J, self.problem.size)
+        certain = np.max(np.abs(step(self.problem, f, J))) <= CERTAIN * (1 + np.max(np.abs(y)))
         kind = ("isolated" if certain else DEGENERATE) if rank == z.size else self._kind(y, null)
         worst = int(np.argmax(np.abs(f)))
         states = names_of(self.compiled.layout.states)
@@ -327,7 +441,7 @@ class _Search:
             dict(zip(self.inputs, map(float, u), strict=True)),
             dict(zip(names_of(self.compiled.layout.parameters), map(float, self.p), strict=True)),
             float(abs(f[worst])),
-            float(np.max(np.abs(f) / newton.scale(self.problem, y))),
+            float(np.max(np.abs(f) / scale(self.problem, y))),
             self.equations.labels[worst],
             z.size,
             rank,
@@ -339,13 +453,13 @@ class _Search:
     def _named(self, direction: Array) -> Mapping[str, float]:
         direction = direction * self.scales / np.linalg.norm(direction * self.scales)
         named = {self.labels[p]: float(v) for p, v in zip(self.unknowns, direction, strict=True)}
-        return {n: v for n, v in named.items() if abs(v) > newton.RANK}
+        return {n: v for n, v in named.items() if abs(v) > RANK}
 
     def _kind(self, y: Array, null: Array) -> str:
         """Tell a family from a degenerate point: along every direction there is another solution."""
         step = FAMILY_STEP * (1 + float(np.max(np.abs(y))))
         for v in null.T:
-            other = newton.solve(self.problem, y + step * v)
+            other = solve(self.problem, y + step * v)
             if other is None or abs(float(v @ (other - y))) < step / 2:
                 return DEGENERATE
         return "family"
@@ -359,7 +473,7 @@ class _Search:
             J = self.equations(x, u)[1]
             size = np.max(np.abs(J), axis=1, initial=1e-300)
             for place in places:
-                depends = np.abs(J[:, place]) > newton.RANK * size
+                depends = np.abs(J[:, place]) > RANK * size
                 if np.any(depends):
                     raise InputError(
                         f"{self.labels[place]} is not cyclic",
@@ -395,7 +509,7 @@ class _Search:
         for running in together(dependence(self.compiled.program, RATES), own):
             names = tuple(states[k] for k in running)
             other = _Search(compiled, guess, parameters, inputs, free, (*cyclic, *names), hold)
-            if any(other.solve(z) is not None for z in other.starts(4, 0, 1.0)):
+            if any(other.solved(z) is not None for z in other.starts(4, 0, 1.0)):
                 return names
         return ()
 

@@ -22,10 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 from codegen.compiling.compiled import TARGETS, Compiled, compile
 from codegen.derivatives.derivative import JACOBIAN, UNIT, Seeds, derive
 from codegen.frontend.layout import Layout, names_of
-from codegen.ir.groups import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES
 from codegen.ir.ops import Instruction
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import GROUPS, INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
 from codegen.runs.arguments import numbers
 from eom.errors import InputError, typed, unknown_name
 from eom.quantities import Quantity

@@ -5,7 +5,7 @@ recurrences as those of the states; where these converge too slowly, and for oth
 through values at Chebyshev's points of the dense output, over halves of the step, and halves of these,
 until it is right between the points. What values at some points may hide, a wave or a pulse between them,
 is excluded by bounds: over each part the argument of every operation moves by its reach at most
-(`codegen.watch.reach`, `narrow.steady`, from bounds of the states by intervals); a step whose parts are not
+(`codegen.watch.trust`, `narrow.steady`, from bounds of the states by intervals); a step whose parts are not
 that short is made shorter. All polynomials have the values of the expression itself at both
 ends, so that the step before and the step after agree about signs there, and nothing is lost or found
 twice. With method taylor most steps are left at once, since the coefficients bound the polynomial (as

@@ -1,7 +1,7 @@
 """The function of all Taylor coefficients in C: a loop over the orders.
 
 Its body is one pass over the operations by the rules of `codegen.derivatives.taylor`. Sums of products are
-added up four at a time, one in each place of a vector (`codegen.loops.packs`).
+added up four at a time, one in each place of a vector (`codegen.loops.products`).
 
 Sums of products of Taylor coefficients in C, four in a vector, in the groups of `packs`.
 
@@ -16,11 +16,21 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from codegen.derivatives.taylor import RULES, Order, Prepared, Series, residuals
-from codegen.ir.groups import RATES
 from codegen.ir.ops import Instruction
-from codegen.ir.program import Builder, Program
-from codegen.loops.packs import WIDTH, Group, Pack, Sum, part_groups, steps, whole_group
-from codegen.loops.products import Coefficient, forms, linear_in_time, wide
+from codegen.ir.program import RATES, Builder, Program
+from codegen.loops.products import (
+    WIDTH,
+    Coefficient,
+    Group,
+    Pack,
+    Sum,
+    forms,
+    linear_in_time,
+    part_groups,
+    steps,
+    whole_group,
+    wide,
+)
 from codegen.targets import c
 from codegen.watch.trust import Limit, built, limits, longest
 

@@ -14,8 +14,7 @@ from importlib import resources
 from itertools import pairwise
 from typing import Any
 
-from codegen.ir.groups import RATES
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.loops import jumps
 from codegen.loops.tableaux import Tableau
 from codegen.targets import c

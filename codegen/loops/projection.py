@@ -28,11 +28,10 @@ import sympy as sp
 
 from codegen.derivatives.derivative import JACOBIAN, derive, identity, slots
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import INVARIANTS
 from codegen.ir.names import identifier
 from codegen.ir.ops import Instruction
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, Program
 from codegen.passes.pipeline import formed, join, optimise
 from eom.errors import InputError, unknown_name
 from eom.quantities import Quantity

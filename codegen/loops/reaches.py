@@ -1,7 +1,7 @@
 """Steps of method taylor that end where the series of an argument may no longer be trusted.
 
 An operation that is no polynomial is seen by its series near one point alone. How far its argument may
-move from there is a row of `codegen.watch.reach`; the argument's own coefficients say how far it moves.
+move from there is a row of `codegen.watch.trust`; the argument's own coefficients say how far it moves.
 Where that is more, the step is cut; smooth motions pass the test as they are. A step that is cut down to
 rounding, as a value comes to a singularity that the rates do not have, is made all the same, so that kinks
 are passed; many of these in a row end the run. What stands in the templates of one trajectory and of

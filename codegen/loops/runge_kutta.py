@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import crossings, jumps, lookout, projection
 from codegen.loops.tableaux import Row, Tableau
 from codegen.native import native
 from codegen.native.trajectory import Array, Problem, Stepwise, Stop, Trajectory
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 
 NOT_FINITE, STEP_TOO_SMALL, DONE, SINGULAR, FULL, PAUSED, EVENT = -2, -1, 0, 1, 2, 3, 5

@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from codegen.derivatives.taylor import Prepared, prepare
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES, SINGULARITIES
 from codegen.ir.names import comment, identifier
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, SINGULARITIES, Program
 from codegen.loops import crossings, projection, reaches, runge_kutta, switches
 from codegen.loops.jets import limited, series
 from codegen.loops.runge_kutta import NativeMethod
 from codegen.native.trajectory import Array, Stepwise
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 from codegen.targets import c
 
 FURTHER_ORDERS = 2

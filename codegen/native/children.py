@@ -2,16 +2,25 @@
 
 A compiler is a driver with children of its own. To end the driver alone leaves them at work, so each child
 gets a process group, and the group is ended.
+
+Runs that are given up after a time.
+
+Work in threads that can be told to end: loops in C read a flag at each step, those in Python ask.
+
+An interruption reaches the main thread alone. What waits there for the others sets their flag, and they
+end within a step; nothing of what they had begun is kept.
 """
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from contextvars import ContextVar
 
 from codegen.ir import telling
 
@@ -73,3 +82,68 @@ def _end(process: subprocess.Popen[str]) -> None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(PATIENCE_SECONDS)
     process.kill()
+
+
+class TooLongError(Exception):
+    """A run was given up."""
+
+
+def watch(limit: float) -> Callable[[float], None]:
+    """Return what progress is told to: it gives up ``limit`` seconds (processor) after its first call.
+
+    Compilation is over then. Raises `TooLongError`.
+    """
+    began: list[float] = []
+
+    def told(_: float) -> None:
+        now = time.process_time()
+        if not began:
+            began.append(now)
+        if now - began[0] > limit:
+            raise TooLongError
+
+    return told
+
+
+class Halt(Exception):
+    """A piece of work was told to end; its result is worth nothing."""
+
+
+class Flag:
+    """A flag that Python sets and C reads: an int that stays where it is as long as this lives."""
+
+    def __init__(self) -> None:
+        self._value = ctypes.c_int(0)
+
+    def set(self) -> None:
+        """Tell the work to end; that cannot be taken back."""
+        self._value.value = 1
+
+    @property
+    def is_set(self) -> bool:
+        """Whether the work was told to end."""
+        return self._value.value != 0
+
+    @property
+    def address(self) -> int:
+        """Where C reads it."""
+        return ctypes.addressof(self._value)
+
+
+_FLAG: ContextVar[Flag] = ContextVar("flag")
+
+
+def obey(flag: Flag) -> None:
+    """Let what this thread does from now on end when ``flag`` is set."""
+    _FLAG.set(flag)
+
+
+def flag() -> Flag:
+    """Return the flag of this thread; one that nobody sets where it was given none."""
+    return _FLAG.get(None) or Flag()
+
+
+def check() -> None:
+    """Raise `Halt` if this thread was told to end."""
+    if flag().is_set:
+        raise Halt

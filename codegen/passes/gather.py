@@ -1,7 +1,7 @@
 """Products in two parts: what is known early goes together, so that one factor a product is left.
 
 (a x) (b y) / c becomes ((a b / c)) x y where a, b, c are numbers or depend on parameters alone: what
-stands in the inner brackets is computed once (see `codegen.passes.stages`).
+stands in the inner brackets is computed once (see `codegen.passes.pipeline`).
 """
 
 from __future__ import annotations

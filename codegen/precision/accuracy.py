@@ -24,19 +24,21 @@ from codegen.compiling.compiled import TARGETS as BUILDERS
 from codegen.compiling.compiled import Compiled, compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import interpret_exactly, interpret_with_bound
 from codegen.ir.ops import LEAVES, SOLVE, Instruction
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.passes.pipeline import as_written, fitted
 from codegen.passes.stable import Rewriting, rewritten, rewritten_freely
-from codegen.precision.card import (
+from codegen.precision.conditioning import ALL, Trace, everything, operations
+from codegen.precision.domain import (
     ACCURATE,
     ALL_DIGITS,
     EXACT,
     ILL,
     NOT_A_NUMBER,
     OVERFLOWS,
+    REGIONS,
+    TIME,
     UNDERFLOWS,
     UNSTABLE,
     Card,
@@ -44,10 +46,12 @@ from codegen.precision.card import (
     Change,
     Finding,
     Gain,
+    Place,
+    Range,
     Row,
+    domain_of,
+    places,
 )
-from codegen.precision.conditioning import ALL, Trace, everything, operations
-from codegen.precision.domain import REGIONS, TIME, Place, Range, domain_of, places
 from eom.errors import InputError, typed
 
 SAMPLES = 200

@@ -9,25 +9,30 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from codegen.compiling.compiled import Compiled
-from codegen.ir.groups import RATES
+from codegen.ir.program import RATES
 from codegen.precision.accuracy import SAMPLES, accuracy
-from codegen.precision.card import (
+from codegen.precision.domain import (
     ACCURATE,
     ALL_DIGITS,
     EXACT,
+    EXTREME,
     ILL,
     NOT_A_NUMBER,
     OVERFLOWS,
+    REGIONS,
+    SINGULAR,
+    TYPICAL,
     UNDERFLOWS,
     UNSTABLE,
     VERDICTS,
+    ZERO,
     Card,
     Change,
     Finding,
     Gain,
+    Range,
     Row,
 )
-from codegen.precision.domain import EXTREME, REGIONS, SINGULAR, TYPICAL, ZERO, Range
 from eom.errors import InputError
 
 if TYPE_CHECKING:

@@ -23,11 +23,10 @@ from mpmath.libmp import to_rational
 
 from codegen.derivatives.taylor import RULES, STEPS, Order, Prepared, Series, prepare, residuals
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, constants, constants_exactly, interpret, interpret_exactly
 from codegen.ir.ops import BLOCKS, Instruction, row_of
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.watch.trust import BOUNDS, Limit, again, bounds, gains
 from eom.errors import InputError
 

@@ -11,9 +11,8 @@ import sympy as sp
 from codegen.compiling.compiled import generate
 from codegen.frontend.lower import lower_system
 from codegen.frontend.structure import Structure, fit
-from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.loops.written import Choice
 from codegen.passes.pipeline import formed, optimise, steps
 from codegen.passes.schedule import pressure

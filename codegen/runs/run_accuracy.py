@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 from codegen.compiling.compiled import Compiled, compiled_jacobian
 from codegen.frontend.layout import Layout, names_of
 from codegen.integrate.choice import CLOSED_FORM
-from codegen.ir.groups import RATES
+from codegen.ir.program import RATES
 from codegen.native.trajectory import Array
-from codegen.precision.magnitude import Sizes, of_unit
+from codegen.precision.conditioning import Sizes, of_unit
 from codegen.runs.second_run import Origin, Second, Track, second_run
 from eom.errors import InputError
 

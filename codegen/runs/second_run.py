@@ -24,10 +24,10 @@ from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
 from codegen.ir.identity import SameObject
 from codegen.loops.taylor import order_of
+from codegen.native.children import TooLongError, watch
 from codegen.native.native import CompilerError
-from codegen.native.time_limit import TooLongError, watch
 from codegen.native.trajectory import Array, Problem, Trajectory
-from codegen.precision.magnitude import of_unit
+from codegen.precision.conditioning import of_unit
 from eom.errors import InputError
 
 FAMILIES: Mapping[str, str] = {

@@ -24,13 +24,13 @@ from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
-from codegen.ir.groups import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.ir.identity import SameObject
+from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES
 from codegen.loops.projection import chosen
 from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.runs import arguments, pruning
 from codegen.runs.clock import Clock, Late, clock_of
-from codegen.runs.drift import Drift, Terms, drift_of
+from codegen.runs.pruning import Drift, Terms, drift_of
 from codegen.runs.run_accuracy import Accuracy, Run, accuracy_of
 from codegen.runs.second_run import Origin
 from codegen.runs.turns import Sampled, counted
@@ -230,7 +230,7 @@ def simulate(
 
     ``epoch``: time (s) of the system at which t is zero: its rates read epoch + t, all times that are
     given or returned are since then, with digits of their own. A run that starts late without one keeps
-    its digits too (`codegen.compiling.epoch`), but its times are then rounded where they are stored.
+    its digits too (`codegen.runs.clock`), but its times are then rounded where they are stored.
     ``accuracy``: whether the error is estimated by a second run, so that ``notice`` says where no digit
     is left (`Result.accuracy`, which by itself tells the same afterwards).
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.signals import Inputs
 from codegen.frontend.layout import names_of
-from codegen.ir.groups import OUTPUTS, RATES
+from codegen.ir.program import OUTPUTS, RATES
 from codegen.native.trajectory import Array, Problem, Trajectory
 from eom.system import SequenceAngles
 

@@ -1,23 +1,32 @@
 """The C99 target: a header and a source file; no malloc, no globals, memory owned by the caller.
 
 Lines of C that scalars and vector lanes share: assignments, and what parts carry along.
+
+The C target in single precision: the text of the C target, token by token.
+
+Law: the same operations in the same order, each on `float`; every constant is the `float` nearest to
+the `double` that the C target writes. Comments and strings stay as they are. It cannot leave a token
+out unseen: gcc and clang with ``-Wconversion -Wdouble-promotion -Werror`` refuse what is mixed.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from codegen.frontend.layout import Layout, names_of
-from codegen.ir.groups import INVARIANTS, OUTPUTS, RATES
-from codegen.ir.names import comment, identifier
+from codegen.ir.names import C_MATH, comment, identifier
 from codegen.ir.ops import TURNED
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
-from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
-from codegen.targets.c_helpers import HELPERS, table_function
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, Program
+from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time
+from codegen.targets.c_helpers import HELPERS, circles, table_function
 from codegen.targets.render import (
+    ARITHMETIC,
     ATOM,
     Body,
     Line,
@@ -25,61 +34,29 @@ from codegen.targets.render import (
     Part,
     Tables,
     Template,
-    infix,
+    call,
+    calls,
     leaf_names,
     render,
     split,
     table_names,
     with_slots_of,
 )
-from codegen.targets.sincos import circles
+from codegen.targets.target import Target
 from eom.quantities import Quantity
 
-
-def _call(name: str, arity: int = 1) -> Template:
-    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
-
-
 TEMPLATES: dict[str, Template] = {
-    "add": infix("+", 10),
-    "sub": infix("-", 10),
-    "mul": infix("*", 20),
-    "div": infix("/", 20),
-    "neg": Template("-{0}", 15, (20,)),
-    "pow": _call("pow", 2),
-    "sqrt": _call("sqrt"),
-    "sin": _call("sin"),
-    "cos": _call("cos"),
-    "tan": _call("tan"),
-    "asin": _call("asin"),
-    "acos": _call("acos"),
-    "atan": _call("atan"),
-    "sinh": _call("sinh"),
-    "cosh": _call("cosh"),
-    "tanh": _call("tanh"),
-    "asinh": _call("asinh"),
-    "acosh": _call("acosh"),
-    "atanh": _call("atanh"),
-    "exp": _call("exp"),
-    "log": _call("log"),
-    "atan2": _call("atan2", 2),
-    "abs": _call("fabs"),
-    "sign": _call("sign_", 1),
-    "min": _call("min_", 2),
-    "max": _call("max_", 2),
+    **ARITHMETIC,
+    **calls("{}", "pow sqrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh atan2"),
+    **calls("{}", "exp expm1 log log1p floor hypot erf erfc"),
+    **calls("{}_", "sign min max mod"),
+    "abs": call("fabs"),
     "lt": Template("(double)({0} < {1})", 50, (6, 6)),
     "le": Template("(double)({0} <= {1})", 50, (6, 6)),
     "eq": Template("(double)({0} == {1})", 50, (6, 6)),
     "and": Template("(double)({0} != 0.0 && {1} != 0.0)", 50, (6, 6)),
     "or": Template("(double)({0} != 0.0 || {1} != 0.0)", 50, (6, 6)),
     "not": Template("(double)({0} == 0.0)", 50, (6,)),
-    "floor": _call("floor"),
-    "mod": _call("mod_", 2),
-    "hypot": _call("hypot", 2),
-    "erf": _call("erf"),
-    "erfc": _call("erfc"),
-    "expm1": _call("expm1"),
-    "log1p": _call("log1p"),
     "besselj": Template("jn((int){0}, {1})", ATOM, (ATOM, 0)),
     "bessely": Template("yn((int){0}, {1})", ATOM, (ATOM, 0)),
     "stumpff": Template("stumpff_((int){0}, {1})", ATOM, (ATOM, 0)),
@@ -545,3 +522,80 @@ def name_function(name: str, kind: str, names: Sequence[str]) -> str:
             "}",
         ]
     )
+
+
+SUFFIX = "f32"
+_NAME_LENGTH = 56
+
+_TOKEN = re.compile(
+    r"""(?P<kept>/\*.*?\*/ | "(?:[^"\\]|\\.)*" | ^[ ]*\#include[^\n]*)
+      | (?P<word>[A-Za-z_]\w*)
+      | (?P<number>\d+\.\d*(?:e[+-]?\d+)? | \d+e[+-]?\d+)""",
+    re.VERBOSE | re.DOTALL | re.MULTILINE,
+)
+_WORDS = {
+    "double": "float",
+    "HUGE_VAL": "HUGE_VALF",
+    **{f"DBL_{limit}": f"FLT_{limit}" for limit in ("EPSILON", "MAX", "MIN")},
+    **{name: f"{name}f" for name in sorted(C_MATH)},
+}
+
+
+def in_single_precision(text: str) -> str:
+    """Return C text with its doubles made floats: types, constants and functions of the library.
+
+    >>> in_single_precision("const double v = 0.1 * sin(x[2]); /* double 0.1 */")
+    'const float v = 0.1f * sinf(x[2]); /* double 0.1 */'
+    """
+    return _TOKEN.sub(_single, text)
+
+
+def _single(token: re.Match[str]) -> str:
+    if token["word"] is not None:
+        return _WORDS.get(token["word"], token["word"])
+    return token["kept"] if token["number"] is None else _number(token["number"])
+
+
+def _number(text: str) -> str:
+    with np.errstate(over="ignore", under="ignore"):
+        value = np.float32(float(text))
+    if np.isinf(value):
+        return "INFINITY"
+    return f"{float(str(value))!r}f"
+
+
+def float_files(program: Program, layout: Layout) -> Mapping[str, str]:
+    """Return header and source by file name; the same input gives the same bytes."""
+    texts = files(program, _float_layout(layout))
+    return {name: in_single_precision(text) for name, text in texts.items()}
+
+
+def float_single_text(program: Program, layout: Layout) -> str:
+    """Return header and source as one text that compiles by itself."""
+    return in_single_precision(single_text(program, _float_layout(layout)))
+
+
+def float_prefix(layout: Layout) -> str:
+    """Return the prefix of all names, NAME_f32: both precisions can be linked together."""
+    return f"{identifier(layout.name)[:_NAME_LENGTH]}_{SUFFIX}"
+
+
+def _float_layout(layout: Layout) -> Layout:
+    return replace(layout, name=float_prefix(layout), title=f"{layout.title}, in single precision")
+
+
+C_FLOAT = Target(
+    name="c_f32",
+    extension="c",
+    templates={
+        op: template._replace(text=in_single_precision(template.text))
+        for op, template in TEMPLATES.items()
+        if op not in {"besselj", "bessely"}
+    },
+    slots=_SLOTS,
+    numbers=_NUMBERS,
+    files=float_files,
+    unsupported=dict.fromkeys(
+        ("besselj", "bessely"), "choose target c; POSIX has them for doubles"
+    ),
+)

@@ -1,15 +1,156 @@
-"""What generated C defines for itself: functions that C99 lacks, linear systems, tables."""
+"""What generated C defines for itself: functions that C99 lacks, linear systems, tables.
+
+Sine and cosine by polynomials: coefficients, and a function of C that computes many together.
+
+The argument is reduced by Cody and Waite (Software Manual for the Elementary Functions, 1980, ch. 8)
+with pi/2 in parts of 37, 37 and 53 bits, whose products with a quadrant of 16 bits are exact; the
+remainder is kept with what rounding lost of it. Angles beyond `LARGEST_ANGLE` go to the library. The
+coefficients interpolate the functions in Chebyshev points with 60 digits.
+
+Programs with many angles get all of these before everything else (`circles`): a library computes one after
+the other, and each call empties the registers; side by side, compilers compute several in one vector.
+Systems of many bodies have an angle a joint, all known from the start.
+"""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 
+from codegen.ir.interpret import constants
 from codegen.ir.linsolve import C_HELPERS
 from codegen.ir.names import comment
+from codegen.ir.ops import LEAVES, TURNED, Instruction
+from codegen.ir.passes import prune
+from codegen.ir.program import Name, Program
 from codegen.ir.stumpff import SERIES
-from codegen.targets.sincos import CIRCLE
 from eom.tables import Table
+
+LARGEST_ANGLE = 1e5
+"""Up to it the quadrant has 16 bits."""
+
+SINE = (
+    -0.16666666666666655, 0.008333333333327302, -0.00019841269833447805, 2.7557314875573207e-06,
+    -2.505093290062454e-08, 1.5906399268301887e-10,
+)  # fmt: skip
+"""(sin x - x)/x^3 as a polynomial in x^2, |x| <= pi/4."""
+COSINE = (
+    0.041666666666666664, -0.0013888888888887395, 2.4801587298763433e-05, -2.7557317270560326e-07,
+    2.0876146024689747e-09, -1.1382614868556325e-11,
+)  # fmt: skip
+"""(cos x - 1 + x^2/2)/x^4 as a polynomial in x^2, |x| <= pi/4."""
+
+
+def horner(variable: str, coefficients: Sequence[float]) -> str:
+    """Write a polynomial by Horner's rule.
+
+    >>> horner("z", [0.5, -0.25, 2.0])
+    '0.5 + z * (-0.25 + z * 2.0)'
+    """
+    *rest, last = map(repr, coefficients)
+    text = last
+    for k, c in enumerate(reversed(rest)):
+        text = f"{c} + {variable} * {text if k == 0 else f'({text})'}"
+    return text
+
+
+WHOLE = "6755399441055744.0"  # 1.5 * 2^52: the sum with a small number rounds it to a whole one
+
+CIRCLE = f"""\
+/* Sines and cosines of n angles a[k] to r[k] and r[n + k], within a unit in the last place. The
+ * argument is reduced by Cody and Waite; there is no branch, so that compilers make vectors of it. */
+#include <float.h>
+static void circle_(int n, const double *restrict a, double *restrict r) {{
+    int k = 0;
+#if FLT_EVAL_METHOD == 0 && !defined(__FAST_MATH__)
+    for (; k < n; ++k) {{
+        const double q = (a[k] * {0.6366197723675814!r} + {WHOLE}) - {WHOLE};
+        const double first = a[k] - q * {1.5707963267923333!r}, second = q * {2.5633441515839558e-12!r};
+        const double rest = first - second, back = rest - first;
+        const double lost = (first - (rest - back)) - (second + back);
+        const double third = q * {1.0562999066987428e-23!r} - lost;
+        const double x = rest - third, e = (rest - x) - third, z = x * x, cube = x * z;
+        const double s = {horner("z", SINE[1:])};
+        const double sine = x - ((z * (0.5 * e - cube * s) - e) - cube * ({SINE[0]!r}));
+        const double c = z * ({horner("z", COSINE)});
+        const double half = 0.5 * z, top = 1.0 - half;
+        const double cosine = top + (((1.0 - top) - half) + (z * c - x * e));
+        const double twice = (q * 0.5 - 0.25 + {WHOLE}) - {WHOLE};
+        const double whole = (twice * 0.5 - 0.25 + {WHOLE}) - {WHOLE};
+        const double sign = 1.0 - 2.0 * (twice - 2.0 * whole);
+        const int odd = q != 2.0 * twice;
+        r[k] = sign * (odd ? cosine : sine);
+        r[n + k] = sign * (odd ? -sine : cosine);
+    }}
+#endif
+    for (int j = 0; j < n; ++j)
+        if (j >= k || !(fabs(a[j]) <= {LARGEST_ANGLE!r})) r[j] = sin(a[j]), r[n + j] = cos(a[j]);
+}}"""
+
+
+MANY_ANGLES = 4
+"""Fewer angles are left to the library."""
+BLOCK = 4
+"""Angles are filled up with zeros to a multiple of so many."""
+CIRCULAR = {"sin": 0, "cos": 1}
+_EARLY = frozenset({*LEAVES, "add", "sub", "mul", "neg", "div"})
+"""What angles are made of."""
+
+
+@dataclass(frozen=True)
+class Circles:
+    """A program in two: ``angles``, and ``late``, which reads their sines and cosines.
+
+    ``angles`` has one group of results, called `TURNED`. Leaf n of ``late`` is the sine of angle n, leaf
+    ``room`` + n its cosine; ``names`` are those that the leaves had in the whole program.
+    """
+
+    angles: Program
+    late: Program
+    room: int
+    names: tuple[Name, ...]
+
+
+def circles(program: Program) -> Circles | None:
+    """Return a program cut at the sines and cosines of its angles; None where there are few.
+
+    Law: with the sines and cosines of the angles in its leaves, ``late`` gives the values of ``program``.
+    """
+    found = _found(program)
+    angles = tuple(dict.fromkeys(program.instructions[k].args[0] for k in found))
+    if len(angles) < MANY_ANGLES:
+        return None
+    room = -(-len(angles) // BLOCK) * BLOCK
+    row = {angle: n for n, angle in enumerate(angles)}
+    instructions = list(program.instructions)
+    names = [Name("")] * (2 * room)
+    for k in found:
+        op, (angle,), _ = instructions[k]
+        slot = CIRCULAR[op] * room + row[angle]
+        instructions[k] = Instruction(TURNED, (), slot)
+        names[slot] = program.names.get(k, names[slot])
+    kept = {k: name for k, name in program.names.items() if k not in found}
+    late = Program(tuple(instructions), program.results, MappingProxyType(kept), program.rules)
+    early = Program(program.instructions, {TURNED: angles}, _NONE, program.rules)
+    return Circles(prune(early), prune(late), room, tuple(names))
+
+
+_NONE: Mapping[int, Name] = MappingProxyType({})
+
+
+def _found(program: Program) -> dict[int, None]:
+    """Return the sines and cosines of what is known from the start, in order."""
+    known = constants(program)
+    early: list[bool] = []
+    found: dict[int, None] = {}
+    for k, (op, args, _) in enumerate(program.instructions):
+        early.append(op in _EARLY and all(early[a] for a in args))
+        if op in CIRCULAR and k not in known and early[args[0]]:
+            found[k] = None
+    return found
+
 
 HELPERS = {
     "sign_": "static inline double sign_(double a) { "

@@ -28,26 +28,27 @@ from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
-from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time
+from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time
 from codegen.targets import c_helpers
 from codegen.targets.c import assigned, guarded, part_lines, variables
+from codegen.targets.c_helpers import COSINE, LARGEST_ANGLE, SINE, horner
+from codegen.targets.c_helpers import WHOLE as _WHOLE
 from codegen.targets.render import (
+    ARITHMETIC,
     ATOM,
     EVERY_NUMBER,
     Body,
     Names,
     Tables,
     Template,
-    infix,
+    call,
     leaf_names,
     render,
     split,
     table_names,
     with_slots_of,
 )
-from codegen.targets.sincos import COSINE, LARGEST_ANGLE, SINE, horner
-from codegen.targets.sincos import WHOLE as _WHOLE
-from codegen.targets.target import Target, call, words
+from codegen.targets.target import Target, words
 
 ULPS: dict[str, float] = {
     "sin": 1.0,
@@ -342,10 +343,7 @@ PART_LINES = 400
 
 _OWN = ("sqrt", "sin", "cos", "tan", "exp", "log", "expm1", "tanh", "sign", "floor", "abs")
 TEMPLATES: dict[str, Template] = {
-    "add": infix("+", 10),
-    "sub": infix("-", 10),
-    "mul": infix("*", 20),
-    "div": infix("/", 20),
+    **ARITHMETIC,
     "neg": call("lanes_neg_"),
     **{op: call(f"lanes_{op}_") for op in _OWN},
     "min": call("lanes_min_", 2),

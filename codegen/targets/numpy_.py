@@ -13,13 +13,15 @@ from codegen.ir.names import comment, identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import Program
 from codegen.ir.stumpff import SERIES
-from codegen.passes.stages import CONSTANT, by_parameters
+from codegen.passes.pipeline import CONSTANT, by_parameters
 from codegen.targets.render import (
+    ARITHMETIC,
     Body,
     Names,
     Tables,
     Template,
-    infix,
+    call,
+    calls,
     leaf_names,
     render,
     table_names,
@@ -28,51 +30,22 @@ from codegen.targets.render import (
 from codegen.targets.target import Target, name_tables
 from eom.tables import Table
 
-
-def _call(name: str, arity: int = 1) -> Template:
-    return Template(f"np.{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
-
-
 TEMPLATES: dict[str, Template] = {
-    "add": infix("+", 10),
-    "sub": infix("-", 10),
-    "mul": infix("*", 20),
-    "div": infix("/", 20),
-    "neg": Template("-{0}", 15, (20,)),
-    "pow": _call("power", 2),
-    "sqrt": _call("sqrt"),
-    "sin": _call("sin"),
-    "cos": _call("cos"),
-    "tan": _call("tan"),
-    "asin": _call("arcsin"),
-    "acos": _call("arccos"),
-    "atan": _call("arctan"),
-    "sinh": _call("sinh"),
-    "cosh": _call("cosh"),
-    "tanh": _call("tanh"),
-    "asinh": _call("arcsinh"),
-    "acosh": _call("arccosh"),
-    "atanh": _call("arctanh"),
-    "exp": _call("exp"),
-    "log": _call("log"),
-    "atan2": _call("arctan2", 2),
-    "abs": _call("abs"),
-    "sign": _call("sign"),
-    "min": _call("minimum", 2),
-    "max": _call("maximum", 2),
-    "lt": _call("less", 2),
-    "le": _call("less_equal", 2),
-    "eq": _call("equal", 2),
-    "and": _call("logical_and", 2),
-    "or": _call("logical_or", 2),
-    "not": _call("logical_not"),
-    "floor": _call("floor"),
-    "mod": _call("mod", 2),
-    "hypot": _call("hypot", 2),
-    "erf": Template("scipy.special.erf({0})"),
-    "erfc": Template("scipy.special.erfc({0})"),
-    "expm1": _call("expm1"),
-    "log1p": _call("log1p"),
+    **ARITHMETIC,
+    **calls(
+        "np.{}", "sqrt sin cos tan sinh cosh tanh exp expm1 log log1p abs sign floor mod hypot"
+    ),
+    **{f"a{f}": call(f"np.arc{f}") for f in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
+    **calls("np.logical_{}", "and or not"),
+    **calls("scipy.special.{}", "erf erfc"),
+    "pow": call("np.power", 2),
+    "atan2": call("np.arctan2", 2),
+    "min": call("np.minimum", 2),
+    "max": call("np.maximum", 2),
+    "lt": call("np.less", 2),
+    "le": call("np.less_equal", 2),
+    "eq": call("np.equal", 2),
+    "select": call("np.where", 3),
     "besselj": Template("scipy.special.jv({0}, {1})"),
     "bessely": Template("scipy.special.yv({0}, {1})"),
     "stumpff": Template("stumpff_({0}, {1})"),
@@ -80,7 +53,6 @@ TEMPLATES: dict[str, Template] = {
     "factor": Template("{v} = factor_({n}, {symmetric}, [{entries}])"),
     "back": Template("{v} = back_({factor}, [{entries}])"),
     "item": Template("{0}[{data}]"),
-    "select": _call("where", 3),
 }
 SLOTS = {
     "time": "t",

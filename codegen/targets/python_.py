@@ -16,11 +16,10 @@ from codegen.frontend.layout import Layout
 from codegen.ir.names import comment, identifier
 from codegen.ir.program import Program
 from codegen.ir.stumpff import SERIES
-from codegen.targets.render import Body, Template, infix, table_names
+from codegen.targets.render import ARITHMETIC, Body, Template, calls, table_names
 from codegen.targets.target import (
     Target,
     bodies,
-    call,
     name_tables,
     nested,
     used_helpers,
@@ -30,40 +29,11 @@ from codegen.targets.target import (
 from eom.tables import Table
 
 TEMPLATES: dict[str, Template] = {
-    "add": infix("+", 10),
-    "sub": infix("-", 10),
-    "mul": infix("*", 20),
-    "div": call("_div", 2),
-    "neg": Template("-{0}", 15, (20,)),
-    "pow": call("_pow", 2),
-    "sqrt": call("_sqrt"),
-    "sin": call("_sin"),
-    "cos": call("_cos"),
-    "tan": call("_tan"),
-    "asin": call("_asin"),
-    "acos": call("_acos"),
-    "atan": call("math.atan"),
-    "sinh": call("_sinh"),
-    "cosh": call("_cosh"),
-    "tanh": call("math.tanh"),
-    "asinh": call("math.asinh"),
-    "acosh": call("_acosh"),
-    "atanh": call("_atanh"),
-    "exp": call("_exp"),
-    "expm1": call("_expm1"),
-    "log": call("_log"),
-    "log1p": call("_log1p"),
-    "atan2": call("math.atan2", 2),
-    "abs": call("abs"),
-    "sign": call("_sign"),
-    "min": call("_min", 2),
-    "max": call("_max", 2),
-    "floor": call("_floor"),
-    "mod": call("_mod", 2),
-    "hypot": call("math.hypot", 2),
-    "erf": call("math.erf"),
-    "erfc": call("math.erfc"),
-    "stumpff": call("_stumpff", 2),
+    **ARITHMETIC,
+    **calls("_{}", "div pow sqrt sin cos tan asin acos sinh cosh acosh atanh exp expm1 log log1p"),
+    **calls("_{}", "sign min max floor mod stumpff"),
+    **calls("math.{}", "atan tanh asinh atan2 hypot erf erfc"),
+    **calls("{}", "abs"),
     "table": Template("{data}({0})"),
     "factor": Template("{v} = _factor({n}, {symmetric}, [{entries}])"),
     "back": Template("{v} = _back({factor}, [{entries}])"),

@@ -18,7 +18,7 @@ from codegen.ir.linsolve import Shape
 from codegen.ir.names import HELPERS, comment, identifiers
 from codegen.ir.ops import BLOCKS, OPS
 from codegen.ir.program import Name, Program
-from codegen.passes.stages import Cut
+from codegen.passes.pipeline import Cut
 from eom.quantities import Quantity
 from eom.tables import Table
 
@@ -109,6 +109,26 @@ def split(body: Body, most: int) -> tuple[list[Part], int]:
 def infix(symbol: str, power: int) -> Template:
     """Return the template of a binary operator that groups to the left."""
     return Template(f"{{0}} {symbol} {{1}}", power, (power, power + 1))
+
+
+def call(name: str, arity: int = 1) -> Template:
+    """Return the template of a function call."""
+    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
+
+
+def calls(name: str, operations: str) -> dict[str, Template]:
+    """Return templates of function calls, by operation; ``{}`` in ``name`` stands for it."""
+    return {op: call(name.format(op), OPS[op].arity) for op in operations.split()}
+
+
+ARITHMETIC = {
+    "add": infix("+", 10),
+    "sub": infix("-", 10),
+    "mul": infix("*", 20),
+    "div": infix("/", 20),
+    "neg": Template("-{0}", 15, (20,)),
+}
+"""What most languages write alike."""
 
 
 Names = Mapping[str, Sequence[Name]]

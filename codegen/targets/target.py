@@ -12,13 +12,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from codegen.frontend.excerpt import excerpt
-from codegen.frontend.layout import Layout, names_of
-from codegen.ir.groups import INVARIANTS, OUTPUTS
+from codegen.frontend.layout import Layout, excerpt, names_of
 from codegen.ir.interpret import constants
 from codegen.ir.ops import OPS
 from codegen.ir.passes import needed, prune
-from codegen.ir.program import Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, Program
 from codegen.targets.render import Body, Tables, Template, leaf_names, render, table_names
 from eom.errors import InputError
 from eom.tables import Table
@@ -110,11 +108,6 @@ def words(body: Body) -> set[str]:
     """Return the identifiers in the expressions of a body."""
     texts = (*(line.expression for line in body.lines), *body.results)
     return {word for text in texts for word in _WORD.findall(text)}
-
-
-def call(name: str, arity: int = 1) -> Template:
-    """Return the template of a function call."""
-    return Template(f"{name}({', '.join(f'{{{k}}}' for k in range(arity))})")
 
 
 def nested(width: int) -> str:

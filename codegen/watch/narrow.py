@@ -3,7 +3,7 @@
 A Runge-Kutta method knows the rates at its stages alone. A pulse between two of them, a wall, a window of
 a Piecewise leaves no trace in its estimate of the error. What gives them away is not the rate but the
 *argument* of an operation: the exponent of a Gaussian moves by hundreds while exp of it stays 0. So the
-steps of every method are bounded by how far arguments move, by the table `codegen.watch.reach`:
+steps of every method are bounded by how far arguments move, by the table `codegen.watch.trust`:
 
 - Arguments of time and parameters alone have bounds over a step *ahead* of it, by intervals
   (`codegen.watch.intervals`): a proof. The group `AHEAD` tells of two times whether every such operation
@@ -32,12 +32,11 @@ from fractions import Fraction
 from functools import lru_cache
 
 from codegen.ir import scalars
-from codegen.ir.groups import RATES
 from codegen.ir.ops import OPS, Instruction
 from codegen.ir.passes import needed, prune
-from codegen.ir.program import Builder, Program
+from codegen.ir.program import RATES, Builder, Program
 from codegen.ir.scalars import Scalar, apply, maximum, minimum, where
-from codegen.watch import reach
+from codegen.watch import trust
 from codegen.watch.intervals import Interval, bounds, number_of_piece
 from eom.tables import Table
 
@@ -75,12 +74,12 @@ class Watch:
     @property
     def is_piece(self) -> bool:
         """Whether it is a value whose piece must not change."""
-        return self.op not in reach.ROWS
+        return self.op not in trust.ROWS
 
     @property
     def moving(self) -> tuple[int, ...]:
         """Places of the arguments whose movement counts."""
-        return (0,) if self.is_piece else reach.ROWS[self.op].moving
+        return (0,) if self.is_piece else trust.ROWS[self.op].moving
 
 
 @dataclass(frozen=True)
@@ -328,7 +327,7 @@ def _all_guards(program: Program, when: Sequence[int]) -> list[tuple[Watch, int]
     for k, (op, args, _) in enumerate(program.instructions):
         if op == "div":
             found.append((Watch(op, (Fraction(1), args[1])), k))
-        elif op in reach.ROWS and not _shows(program, k):
+        elif op in trust.ROWS and not _shows(program, k):
             exponent = program.instructions[args[-1]].value if op == "pow" else None
             known = (args[0], exponent) if isinstance(exponent, Fraction) else args
             found.append((Watch(op, known), k))
@@ -352,7 +351,7 @@ def _shows(program: Program, k: int) -> bool:
 def _is_blind(instruction: Instruction, when: Sequence[int], k: int) -> bool:
     """Whether an operation that moves is no polynomial and has no reach."""
     op = instruction.op
-    return when[k] > FIXED and op in OPS and op not in {*reach.ROWS, *reach.POLYNOMIALS}
+    return when[k] > FIXED and op in OPS and op not in {*trust.ROWS, *trust.POLYNOMIALS}
 
 
 def _reads(program: Program, result: int) -> set[int]:
@@ -381,12 +380,12 @@ def _share(
     now, over = [_finite(x) for x in now], [Interval(_finite(i.low), _finite(i.high)) for i in over]
     moves = [_movement(watch, now, over[k], k) for k in watch.moving]
     allowed, least = (
-        reach.moved(watch.op, now, order, depth),
-        reach.ROWS[watch.op].reach(now, order),
+        trust.moved(watch.op, now, order, depth),
+        trust.ROWS[watch.op].reach(now, order),
     )
     movement = sum(moves[1:], start=moves[0])
     share = where(movement <= least, 1, minimum(allowed / movement, Fraction(15, 16)))
-    quiet = _QUIET.get(watch.op, reach.ROWS[watch.op].quiet)
+    quiet = _QUIET.get(watch.op, trust.ROWS[watch.op].quiet)
     if quiet is None:
         return share
     ends = [[*now], [*now]]
@@ -435,13 +434,13 @@ def _quotient_quiet(a: Sequence[Scalar], depth: Scalar) -> Scalar:
 def _power_quiet(a: Sequence[Scalar], depth: Scalar) -> Scalar:
     """A negative power is nothing far from zero; others as in `reach`."""
     x, y = a
-    positive = reach.ROWS["pow"].quiet
+    positive = trust.ROWS["pow"].quiet
     assert positive is not None
     far = abs(x) - scalars.exp(depth / maximum(-y, Fraction(1, 8)))
     return where(y < 0, far, positive(a, depth))
 
 
-_QUIET: Mapping[str, reach.Quiet] = {"div": _quotient_quiet, "pow": _power_quiet}
+_QUIET: Mapping[str, trust.Quiet] = {"div": _quotient_quiet, "pow": _power_quiet}
 """Where quotients and negative powers are flat, which is of use over a whole step alone."""
 
 
@@ -498,15 +497,15 @@ def _of_states(
 
 
 SOON: Mapping[str, tuple[float, float]] = {
-    "div": (float(reach.SHARE), 0.0),
-    "log": (float(reach.SHARE), 0.0),
+    "div": (float(trust.SHARE), 0.0),
+    "log": (float(trust.SHARE), 0.0),
     "exp": (0.0, ORDER / 2),
     "expm1": (0.0, ORDER / 2),
     "sinh": (0.0, ORDER / 2),
     "cosh": (0.0, ORDER / 2),
     "tanh": (0.0, 0.78),
-    "atan": (0.0, float(reach.SHARE)),
-    "asinh": (0.0, float(reach.SHARE)),
+    "atan": (0.0, float(trust.SHARE)),
+    "asinh": (0.0, float(trust.SHARE)),
 }
 """Lower bounds of the reach of operations, as a share of the argument, and as a number: most steps pass by
 these alone. Others, here, have none."""
@@ -515,7 +514,7 @@ these alone. Others, here, have none."""
 def _soon(watch: Watch) -> tuple[float, float]:
     exponent = watch.args[-1]
     if watch.op == "pow" and isinstance(exponent, Fraction):
-        return reach.reach_of("pow", [1.0, float(exponent)], ORDER) * 0.99, 0.0
+        return trust.reach_of("pow", [1.0, float(exponent)], ORDER) * 0.99, 0.0
     return SOON.get(watch.op, (0.0, 0.0))
 
 

@@ -28,7 +28,7 @@ from eom.errors import InputError, printable, unknown_name
 
 if TYPE_CHECKING:
     from codegen import Compiled, Ensemble, Sampler, Summary
-    from codegen.ensembles.samples import Samples
+    from codegen.ensembles.sampler import Samples
     from eom.opening import AnyScene
     from eom.system import SequenceAngles
 
@@ -44,7 +44,7 @@ KNOWN = ("count", "seed", "vary")
 
 
 def _distributions() -> Rows:
-    from codegen.ensembles.distributions import KINDS
+    from codegen.ensembles.sampler import KINDS
 
     return [(kind.usage, kind.meaning) for kind in KINDS]
 
@@ -293,10 +293,9 @@ def _start_of(
 
 def _samples(scene: AnyScene, plan: _Plan) -> tuple[Samples, dict[str, float]]:
     """Return the sampler, which has every state, and the parameters that do not vary."""
-    from codegen import Sampler
-    from codegen.ensembles import distributions
+    from codegen.ensembles.sampler import Sampler, sampler_of
 
-    varied = distributions.sampler(plan.vary, plan.count, plan.seed)
+    varied = sampler_of(plan.vary, plan.count, plan.seed)
     if not len(varied):
         raise InputError("how many trajectories?", expected="--count N", hint="or a grid")
     _check_attitude(scene, varied)

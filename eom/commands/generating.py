@@ -88,7 +88,7 @@ def _generate(
 ) -> None:
     from codegen.compiling.compiled import generate as generate_files
     from codegen.compiling.compiled import write_files
-    from codegen.compiling.jacobians import with_jacobians
+    from codegen.compiling.sparse import with_jacobians
     from codegen.passes.pipeline import specialised
     from codegen.precision.report import show as show_report
 
@@ -122,14 +122,14 @@ def _write_alone(
 
 def _closed_form_files(scene: AnyScene) -> Mapping[str, str]:
     import codegen
-    from codegen.closed import closed_c
+    from codegen.closed import closed_forms
 
     values = scene.initial_values(), scene.parameter_values(), scene.input_values()
     with waiting_for("deriving") as show:
         compiled = codegen.compile(scene.derive(), "python", progress=compiling(show))
         show("writing code")
-        closed = closed_c.of_values(compiled, *values)
-        files = closed_c.files(closed, f"{scene.name}_closed")
+        closed = closed_forms.of_values(compiled, *values)
+        files = closed_forms.files(closed, f"{scene.name}_closed")
     click.echo(f"{closed.name}: {closed.meaning}")
     return files
 

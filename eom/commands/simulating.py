@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from codegen import Accuracy, Result
-    from codegen.runs.drift import Drift
+    from codegen.runs.pruning import Drift
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""

@@ -28,8 +28,8 @@ from eom.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from codegen.measure.stress.checks import Outcome
     from codegen.measure.stress.record import Check, Material, Plan, Trial
-    from codegen.measure.stress.showing import Outcome
     from codegen.measure.workprecision.case import Case
     from eom.problems import Problem
 
@@ -75,22 +75,21 @@ def stress(
     measured, 2 for unusable input.
     """
     from codegen.compiling.compiled import write_files
-    from codegen.measure.stress import showing
-    from codegen.measure.stress.checks import chosen
+    from codegen.measure.stress import checks
 
-    checks, plan = chosen(names), _plan(methods, **options)
+    made, plan = checks.chosen(names), _plan(methods, **options)
     if folder is not None:
         write_files({}, folder)
     material = _material()
-    outcomes = [_measured(check, material, plan) for check in checks]
+    outcomes = [_measured(check, material, plan) for check in made]
     text = _print(outcomes, plan, quiet=as_json)
-    data = showing.data(outcomes, plan, _about())
+    data = checks.data(outcomes, plan, _about())
     if folder is not None:
         files = {"stress.json": data, "stress.txt": text}
         report_files(write_files(files, folder), err=as_json)
     if as_json:
         click.echo(data, nl=False)
-    if not showing.all_passed(outcomes):
+    if not checks.all_passed(outcomes):
         sys.exit(FAILED)
 
 
@@ -179,7 +178,7 @@ def _case_of(p: Problem) -> Case:
 
 
 def _measured(check: Check, material: Material, plan: Plan) -> Outcome:
-    from codegen.measure.stress.showing import Outcome
+    from codegen.measure.stress.checks import Outcome
 
     began = time.perf_counter()
     with progress_of(check.name) as progress:
@@ -198,12 +197,12 @@ def _print(outcomes: list[Outcome], plan: Plan, quiet: bool) -> str:
     """Print the table and what is to be said of it, unless quiet; return the same as text."""
     from rich.console import Console
 
-    from codegen.measure.stress import showing
+    from codegen.measure.stress import checks
 
     file = io.StringIO() if quiet else None
     console = Console(record=True, width=max(WIDTH, Console().width), file=file)
-    console.print(showing.table(outcomes, plan))
-    for line in showing.lines(outcomes):
+    console.print(checks.table(outcomes, plan))
+    for line in checks.lines(outcomes):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     return console.export_text()
 

@@ -18,7 +18,7 @@ def digests():
     from codegen.compiling.compiled import ROWS, generate
     from codegen.derivatives.derivative import jacobian
     from codegen.frontend.from_sympy_mechanics import as_system
-    from codegen.ir.groups import RATES
+    from codegen.ir.program import RATES
     from codegen.passes.pipeline import specialised
     from eom import gravity_gradient_satellite, heavy_top
     from eom.opening import load_scene

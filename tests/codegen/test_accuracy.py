@@ -19,23 +19,21 @@ from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.precision import card_text
 from codegen.precision.accuracy import MAX_LENGTH, formula
-from codegen.precision.card import (
+from codegen.precision.conditioning import MAX_LOST, Trace, everything, operations
+from codegen.precision.domain import (
     ACCURATE,
+    DISTANCES,
     EXACT,
+    EXTREME,
     ILL,
     NOT_A_NUMBER,
     OVERFLOWS,
-    UNDERFLOWS,
-    UNSTABLE,
-    VERDICTS,
-)
-from codegen.precision.conditioning import MAX_LOST, Trace, everything, operations
-from codegen.precision.domain import (
-    DISTANCES,
-    EXTREME,
     REGIONS,
     SINGULAR,
     TYPICAL,
+    UNDERFLOWS,
+    UNSTABLE,
+    VERDICTS,
     ZERO,
     domain_of,
     places,

@@ -17,10 +17,9 @@ from codegen.ir.interpret import Point, interpret
 from codegen.ir.names import C_MATH, RESERVED
 from codegen.ir.program import Program
 from codegen.native import native
-from codegen.passes.pipeline import specialised
-from codegen.passes.stages import by_parameters
-from codegen.targets import c, c_float
-from codegen.targets.c_float import in_single_precision, prefix, single_text
+from codegen.passes.pipeline import by_parameters, specialised
+from codegen.targets import c
+from codegen.targets.c import float_prefix, float_single_text, in_single_precision
 from eom.system import System
 from tests.codegen.test_compiled import (
     SINGLE,
@@ -50,9 +49,9 @@ class Single:
 
     def __init__(self, program, layout):
         self.program, self.layout = program, layout
-        text = single_text(self.program, self.layout)
+        text = float_single_text(self.program, self.layout)
         self.library = native.load(native.compile_library(text), text)
-        self.name = prefix(self.layout)
+        self.name = float_prefix(self.layout)
 
     def __call__(self, group, t, *arrays):
         values = [np.asarray(a, dtype=np.float32) for a in arrays]
@@ -199,4 +198,4 @@ def test_long_names_keep_the_suffix_that_tells_them_apart():
     system = System.from_rates("a" * 300, {x: -x})
     files = generate(*specialised(system, {}), "c_f32")
     assert list(files) == [f"{'a' * 56}_f32.h", f"{'a' * 56}_f32.c"]
-    assert c_float.C_FLOAT.templates["sin"].text == "sinf({0})"
+    assert c.C_FLOAT.templates["sin"].text == "sinf({0})"

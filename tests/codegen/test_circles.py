@@ -11,11 +11,11 @@ import sympy as sp
 
 import codegen
 from codegen.frontend.lower import lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.passes import prune
+from codegen.ir.program import RATES
 from codegen.native import native
-from codegen.targets.sincos import BLOCK, CIRCLE, MANY_ANGLES, TURNED, circles
+from codegen.targets.c_helpers import BLOCK, CIRCLE, MANY_ANGLES, TURNED, circles
 from eom.quantities import Quantity
 from eom.system import System
 

@@ -24,14 +24,14 @@ import eom
 import eom.kinematics.coordinates
 import eom.mechanics.rigidbody
 import eom.mechanics.torques
-from codegen.closed import closed_c
+from codegen.closed import closed_forms as closed_c
 from codegen.closed.closed_forms import find
+from codegen.closed.elliptic import Pair, parity, reduced
 from codegen.closed.exact import CHUNK
 from codegen.closed.heavy_top import Top, roots_of
-from codegen.closed.phases import Pair, parity, reduced
 from codegen.frontend.layout import Layout, names_of, to_array
 from codegen.ir.interpret import Point, interpret
-from codegen.ir.tracing import traced
+from codegen.ir.scalars import traced
 from codegen.native import native
 from codegen.native.trajectory import Problem
 from eom.errors import InputError

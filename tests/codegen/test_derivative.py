@@ -4,14 +4,12 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.derivatives.derivative import JACOBIAN, PARTIALS, colouring, columns, jacobian
-from codegen.derivatives.elimination import ORDERS
+from codegen.derivatives.derivative import JACOBIAN, ORDERS, PARTIALS, colouring, columns, jacobian
 from codegen.frontend.lower import lower_expressions, lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import INTEGER_FIRST, OPS, SOLVE, WITH_DATA, Instruction, row_of
 from codegen.ir.passes import dependence, prune
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.rigidbody import full_inertia, rigid_body
 from eom.mechanics.torques import weight

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen import Grid, Normal, Sampler, Uniform, UniformQuaternion
-from codegen.ensembles.distributions import KINDS, distribution, names, sampler
+from codegen.ensembles.sampler import KINDS, distribution, names, sampler_of
 from eom.errors import InputError
 
 NUMBERS = st.floats(-1e9, 1e9)
@@ -33,7 +33,7 @@ def test_a_sampler_in_words_draws_what_one_of_objects_draws():
     values = {
         "a": Normal(1, 2), ("q0", "q1", "q2", "q3"): UniformQuaternion(), "b": Grid(0, 1, 3), "c": 4.0,
     }  # fmt: skip
-    one, other = sampler(words, 12, 3), Sampler(values, 12, 3)
+    one, other = sampler_of(words, 12, 3), Sampler(values, 12, 3)
     assert one == other
     for name, found in one.sample(2, 9).items():
         np.testing.assert_array_equal(found, other.sample(2, 9)[name])

@@ -19,8 +19,8 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.derivatives.taylor import prepare
 from codegen.integrate import fleet
-from codegen.ir.groups import RATES
 from codegen.ir.names import identifier
+from codegen.ir.program import RATES
 from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from eom.errors import AssumptionError, InputError

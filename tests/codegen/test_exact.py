@@ -17,9 +17,8 @@ from mpmath import mpf
 
 import codegen
 import eom
-from codegen.closed.elliptic import Modulus, first_kind, series
+from codegen.closed.elliptic import Modulus, first_kind, pair, series
 from codegen.closed.exact import CHUNK, KINDS, free_body, free_motion
-from codegen.closed.phases import pair
 from eom.errors import InputError
 from tests.draws import nonzero
 

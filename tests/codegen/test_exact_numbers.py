@@ -5,16 +5,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from codegen.derivatives.derivative import JACOBIAN, jacobian
-from codegen.derivatives.elimination import ORDERS
+from codegen.derivatives.derivative import JACOBIAN, ORDERS, jacobian
 from codegen.derivatives.forms import COEFFICIENT_BITS
 from codegen.ir import scalars
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
+from eom.multibody.recursion.recursions import forward_dynamics
 from tests.clock import growth_in_calls
 from tests.eom.multibody.trees import state, tree
 

@@ -14,8 +14,8 @@ from codegen import compile as compile_system
 from codegen import compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.frontend.lower import FUNCTIONS, SUPPORTED, lower_expressions
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
+from codegen.ir.program import RATES
 from codegen.ir.special import FAR, bessel
 from codegen.native import native
 from eom.errors import InputError

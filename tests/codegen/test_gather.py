@@ -7,13 +7,11 @@ from hypothesis import given, settings
 
 import eom
 from codegen.frontend.lower import lower_expressions, lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from codegen.passes.gather import gather
-from codegen.passes.pipeline import join, specialised
-from codegen.passes.stages import by_parameters, reciprocals
+from codegen.passes.pipeline import by_parameters, join, reciprocals, specialised
 from codegen.passes.strength import rescale
 from eom.opening import load_scene
 from tests.codegen.scenes import SCENES

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import eom
-from codegen.frontend.guard import Guard
+from codegen.frontend.structure import Guard
 from eom.errors import AssumptionError, InputError
 from eom.quantities import Assumption, Quantity
 from eom.system import System

@@ -6,10 +6,10 @@ import sympy as sp
 
 import codegen
 from codegen.compiling.compiled import compiled_jacobian, generate
-from codegen.compiling.jacobians import KINDS, with_jacobians
-from codegen.compiling.linear import linearise
-from codegen.derivatives.elimination import ORDERS
+from codegen.compiling.sparse import KINDS, with_jacobians
+from codegen.derivatives.derivative import ORDERS
 from codegen.ir.names import identifier
+from codegen.linearisation.linear_motion import linearise
 from codegen.passes.pipeline import specialised
 from codegen.targets import load_module
 from eom.errors import InputError
@@ -119,7 +119,7 @@ def test_what_was_compiled_once_is_kept(compiled, monkeypatch):
     def never(*_):
         raise AssertionError("derived again")
 
-    monkeypatch.setattr("codegen.compiling.jacobians.derive", never)
+    monkeypatch.setattr("codegen.compiling.sparse.derive", never)
     assert compiled.jacobian("states", "rates") is J is compiled_jacobian(compiled)
     assert compiled.jacobian("states", "rates").function is J.function
     again = linearise(compiled, (0.5, -1.0), P, (7.0,))

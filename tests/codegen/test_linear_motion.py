@@ -23,8 +23,7 @@ from codegen.linearisation.linear_motion import (
     linearise_about,
     stability,
 )
-from codegen.linearisation.tangents import tangents
-from codegen.linearisation.unknowns import leaves_of
+from codegen.linearisation.unknowns import leaves_of, tangents
 from eom.errors import InputError
 from eom.multibody import Body, Joint, Tree, derive
 from eom.quantities import Definition, Quantity

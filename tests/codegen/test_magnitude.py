@@ -10,8 +10,8 @@ import sympy as sp
 import codegen
 from codegen.compiling.compiled import compile as compile_system
 from codegen.ir import interpret
-from codegen.ir.groups import INVARIANTS
-from codegen.precision.magnitude import Sizes, scale_of, sizes_program
+from codegen.ir.program import INVARIANTS
+from codegen.precision.conditioning import Sizes, scale_of, sizes_program
 from eom.mechanics.rigidbody import free_rigid_body
 from eom.system import System
 

@@ -9,14 +9,12 @@ from hypothesis import strategies as st
 from sympy.physics.mechanics.models import n_link_pendulum_on_cart
 
 from codegen import compile as compile_system
-from codegen.derivatives.derivative import JACOBIAN, jacobian
-from codegen.derivatives.elimination import ORDERS
+from codegen.derivatives.derivative import JACOBIAN, ORDERS, jacobian
 from codegen.frontend import lower as massmatrix
 from codegen.frontend.lower import lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, interpret_with_bound
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from codegen.targets import c
 from eom.quantities import Quantity
 from eom.system import System

@@ -22,7 +22,7 @@ from codegen.ir.program import Builder
 from codegen.ir.scalars import Scalar
 from codegen.loops import written
 from codegen.native import native
-from codegen.watch import intervals, reach
+from codegen.watch import intervals, trust
 from codegen.watch.narrow import ORDER, SOON, narrow
 from eom import Table
 from eom.errors import InputError
@@ -336,7 +336,7 @@ def test_what_is_always_allowed_is_within_the_reach(op: str) -> None:
     share, length = SOON[op]
     for u in (-700.0, -3.0, -0.5, 1e-6, 0.7, 20.0, 1e5):
         args = [1.0, u] if op == "div" else [abs(u)] if op == "log" else [u]
-        assert max(share * abs(u), length) <= reach.reach_of(op, args, ORDER) * (1 + 1e-12)
+        assert max(share * abs(u), length) <= trust.reach_of(op, args, ORDER) * (1 + 1e-12)
 
 
 @pytest.mark.parametrize(

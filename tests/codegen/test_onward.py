@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import codegen
-from codegen.integrate import onward
+from codegen.integrate import fleet
 from codegen.native import native
 from eom.errors import InputError
 from eom.quantities import TIME
@@ -103,7 +103,7 @@ def test_what_may_be_a_singularity_is_not_passed_in_silence():
     """x' = sqrt(x) from zero has many solutions."""
     found = codegen.ensemble(compiled(ROOT), {"x": [0.0, 0.5, 1.0]}, (0, 3), atol=1e-9)
     assert found.success
-    assert found.columns["continued"].tolist() == [onward.PASSED, 0, 0]
+    assert found.columns["continued"].tolist() == [fleet.PASSED, 0, 0]
     assert (
         "if the rates are singular there, the rest says nothing (trajectories: 1)" in found.notice
     )

@@ -19,7 +19,7 @@ from codegen.ir.interpret import Point
 from codegen.ir.names import identifier
 from codegen.native import native
 from codegen.passes.pipeline import specialised
-from codegen.targets import c, checks, packaging
+from codegen.targets import c, packaging
 from eom.quantities import Definition, Quantity
 from eom.system import System
 from tests.codegen.test_compiled import system_of as expressions_of
@@ -48,7 +48,7 @@ def package(system):
     files = {**c.files(program, layout), **packaging.descriptions(layout)}
     derived = jacobian(lower_system(system), "rates")
     files |= packaging.sparsity(layout, {"rates_by_states": derived.pattern, "none": ()})
-    files |= checks.checks(program, layout)
+    files |= packaging.checks(program, layout)
     return {**files, **packaging.build(layout, files)}
 
 
@@ -121,7 +121,7 @@ def test_values_that_are_not_finite_are_compared_by_kind(tmp_path):
     made = [1 / x, sp.log(x), sp.sqrt(-1 - x**2), -1 / x**2, sp.exp(1000 * (x + 1)), x + p]
     system = system_of(made)
     program, layout = specialised(system, {})
-    zero = checks.expect(program, checks.points(layout)[1])["outputs"]
+    zero = packaging.expect(program, packaging.points(layout)[1])["outputs"]
     assert [repr(e.value) for e in zero[:5]] == ["inf", "-inf", "nan", "-inf", "inf"]
     assert all(e.bound == 0 for e in zero[:5])
     files = dict(package(system))
@@ -148,11 +148,11 @@ def test_nothing_is_compared_where_a_jump_is_in_doubt():
     ]
     program, _ = specialised(system_of([*sure, *in_doubt]), {})
     at = Point(0.0, [float(mpmath.asin(0.5)), 0.5], [1.0, 3.0])
-    found = checks.expect(program, at)["outputs"]
+    found = packaging.expect(program, at)["outputs"]
     assert [e.bound < 1 for e in found[: len(sure)]] == [True] * len(sure)
     assert [e.bound for e in found[len(sure) :]] == [float("inf")] * len(in_doubt)
     away = replace(at, x=[0.6, 0.5])
-    assert all(e.bound < 1 for e in checks.expect(program, away)["outputs"])
+    assert all(e.bound < 1 for e in packaging.expect(program, away)["outputs"])
 
 
 @needs_compiler
@@ -165,7 +165,7 @@ def test_constants_and_quotients_beyond_doubles_are_no_obstacle(tmp_path):
 
 def test_expected_values_are_the_nearest_doubles_and_bounds_are_small():
     program, _ = specialised(expressions_of([sp.sin(x) * sp.exp(y)]), {})
-    (found,) = checks.expect(program, Point(0.0, [0.7, 1.9, 0.0], [0.0, 0.0]))["outputs"]
+    (found,) = packaging.expect(program, Point(0.0, [0.7, 1.9, 0.0], [0.0, 0.0]))["outputs"]
     with mpmath.workdps(50):
         exact = mpmath.sin(mpmath.mpf(0.7)) * mpmath.exp(mpmath.mpf(1.9))
         assert found.value == float(exact)
@@ -174,12 +174,12 @@ def test_expected_values_are_the_nearest_doubles_and_bounds_are_small():
 
 def test_points_respect_what_is_positive_and_hold_zero_states():
     layout = Layout.of(eom.gravity_gradient_satellite())
-    at = checks.points(layout)
-    assert len(at) == 2 + checks.RANDOM_POINTS
+    at = packaging.points(layout)
+    assert len(at) == 2 + packaging.RANDOM_POINTS
     assert set(at[1].x) == {0.0}
     for quantity, *values in zip(layout.parameters, *(point.p for point in at), strict=True):
         assert not quantity.symbol.is_positive or min(values) > 0
-    assert checks.points(layout) == at
+    assert packaging.points(layout) == at
 
 
 # --- build files ---------------------------------------------------------------------------------------

@@ -14,10 +14,9 @@ from codegen.derivatives.derivative import jacobian
 from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.fold import RULE_SETS
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from codegen.passes.pipeline import PASSES, costs, join, optimise, steps
 from eom.kinematics.coordinates import attitude
 from eom.mechanics.gyrostat import gyrostat

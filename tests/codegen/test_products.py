@@ -7,18 +7,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen.derivatives.taylor import prepare
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret_exactly
-from codegen.ir.program import Builder
-from codegen.loops.packs import WIDTH, Group, Sum, part_groups, steps, whole_group
+from codegen.ir.program import RATES, Builder
 from codegen.loops.products import (
+    WIDTH,
     Coefficient,
+    Group,
+    Sum,
     Term,
     forms,
     inner,
     levels,
     linear_in_time,
+    part_groups,
+    steps,
     tree,
+    whole_group,
     wide,
 )
 from tests.draws import nonzero

@@ -13,7 +13,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.compiling.compiled import generate
 from codegen.integrate import methods
-from codegen.integrate.projector import least_change
+from codegen.integrate.scipy_ import least_change
 from codegen.loops import projection, written
 from codegen.native import native
 from codegen.targets import packaging

@@ -15,7 +15,7 @@ from codegen.derivatives.taylor import JET, prepare, unrolled
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import OPS
 from codegen.ir.program import Builder, Program
-from codegen.watch.reach import (
+from codegen.watch.trust import (
     HONEST,
     LINEAR_SYSTEMS,
     PIECES,

@@ -12,15 +12,14 @@ from click.testing import CliRunner
 import eom
 from codegen import compile as compile_system
 from codegen.compiling.compiled import ROWS, generate
-from codegen.frontend.excerpt import excerpt
-from codegen.frontend.layout import Layout
+from codegen.frontend.layout import Layout, excerpt
 from codegen.frontend.lower import lower_system
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.names import identifier
 from codegen.ir.ops import BLOCKS, OPS
 from codegen.targets import load_module
-from codegen.targets.render import ATOM, Template, infix
-from codegen.targets.target import Target, bodies, call, missing, used_helpers
+from codegen.targets.render import ATOM, Template, call, infix
+from codegen.targets.target import Target, bodies, missing, used_helpers
 from eom.__main__ import generate as generate_command
 from eom.__main__ import main
 from eom.errors import InputError

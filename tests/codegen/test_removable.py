@@ -13,8 +13,8 @@ from codegen import compiled_jacobian
 from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.frontend.lower import lower_expressions
 from codegen.frontend.removable_singularities import ROWS, Removable, rewrite
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
+from codegen.ir.program import RATES
 from eom.system import System
 
 pytestmark = pytest.mark.sparse

@@ -1,8 +1,8 @@
 import pytest
 import sympy as sp
 
-from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
+from codegen.ir.program import RATES
 from codegen.passes.pipeline import specialised
 from codegen.precision.report import report, tree_operations
 from eom.opening import load_scene

@@ -15,7 +15,7 @@ from codegen import simulate
 from codegen.compiling.compiled import generate
 from codegen.derivatives.derivative import jacobian
 from codegen.frontend.lower import lower_expressions
-from codegen.ir.groups import RATES
+from codegen.ir.program import RATES
 from codegen.passes.strength import rescale
 from eom.errors import InputError
 from eom.quantities import TIME, Definition, Quantity

@@ -6,10 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from codegen.frontend.lower import lower_expressions, lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from codegen.passes.schedule import MAX_SHARE, _Scheduler, pressure, reordered, schedule
 from eom.opening import load_scene
 from tests.clock import growth_in_calls

@@ -8,8 +8,8 @@ import sympy as sp
 import codegen
 from codegen.frontend.layout import names_of
 from codegen.frontend.lower import lower_system
-from codegen.ir.groups import OUTPUTS, RATES
 from codegen.ir.ops import OPS
+from codegen.ir.program import OUTPUTS, RATES
 from codegen.linearisation.sensitivity import sensitivities, variational
 from eom.errors import InputError
 from eom.opening import load_scene

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 import eom
 from codegen import compile as compile_system
 from codegen.frontend.lower import lower_expressions, lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret, interpret_exactly, random_point
 from codegen.ir.ops import LEAVES
+from codegen.ir.program import RATES
 from codegen.native import native
-from codegen.passes.stages import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
+from codegen.passes.pipeline import CLOCK, CONSTANT, by_parameters, by_time, reciprocals
 from eom.opening import load_scene
 from eom.system import System
 from tests.codegen.scenes import SCENES

@@ -12,9 +12,9 @@ import eom
 from codegen.frontend.layout import names_of
 from codegen.frontend.lower import lower_expressions
 from codegen.frontend.structure import first_not_zero
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.passes import prune, substitute
+from codegen.ir.program import RATES
 from codegen.passes.pipeline import costs, specialised
 from eom.errors import AssumptionError, InputError
 from eom.mechanics.rigidbody import principal_inertia, rigid_body

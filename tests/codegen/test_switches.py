@@ -15,7 +15,7 @@ from scipy import integrate
 import codegen
 from codegen import Event
 from codegen.derivatives.taylor import prepare
-from codegen.ir.groups import RATES
+from codegen.ir.program import RATES
 from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from eom.system import System

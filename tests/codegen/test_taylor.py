@@ -16,9 +16,8 @@ from codegen import simulate
 from codegen.derivatives import taylor
 from codegen.derivatives.taylor import unrolled
 from codegen.frontend.lower import lower_system
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import Point, interpret_exactly
-from codegen.ir.program import Builder
+from codegen.ir.program import RATES, Builder
 from codegen.loops import taylor as method
 from codegen.native import native
 from codegen.watch.trust import limits

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import codegen
 from codegen.derivatives.taylor import prepare
-from codegen.ir.groups import RATES
+from codegen.ir.program import RATES
 from codegen.loops import taylor, taylor_lanes
 from codegen.native import native
 from codegen.precision.extended import Values, integrate

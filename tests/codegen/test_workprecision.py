@@ -17,7 +17,7 @@ from codegen.measure.workprecision import measuring as showing
 from codegen.measure.workprecision.case import Case, Reference
 from codegen.measure.workprecision.measuring import Plan, Point
 from codegen.native import native
-from codegen.native.time_limit import TooLongError
+from codegen.native.children import TooLongError
 from eom.errors import InputError
 from eom.quantities import Quantity
 from eom.system import System

@@ -28,10 +28,9 @@ from codegen.derivatives.derivative import JACOBIAN, jacobian
 from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir import interpret as oracle
-from codegen.ir.groups import RATES
 from codegen.ir.interpret import interpret, interpret_exactly
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from eom.kinematics.coordinates import SEQUENCES, attitude
 from eom.mechanics.rigidbody import full_inertia, rigid_body
 from eom.mechanics.torques import gravity_gradient, weight

@@ -17,10 +17,10 @@ import numpy as np
 from codegen.closed.exact import free_motion
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.ir.groups import SINGULARITIES
+from codegen.ir.program import SINGULARITIES
 from codegen.measure.stress.growth import turn_between
 from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
-from codegen.measure.stress.running import Collector, Run, tolerance_of
+from codegen.measure.stress.workers import Collector, Run, tolerance_of
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import DEFAULT_MARGIN, Result
 from eom.errors import InputError

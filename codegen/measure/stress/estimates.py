@@ -19,7 +19,7 @@ import sympy as sp
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import names_of
 from codegen.measure.stress.record import Figure, Findings, Material, Plan, Trial
-from codegen.measure.stress.running import Collector, Run
+from codegen.measure.stress.workers import Collector, Run
 from codegen.measure.workprecision.case import Case
 from codegen.native.trajectory import Array
 from codegen.precision import extended

@@ -28,13 +28,13 @@ from codegen.compiling.compiled import compile as compile_system
 from codegen.ir.interpret import Bounded, Point, interpret_with_bound
 from codegen.measure.stress.growth import turn_between
 from codegen.measure.stress.record import ABSOLUTE, EPSILON, Figure, Findings, Material, Plan
-from codegen.measure.stress.running import HELD, Collector, Run, tolerance_of
+from codegen.measure.stress.workers import HELD, Collector, Run, tolerance_of
 from codegen.measure.workprecision.case import Case
 from codegen.native import native
 from codegen.native.trajectory import Array
-from codegen.passes.stages import by_parameters
+from codegen.passes.pipeline import by_parameters
 from codegen.runs.simulation import Result
-from codegen.targets.c_float import prefix, single_text
+from codegen.targets.c import float_prefix, float_single_text
 
 STOPS = 7
 """Times on the way at which the state is changed."""
@@ -279,9 +279,9 @@ class _Single:
 
     def __init__(self, compiled: Compiled) -> None:
         self.sizes = compiled.layout.sizes
-        text = single_text(compiled.program, compiled.layout)
+        text = float_single_text(compiled.program, compiled.layout)
         self.library = native.load(native.compile_library(text), text)
-        self.name = prefix(compiled.layout)
+        self.name = float_prefix(compiled.layout)
         count = len(by_parameters(compiled.program, self.sizes).values)
         self.constants = np.zeros(max(1, count), np.float32)
         prepare = getattr(self.library, f"{self.name}_prepare")

@@ -13,8 +13,8 @@ import sympy as sp
 from codegen.closed.closed_forms import ROWS
 from codegen.closed.held import Held
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
+from codegen.ir.program import RATES
 from codegen.measure.stress.record import Figure, Findings, Material, Plan
 from codegen.passes.pipeline import specialised
 from eom.system import System

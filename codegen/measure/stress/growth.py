@@ -18,10 +18,10 @@ import numpy as np
 from codegen.closed.exact import FreeMotion, free_motion
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.ir.groups import INVARIANTS
 from codegen.ir.interpret import Point, interpret_exactly
+from codegen.ir.program import INVARIANTS
 from codegen.measure.stress.record import EPSILON, Figure, Findings, Material, Plan
-from codegen.measure.stress.running import HELD, Collector, Run
+from codegen.measure.stress.workers import HELD, Collector, Run
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import Result
 

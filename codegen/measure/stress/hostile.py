@@ -23,7 +23,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.measure.stress.hostile_cases import FAMILIES, Hostile, cases
 from codegen.measure.stress.record import Figure, Findings, Material, Plan
-from codegen.measure.stress.running import Collector, Run
+from codegen.measure.stress.workers import Collector, Run
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import Result
 

@@ -17,12 +17,10 @@ import numpy as np
 
 from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
-from codegen.ir.groups import INVARIANTS
-from codegen.measure.stress.amplification import Amplification, amplification
+from codegen.ir.program import INVARIANTS
 from codegen.measure.stress.record import Figure, Findings, Material, Plan
-from codegen.measure.stress.running import Refusal, Run, attempt
-from codegen.measure.stress.sweeps import ROUNDING
-from codegen.measure.stress.workers import Worker
+from codegen.measure.stress.sweeps import ROUNDING, Amplification, amplification
+from codegen.measure.stress.workers import Refusal, Run, Worker, attempt
 from codegen.measure.workprecision.case import Case
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import Result

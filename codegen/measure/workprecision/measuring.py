@@ -22,7 +22,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.integrate.methods import METHODS
 from codegen.measure.workprecision.case import Case, Reference, reference
 from codegen.measure.workprecision.programs import Program, Run
-from codegen.native.time_limit import TooLongError
+from codegen.native.children import TooLongError
 from eom.errors import InputError
 
 TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 2.0**-52)

@@ -20,7 +20,7 @@ import sympy as sp
 from codegen.compiling.compiled import Compiled
 from codegen.integrate.methods import METHODS
 from codegen.measure.workprecision.case import Case
-from codegen.native.time_limit import TooLongError, watch
+from codegen.native.children import TooLongError, watch
 from codegen.native.trajectory import Array
 from codegen.runs.simulation import simulate
 from eom.errors import InputError, unknown_name

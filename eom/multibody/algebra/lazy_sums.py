@@ -9,13 +9,14 @@ What the intermediates of a recursion are called: letter, unit, meaning with the
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import sympy as sp
 
+from eom.fields import Operators
 from eom.multibody.algebra.values import value
 from eom.quantities import Definition, Quantity
 from eom.system import nodes
@@ -26,7 +27,7 @@ Term = tuple[Number, tuple[Expr, ...]]
 """A coefficient, not zero, and SymPy factors."""
 
 
-class Node:
+class Node(Operators):
     """A sum of terms. Operands are nodes and exact numbers; zero is the number 0, never a node."""
 
     __slots__ = ("_made", "terms")
@@ -45,45 +46,49 @@ class Node:
             self._made = _sum(self.terms)
         return self._made
 
-    def __add__(self, other: Any) -> Node:
-        if type(other) is Node:
-            return Node(self.terms + other.terms)
-        return Node((*self.terms, (other, ()))) if other else self
-
-    __radd__ = __add__
-
-    def __neg__(self) -> Node:
-        return Node(tuple([(-c, f) for c, f in self.terms]))
-
-    def __sub__(self, other: Any) -> Any:
-        return self + -other
-
-    def __rsub__(self, other: Any) -> Any:
-        return -self + other
-
-    def __mul__(self, other: Any) -> Any:
-        if type(other) is Node:
-            (c, f), (d, g) = self._one, other._one
-            return Node(((c * d, f + g),))
-        if not other:
-            return 0
-        c, f = self._one
-        return Node(((c * other, f),))
-
-    __rmul__ = __mul__
+    def operated(self, op: str, *operands: Any) -> Any:
+        """Return the result of an operation; a product of sums makes them factors."""
+        return _OPERATIONS[op](*operands)
 
     @property
-    def _one(self) -> Term:
+    def one(self) -> Term:
         """The node as one term; a sum becomes a factor."""
         return self.terms[0] if len(self.terms) == 1 else (1, (self.expression,))
 
-    def __rtruediv__(self, other: Any) -> Any:
-        c, f = self._one
-        below = f[0] if len(f) == 1 else _product(1, f)
-        return other * Node(((Fraction(1) / c, (sp.Pow(below, -1, evaluate=False),)),))
 
-    def __truediv__(self, other: Any) -> Any:
-        return self * (1 / other if type(other) is Node else Fraction(1) / other)
+def _added(x: Node, y: Any) -> Node:
+    if type(y) is Node:
+        return Node(x.terms + y.terms)
+    return Node((*x.terms, (y, ()))) if y else x
+
+
+def _subtracted(x: Any, y: Any) -> Any:
+    return x + -y if type(x) is Node else -y + x
+
+
+def _multiplied(x: Node, y: Any) -> Any:
+    c, f = x.one
+    if type(y) is Node:
+        d, g = y.one
+        return Node(((c * d, f + g),))
+    return Node(((c * y, f),)) if y else 0
+
+
+def _divided(x: Any, y: Any) -> Any:
+    if type(y) is not Node:
+        return x * (Fraction(1) / y)
+    c, f = y.one
+    below = f[0] if len(f) == 1 else _product(1, f)
+    return x * Node(((Fraction(1) / c, (sp.Pow(below, -1, evaluate=False),)),))
+
+
+_OPERATIONS: dict[str, Callable[..., Any]] = {
+    "add": _added,
+    "sub": _subtracted,
+    "mul": _multiplied,
+    "div": _divided,
+    "neg": lambda x: Node(tuple([(-c, f) for c, f in x.terms])),
+}
 
 
 @lru_cache(maxsize=4096)

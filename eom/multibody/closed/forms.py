@@ -18,10 +18,8 @@ from eom.exact.identity import equal
 from eom.multibody.algebra.scalars import is_zero, sub
 from eom.multibody.algebra.spatial import Vector, times, transposed
 from eom.multibody.algebra.values import is_number
-from eom.multibody.closed.kane import Kane
-from eom.multibody.closed.lagrange import Lagrange
+from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
 from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
-from eom.multibody.closed.newton_euler import NewtonEuler
 from eom.multibody.closed.polynomials import Scalar, terms_of
 from eom.multibody.closed.readable import Writer
 from eom.multibody.closed.terms import KINDS, Contribution, Part, factor, parts

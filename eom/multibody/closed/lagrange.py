@@ -4,13 +4,30 @@ Positions in the ground's axes are differentiated; forces and accelerations of b
 speeds are no rates of coordinates the equations are those of Boltzmann and Hamel, which are Lagrange's
 where they are. X_s f is the sum over the coordinates of df/dq times how fast speed s moves q.
 Source: Greenwood, Advanced Dynamics (2003), ch. 2 and 4.
+
+Equations of a mechanism by Kane: partial velocities, generalised active and inertia forces.
+
+Velocities are added from body to body, in the axes of each; accelerations are their derivatives in
+time; every force counts by how much each speed moves the point where it acts. Neither energies nor
+reactions occur. Source: Kane and Levinson, Dynamics: Theory and Applications (1985), sec. 2.14, 4.4,
+4.11, 6.1: F_r + F_r* = 0.
+
+Equations of a mechanism by Newton and Euler: balances of momentum, reactions eliminated.
+
+Accelerations follow from body to body by the law of relative accelerations; each body's balance of
+forces and of moments gives what its joint must carry beside what it hands on; along the directions that
+a joint leaves free it carries nothing but what acts there, and these rows are the equations. Energies and
+partial velocities do not occur. Source: Wittenburg, Dynamics of Multibody Systems (2008), ch. 5; the
+law of accelerations: Kane and Levinson, Dynamics (1985), sec. 2.7, 2.8.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import NamedTuple
 
 from eom.derivations.verification import DerivationError
 from eom.multibody.algebra.scalars import is_zero, negative
@@ -23,6 +40,7 @@ from eom.multibody.algebra.spatial import (
     cross,
     dot,
     minus,
+    negative_vector,
     plus,
     product,
     scaled,
@@ -138,9 +156,9 @@ class Lagrange:
     def dissipation(self) -> Scalar:
         """Rayleigh's function: half the power that dampers take."""
         found: Scalar = 0
-        for link in self.mechanism.links:
-            for c, u in zip(link.joint.damping, self.mechanism.own(link), strict=True):
-                found = found + self.mechanism.algebra.lift(c) * u * u * HALF
+        for _, k, source, drag in self.mechanism.in_joints():
+            if source == "damper":
+                found = found + drag * self.mechanism.joint_speeds[k] * HALF
         return found
 
     @cached_property
@@ -213,15 +231,11 @@ class Lagrange:
 
     def _work(self, row: int, s: int) -> list[Contribution]:
         """Return the virtual work of motors, applied forces and loads, for a unit of one speed."""
-        found, algebra = [], self.mechanism.algebra
-        for link in self.mechanism.links:
-            for k, u in enumerate(self.mechanism.own(link)):
-                joint = link.joint
-                force = algebra.lift(joint.force[k])
-                if joint.motors:
-                    force = force + algebra.atom(joint.motors[k].symbol)
-                value = force * self.mechanism.part(u, s)
-                found.append(Contribution(row, "applied", f"work at {joint.name}", value))
+        found = []
+        for joint, k, source, force in self.mechanism.in_joints():
+            if source == "applied":
+                value = force * self.mechanism.part(self.mechanism.joint_speeds[k], s)
+                found.append(Contribution(row, source, f"work at {joint.name}", value))
         for pull in self.mechanism.pulls:
             C = self.poses[pull.link][0]
             v = self.velocity(self.point(pull.link, pull.point), s)
@@ -250,3 +264,229 @@ def _combination(motion: SpatialVector, subspace: tuple[SpatialVector, ...]) -> 
         for r, column in enumerate(subspace)
         if not is_zero(six[column.six.index(1)])
     }
+
+
+@dataclass(frozen=True)
+class Kane:
+    """The steps of the method, each made when it is asked for; vectors are in the links' axes."""
+
+    mechanism: Mechanism
+
+    @cached_property
+    def origins(self) -> list[SpatialVector]:
+        """Angular velocities and velocities of the origins."""
+        found: list[SpatialVector] = []
+        for link in self.mechanism.links:
+            w, v = found[link.parent] if link.parent >= 0 else SpatialVector(ZERO, ZERO)
+            w, v = (
+                times(link.rotation, w),
+                times(link.rotation, plus(v, cross(w, link.position))),
+            )
+            for column, u in zip(link.subspace, self.mechanism.own(link), strict=True):
+                w = plus(w, scaled(u, column.angular))
+                v = plus(v, scaled(u, column.linear))
+            found.append(SpatialVector(w, v))
+        return found
+
+    def velocity(self, k: int, point: Vector) -> Vector:
+        """Return the velocity of a point of a link."""
+        w, v = self.origins[k]
+        return plus(v, cross(w, point))
+
+    @cached_property
+    def centres(self) -> list[Vector]:
+        """Velocities of the centres of mass."""
+        return [self.velocity(k, link.centre) for k, link in enumerate(self.mechanism.links)]
+
+    @cached_property
+    def accelerations(self) -> list[SpatialVector]:
+        """Angular accelerations and accelerations of the centres of mass, by differentiation."""
+        found = []
+        for (w, _), v in zip(self.origins, self.centres, strict=True):
+            rate = self.mechanism.rate_of
+            found.append(SpatialVector(rate(w), plus(rate(v), cross(w, v))))
+        return found
+
+    def partial(self, k: int, s: int) -> SpatialVector:
+        """Return partial angular velocity, and partial velocity of the centre of mass."""
+        part = self.mechanism.part_of
+        return SpatialVector(part(self.origins[k].angular, s), part(self.centres[k], s))
+
+    def inertia_torque(self, k: int) -> Vector:
+        """Return J alpha + omega x J omega about the centre of mass: less the inertia torque."""
+        J, w = self.mechanism.links[k].inertia, self.origins[k].angular
+        return plus(times(J, self.accelerations[k].angular), cross(w, times(J, w)))
+
+    def inertia_force(self, k: int) -> Vector:
+        """Return m a of the centre of mass: less the inertia force."""
+        return scaled(self.mechanism.links[k].mass, self.accelerations[k].linear)
+
+    # -- the equations -----------------------------------------------------------------------
+
+    def contributions(self) -> list[Contribution]:
+        """Return -F_r* of every body, and F_r, by parts."""
+        found = []
+        for row, s in enumerate(self.mechanism.free):
+            found += [*self._bodies(row, s), *self._joints(row, s), *self._pulls(row, s)]
+        return found
+
+    def _bodies(self, row: int, s: int) -> Iterator[Contribution]:
+        for k, link in enumerate(self.mechanism.links):
+            w, v = self.partial(k, s)
+            inertia = dot(v, self.inertia_force(k)) + dot(w, self.inertia_torque(k))
+            yield Contribution(row, "motion", f"-F* of {link.name}", inertia)
+            if not is_zero(link.mass):
+                g = times(self.mechanism.rotations[k], self.mechanism.gravity)
+                weight = negative(link.mass * dot(v, g))
+                yield Contribution(row, "gravity", f"-F of {link.name}", weight)
+        for link, J, u in self.mechanism.rotors():
+            part = self.mechanism.part(u, s) * J * self.mechanism.rate(u)
+            yield Contribution(row, "motion", f"-F* of the rotor of {link.joint.name}", part)
+
+    def _joints(self, row: int, s: int) -> Iterator[Contribution]:
+        for joint, k, source, value in self.mechanism.in_joints():
+            part = self.mechanism.part(self.mechanism.joint_speeds[k], s)
+            label = f"{'F' if source == 'applied' else '-F'} of {joint.name}"
+            yield Contribution(row, source, label, value * part)
+
+    def _pulls(self, row: int, s: int) -> Iterator[Contribution]:
+        for pull in self.mechanism.pulls:
+            force, torque = self.mechanism.pull_of(pull)
+            part = self.mechanism.part_of
+            v = part(self.velocity(pull.link, pull.point), s)
+            w = part(self.origins[pull.link].angular, s)
+            label = f"F of the load on {self.mechanism.links[pull.link].name}"
+            yield Contribution(row, "applied", label, dot(force, v) + dot(torque, w))
+
+
+class Moved(NamedTuple):
+    """The motion of a link, in its axes: of its origin, and angular."""
+
+    omega: Vector
+    alpha: Vector
+    acceleration: Vector
+
+
+class Wrench(NamedTuple):
+    """What a body takes or what acts on it: moment about the origin and force, and what it stems from."""
+
+    link: int
+    source: str
+    label: str
+    moment: Vector
+    force: Vector
+
+
+@dataclass(frozen=True)
+class NewtonEuler:
+    """The steps of the method, each made when it is asked for; vectors are in the links' axes."""
+
+    mechanism: Mechanism
+
+    @cached_property
+    def motions(self) -> list[Moved]:
+        """Angular velocities, angular accelerations, accelerations of the origins."""
+        found: list[Moved] = []
+        for link in self.mechanism.links:
+            w, alpha, a = found[link.parent] if link.parent >= 0 else Moved(ZERO, ZERO, ZERO)
+            r, C = link.position, link.rotation
+            carried = plus(a, plus(cross(alpha, r), cross(w, cross(w, r))))
+            w, alpha, a = times(C, w), times(C, alpha), times(C, carried)
+            speed, rate = self._relative(link.start, link.subspace)
+            found.append(
+                Moved(
+                    plus(w, speed.angular),
+                    plus(plus(alpha, cross(w, speed.angular)), rate.angular),
+                    plus(
+                        plus(a, scaled(2, cross(w, speed.linear))),
+                        plus(rate.linear, cross(speed.angular, speed.linear)),
+                    ),
+                )
+            )
+        return found
+
+    def _relative(
+        self, start: int, subspace: Iterable[SpatialVector]
+    ) -> tuple[SpatialVector, SpatialVector]:
+        """Return the motion of a joint and its rate, component by component in F."""
+        w, v = ZERO, ZERO
+        for k, column in enumerate(subspace):
+            u = self.mechanism.joint_speeds[start + k]
+            w = plus(w, scaled(u, column.angular))
+            v = plus(v, scaled(u, column.linear))
+        rate = self.mechanism.rate_of
+        return SpatialVector(w, v), SpatialVector(rate(w), rate(v))
+
+    def acceleration(self, k: int, point: Vector) -> Vector:
+        """Return the acceleration of a point of a link."""
+        w, alpha, a = self.motions[k]
+        return plus(a, plus(cross(alpha, point), cross(w, cross(w, point))))
+
+    # -- balances of single bodies -------------------------------------------------------------
+
+    def momentum_rate(self, k: int) -> SpatialVector:
+        """Return the rates of angular momentum about the centre of mass, and of momentum."""
+        link = self.mechanism.links[k]
+        w, alpha, _ = self.motions[k]
+        spin = plus(times(link.inertia, alpha), cross(w, times(link.inertia, w)))
+        return SpatialVector(spin, scaled(link.mass, self.acceleration(k, link.centre)))
+
+    def wrenches(self) -> Iterator[Wrench]:
+        """Yield what the joints must carry for each body: rates of momentum less forces on it."""
+        for k, link in enumerate(self.mechanism.links):
+            spin, force = self.momentum_rate(k)
+            moment = plus(spin, cross(link.centre, force))
+            yield Wrench(k, "motion", f"momentum of {link.name}", moment, force)
+            if not is_zero(link.mass):
+                g = times(self.mechanism.rotations[k], self.mechanism.gravity)
+                weight = negative_vector(scaled(link.mass, g))
+                yield Wrench(
+                    k, "gravity", f"weight of {link.name}", cross(link.centre, weight), weight
+                )
+        for pull in self.mechanism.pulls:
+            k, (force, torque) = pull.link, self.mechanism.pull_of(pull)
+            label = f"load on {self.mechanism.links[k].name}"
+            yield Wrench(k, "applied", label, plus(torque, cross(pull.point, force)), force)
+
+    # -- the equations -----------------------------------------------------------------------
+
+    def along_joints(self, wrench: Wrench) -> dict[int, Scalar]:
+        """Return what a wrench on a link asks of every joint on the way to the ground, where it is free."""
+        found: dict[int, Scalar] = {}
+        k, n, f = wrench.link, wrench.moment, wrench.force
+        while k >= 0:
+            link = self.mechanism.links[k]
+            for s, column in zip(link.speeds, link.subspace, strict=True):
+                found[s] = dot(column.angular, n) + dot(column.linear, f)
+            f = times(transposed(link.rotation), f)
+            n = plus(times(transposed(link.rotation), n), cross(link.position, f))
+            k = link.parent
+        return found
+
+    def joint_rows(self) -> Iterator[tuple[int, str, str, Scalar]]:
+        """Yield (number of the joint's speed, source, label, value)."""
+        for wrench in self.wrenches():
+            for s, value in self.along_joints(wrench).items():
+                yield s, wrench.source, wrench.label, value
+        yield from self._in_joints()
+
+    def _in_joints(self) -> Iterator[tuple[int, str, str, Scalar]]:
+        """Yield what acts in the joints themselves: rotors, springs, dampers, motors."""
+        names = {"spring": "spring", "damper": "damper", "applied": "force"}
+        for link in self.mechanism.links:
+            for s, armature in zip(link.speeds, link.joint.armature, strict=True):
+                rate = self.mechanism.rate(self.mechanism.joint_speeds[s])
+                value = self.mechanism.algebra.lift(armature) * rate
+                yield s, "motion", f"rotor in {link.joint.name}", value
+        for joint, s, source, value in self.mechanism.in_joints():
+            yield s, source, f"{names[source]} in {joint.name}", value
+
+    def contributions(self) -> list[Contribution]:
+        """Return the free rows of the joints' balances, over the chosen speeds."""
+        found = []
+        for s, source, label, value in self.joint_rows():
+            for row, chosen in enumerate(self.mechanism.free):
+                part = self.mechanism.part(self.mechanism.joint_speeds[s], chosen)
+                if not is_zero(part) and not is_zero(value):
+                    found.append(Contribution(row, source, label, part * value))
+        return found

@@ -162,6 +162,41 @@ class Mechanism:
             if not is_zero(J) and not is_zero(u)
         ]
 
+    @cached_property
+    def rotations(self) -> list[Matrix]:
+        """From the ground's axes to those of each link."""
+        found: list[Matrix] = []
+        for link in self.links:
+            before = found[link.parent] if link.parent >= 0 else IDENTITY
+            found.append(product(link.rotation, before))
+        return found
+
+    def in_joints(self) -> Iterator[tuple[Joint, int, str, Scalar]]:
+        """Yield joint, number of its speed, source and value: pulls of springs and dampers, and forces.
+
+        Springs and dampers resist, so that their values stand beside those of inertia.
+        """
+        start, lift = 0, self.algebra.lift
+        for link in self.links:
+            joint = link.joint
+            paired = joint.row.paired(joint.attitude)
+            for k, s in enumerate(link.speeds):
+                c = paired[k]
+                if c is not None:
+                    stretch = self.coordinates[start + c] - lift(joint.rest[k])
+                    yield joint, s, "spring", lift(joint.stiffness[k]) * stretch
+                yield joint, s, "damper", lift(joint.damping[k]) * self.joint_speeds[s]
+                motor = self.algebra.atom(joint.motors[k].symbol) if joint.motors else 0
+                yield joint, s, "applied", motor + lift(joint.force[k])
+            start += len(joint.coordinates)
+
+    def pull_of(self, pull: Pull) -> tuple[Vector, Vector]:
+        """Return force and torque of a load in the axes of its link."""
+        if not pull.grounded:
+            return pull.force, pull.torque
+        C = self.rotations[pull.link]
+        return times(C, pull.force), times(C, pull.torque)
+
     def moves(self, k: int, link: int) -> bool:
         """Tell whether link ``k`` is carried by, or is, the link."""
         while k >= 0 and k != link:

@@ -25,10 +25,8 @@ from eom.multibody.closed.forms import (
     closed_form,
     compare,
 )
-from eom.multibody.closed.kane import Kane
-from eom.multibody.closed.lagrange import Lagrange
+from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
 from eom.multibody.closed.mechanism import dotted
-from eom.multibody.closed.newton_euler import NewtonEuler
 from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
 from eom.multibody.closed.readable import content
 from eom.multibody.closed.terms import KINDS

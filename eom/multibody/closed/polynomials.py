@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from eom.errors import InputError
-from eom.fields import sum_of_angles
+from eom.fields import Operators, sum_of_angles
 from eom.multibody.algebra.values import value
 
 Expr = Any
@@ -107,10 +107,11 @@ class Algebra:
     def _power(self, e: Expr) -> Scalar:
         base, count = self._lifted(e.base), int(e.exp)
         if count < 0:
-            return self._inverse(base, e.base) ** -count
+            return self.inverse(base, e.base) ** -count
         return base**count
 
-    def _inverse(self, base: Scalar, written: Expr) -> Scalar:
+    def inverse(self, base: Scalar, written: Expr) -> Scalar:
+        """Return 1/x; ``written``: how a sum stands in a generator of its own."""
         if not isinstance(base, Polynomial):
             return Fraction(1) / base
         single = base.inverse()
@@ -210,7 +211,7 @@ class Algebra:
             )
 
 
-class Polynomial:
+class Polynomial(Operators):
     """A sum of monomials that is no number. Made by an `Algebra`."""
 
     __slots__ = ("algebra", "terms")
@@ -221,43 +222,9 @@ class Polynomial:
     def __repr__(self) -> str:
         return str(self.algebra.expression(self))
 
-    def __add__(self, other: Scalar) -> Scalar:
-        return self._combined(other, 1)
-
-    __radd__ = __add__
-
-    def __neg__(self) -> Polynomial:
-        return Polynomial(self.algebra, {m: -n for m, n in self.terms.items()})
-
-    def __sub__(self, other: Scalar) -> Scalar:
-        return self._combined(other, -1)
-
-    def __rsub__(self, other: Scalar) -> Scalar:
-        return -self + other
-
-    def _combined(self, other: Scalar, sign: int) -> Scalar:
-        terms = dict(self.terms)
-        for m, n in terms_of(other).items():
-            terms[m] = terms.get(m, 0) + sign * n
-        return self.algebra.scalar(terms)
-
-    def __mul__(self, other: Scalar) -> Scalar:
-        right = terms_of(other)
-        self.algebra.spend(len(self.terms) * len(right))
-        terms: Terms = {}
-        for m, a in self.terms.items():
-            for n, b in right.items():
-                key = joined(m, n)
-                terms[key] = terms.get(key, 0) + a * b
-        return self.algebra.scalar(terms)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Scalar) -> Scalar:
-        return self * self.algebra._inverse(other, self.algebra.expression(other))
-
-    def __rtruediv__(self, other: Scalar) -> Scalar:
-        return self.algebra._inverse(self, self.algebra.expression(self)) * other
+    def operated(self, op: str, *operands: Scalar) -> Scalar:
+        """Return the result of an operation, in normal form."""
+        return _OPERATIONS[op](*operands)
 
     def __pow__(self, count: int) -> Scalar:
         result: Scalar = 1
@@ -295,6 +262,38 @@ class Polynomial:
             key = tuple(x for x in m if wanted(x[0]))
             found.setdefault(key, {})[tuple(x for x in m if not wanted(x[0]))] = n
         return {m: self.algebra.scalar(terms) for m, terms in found.items()}
+
+
+def _added(x: Scalar, y: Scalar) -> Scalar:
+    terms = dict(terms_of(x))
+    for m, n in terms_of(y).items():
+        terms[m] = terms.get(m, 0) + n
+    return x.algebra.scalar(terms)
+
+
+def _multiplied(x: Polynomial, y: Scalar) -> Scalar:
+    right = terms_of(y)
+    x.algebra.spend(len(x.terms) * len(right))
+    terms: Terms = {}
+    for m, a in x.terms.items():
+        for n, b in right.items():
+            key = joined(m, n)
+            terms[key] = terms.get(key, 0) + a * b
+    return x.algebra.scalar(terms)
+
+
+def _divided(x: Scalar, y: Scalar) -> Scalar:
+    algebra = (x if isinstance(x, Polynomial) else y).algebra
+    return x * algebra.inverse(y, algebra.expression(y))
+
+
+_OPERATIONS: dict[str, Callable[..., Scalar]] = {
+    "add": _added,
+    "sub": lambda x, y: x + -y if isinstance(x, Polynomial) else -y + x,
+    "mul": _multiplied,
+    "div": _divided,
+    "neg": lambda x: Polynomial(x.algebra, {m: -n for m, n in x.terms.items()}),
+}
 
 
 def _less(generators: Iterable[int]) -> Terms:

@@ -8,16 +8,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from eom.errors import InputError, typed, unknown_name
-from eom.multibody.constrained.configurations import (
+from eom.multibody.constrained.dependence import (
     Closed,
     Geometry,
     Linear,
     Row,
+    Sample,
     closed,
+    examine,
     has_quaternion,
+    independent_rows,
+    not_met,
     solved,
 )
-from eom.multibody.constrained.dependence import Sample, examine, independent_rows, not_met
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import symbols_of
 from eom.quantities import TIME

@@ -35,7 +35,7 @@ from eom.multibody.constrained.multipliers import (
     follow,
     followed,
 )
-from eom.multibody.constrained.point_kinematics import Arithmetic, Scene, scene
+from eom.multibody.constrained.relations import Arithmetic, Scene, scene
 from eom.multibody.model.constraints import (
     Coupling,
     Distance,

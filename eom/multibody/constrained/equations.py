@@ -13,8 +13,18 @@ from typing import Any
 
 import sympy as sp
 
-from eom.multibody.algebra.dual import Dual, DualWork, parts
-from eom.multibody.algebra.scalars import Scalar, add, is_zero, mul, reciprocal, sub, total
+from eom.multibody.algebra.scalars import (
+    Dual,
+    DualWork,
+    Scalar,
+    add,
+    is_zero,
+    mul,
+    parts,
+    reciprocal,
+    sub,
+    total,
+)
 from eom.multibody.algebra.spatial import (
     IDENTITY,
     Vector,
@@ -25,14 +35,15 @@ from eom.multibody.algebra.spatial import (
     transposed,
 )
 from eom.multibody.algebra.values import is_number, unit
-from eom.multibody.constrained.point_kinematics import PointKinematics, Scene
 from eom.multibody.constrained.relations import (
     Apart,
     Contact,
     Edge,
+    PointKinematics,
     Relation,
     Rod,
     Roll,
+    Scene,
     Square,
     Sum,
 )

@@ -7,6 +7,11 @@ articulated-body recursion, which share its inertias (Featherstone, Rigid Body D
 u_D = W u_I + w, and the equations are taken along the motions that are left, T = (1, W)^T (Kane and
 Levinson, Dynamics: Theory and Applications (1985), sec. 2.13, 4.4, 6.1; W from J_D J_D^T, so that no
 pivot vanishes unless J_D is singular).
+
+Small symmetric linear systems over scalars of any kind, straight-line.
+
+A = L D L^T without square roots and without pivoting (Golub and Van Loan, Matrix Computations, 4th ed.
+(2013), sec. 4.1.2): stable for definite matrices. Zeros by structure cost nothing.
 """
 
 from __future__ import annotations
@@ -16,7 +21,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eom.errors import InputError
-from eom.multibody.algebra.dense import Factor, factor, solve
 from eom.multibody.algebra.scalars import (
     Scalar,
     Work,
@@ -25,15 +29,73 @@ from eom.multibody.algebra.scalars import (
     mul,
     negative,
     reciprocal,
+    sub,
     total,
 )
 from eom.multibody.algebra.spatial import ZERO
 from eom.multibody.constrained.equations import Component
 from eom.multibody.constrained.relations import Row
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import LumpedTree
 from eom.multibody.recursion.motion import Scalars
-from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.recursions import forward_dynamics, inverse_dynamics, mass_matrix
+
+Matrix = Sequence[Sequence[Scalar]]
+
+
+@dataclass(frozen=True)
+class Factor:
+    """The factors: L below the diagonal, the pivots and their reciprocals."""
+
+    lower: tuple[tuple[Scalar, ...], ...]
+    pivots: tuple[Scalar, ...]
+    inverses: tuple[Scalar, ...]
+
+
+def factor(A: Matrix, work: Work, names: Sequence[str]) -> Factor:
+    """Return the factors of a symmetric matrix; ``names``: of its rows, for what is kept.
+
+    Raises `ZeroDivisionError` for a pivot that is zero by structure.
+    """
+    lower: list[tuple[Scalar, ...]] = []
+    pivots: list[Scalar] = []
+    inverses: list[Scalar] = []
+    for i, name in enumerate(names):
+        row: list[Scalar] = []
+        scaled: list[Scalar] = []  # L times D
+        for j in range(i):
+            rest = A[i][j]
+            for k in range(j):
+                rest = sub(rest, mul(scaled[k], lower[j][k]))
+            rest = work.keep("solved", name, "", rest)
+            scaled.append(rest)
+            row.append(work.keep("factor", name, "", mul(rest, inverses[j])))
+        pivot = A[i][i]
+        for s, entry in zip(scaled, row, strict=True):
+            pivot = sub(pivot, mul(s, entry))
+        if is_zero(pivot):
+            raise ZeroDivisionError(name)
+        pivot = work.keep("pivot", name, "", pivot)
+        lower.append(tuple(row))
+        pivots.append(pivot)
+        inverses.append(work.keep("pivot_inverse", name, "", reciprocal(pivot)))
+    return Factor(tuple(lower), tuple(pivots), tuple(inverses))
+
+
+def solve(
+    found: Factor, b: Sequence[Scalar], work: Work, names: Sequence[str], letter: str = "solved"
+) -> list[Scalar]:
+    """Return x with A x = b; its entries are kept under ``letter``."""
+    x = list(b)
+    for i, row in enumerate(found.lower):
+        for k, entry in enumerate(row):
+            x[i] = sub(x[i], mul(entry, x[k]))
+        x[i] = work.keep("solved", names[i], "", x[i])
+    x = [mul(inverse, value) for inverse, value in zip(found.inverses, x, strict=True)]
+    for i in range(len(x) - 1, -1, -1):
+        for k in range(i + 1, len(x)):
+            x[i] = sub(x[i], mul(found.lower[k][i], x[k]))
+        x[i] = work.keep(letter, names[i], "", x[i])
+    return x
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,7 @@ from eom.multibody.model.joints import QUATERNION
 from eom.multibody.model.model import Joint, Tree
 from eom.multibody.recursion.operation_count import savings
 from eom.multibody.recursion.quantities import Point
-from eom.multibody.system.derive import derive
-from eom.multibody.system.output_quantities import OUTPUTS
+from eom.multibody.system.derive import OUTPUTS, derive
 from eom.multibody.system.reactions import Reaction, drives_of, of_all
 from eom.scenes.description import check_end, check_initial_attitude
 from eom.scenes.naming import check_used
@@ -345,7 +344,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "momentum": tuple(f"{letter}_{k}" for letter in "pL" for k in (1, 2, 3)),
     "centre_of_mass": tuple(f"centre_{k}" for k in (1, 2, 3)),
 }
-"""Names of the outputs that a row of `eom.multibody.system.output_quantities.OUTPUTS` gives."""
+"""Names of the outputs that a row of `eom.multibody.system.derive.OUTPUTS` gives."""
 
 
 FORCES, LAMBDA = "constraint_forces", "lambda_"

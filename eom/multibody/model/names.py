@@ -107,7 +107,7 @@ def assumptions(tree: Tree) -> tuple[Assumption, ...]:
     """Return that masses are not negative, and that moments of inertia obey the triangle inequality.
 
     One for each body, and each rotor, of which parameters decide that; numbers were tested when the tree
-    was made. A guard tests them on values (`codegen.frontend.guard`), those of ensembles, too.
+    was made. A guard tests them on values (`codegen.frontend.structure`), those of ensembles, too.
     """
     found = [a for body in tree.bodies for a in _of_body(body)]
     for rotor in tree.rotors:

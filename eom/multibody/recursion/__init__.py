@@ -2,5 +2,5 @@
 
 In: a tree and the values of its coordinates and speeds. Out: motion, forces, mass matrix, forward and
 inverse dynamics, energies, counts of operations.
-Imports: `eom.errors`, `eom.multibody.algebra`, `eom.multibody.model`, `eom.rotations`.
+Imports: `eom.errors`, `eom.fields`, `eom.multibody.algebra`, `eom.multibody.model`.
 """

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+from eom.fields import Operators
 from eom.multibody.algebra.scalars import Scalar, Work
 from eom.multibody.algebra.spatial import General, Matrix, SpatialVector, Vector, matrix_of
 from eom.multibody.algebra.values import is_number
 from eom.multibody.model.joints import Kind, Relative, Setting
 from eom.multibody.model.model import Tree, moves_nothing
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import LumpedTree, lumped_tree
+from eom.multibody.recursion.recursions import forward_dynamics
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class _Counter:
     operations: int = 0
 
 
-class _Tally:
+class _Tally(Operators):
     """A scalar that counts what is done with it; operations on numbers of the model are not counted."""
 
     __slots__ = ("counter", "known")
@@ -55,17 +56,13 @@ class _Tally:
         self.counter = counter
         self.known = known
 
-    def _with(self, other: Any) -> _Tally:
-        known = self.known and getattr(other, "known", True)
+    def operated(self, op: str, *operands: Any) -> _Tally:
+        """Count; a sign goes into the sum that takes it."""
+        if op == "neg":
+            return self
+        known = all(getattr(x, "known", True) for x in operands)
         self.counter.operations += not known
         return _Tally(self.counter, known=known)
-
-    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = (
-        _with
-    )
-
-    def __neg__(self) -> _Tally:
-        return self  # a sign goes into the sum that takes it
 
 
 @dataclass
@@ -75,7 +72,7 @@ class _Counting:
     counter: _Counter
 
     def sin(self, x: Scalar) -> Scalar:
-        return x._with(1) if isinstance(x, _Tally) else _Tally(self.counter, known=True)
+        return x.operated("sin", x) if isinstance(x, _Tally) else _Tally(self.counter, known=True)
 
     cos = sqrt = sin
 

@@ -15,9 +15,8 @@ from itertools import pairwise
 from typing import Any
 
 from codegen.frontend.layout import Layout
-from codegen.ir.groups import RATES
 from codegen.ir.passes import prune
-from codegen.ir.program import Program
+from codegen.ir.program import RATES, Program
 from codegen.loops import javascript as integrators
 from codegen.loops.tableaux import DOP853
 from codegen.passes.pipeline import specialised

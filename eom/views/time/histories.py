@@ -19,7 +19,7 @@ from eom.views.draw.printed import thinned
 
 if TYPE_CHECKING:
     from codegen import Result
-    from codegen.runs.drift import Drift
+    from codegen.runs.pruning import Drift
     from eom.opening import AnyScene
     from eom.quantities import Quantity
     from eom.system import System

@@ -26,10 +26,9 @@ from eom.mechanics.invariants import is_invariant
 from eom.multibody import Body, Joint, Load, Motion, Placement, Spring, Tree, derive
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.model.joints import KINDS
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
-from eom.multibody.recursion.recursions import inverse_dynamics
+from eom.multibody.recursion.recursions import forward_dynamics, inverse_dynamics
 from tests.clock import growth_in_calls
 from tests.eom.multibody import peer
 from tests.eom.multibody.trees import state, tree

@@ -11,9 +11,8 @@ import codegen
 from eom.errors import InputError
 from eom.multibody import GROUND, Body, Joint, Load, Placement, Tree, derive
 from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
-from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.recursions import forward_dynamics, inverse_dynamics, mass_matrix
 
 FLOATS = Numbers(math.sin, math.cos)
 

@@ -27,10 +27,10 @@ from eom.multibody import Body, Joint, Load, Motion, Placement, Reaction, Tree, 
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import cross, minus, plus, scaled, times, transposed
 from eom.multibody.model.joints import KINDS
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates
 from eom.multibody.recursion.quantities import flow
+from eom.multibody.recursion.recursions import forward_dynamics
 from eom.multibody.system.reactions import Wrenches
 from eom.quantities import TIME
 from tests.draws import examples

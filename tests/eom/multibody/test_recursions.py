@@ -18,11 +18,10 @@ from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import cross, matrix_of, plus, times, transposed
 from eom.multibody.model.joints import KINDS, QUATERNION
 from eom.multibody.model.model import Body, Joint, Placement, Tree
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates, places, poses
 from eom.multibody.recursion.quantities import flow, jacobian, kinetic_energy, momentum
-from eom.multibody.recursion.recursions import inverse_dynamics, mass_matrix
+from eom.multibody.recursion.recursions import forward_dynamics, inverse_dynamics, mass_matrix
 from tests.eom.multibody import trees
 from tests.eom.multibody.trees import EXACT, MOVING, state, tree
 

@@ -16,10 +16,19 @@ from eom.errors import InputError
 from eom.multibody import Body, Joint, Load, Placement, Tree, base_parameters, regressor
 from eom.multibody.algebra.scalars import Numbers
 from eom.multibody.algebra.spatial import IDENTITY, product, transposed
-from eom.multibody.identify.base import PRIME, Residue, residue
-from eom.multibody.identify.regressor import bones_of, entries, parameters_of, values_of
+from eom.multibody.identify.regressor import (
+    PRIME,
+    Residue,
+    bones_of,
+    entries,
+    orthonormal,
+    parameters_of,
+    residue,
+    rotation,
+    unit,
+    values_of,
+)
 from eom.multibody.model.joints import KINDS
-from eom.multibody.recursion.geometry import orthonormal, rotation, unit
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.recursions import inverse_dynamics
 from tests.draws import examples

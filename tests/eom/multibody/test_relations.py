@@ -22,10 +22,10 @@ from eom.multibody import (
     SpeedEquation,
     Tree,
 )
-from eom.multibody.algebra.dual import Dual, DualWork, parts
-from eom.multibody.constrained.configurations import FLOATS
+from eom.multibody.algebra.scalars import Dual, DualWork, parts
+from eom.multibody.constrained.dependence import FLOATS
 from eom.multibody.constrained.equations import components, plane_directions
-from eom.multibody.constrained.point_kinematics import Arithmetic, scene
+from eom.multibody.constrained.relations import Arithmetic, scene
 from eom.multibody.model.constraints import CLOSING
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.motion import coordinate_rates

@@ -15,7 +15,7 @@ from eom.errors import InputError
 from eom.kinematics.coordinates import rotation_sequence
 from eom.multibody import Body, Joint, Load, Motion, Placement, Tree, derive
 from eom.multibody.files.scene import MOST, Choice, TreeScene, written_out
-from eom.multibody.system.output_quantities import OUTPUTS
+from eom.multibody.system.derive import OUTPUTS
 from eom.scenes import catalogue
 from tests.eom.rows import every, only
 

@@ -6,9 +6,9 @@ from codegen.ir import scalars
 from codegen.ir.program import Builder
 from eom.multibody import Body, Joint, Placement, Tree
 from eom.multibody.algebra.scalars import Numbers
-from eom.multibody.recursion.articulated import forward_dynamics
 from eom.multibody.recursion.lumped_tree import lumped_tree
 from eom.multibody.recursion.operation_count import savings
+from eom.multibody.recursion.recursions import forward_dynamics
 from tests.eom.multibody.trees import tree
 
 

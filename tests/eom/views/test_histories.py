@@ -8,7 +8,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.runs.drift import Drift
+from codegen.runs.pruning import Drift
 from codegen.runs.simulation import Result
 from eom.errors import InputError
 from eom.quantities import Quantity
