@@ -77,7 +77,6 @@ _ATTITUDES: tuple[tuple[str, str], ...] = (
 )  # fmt: skip
 """Words that say what a symbol of attitude is."""
 
-SCALARS = frozenset({"turn_angle", "principal_angle", "euler_parameter", "free_angle"})
 COLUMNS = frozenset(
     "quaternion quaternion_last euler_vector rodrigues modified_rodrigues shadow_rodrigues "
     "principal_axis".split()
@@ -513,7 +512,10 @@ def _indexed(look: Look, meaning: str) -> tuple[str, str]:
     return latex, _OF_ONE.get(meaning, " ".join(words))
 
 
-_SCALARS = frozenset({"mass", "total_mass", "kinetic_energy", "rotational_energy", "angle"})
+_SCALARS = frozenset(
+    "mass total_mass kinetic_energy rotational_energy angle turn_angle principal_angle free_angle "
+    "euler_parameter".split()
+)
 _TABLES = frozenset({"inertia", "rotation"})
 
 
@@ -523,7 +525,7 @@ def _fits(look: Look, table: str, meaning: str) -> bool:
     marked = bool(look.accents) or look.style == "bold"
     if table != "symbols":
         return not look.accents and look.style in {"", "calligraphic", "fraktur"}
-    if quantity in _SCALARS | SCALARS:
+    if quantity in _SCALARS:
         return not marked
     tables = _TABLES | COLUMNS
     return marked or quantity in tables or look.name in {"omega", "tau", "alpha", "rho"}

@@ -73,7 +73,7 @@ def in_words(
                 text, terms = pointed(sentence.text, sentence.first, displays)
                 formulas = _formulas(sentence, displays.understood, text, terms)
                 names = _stated(sentence, by_piece, phrases)
-                around = _Around(displays.understood, formulas, names, given, sentence, pieces)
+                around = Around(displays.understood, formulas, names, given, sentence, pieces)
                 decision = decided(text, around)
         except (Overdue, RecursionError):
             continue
@@ -213,7 +213,7 @@ _SIZES = re.compile(
 
 
 @dataclass(frozen=True)
-class _Around:
+class Around:
     """What a note says around a sentence: displays by number, its formulas, assumptions, its pieces."""
 
     displays: Mapping[int, Understood] = field(default_factory=dict)
@@ -249,10 +249,10 @@ class _Around:
         return not re.search(r"\n[ \t]*\n", between) and _CONDITIONS.search(one.text) is not None
 
 
-NOTHING = _Around()
+NOTHING = Around()
 
 
-def decided(text: str, around: _Around = NOTHING) -> Decision | None:
+def decided(text: str, around: Around = NOTHING) -> Decision | None:
     """Return the verdict on a sentence, None where it claims nothing that is understood.
 
     ``text``: small letters, formulas as marks, without brackets and full stop.
@@ -322,7 +322,7 @@ _UNEQUAL = "three different principal moments of inertia"
 _SYMMETRY = {False: "symmetric", True: "an axis of inertial symmetry"}
 
 
-def _of_spins(match: re.Match[str], _: _Around) -> Decision | None:
+def _of_spins(match: re.Match[str], _: Around) -> Decision | None:
     """Return the verdict on "the spin about such axes is stable".
 
     What is wrong for a rigid body and right for one that loses energy, or the other way round, is
@@ -368,7 +368,7 @@ def _body(moments: tuple[int, ...], rank: int = 0) -> Counterexample:
     return Counterexample(values if rank else values[:1], ())
 
 
-def _of_sense(match: re.Match[str], _: _Around) -> Decision:
+def _of_sense(match: re.Match[str], _: Around) -> Decision:
     moments = SHAPES[match["shape"]]
     found = precession(moments[0], moments[2], (1, 0, 1)).sense
     if found == SENSES[match["sense"]]:
@@ -384,7 +384,7 @@ _PLACES = frozenset({"about_centre", "O_fixed_in_space", "O_at_origin", "C_at_re
 """What a note may state of the points, and the words of the claim say otherwise."""
 
 
-def _at_points(match: re.Match[str], around: _Around) -> Decision | None:
+def _at_points(match: re.Match[str], around: Around) -> Decision | None:
     """Return the verdict on "this holds about such points"."""
     one = around.displays.get(int(match["number"]))
     points = _points(match["points"])
@@ -488,7 +488,7 @@ FREE = frozenset({"eigenvectors", "vector"})
 """Quantities that have no such property by what they mean."""
 
 
-def _shown(match: re.Match[str], around: _Around) -> Decision | None:
+def _shown(match: re.Match[str], around: Around) -> Decision | None:
     """Return that an equation does not show what is said, None where nothing is known."""
     one = around.displays.get(int(match["number"]))
     subject = around.formulas.subjects.get(int(match["subject"]))
@@ -527,7 +527,7 @@ def _twice(claim: Claim, term: Term) -> Claim:
 
 # -- the table ------------------------------------------------------------------------------------
 
-Rule = Callable[[re.Match[str], _Around], Decision | None]
+Rule = Callable[[re.Match[str], Around], Decision | None]
 
 SENTENCES: tuple[tuple[str, Rule, re.Pattern[str]], ...] = (
     (_SPINNING, _of_spins, _OTHERS),

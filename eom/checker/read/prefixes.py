@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eom.checker.read import latex
-from eom.checker.read.scripts import braced, lone_d, made, with_left
+from eom.checker.read.scripts import braced, limits, lone_d, made, with_left
 from eom.checker.read.spans import Span
 from eom.checker.read.stream import Stream
 from eom.checker.read.syntax import (
@@ -351,15 +351,6 @@ def prefix(p: Stream) -> Node | None:
     if differential_ahead(p):
         return differential_of(p)
     return None
-
-
-def limits(p: Stream) -> tuple[Node | None, Node | None]:
-    """Read what stands below and above, in any order."""
-    found: dict[str, Node] = {}
-    while p.token.kind == "char" and p.token.text in "_^" and p.token.text not in found:
-        sign = p.take().text
-        found[sign] = p.script_argument()
-    return found.get("_"), found.get("^")
 
 
 def _big_operator(p: Stream) -> Node:

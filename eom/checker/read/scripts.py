@@ -157,13 +157,18 @@ def _evaluated(p: Stream, base: Node, start: Span) -> Node:
     return evaluated(p, base, start)
 
 
+def limits(p: Stream) -> tuple[Node | None, Node | None]:
+    """Read what stands below and above, in any order."""
+    found: dict[str, Node] = {}
+    while p.token.kind == "char" and p.token.text in "_^" and p.token.text not in found:
+        sign = p.take().text
+        found[sign] = script_argument(p)
+    return found.get("_"), found.get("^")
+
+
 def evaluated(p: Stream, base: Node, start: Span) -> Node:
     """Read the limits behind a bar; below the bar of a derivative stands its frame."""
-    limits: dict[str, Node] = {}
-    while p.token.kind == "char" and p.token.text in "_^" and p.token.text not in limits:
-        sign = p.token.text
-        limits[sign] = _script(p)
-    sub, sup = limits.get("_"), limits.get("^")
+    sub, sup = limits(p)
     if isinstance(base, Derivative) and base.frame is None and sup is None and is_frame(sub):
         return replace(base, frame=sub, span=p.since(start))
     return Evaluated(base, sub, sup, span=p.since(start))

@@ -456,26 +456,39 @@ def _within(tokens: Iterable[Token], opening: str, closing: str) -> int:
     return count
 
 
-def differentials(tokens: list[Token]) -> list[Token]:
-    r"""Write ``\dd`` above and below a fraction as a letter, without braces around one token."""
+Replaced = tuple[list[Token], int] | None
+"""What stands instead from a place on, and where that ends; None where the token stays."""
+
+
+def _rewritten(
+    tokens: list[Token], rule: Callable[[list[Token], int, list[Token]], Replaced]
+) -> list[Token]:
+    """Return the tokens with what a rule replaces; it sees them, a place, and what stands before."""
     found: list[Token] = []
     k = 0
     while k < len(tokens):
-        token = tokens[k]
-        if not token.is_command(*latex.FRACTIONS):
-            found.append(token)
-            k += 1
-            continue
-        middle = _group(tokens, k + 1)
-        end = _group(tokens, middle) if middle < len(tokens) else middle
-        parts = [tokens[k + 1 : middle], tokens[middle:end]]
-        if all(_inside(p)[:1] and _inside(p)[0].is_command("dd") for p in parts):
-            parts = [_braced(_with_d(_inside(p)), token) for p in parts]
-        else:
-            parts = [differentials(p) for p in parts]
-        found += [token, *parts[0], *parts[1]]
-        k = end
+        new, k = rule(tokens, k, found) or ([tokens[k]], k + 1)
+        found += new
     return found
+
+
+def differentials(tokens: list[Token]) -> list[Token]:
+    r"""Write ``\dd`` above and below a fraction as a letter, without braces around one token."""
+    return _rewritten(tokens, _differential)
+
+
+def _differential(tokens: list[Token], k: int, _: list[Token]) -> Replaced:
+    token = tokens[k]
+    if not token.is_command(*latex.FRACTIONS):
+        return None
+    middle = _group(tokens, k + 1)
+    end = _group(tokens, middle) if middle < len(tokens) else middle
+    parts = [tokens[k + 1 : middle], tokens[middle:end]]
+    if all(_inside(p)[:1] and _inside(p)[0].is_command("dd") for p in parts):
+        parts = [_braced(_with_d(_inside(p)), token) for p in parts]
+    else:
+        parts = [differentials(p) for p in parts]
+    return [token, *parts[0], *parts[1]], end
 
 
 def _with_d(tokens: list[Token]) -> list[Token]:
@@ -489,18 +502,15 @@ def _with_d(tokens: list[Token]) -> list[Token]:
 
 def empty_groups(tokens: list[Token]) -> list[Token]:
     """Leave out empty braces where a group begins, unless scripts follow: they only space."""
-    found: list[Token] = []
-    k = 0
-    while k < len(tokens):
-        pair = tokens[k : k + 3]
-        empty = len(pair) == 3 and pair[0].is_char("{") and pair[1].is_char("}")
-        begins = bool(found) and found[-1].is_char("{")
-        if empty and begins and not (pair[2].kind == "char" and pair[2].text in "^_}"):
-            k += 2
-            continue
-        found.append(tokens[k])
-        k += 1
-    return found
+    return _rewritten(tokens, _empty_group)
+
+
+def _empty_group(tokens: list[Token], k: int, before: list[Token]) -> Replaced:
+    pair = tokens[k : k + 3]
+    empty = len(pair) == 3 and pair[0].is_char("{") and pair[1].is_char("}")
+    begins = bool(before) and before[-1].is_char("{")
+    spaces = empty and begins and not (pair[2].kind == "char" and pair[2].text in "^_}")
+    return ([], k + 2) if spaces else None
 
 
 _OPERATORS = frozenset({*latex.PRODUCT_COMMANDS, *latex.RELATION_COMMANDS, *latex.SUM_COMMANDS})
@@ -508,16 +518,13 @@ _OPERATORS = frozenset({*latex.PRODUCT_COMMANDS, *latex.RELATION_COMMANDS, *late
 
 def bold_operators(tokens: list[Token]) -> list[Token]:
     r"""Leave out a font around an operator alone: ``\boldsymbol{\times}``."""
-    found: list[Token] = []
-    k = 0
-    while k < len(tokens):
-        token = tokens[k]
-        end = _group(tokens, k + 1) if token.is_command(*latex.FONTS) else k + 1
-        body = _inside(tokens[k + 1 : end])
-        sign = len(body) == 1 and body[0].stands_in(_OPERATORS, "=+-<>")
-        found += body if sign else [token]
-        k = end if sign else k + 1
-    return found
+    return _rewritten(tokens, _bold_operator)
+
+
+def _bold_operator(tokens: list[Token], k: int, _: list[Token]) -> Replaced:
+    end = _group(tokens, k + 1) if tokens[k].is_command(*latex.FONTS) else k + 1
+    body = _inside(tokens[k + 1 : end])
+    return (body, end) if len(body) == 1 and body[0].stands_in(_OPERATORS, "=+-<>") else None
 
 
 def sizes(tokens: list[Token]) -> list[Token]:
@@ -573,28 +580,24 @@ UNITS = frozenset({"SI", "qty", "num", "ang", "si", "unit"})
 
 def units(tokens: list[Token]) -> list[Token]:
     r"""Write numbers of siunitx as numbers, their units as words; ``\ang`` has a degree sign."""
-    found: list[Token] = []
-    k = 0
-    while k < len(tokens):
-        token = tokens[k]
-        braced = k + 1 < len(tokens) and tokens[k + 1].is_char("{")
-        end = _group(tokens, k + 1) if braced else k
-        two = braced and end < len(tokens) and tokens[end].is_char("{")
-        if not (token.is_command(*UNITS) and braced) or (token.text == "qty" and not two):
-            found.append(token)
-            k += 1
-            continue
-        body = _inside(tokens[k + 1 : end])
-        alone = token.text in {"si", "unit"}
-        found += [_unit(body, token)] if alone else body
-        if token.text == "ang":
-            found += [_char("^", token), replace(token, text="circ")]
-        if two and token.text in {"SI", "qty"}:
-            last = _group(tokens, end)
-            found.append(_unit(_inside(tokens[end:last]), token))
-            end = last
-        k = end
-    return found
+    return _rewritten(tokens, _with_unit)
+
+
+def _with_unit(tokens: list[Token], k: int, _: list[Token]) -> Replaced:
+    token = tokens[k]
+    braced = k + 1 < len(tokens) and tokens[k + 1].is_char("{")
+    end = _group(tokens, k + 1) if braced else k
+    two = braced and end < len(tokens) and tokens[end].is_char("{")
+    if not (token.is_command(*UNITS) and braced) or (token.text == "qty" and not two):
+        return None
+    body = _inside(tokens[k + 1 : end])
+    found = [_unit(body, token)] if token.text in {"si", "unit"} else body
+    if token.text == "ang":
+        found = [*found, _char("^", token), replace(token, text="circ")]
+    if two and token.text in {"SI", "qty"}:
+        last = _group(tokens, end)
+        return [*found, _unit(_inside(tokens[end:last]), token)], last
+    return found, end
 
 
 def _unit(tokens: list[Token], at: Token) -> Token:
