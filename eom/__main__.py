@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from eom.commands.animating import animate
+from eom.commands.animating import animate, live
 from eom.commands.benching import bench
 from eom.commands.checking import check
 from eom.commands.completing import completing, completion
@@ -18,7 +18,6 @@ from eom.commands.exercising import exercise
 from eom.commands.generating import accuracy, generate
 from eom.commands.linearising import linearise
 from eom.commands.listing import list_names
-from eom.commands.living import live
 from eom.commands.plotting import plot
 from eom.commands.simulating import run, simulate
 from eom.commands.stressing import stress

@@ -205,3 +205,34 @@ def test_a_cluster_that_is_not_there_is_one_clear_error(run):
     done = run(*SOME, "--cluster", "nowhere")
     assert (done.exit_code, done.stderr.count("error: ")) == (2, 1)
     assert "tcp://HOST:PORT" in done.stderr
+
+
+TREE = """\
+model = "tree"
+gravity = [0, 0, -9.81]
+[bodies.arm]
+mass = 2.0
+centre = [0, 0, -0.4]
+moments = [0.1, 0.1, 0.004]
+[joints.ball]
+kind = "spherical"
+parent = "ground"
+child = "arm"
+angles = "3-2-1"
+[initial_attitude.ball]
+sequence = "3-2-1"
+radians = [0.3, 0.2, 0.1]
+"""
+
+
+def test_angles_of_a_joint_vary_in_the_place_of_its_quaternion(run, tmp_path):
+    """Of a tree as of one body: those that do not vary keep their start."""
+    file = tmp_path / "ball.toml"
+    file.write_text(TREE, encoding="utf-8")
+    angles = [f"q_ball_{k}" for k in (1, 2, 3)]
+    told = run(file, "--vary", "q_ball_2=grid(0.1, 0.3, 3)", "--t-end", 1e-9, "--json",
+               "--statistics", ",".join(angles))  # fmt: skip
+    assert told.exit_code == 0, told.output
+    found = json.loads(told.stdout)["statistics"]
+    means = [found[n]["mean"][-1] for n in angles]
+    assert means == pytest.approx([0.3, 0.2, 0.1], abs=1e-7)

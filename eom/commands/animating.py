@@ -1,4 +1,4 @@
-"""Animations: `eom animate`."""
+"""Animations and live pages: `eom animate`, `eom live`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from eom.commands.jobs import job_of
 from eom.commands.shared import progress_of, report_files, scene_argument, scene_of, target_option
+from eom.commands.simulating import job_of
 from eom.errors import InputError
 
 if TYPE_CHECKING:
@@ -131,3 +131,22 @@ def _filmed(animation: Animation, suffix: str, film: Film) -> bytes:
 
     with progress_of("drawing") as progress:
         return film_bytes(animation, suffix, film, progress)
+
+
+@click.command()
+@scene_argument
+@click.option(
+    "--out", "file", required=True, type=click.Path(path_type=Path), help="Page: FILE.html."
+)
+def live(scene: str, file: Path) -> None:
+    """Write SCENE as one page that integrates its equations where it is looked at.
+
+    The page needs no network: sliders change numbers, boxes leave parts out, and equations and generated
+    right-hand side change with them. Scenes under constraints have no live page.
+    """
+    from codegen.compiling.compiled import write_files
+    from eom.views.live.page import page
+
+    if file.suffix != ".html":
+        raise InputError("a page is HTML", where="--out", got=str(file), expected="FILE.html")
+    report_files(write_files({file.name: page(scene_of(scene))}, file.parent))

@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 import math
 import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from eom.commands.jobs import Job, job_of
 from eom.commands.shared import (
+    EVERY,
     WithTable,
+    compiled_of,
     event_option,
+    events_of,
     finite,
     integrate_option,
     methods,
@@ -35,6 +39,8 @@ if TYPE_CHECKING:
 
     from codegen import Accuracy, Result
     from codegen.runs.pruning import Drift
+    from eom.opening import AnyScene
+    from eom.system import System
 
 STOPPED = 1
 """Exit status of a run that ended before its time."""
@@ -46,6 +52,66 @@ ALARM, NOTE = "bold red", "yellow"
 """Colours of what is printed where no digit is left, and of other notices."""
 LONGEST = 30.0
 """Seconds of a run from which on its error is not estimated: a second may take several times as long."""
+
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene that is ready to run.
+
+    ``system``: whose states and outputs the result has; ``files``: the generated code by name;
+    ``integrate``: the run, for a function that is told the progress; ``noted``: what was told when
+    it was compiled.
+    """
+
+    scene: AnyScene
+    system: System
+    files: Mapping[str, str]
+    integrate: Callable[[Progress], Result]
+    noted: str = ""
+
+    def not_needed(self) -> list[str]:
+        """Return the states that the system has neither as states nor, constant, as parameters."""
+        kept = {*self.system.state_names, *self.system.parameter_names}
+        return [n for n in self.scene.full_system.state_names if n not in kept]
+
+
+def job_of(
+    scene: AnyScene, target: str, project: tuple[str, ...], events: tuple[str, ...] = ()
+) -> Job:
+    """Return the job of a scene. Raises `InputError` for what does not go together."""
+    import codegen
+
+    compiled = compiled_of(scene, target)
+    plan = scene.integration
+    found = events_of(events, compiled.system)
+
+    def integrate(progress: Progress) -> Result:
+        return codegen.simulate(
+            compiled,
+            scene.initial_values(),
+            (0.0, plan.t_end),
+            scene.parameter_values(),
+            plan.method,
+            plan.rtol,
+            plan.atol,
+            _times(scene),
+            inputs=scene.input_values(),
+            max_step=plan.max_step or math.inf,
+            max_steps=plan.max_steps,
+            project=EVERY in project or project or None,
+            events=found,
+            progress=progress,
+        )
+
+    return Job(scene, scene.derive(), compiled.files, integrate, compiled.notice)
+
+
+def _times(scene: AnyScene) -> list[float]:
+    plan = scene.integration
+    return [*(plan.t_end * k / (plan.points - 1) for k in range(plan.points - 1)), plan.t_end]
 
 
 accuracy_option = click.option(

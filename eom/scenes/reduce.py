@@ -97,23 +97,17 @@ def reductions(steps: Iterable[Step]) -> tuple[Reduction, ...]:
     return tuple(Reduction(s.what, s.why, cost(s.before) - cost(s.after)) for s in steps if s.what)
 
 
+def _names(system: System) -> tuple[str, ...]:
+    return (*system.state_names, *system.parameter_names, *system.input_names)
+
+
 def only(requested: Sequence[str], reached: Callable[[System], Reach]) -> Pass:
     """Return the pass that leaves out what ``requested`` names do not need."""
 
     def apply(system: System) -> tuple[System, Sequence[str], str]:
         smaller = prune(system, requested, reached)
-        lost = [
-            n
-            for before, after in (
-                (system.state_names, smaller.state_names),
-                (
-                    (*system.parameter_names, *system.input_names),
-                    (*smaller.parameter_names, *smaller.input_names),
-                ),
-            )
-            for n in before
-            if n not in after
-        ]
+        left = _names(smaller)
+        lost = [n for n in _names(system) if n not in left]
         return (
             smaller,
             lost,

@@ -242,11 +242,8 @@ def load_model(
     """
     from eom.opening import load_scene  # many bodies are loaded where a scene is
 
-    if name.endswith(".toml"):
-        scene = load_scene(_beside(name, folder))
-        return model_of(scene.in_attitude(attitude) if attitude else scene, assume)
-    if name in catalogue.names():
-        scene = load_scene(name)
+    if name.endswith(".toml") or name in catalogue.names():
+        scene = load_scene(_beside(name, folder) if name.endswith(".toml") else name)
         return model_of(scene.in_attitude(attitude) if attitude else scene, assume)
     if name in BUILTIN:
         return model_of(BUILTIN[name](attitude), assume)

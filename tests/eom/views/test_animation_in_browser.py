@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from eom.commands.jobs import job_of
+from eom.commands.simulating import job_of
 from eom.scenes.scene import Scene
 from eom.views.animation.animation import animation_of
 from eom.views.animation.animation_page import page
