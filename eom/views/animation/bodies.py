@@ -486,8 +486,8 @@ class Posture:
         if is_number(given):
             return int(given) if given in STRUCTURE else float(given)
         if given.is_Symbol:
-            return self.known.get(given.name, 0.0)
-        at = {s.name: self.known.get(s.name, 0.0) for s in given.free_symbols}
+            return self.known[given.name]
+        at = {s.name: self.known[s.name] for s in given.free_symbols}
         changing = {n: v for n, v in at.items() if not isinstance(v, float)}
         if not changing:
             return number(given, at)

@@ -23,6 +23,7 @@ from eom.errors import InputError
 from eom.views.animation.animation import Animation, at, level
 from eom.views.animation.animation_page import PALETTE
 from eom.views.animation.tracks import matrices, turned
+from eom.views.draw.depth import rgba
 from eom.views.draw.picture import COLOURS
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def _triangles(shapes: Sequence[Any], colour: str) -> Triangles:
     hidden = [np.zeros(0, dtype=np.bool_)]
     for shape in shapes:
         mesh = shape.mesh
-        base = np.array([*_rgb(shape.colour or colour), shape.opacity])
+        base = np.array(rgba(shape.colour or colour, opacity=shape.opacity))
         tones = np.tile(base, (len(mesh.faces), 1))
         if mesh.round:
             tones[mesh.octants, :3] += PALE * (1 - tones[mesh.octants, :3])
@@ -150,12 +151,6 @@ def _triangles(shapes: Sequence[Any], colour: str) -> Triangles:
         colours.append(tones)
         hidden.append(np.full(len(mesh.faces), mesh.closed and shape.opacity == 1))
     return Triangles(np.concatenate(corners), np.concatenate(colours), np.concatenate(hidden))
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    text = COLOURS[colour].lstrip("#")
-    r, g, b = (int(text[k : k + 2], 16) / 255 for k in (0, 2, 4))
-    return r, g, b
 
 
 def interpolated(quaternions: Floats, place: float) -> Floats:

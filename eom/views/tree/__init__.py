@@ -1,6 +1,6 @@
-"""Pictures of trees of bodies.
+"""Sketches of scenes of any model, and diagrams of trees of bodies.
 
-In: trees and their scenes. Out: pictures.
+In: scenes, trees. Out: pictures.
 Imports: `eom.errors`, `eom.mechanics`, `eom.multibody.algebra`, `eom.multibody.files`,
 `eom.multibody.model`, `eom.multibody.recursion`, `eom.opening`, `eom.scenes`,
 `eom.views.animation`, `eom.views.body`, `eom.views.draw`.
