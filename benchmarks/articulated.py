@@ -62,5 +62,5 @@ def accelerations(
 ) -> list[Scalar]:
     """Return the joint accelerations (rad/s^2) of angles, rates and torques; gravity is along -3."""
     work = Numbers(sin, cos)
-    bones = lumped_tree(tree, lambda x: x if x in (0, 1, -1) else float(x), work)
-    return forward_dynamics(bones, q, rates, torques, work)
+    lumped = lumped_tree(tree, lambda x: x if x in (0, 1, -1) else float(x), work)
+    return forward_dynamics(lumped, q, rates, torques, work)

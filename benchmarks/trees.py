@@ -72,27 +72,27 @@ def differences(seed: int, count: int) -> Mapping[str, float]:
     import pinocchio as pin
 
     given, q, u = shared_tree(seed, count)
-    bones = lumped_tree(given, floats, FLOATS)
+    lumped = lumped_tree(given, floats, FLOATS)
     model = pinocchio(pin, given)
     data = model.createData()
     theirs, v, order = their_state(given, q, u)
     square = np.ix_(order, order)
     tau, udot = _drawn(seed, len(u)), _drawn(seed + 1, len(u))
-    motion = flow(bones, q, u, FLOATS)
-    found = forward_dynamics(bones, q, u, list(tau), FLOATS)
-    needed = inverse_dynamics(bones, q, u, list(udot), FLOATS)
+    motion = flow(lumped, q, u, FLOATS)
+    found = forward_dynamics(lumped, q, u, list(tau), FLOATS)
+    needed = inverse_dynamics(lumped, q, u, list(udot), FLOATS)
     M = pin.crba(model, data, theirs)
     return {
         "forward dynamics": relative(found, pin.aba(model, data, theirs, v, tau[order]), order),
         "inverse dynamics": relative(needed, pin.rnea(model, data, theirs, v, udot[order]), order),
         "mass matrix": relative(
-            mass_matrix(bones, q, FLOATS), np.triu(M) + np.triu(M, 1).T, square
+            mass_matrix(lumped, q, FLOATS), np.triu(M) + np.triu(M, 1).T, square
         ),
         "kinetic energy": relative(
             [kinetic_energy(motion, u)], [pin.computeKineticEnergy(model, data, theirs, v)]
         ),
         "potential energy": relative(
-            [gravity_potential(bones, motion)], [pin.computePotentialEnergy(model, data, theirs)]
+            [gravity_potential(lumped, motion)], [pin.computePotentialEnergy(model, data, theirs)]
         ),
         **_of_derivatives(seed, min(count, LARGEST_DIFFERENTIATED)),
     }
@@ -136,10 +136,10 @@ def relative(ours: Any, theirs: Any, order: Any = slice(None)) -> float:
     return float(np.abs(mine - other).max() / np.abs(other).max())
 
 
-def _displacements(bones: LumpedTree, q: Scalars) -> Array:
+def _displacements(lumped: LumpedTree, q: Scalars) -> Array:
     """Return N of q' = N u."""
-    unit = np.eye(bones.speeds)
-    return np.array([coordinate_rates(bones, q, list(e), FLOATS) for e in unit], float).T
+    unit = np.eye(lumped.speeds)
+    return np.array([coordinate_rates(lumped, q, list(e), FLOATS) for e in unit], float).T
 
 
 def derivatives(
@@ -156,9 +156,9 @@ def derivatives(
             return number
         return scalars.Scalar(b, b.leaf("parameter", known.setdefault(number, len(known))))
 
-    bones = lumped_tree(given, lifted, work)
+    lumped = lumped_tree(given, lifted, work)
     last = scalars.scalars(b, "input", len(u))
-    made = scalars.program(b, {RATES: recursion(bones, x[: len(q)], x[len(q) :], last, work)})
+    made = scalars.program(b, {RATES: recursion(lumped, x[: len(q)], x[len(q) :], last, work)})
     found = jacobian(made, RATES, modes=("forward",))
     point = Point(x=[*q, *u], p=[float(n) for n in known], u=list(rest))
     J = np.zeros((len(u), len(x)))

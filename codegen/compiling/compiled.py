@@ -392,7 +392,7 @@ def _javascript_files(
     return {**JAVASCRIPT.files(program, layout), **javascript.files(integrator.name)}
 
 
-C = Target("c", "c", c.TEMPLATES, c._SLOTS, c._NUMBERS, partial(_c_files, written.Choice()))
+C = Target("c", "c", c.TEMPLATES, c.SLOTS, c.NUMBERS, partial(_c_files, written.Choice()))
 
 ROWS: dict[str, Target] = {row.name: row for row in (C, C_FLOAT, LANES, JAVASCRIPT, NUMPY, PYTHON)}
 

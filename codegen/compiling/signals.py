@@ -132,10 +132,12 @@ class Inputs:
         self.held, self.names, self._given = held, tuple(names), functions
         self.zero = zero
         self.functions = [(self.names.index(n), f) for n, f in functions.items()]
-        told = [f for f in functions.values() if isinstance(f, Signal)]
-        knots = {k for f in told for k in f.knots or ()}
+        signals = [f for f in functions.values() if isinstance(f, Signal)]
+        knots = {k for f in signals for k in f.knots or ()}
         self.knots = sorted(math.fsum((k, *(-z for z in zero))) for k in knots)
-        self.max_step = min((f.max_step for f in told if f.max_step is not None), default=math.inf)
+        self.max_step = min(
+            (f.max_step for f in signals if f.max_step is not None), default=math.inf
+        )
         self.blind = tuple(n for n, f in functions.items() if not getattr(f, "is_stated", False))
         self._places = [k for k, f in self.functions if getattr(f, "knots", None) is None]
         self._calls: list[tuple[float, Array]] = []

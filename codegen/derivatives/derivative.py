@@ -27,12 +27,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from heapq import heapify, heappop, heappush
 
-from codegen.derivatives.forms import ONE, Form, Forms, Monomial, added, merged
+from codegen.derivatives.forms import ONE, Form, Forms, Monomial, merged
 from codegen.ir import fold, stumpff
 from codegen.ir.fold import constant
 from codegen.ir.linsolve import Shape
 from codegen.ir.ops import OPS, Instruction
 from codegen.ir.passes import depth_first, needed
+from codegen.ir.polynomials import added
 from codegen.ir.program import Builder, Program
 from codegen.passes.chains import share_sums
 from eom.errors import InputError

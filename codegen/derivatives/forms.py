@@ -20,6 +20,7 @@ from itertools import combinations
 
 from codegen.ir.fold import bits, constant
 from codegen.ir.ops import TRUTH_VALUES, Instruction
+from codegen.ir.polynomials import added
 from codegen.ir.program import Builder
 
 Monomial = tuple[int, ...]
@@ -134,17 +135,6 @@ def merged(f: dict[Monomial, Fraction], g: dict[Monomial, Fraction]) -> dict[Mon
     A sum of n terms that grows term by term is so built in n steps, not n^2.
     """
     return added(f, g) if len(f) >= len(g) else added(g, f)
-
-
-def added(into: dict[Monomial, Fraction], form: Form) -> dict[Monomial, Fraction]:
-    """Add ``form`` in place; terms that cancel vanish."""
-    for monomial, coefficient in form.items():
-        total = into.get(monomial, 0) + coefficient
-        if total:
-            into[monomial] = total
-        else:
-            del into[monomial]
-    return into
 
 
 def _carried(coefficient: Fraction) -> bool:

@@ -55,8 +55,7 @@ from codegen.runs.arguments import grid as grid_of
 from codegen.runs.arguments import positive, relative
 from codegen.runs.arguments import span as span_of
 from codegen.runs.arguments import tolerances as tolerances_of
-from codegen.runs.simulation import DEFAULT_MARGIN
-from codegen.runs.simulation import _compile_once as compile_once
+from codegen.runs.simulation import DEFAULT_MARGIN, compile_once
 from eom.errors import InputError, typed, unknown_name
 from eom.system import System
 

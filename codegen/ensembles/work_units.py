@@ -110,7 +110,7 @@ def run(plan: Plan, some: Population, number: int) -> Piece:
         "y": np.ascontiguousarray(runs.y.transpose(1, 0, 2)),
         "outputs": _outputs(moved, runs, p),
         "y_stop": runs.y_stop,
-        "t_stop": runs.t_stop if clock is None else _told(runs, clock),
+        "t_stop": runs.t_stop if clock is None else _stop_times(runs, clock),
         "drift": _drift(moved, runs, x, p),
         "status": runs.status,
         "which": runs.which,
@@ -160,7 +160,7 @@ def _since_start(plan: Plan, clock: Clock, p: Array) -> tuple[Plan, Array]:
     return moved, clock.relative.completed(p, clock.zero)
 
 
-def _told(runs: Runs, clock: Clock) -> Array:
+def _stop_times(runs: Runs, clock: Clock) -> Array:
     """Return the times at which runs stopped as the user has them."""
     return np.where(runs.status == 0, clock.t_span[1], clock.start + runs.t_stop)
 

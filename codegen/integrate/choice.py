@@ -217,12 +217,12 @@ def prepared(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator, st
     if found is not None:
         name = f"closed form: {found.name}"
         evaluate = partial(closed.integrate, task.compiled, found)
-        return _told(evaluate, name, found.meaning, CLOSED_FORM), name
+        return _reported(evaluate, name, found.meaning, CLOSED_FORM), name
     stiff = _stiff_from_the_start(task, methods)
     if stiff is not None:
         implicit = _implicit(stiff, task)
         run, name = methods[implicit](task)
-        return _told(run, name, f"stiff: in a trial of {TRIAL} steps {stiff}", implicit), name
+        return _reported(run, name, f"stiff: in a trial of {TRIAL} steps {stiff}", implicit), name
     chosen = _explicit(task)
     try:
         ready = methods[chosen.method](task)
@@ -240,7 +240,7 @@ def _with_events(task: Task, methods: Mapping[str, Prepare]) -> tuple[Integrator
     return _going_on(task, methods, replace(chosen, why=why), ready), ready[1]
 
 
-def _told(run: Integrator, name: str, why: str, method: str) -> Integrator:
+def _reported(run: Integrator, name: str, why: str, method: str) -> Integrator:
     return lambda problem: replace(run(problem), method=name, why=why, methods=(method,))
 
 
@@ -461,7 +461,7 @@ ENDS = frozenset({"end", "singular", "event"})
 
 
 def _when(problem: Problem, first: Trajectory) -> str:
-    return f"t = {problem.told(first.stop.t, 6)}"
+    return f"t = {problem.time_text(first.stop.t, 6)}"
 
 
 def _rest(problem: Problem, first: Trajectory) -> Problem:

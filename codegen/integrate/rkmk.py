@@ -110,12 +110,12 @@ def build(
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     method = NativeMethod(
         shape.terms, group.unbound, begin, run, state, output, library,
-        told=partial(_told, shape.variables, names_of(layout.states)),
+        notice=partial(_notice, shape.variables, names_of(layout.states)),
     )  # fmt: skip
     return method, group.between(library, prefix)
 
 
-def _told(variables: Variables, names: Sequence[str], state: Any, problem: Problem) -> str:
+def _notice(variables: Variables, names: Sequence[str], state: Any, problem: Problem) -> str:
     """Return which body rates rounding of the momentum hides more of than the tolerance asks for."""
     body = variables.attitude.body
     if body is None:

@@ -194,7 +194,7 @@ def defaults(
     unknown = [
         q.name for q, row in zip(layout.states, found.values, strict=True) if np.isnan(row).any()
     ]
-    return found.tolerances(rtol), _told(unknown, rtol) if unknown else ""
+    return found.tolerances(rtol), _notice(unknown, rtol) if unknown else ""
 
 
 @dataclass(frozen=True)
@@ -225,11 +225,11 @@ def of_run(
         return compiled.rhs(now, state, start.parameters, u)[:, None]
 
     column = start.states[:, None]
-    found, told = defaults(rates, compiled.layout, column, t_span, rtol)
-    return found[:, 0], told
+    found, notice = defaults(rates, compiled.layout, column, t_span, rtol)
+    return found[:, 0], notice
 
 
-def _told(names: Sequence[str], rtol: float) -> str:
+def _notice(names: Sequence[str], rtol: float) -> str:
     few = ", ".join(names[:FEW]) + (f" and {len(names) - FEW} more" if len(names) > FEW else "")
     verb, whose = ("starts", "its") if len(names) == 1 else ("start", "their")
     return (

@@ -134,7 +134,7 @@ REPORT_EVERY = 100
 ATTEMPTS = 12
 """So many shorter and shorter steps, each a quarter of the one before, are tried where one overflows."""
 LEAST_RTOL = 100 * 2.0**-52
-"""SciPy's methods take no smaller relative tolerance; this one is taken then, and told."""
+"""SciPy's methods take no smaller relative tolerance; this one is taken then, and a notice says so."""
 
 SUNDIALS = {f"CVODE {kind}": kind for kind in sundials.KINDS}
 """Methods of SUNDIALS that this loop drives likewise."""
@@ -321,10 +321,10 @@ class _Run:
         problem, known, n = self.problem, self.jacobian, len(self.problem.x0)
         pattern = self.sparsity if n >= sundials.SPARSE_FROM else None
         if known is not None:
-            told = sundials.Derivatives(
+            given = sundials.Derivatives(
                 self._entries, known.rows, known.columns, sparse=pattern is not None
             )
-            options |= told.options(n)
+            options |= given.options(n)
         elif pattern is not None:
             rows, columns = pattern.nonzero()
             options |= sundials.sparse_options(sundials.by_columns(rows, columns, n), n)
@@ -597,11 +597,11 @@ class _Run:
             steps=self.steps,
             rejected=self.rejected,
             solution=solution,
-            notice=self._told(),
+            notice=self._notice(),
         )
 
-    def _told(self) -> str:
-        jumped = jumps.told(self.jumps, self.problem)
+    def _notice(self) -> str:
+        jumped = jumps.notice(self.jumps, self.problem)
         if self.method in SUNDIALS or self.problem.rtol >= LEAST_RTOL:
             return jumped
         least = f"SciPy's methods take no rtol below {LEAST_RTOL:.2g}: that was taken"

@@ -104,12 +104,12 @@ def build(program: Program, layout: Layout) -> tuple[NativeMethod, group.Between
     flags = native.flags_for(0, len(program.instructions))
     begin, run, library = runge_kutta.loaded(text, flags, prefix, state)
     terms = _terms(len(layout.states))
-    made = NativeMethod(terms, group.unbound, begin, run, state, output, library, told=_told)
+    made = NativeMethod(terms, group.unbound, begin, run, state, output, library, notice=_notice)
     return made, group.between(library, prefix)
 
 
-def _told(state: Any, problem: Problem) -> str:
-    """Return what is to be told of a run with a given step: its error, and what it passes over."""
+def _notice(state: Any, problem: Problem) -> str:
+    """Return the notice of a run with a given step: its error, and what it passes over."""
     if problem.first_step is None or not state.error > problem.rtol:
         return ""
     if math.isinf(state.error):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from fractions import Fraction
+from collections.abc import Mapping, Sequence
 from functools import reduce
+from typing import Any
 
 from codegen.ir.fold import Numbers, constant
 
@@ -15,7 +15,7 @@ MAX_INSIDE = 64
 
 Monomial = tuple[int, ...]
 """Numbers of the factors, in order; none for a constant."""
-Polynomial = dict[Monomial, Fraction | int]
+Polynomial = dict[Monomial, Any]
 """Coefficients; whole ones are integers, whose arithmetic is ten times as fast."""
 
 _LINEAR = frozenset({"add", "sub", "neg", "mul"})
@@ -81,14 +81,21 @@ def _is_number(terms: Polynomial) -> bool:
 
 
 def _sum(left: Polynomial, right: Polynomial, factor: int) -> Polynomial:
-    total = dict(left)
-    for m, c in right.items():
-        total[m] = total.get(m, 0) + (c if factor > 0 else -c)
-    return {m: c for m, c in total.items() if c}
+    return added(dict(left), right if factor > 0 else {m: -c for m, c in right.items()})
+
+
+def added(into: Polynomial, terms: Mapping[Monomial, Any]) -> Polynomial:
+    """Add ``terms`` in place; those that cancel vanish."""
+    for monomial, coefficient in terms.items():
+        total = into.get(monomial, 0) + coefficient
+        if total:
+            into[monomial] = total
+        else:
+            del into[monomial]
+    return into
 
 
 def built(b: Numbers, terms: Polynomial) -> int:
-    """Append a polynomial, positive terms first."""
     """Append a polynomial, positive terms first."""
     total = b.const(0)
     for m, c in sorted(terms.items(), key=lambda term: (term[1] < 0, term[0])):

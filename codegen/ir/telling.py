@@ -29,7 +29,7 @@ class _Refused(BaseException):
         self.reason = reason
 
 
-class _Told:
+class _Listening:
     """A listener, and how far the stage is that it was told of: units of work, and their number."""
 
     def __init__(self, listener: Listener) -> None:
@@ -51,16 +51,16 @@ class _Told:
     def tell(self, share: float) -> None:
         """Call the listener, to which nothing is told of what it compiles itself."""
         self.calls, self.share = 0, share
-        token = _TOLD.set(None)
+        token = _LISTENING.set(None)
         try:
             self.listener(self.stage, share)
         except BaseException as reason:
             raise _Refused(reason) from None
         finally:
-            _TOLD.reset(token)
+            _LISTENING.reset(token)
 
 
-_TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
+_LISTENING: ContextVar[_Listening | None] = ContextVar("listening", default=None)
 
 
 @contextmanager
@@ -69,14 +69,14 @@ def to(listener: Listener | None) -> Iterator[None]:
 
     Raises what the listener raises.
     """
-    token = _TOLD.set(None if listener is None else _Told(listener))
+    token = _LISTENING.set(None if listener is None else _Listening(listener))
     reason: BaseException | None = None
     try:
         yield
     except _Refused as refused:
         reason = refused.reason
     finally:
-        _TOLD.reset(token)
+        _LISTENING.reset(token)
     if reason is not None:
         raise reason
 
@@ -84,29 +84,29 @@ def to(listener: Listener | None) -> Iterator[None]:
 @contextmanager
 def stage(name: str, work: Callable[[], float] = lambda: 1.0) -> Iterator[None]:
     """Tell that a stage begins and, unless it fails, that it ends; ``work``: its number of units."""
-    told = _TOLD.get()
-    if told is None:
+    listening = _LISTENING.get()
+    if listening is None:
         yield
         return
-    told.begin(name, work())
+    listening.begin(name, work())
     yield
-    told.tell(1.0)
+    listening.tell(1.0)
 
 
 def done(units: float = 0.0) -> None:
     """Tell now and then that so many more units of the stage are done, or just that it goes on."""
-    told = _TOLD.get()
-    if told is not None:
-        told.go_on(units)
+    listening = _LISTENING.get()
+    if listening is not None:
+        listening.go_on(units)
 
 
 def beat() -> None:
     """Tell at once that the stage goes on."""
-    told = _TOLD.get()
-    if told is not None:
-        told.tell(told.share)
+    listening = _LISTENING.get()
+    if listening is not None:
+        listening.tell(listening.share)
 
 
 def is_heard() -> bool:
     """Tell whether somebody listens."""
-    return _TOLD.get() is not None
+    return _LISTENING.get() is not None

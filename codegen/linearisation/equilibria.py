@@ -6,7 +6,7 @@
 
 Newton's method (`codegen.linearisation.equilibria`) with derivatives of the program
 (`codegen.linearisation.unknowns`); where the equations leave a family of solutions open, it goes to a near
-one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found is told with
+one. Unit quaternions that the system states (`eom.BodyAttitude`) stay unit ones. What is found comes with
 its residual, and with the rank of the Jacobian: whether it stands alone.
 
 What is near a guess: distances in the scales of the unknowns, points around it, whole turns.
@@ -213,7 +213,7 @@ def equilibrium(
                 best = found
     if best is None:
         raise search.nothing(starts)
-    return search.told(best)
+    return search.equilibrium(best)
 
 
 @typed
@@ -234,7 +234,7 @@ def equilibria(
 
     Arguments, units, errors (`InputError`) and source as there.
     Nearest to the guess first; angles are within half a turn of it where that changes nothing. Of families,
-    single members are told. None of this says that there are no others.
+    single members are returned. None of this says that there are no others.
 
     >>> import sympy as sp, codegen, eom
     >>> x = sp.Symbol("x", real=True)
@@ -253,9 +253,9 @@ def equilibria(
             found.append(z)
     if not found:
         raise search.nothing(starts)
-    told = [search.told(z) for z in sorted(found, key=search.near.distance)]
-    families = [e for e in told if e.kind == "family"][:1]
-    return tuple(e for e in told if e.kind != "family" or e in families)
+    steady = [search.equilibrium(z) for z in sorted(found, key=search.near.distance)]
+    families = [e for e in steady if e.kind == "family"][:1]
+    return tuple(e for e in steady if e.kind != "family" or e in families)
 
 
 def _alike(a: Array, b: Array) -> bool:
@@ -423,7 +423,7 @@ class _Search:
                 return other
         return z
 
-    def told(self, z: Array) -> Equilibrium:
+    def equilibrium(self, z: Array) -> Equilibrium:
         """Return a solution with what is known of it."""
         z = self.exact(z)
         y = z / self.scales

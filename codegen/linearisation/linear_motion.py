@@ -120,7 +120,7 @@ ERROR_FACTOR = 100.0
 """How many times the bound of first order an eigenvalue may be off before its sign is believed."""
 LEAST_ROW, DOUBT = 1e-3, 1e-6
 ATTITUDES = STATES, ANGLES = ("states", "angles")
-"""How deviations of unit quaternions are told."""
+"""How deviations of unit quaternions are named."""
 STABLE, UNSTABLE, OPEN = "asymptotically stable", "unstable", "undecided"
 
 
@@ -351,7 +351,7 @@ def eigenvalues(A: Array) -> tuple[NDArray[np.complex128], Array]:
 
     To first order an eigenvalue moves by |y| |x| / |y* x| of a change of A, x and y its right and left
     vectors (Golub and Van Loan, Matrix Computations, 4th ed., sec. 7.2.2); A is taken as known to its
-    rounding. Multiple eigenvalues are known to a part of the digits, and told so.
+    rounding. Multiple eigenvalues are known to a part of the digitsand marked so.
     """
     from scipy.linalg import eig
 
@@ -545,7 +545,7 @@ def independent(
 ) -> tuple[Deviations, dict[str, dict[str, float]]]:
     """Return deviations that keep the rows of a basis, by some of the names before; and the others.
 
-    Which become dependent is chosen by the largest pivots, not among ``preferred``. They are told
+    Which become dependent is chosen by the largest pivots, not among ``preferred``. They are returned
     as {dependent: {independent: factor}}. Raises `InputError` where the preferred ones are not independent.
     """
     rows, places = basis.copy(), []
@@ -572,6 +572,6 @@ def independent(
         T[place] = -row[kept]
     S = np.eye(rows.shape[1])[kept]
     names = tuple(before.names[j] for j in kept)
-    told = {before.names[p]: {n: float(f) for n, f in zip(names, T[p], strict=True) if abs(f) > SPAN}
+    parts = {before.names[p]: {n: float(f) for n, f in zip(names, T[p], strict=True) if abs(f) > SPAN}
             for p in sorted(places)}  # fmt: skip
-    return Deviations(before.T @ T, S @ before.S, names), told
+    return Deviations(before.T @ T, S @ before.S, names), parts

@@ -5,7 +5,7 @@ Derivatives of a program at one point, by carrying them along with the values; n
 For a single point this is sooner done than deriving and compiling a Jacobian (`linearise`), which pays
 from some hundreds of points on. Partial derivatives are those of the table of operations.
 
-A steady state as it is told, and which states may run together in a steady motion.
+A steady state, and which states may run together in a steady motion.
 """
 
 from __future__ import annotations

@@ -84,7 +84,7 @@ def _looks_once(program: Program, values: tuple[int, ...], n: int) -> Steady:
     return steady(program, values, n, DEGREE, FLAT)
 
 
-def told(program: Program, layout: Layout) -> Callable[[Any, Problem], str]:
+def notice(program: Program, layout: Layout) -> Callable[[Any, Problem], str]:
     """Return what tells of a run whose events may have zeros that are not found, and why."""
     labels = layout.results.get(GROUP, ())[: count_of(layout)]
     if not labels:
@@ -95,7 +95,7 @@ def told(program: Program, layout: Layout) -> Callable[[Any, Problem], str]:
     ]
 
     def of_run(state: Any, problem: Problem) -> str:
-        when = f"at t = {problem.told(state.quick_at)}"
+        when = f"at t = {problem.time_text(state.quick_at)}"
         quick = f"events vary too quickly, or are not finite, {when}: zeros may be missed"
         return "; ".join([*always, *([quick] if state.quick else [])])
 

@@ -67,14 +67,14 @@ class Jumps:
         return np.asarray(self.problem.atol + self.problem.rtol * np.abs(x))
 
 
-def told(state: Any, problem: Problem) -> str:
-    """Return what is to be told of a run, or nothing; ``state`` has the fields."""
+def notice(state: Any, problem: Problem) -> str:
+    """Return the notice of a run, or nothing; ``state`` has the fields."""
     off, allowed, at = (np.array(getattr(state, name)) for name in ("off", "allowed", "off_at"))
     share = np.divide(off, allowed, out=np.zeros_like(off), where=off > allowed)
     worst = int(np.argmax(share))
     if not share[worst]:
         return ""
     return (
-        f"the rates jump so far at t = {problem.told(float(at[worst]))} that the resolution of time there "
-        f"may change a state by {share[worst]:.2g} times what the tolerance allows"
+        f"the rates jump so far at t = {problem.time_text(float(at[worst]))} that the resolution of time "
+        f"there may change a state by {share[worst]:.2g} times what the tolerance allows"
     )

@@ -267,8 +267,8 @@ class NativeMethod:
     library: ctypes.CDLL
     most_events: int = 0
     """What a step may find, where there are events."""
-    told: Callable[[Any, Problem], str] = lambda state, problem: ""
-    """What is to be told of a run, from the state of the integrator at its end."""
+    notice: Callable[[Any, Problem], str] = lambda state, problem: ""
+    """The notice of a run, from the state of the integrator at its end."""
     overflows: Callable[[Any], bool] = lambda state: False
     """Whether Taylor coefficients where it stopped are not finite, those of the first order apart."""
 
@@ -287,8 +287,8 @@ def build(tableau: Tableau, program: Program, layout: Layout) -> NativeMethod:
         prefix, n, max(1, singular), terms, constants, events, watch.fields, watch.width
     )
     start, run, library = loaded(text, flags, prefix, state)
-    told = crossings.told(program, layout)
-    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room, told)
+    notice = crossings.notice(program, layout)
+    return NativeMethod(terms, DenseSolution, start, run, state, output, library, room, notice)
 
 
 def loaded(
@@ -389,7 +389,7 @@ class _Store:
 
     def __init__(self, method: NativeMethod, problem: Problem) -> None:
         self.n, self.finder = len(problem.x0), crossings.Finder(problem)
-        self.terms, self.solution, self.told = method.terms, method.solution, method.told
+        self.terms, self.solution, self.notice = method.terms, method.solution, method.notice
         self.grid = None if problem.dense_output else problem.t_eval
         self.dense_output = problem.dense_output
         capacity = FIRST_CAPACITY if self.grid is None else max(1, len(self.grid))
@@ -462,12 +462,12 @@ class _Store:
             solution=solution,
             seconds=seconds,
             found=self.finder.found() if problem.events else None,
-            notice="; ".join(filter(None, (self.told(s, problem), _of_jumps(s, problem)))),
+            notice="; ".join(filter(None, (self.notice(s, problem), _of_jumps(s, problem)))),
         )
 
 
 def _of_jumps(s: Any, problem: Problem) -> str:
-    return jumps.told(s, problem) if hasattr(s, "off_at") else ""
+    return jumps.notice(s, problem) if hasattr(s, "off_at") else ""
 
 
 class DenseSolution(Stepwise):

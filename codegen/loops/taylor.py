@@ -170,7 +170,7 @@ def build(program: Program, layout: Layout, order: int) -> NativeMethod:
     room = crossings.most(layout)
     return NativeMethod(
         order, TaylorSolution, start, run, state, output, library, room,
-        told=crossings.told(program, layout), overflows=_overflows,
+        notice=crossings.notice(program, layout), overflows=_overflows,
     )  # fmt: skip
 
 

@@ -89,20 +89,20 @@ class TooLongError(Exception):
 
 
 def watch(limit: float) -> Callable[[float], None]:
-    """Return what progress is told to: it gives up ``limit`` seconds (processor) after its first call.
+    """Return a listener to progress that gives up ``limit`` seconds (processor) after its first call.
 
     Compilation is over then. Raises `TooLongError`.
     """
     began: list[float] = []
 
-    def told(_: float) -> None:
+    def progress(_: float) -> None:
         now = time.process_time()
         if not began:
             began.append(now)
         if now - began[0] > limit:
             raise TooLongError
 
-    return told
+    return progress
 
 
 class Halt(Exception):

@@ -76,10 +76,10 @@ class Problem:
     events: tuple[Filter, ...] = ()
     """What is looked for at zeros of expressions: by number, as their loop has them."""
     start: float = 0.0
-    """Time that is told for zero: all times are since then."""
+    """Time that stands as zero: all times are since then."""
 
-    def told(self, t: float, digits: int = 9) -> str:
-        """Return a time as it is told, with its unit: all digits where the run starts late."""
+    def time_text(self, t: float, digits: int = 9) -> str:
+        """Return a time as text, with its unit: all digits where the run starts late."""
         return f"{self.start + t!r} s" if self.start else f"{t:.{digits}g} s"
 
     def report(self, t: float) -> None:

@@ -264,11 +264,11 @@ def simulate(
         project=_projected(part.compiled, project, method), events=looked_for.filters(found),
     )  # fmt: skip
     clock = clock_of(part.compiled, span, since, found)
-    result = _told(_run(part, problem, method, signals, found, clock), unknown)
+    result = _with_notice(_run(part, problem, method, signals, found, clock), unknown)
     return result.with_accuracy() if accuracy else result
 
 
-def _told(result: Result, unknown: str) -> Result:
+def _with_notice(result: Result, unknown: str) -> Result:
     """Return a result that says which scales of states are not known."""
     return replace(result, notice=_joined(result.notice, unknown if result.steps else ""))
 
@@ -380,11 +380,12 @@ def _result_of(task: Task, method: str, left_out: tuple[str, ...]) -> Result:
 
 
 def _compiled(system: System | Compiled) -> Compiled:
-    return system if isinstance(system, Compiled) else _compile_once(SameObject(system))
+    return system if isinstance(system, Compiled) else compile_once(SameObject(system))
 
 
 @lru_cache(maxsize=64)
-def _compile_once(key: SameObject[System]) -> Compiled:
+def compile_once(key: SameObject[System]) -> Compiled:
+    """Return a system compiled, the same again for the same object."""
     return compile_system(key.value)
 
 
@@ -472,9 +473,9 @@ def message(
 ) -> str:
     """Return when a run ended, why, and what to do about it; ``events``: what they are called."""
     stop, names = trajectory.stop, names_of(compiled.layout.states)
-    at = f"stopped at t = {problem.told(stop.t)}"
+    at = f"stopped at t = {problem.time_text(stop.t)}"
     if stop.kind == "end":
-        return f"reached t = {problem.told(problem.t_span[1])}"
+        return f"reached t = {problem.time_text(problem.t_span[1])}"
     if stop.kind == "event":
         return f"{at}: event {events[stop.which]}"
     if stop.kind == "singular":

@@ -179,11 +179,11 @@ def _continuous(wound: _Wound, outputs: Mapping[str, Array]) -> tuple[dict[str, 
     exact = values + TURN * np.round((path - values) / TURN)
     return (
         {n: exact[k] for k, n in enumerate(wound.names) if n in wound.angles.winding},
-        _told(wound, left),
+        _notice(wound, left),
     )
 
 
-def _told(wound: _Wound, left: float) -> str:
+def _notice(wound: _Wound, left: float) -> str:
     """Return that whole turns are not known; nothing where they are."""
     asked = " and ".join(n for n in wound.names if n in wound.angles.winding)
     if left <= SMALL:

@@ -71,8 +71,8 @@ TEMPLATES: dict[str, Template] = {
 PART_LINES = 400
 """Functions with more assignments are split into parts of so many."""
 
-_NUMBERS = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}
-_SLOTS = {
+NUMBERS = {"inf": "INFINITY", "-inf": "(-INFINITY)", "nan": "NAN"}
+SLOTS = {
     "time": "t",
     "state": "x[{0} * xs]",
     "parameter": "p[{0} * ps]",
@@ -228,7 +228,7 @@ def kernels(program: Program, group: str, head: str) -> tuple[list[str], int]:
 
 
 def _render(program: Program, group: str, names: Names, tables: Tables) -> Body:
-    return render(program, group, names, TEMPLATES, _SLOTS, _NUMBERS, tables)
+    return render(program, group, names, TEMPLATES, SLOTS, NUMBERS, tables)
 
 
 class Late(NamedTuple):
@@ -592,8 +592,8 @@ C_FLOAT = Target(
         for op, template in TEMPLATES.items()
         if op not in {"besselj", "bessely"}
     },
-    slots=_SLOTS,
-    numbers=_NUMBERS,
+    slots=SLOTS,
+    numbers=NUMBERS,
     files=float_files,
     unsupported=dict.fromkeys(
         ("besselj", "bessely"), "choose target c; POSIX has them for doubles"

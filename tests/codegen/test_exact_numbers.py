@@ -53,11 +53,11 @@ def dynamics(given, as_constants):
     """The program of forward dynamics of a tree, and the parameters."""
     b, known = Builder(), {}
     work = Numbers(scalars.sin, scalars.cos)
-    bones = lumped_tree(given, lifting(b, known, as_constants), work)
+    lumped = lumped_tree(given, lifting(b, known, as_constants), work)
     n, m = (sum(len(part(j)) for j in given.ordered) for part in (_coordinates, _speeds))
     x = scalars.scalars(b, "state", n + m)
     tau = scalars.scalars(b, "input", m)
-    return scalars.program(b, {RATES: forward_dynamics(bones, x[:n], x[n:], tau, work)}), known
+    return scalars.program(b, {RATES: forward_dynamics(lumped, x[:n], x[n:], tau, work)}), known
 
 
 def _coordinates(joint):

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, Products, added, content
+from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, Products, content
 from codegen.ir.fold import bits
 from codegen.ir.interpret import Point, interpret, interpret_exactly
+from codegen.ir.polynomials import added
 from codegen.ir.program import Builder
 
 COEFFICIENTS = st.fractions(-4, 4, max_denominator=4).map(lambda f: f or Fraction(1))

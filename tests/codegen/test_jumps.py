@@ -158,10 +158,10 @@ def test_an_error_counts_against_the_state_from_there_on() -> None:
     problem = Problem(np.zeros(1), (0, 1), np.empty(0), np.empty(0), 1e-6, np.array([1e-9]), 0, 0)
     found = jumps.Jumps(problem)
     found.jump(0.25, np.array([0.0]), np.array([1e-8]))
-    assert "t = 0.25 s" in jumps.told(found, problem)
+    assert "t = 0.25 s" in jumps.notice(found, problem)
     found.step(np.array([1.0]))
-    assert not jumps.told(found, problem)
+    assert not jumps.notice(found, problem)
     found.jump(0.5, np.array([1e-3]), np.array([2e-9]))
-    assert "t = 0.5 s" in jumps.told(found, problem)  # small now, and it was large before
+    assert "t = 0.5 s" in jumps.notice(found, problem)  # small now, and it was large before
     found.jump(0.75, np.array([10.0]), np.array([3e-9]))
-    assert not jumps.told(found, problem)
+    assert not jumps.notice(found, problem)

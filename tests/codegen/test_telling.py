@@ -61,9 +61,9 @@ def test_long_stages_are_told_of_as_the_work_goes_on():
 
 def test_what_is_told_of_is_bounded_by_the_work(monkeypatch):
     calls = []
-    original = telling._Told.go_on
+    original = telling._Listening.go_on
     monkeypatch.setattr(
-        telling._Told, "go_on", lambda self, units: calls.append(original(self, units))
+        telling._Listening, "go_on", lambda self, units: calls.append(original(self, units))
     )
     _, told = told_of(long_system(300), "python")
     assert len(told) <= len(STAGES) * (2 + 1 / STEP) + len(calls) / EVERY
@@ -74,7 +74,7 @@ def test_without_a_listener_nothing_is_counted_and_code_is_the_same(monkeypatch)
     heard, _ = told_of(system, "python", stable=True)
     monkeypatch.setattr(lower, "nodes", None)
     monkeypatch.setattr("codegen.passes.pipeline.nodes", None)
-    monkeypatch.setattr(telling, "_Told", None)
+    monkeypatch.setattr(telling, "_Listening", None)
     assert codegen.compile(system, "python", stable=True).files == heard.files
 
 

@@ -145,12 +145,12 @@ def _through(_: Compiled, way: Passage, what: str, result: Result, rtol: float) 
     end = way.sequence.quaternion(result.y_stop[3:])[:, None]
     error = float(turn_between(end, way.attitude[:, None])[0])
     bound = rtol * (result.steps + 1 / way.distance)
-    (told,) = result.margin.values()
-    note = f"{result.steps} steps, margin told {told:.3e}"
-    apart, allowed = abs(told - way.distance), MARGIN_PART * way.distance + result.steps * rtol
+    (margin,) = result.margin.values()
+    note = f"{result.steps} steps, margin {margin:.3e}"
+    apart, allowed = abs(margin - way.distance), MARGIN_PART * way.distance + result.steps * rtol
     return [
         Figure(f"{what}: error", error, bound, note),
-        Figure(f"{what}: margin told less distance", apart, allowed, note),
+        Figure(f"{what}: margin less distance", apart, allowed, note),
     ]
 
 

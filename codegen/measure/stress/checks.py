@@ -179,10 +179,10 @@ def lines(outcomes: Sequence[Outcome]) -> list[str]:
     found = []
     for o in outcomes:
         name, failing = o.check.name, [f for f in o.findings.figures if not f.passed]
-        found += [f"{name}: {FAIL}: {_told(f)}" for f in failing[:TOLD]]
+        found += [f"{name}: {FAIL}: {_line(f)}" for f in failing[:TOLD]]
         if len(failing) > TOLD:
             found.append(f"{name}: {FAIL}: {len(failing) - TOLD} more")
-        found += [f"{name}: {_told(f)}" for f in _notable(o.findings)]
+        found += [f"{name}: {_line(f)}" for f in _notable(o.findings)]
         found += [f"{name}: not measured: {reason}" for reason in o.findings.absent]
     return found
 
@@ -192,7 +192,7 @@ def _notable(findings: Findings) -> list[Figure]:
     return [f for f in findings.figures if f.passed and (f.bound is None or f.told)]
 
 
-def _told(figure: Figure) -> str:
+def _line(figure: Figure) -> str:
     return _against(figure) + (f"; {figure.note}" if figure.note else "")
 
 

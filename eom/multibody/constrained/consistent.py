@@ -27,7 +27,7 @@ from eom.quantities import TIME
 from eom.system import System
 
 NOTABLE = 1e-12
-"""Changes, relative to the size of a value (1 at least), that are told."""
+"""Changes, relative to the size of a value (1 at least), that are reported."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ class Assembly:
         """Say what was changed."""
         if not self.changes:
             return "start values meet the constraints as they are"
-        told = ", ".join(f"{name} by {x:.6g}" for name, x in self.changes.items())
-        return f"changed: {told}"
+        changes = ", ".join(f"{name} by {x:.6g}" for name, x in self.changes.items())
+        return f"changed: {changes}"
 
     def start(self, system: System) -> dict[str, float]:
         """Return the values of the states of a ``system``, by name."""

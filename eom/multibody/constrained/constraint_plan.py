@@ -97,7 +97,7 @@ class Binding:
 
     tree: Tree
     plan: Plan
-    bones: LumpedTree
+    lumped: LumpedTree
     q: Sequence[Any]
     u: list[Any]
     work: Naming
@@ -118,11 +118,11 @@ class Binding:
 
     def scene(self, u: Sequence[Any] | None) -> Scene:
         """Return the places of all points, and their motion where speeds are given."""
-        return scene(self.bones, self.q, u, self.arithmetic)
+        return scene(self.lumped, self.q, u, self.arithmetic)
 
     def accelerations(self, tau: Sequence[Any], prescribed: Mapping[int, Any]) -> list[Any]:
         """Return u' of all speeds under the constraints."""
-        given = Dynamics(self.bones, self.q, self.u, tau, prescribed, self.work)
+        given = Dynamics(self.lumped, self.q, self.u, tau, prescribed, self.work)
         moving = components(self.tree, self.scene(self.u))
         gamma = drifts(self.held, [moving[k] for k in self.plan.kept], self.work)
         if self.way is None:
@@ -142,7 +142,7 @@ class Binding:
         return constraint_forces(self.dynamics, self.way, self.solved.udot)
 
     def forces(self) -> list[Definition]:
-        """Return the multipliers, each told."""
+        """Return the multipliers as definitions."""
         values = self.multipliers()
         return [
             _definition(f"lambda_{name}", c.unit, c.meaning, x)
@@ -218,23 +218,23 @@ class Binding:
             "assembled", "start values meet the constraints; eom.multibody.assemble finds such",
             vanish=found, tolerance=ASSEMBLED,
         )  # fmt: skip
-        told = [Assumption("redundant", f"dropped: {text}") for text in self.plan.remarks]
-        return (met, *told) if found else tuple(told)
+        dropped = [Assumption("redundant", f"dropped: {text}") for text in self.plan.remarks]
+        return (met, *dropped) if found else tuple(dropped)
 
 
 def bind(
-    given: Plan, tree: Tree, bones: LumpedTree, q: Sequence[Any], u: list[Any], work: Naming
+    given: Plan, tree: Tree, lumped: LumpedTree, q: Sequence[Any], u: list[Any], work: Naming
 ) -> Binding:
     """Carry a plan out: speeds that follow are defined by the others."""
-    found = Binding(tree, given, bones, q, list(u), work)
+    found = Binding(tree, given, lumped, q, list(u), work)
     if not tree.constraints:
         return found
     found.still = components(tree, found.scene(None))
     found.held = bound([found.still[k] for k in given.kept], work)
     if given.dependent is not None:
-        found.way = follow(bones, given.dependent, found.held, work)
+        found.way = follow(lumped, given.dependent, found.held, work)
         speeds = [s for j in tree.ordered for s in j.speeds]
-        known = {s: u[s] for s in range(bones.speeds) if s not in given.dependent}
+        known = {s: u[s] for s in range(lumped.speeds) if s not in given.dependent}
         for k, x in followed(found.way, known, work).items():
             found.u[k] = x if is_number(x) else work.define(speeds[k], x)
     return found
@@ -295,11 +295,11 @@ def constraint_loads(binding: Binding) -> Callable[[LumpedTree], list[SpatialVec
     """Return what gives the loads on the parts of a lumped_tree: moments about origins, and forces."""
     values = binding.multipliers()
 
-    def loads(bones: LumpedTree) -> list[SpatialVector]:
-        still = scene(bones, binding.q, None, binding.arithmetic)
-        loose = _Loose(bones, still.arithmetic, still.q, None, still.placed, still.poses, ())
+    def loads(lumped: LumpedTree) -> list[SpatialVector]:
+        still = scene(lumped, binding.q, None, binding.arithmetic)
+        loose = _Loose(lumped, still.arithmetic, still.q, None, still.placed, still.poses, ())
         kinds = {c.name: type(c) for c in binding.tree.constraints}
-        six: list[Scalar] = [0] * (6 * len(bones.parts))
+        six: list[Scalar] = [0] * (6 * len(lumped.parts))
         found = components(binding.tree, loose)
         for number, multiplier in zip(binding.plan.kept, values, strict=True):
             if kinds[found[number].constraint] in BETWEEN_POINTS:

@@ -83,7 +83,7 @@ class Geometry:
         return cls(bare, {TIME: 0.0, **known})
 
     @cached_property
-    def bones(self) -> LumpedTree:
+    def lumped(self) -> LumpedTree:
         """The parts in numbers."""
         return lumped_tree(self.tree, self.lift, FLOATS)
 
@@ -95,8 +95,8 @@ class Geometry:
     @cached_property
     def free(self) -> list[int]:
         """The numbers of the speeds whose motion is not prescribed."""
-        driven = set(self.bones.driven)
-        return [k for k in range(self.bones.speeds) if k not in driven]
+        driven = set(self.lumped.driven)
+        return [k for k in range(self.lumped.speeds) if k not in driven]
 
     def lift(self, given: Any) -> Any:
         """Return the number that a value of the description has."""
@@ -131,18 +131,18 @@ class Geometry:
         """Return the constraints at a configuration; rows are over all speeds."""
         self.known.update(zip(self.coordinates, q, strict=True))
         arithmetic = Arithmetic(self.lift, FLOATS, math.sqrt)
-        found = tuple(components(self.tree, scene(self.bones, q, None, arithmetic)))
+        found = tuple(components(self.tree, scene(self.lumped, q, None, arithmetic)))
         values = (c.relation.value() for c in found)
         return Linear(
             found,
             tuple(None if v is None else float(v) for v in values),
-            tuple(_full(c.relation.row(), self.bones.speeds) for c in found),
+            tuple(_full(c.relation.row(), self.lumped.speeds) for c in found),
             tuple(float(c.relation.offset()) for c in found),
         )
 
     def moved(self, q: Sequence[float], change: Sequence[float]) -> list[float]:
         """Return a configuration after a change, given over the speeds."""
-        rates = coordinate_rates(self.bones, q, change, FLOATS)
+        rates = coordinate_rates(self.lumped, q, change, FLOATS)
         return self.completed([a + float(b) for a, b in zip(q, rates, strict=True)])
 
     def driven_speeds(self) -> dict[int, float]:
@@ -241,7 +241,7 @@ def _step(geometry: Geometry, at: Linear, mobility: Sequence[float], damping: fl
     for i in range(len(gram)):
         gram[i][i] += damping + 1e-15 * largest + 1e-300
     y = solved(gram, [-v for _, v in wanted])
-    change = [0.0] * geometry.bones.speeds
+    change = [0.0] * geometry.lumped.speeds
     for n, k in enumerate(free):
         change[k] = mobility[k] * sum(row[n] * x for row, x in zip(rows, y, strict=True))
     return change
@@ -280,7 +280,7 @@ WANTED, TRIES, VAIN = 5, 40, 12
 NOTHING = 1e-12
 """Size of a row, relative to the largest, below which it is zero but for rounding."""
 NOTABLE = 1e-6
-"""Coefficients of a combination that are told."""
+"""Coefficients of a combination that are named."""
 
 
 @dataclass(frozen=True)
@@ -423,7 +423,7 @@ def _samples(tree: Tree, start: dict[str, float]) -> tuple[Sample, ...]:
             for c in coordinates
         ]
         geometry = Geometry.of(tree, values)
-        sample = Sample(geometry, closed(geometry, q, [1.0] * geometry.bones.speeds))
+        sample = Sample(geometry, closed(geometry, q, [1.0] * geometry.lumped.speeds))
         if sample.found.met:
             found.append(sample)
         elif worst is None or sample.found.at.left < worst.found.at.left:

@@ -328,7 +328,7 @@ def _plain(e: Any) -> Any:
 def _over_speeds(gradient: dict[int, Scalar], scene: Scene) -> dict[int, Scalar]:
     """Return the coefficients of speeds in gradient . N u, by one unit speed after the other."""
     found: dict[int, Scalar] = {}
-    for part in scene.bones.parts:
+    for part in scene.lumped.parts:
         mine = range(part.coordinates.start, part.coordinates.stop)
         if not any(k in gradient for k in mine):
             continue
@@ -353,7 +353,7 @@ def _bend(
     """Return phi'' without u': gradient . N' u + q'^T phi_qq q' + 2 phi_qt q' + phi_tt."""
     lift, u = scene.arithmetic.lift, scene.u
     assert u is not None
-    moving = coordinate_rates(scene.bones, scene.q, u, scene.work)
+    moving = coordinate_rates(scene.lumped, scene.q, u, scene.work)
     found: Scalar = lift(_plain(sp.diff(rate, TIME)))
     for k, drift in _map_drifts(scene, moving, {k for k, _ in slopes}):
         found = add(found, mul(gradient[k], drift))
@@ -372,7 +372,7 @@ def _map_drifts(
     """Yield N' u of the wanted coordinates, by numbers that carry their rates."""
     work = DualWork(scene.work)
     assert scene.u is not None
-    for part in scene.bones.parts:
+    for part in scene.lumped.parts:
         mine = range(part.coordinates.start, part.coordinates.stop)
         if wanted.isdisjoint(mine):
             continue
@@ -400,7 +400,7 @@ def _along(expression: Any, tree: Tree, scene: Scene) -> Scalar:
     """Return the rate of an expression with the speeds held."""
     lift, u = scene.arithmetic.lift, scene.u
     assert u is not None
-    moving = coordinate_rates(scene.bones, scene.q, u, scene.work)
+    moving = coordinate_rates(scene.lumped, scene.q, u, scene.work)
     found: Scalar = lift(_plain(sp.diff(expression, TIME)))
     for k, c in enumerate(_symbols(tree, "coordinates")):
         if expression.has(c):

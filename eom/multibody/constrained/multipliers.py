@@ -151,7 +151,7 @@ class Solved:
 class Dynamics:
     """What both ways need: the tree, its state, applied forces, and accelerations prescribed."""
 
-    bones: LumpedTree
+    lumped: LumpedTree
     q: Scalars
     u: Scalars
     tau: Scalars
@@ -176,7 +176,7 @@ def ratios(
 def by_multipliers(given: Dynamics, held: Bound, gamma: Sequence[Scalar]) -> Solved:
     """Return accelerations and multipliers; O(n m) for n parts and m components."""
     work, names = given.work, held.names
-    free = forward_dynamics(given.bones, given.q, given.u, given.tau, work, given.prescribed)
+    free = forward_dynamics(given.lumped, given.q, given.u, given.tau, work, given.prescribed)
     answers = [_answer(given, row, name) for row, name in zip(held.rows, names, strict=True)]
     G = [[_entry(work, held, answers, max(i, j), min(i, j)) for j in range(len(names))]
          for i in range(len(names))]  # fmt: skip
@@ -209,15 +209,15 @@ def _entry(work: Work, held: Bound, answers: Sequence[Scalars], i: int, j: int) 
 
 def _answer(given: Dynamics, row: Row, name: str) -> list[Scalar]:
     """Return M^-1 row^T: what a unit multiplier accelerates, all else at rest."""
-    bones = replace(
-        given.bones,
-        parts=tuple(replace(p, pulls=()) for p in given.bones.parts),
+    lumped = replace(
+        given.lumped,
+        parts=tuple(replace(p, pulls=()) for p in given.lumped.parts),
         gravity=ZERO,
     )
-    n = bones.speeds
+    n = lumped.speeds
     tau = [row.get(s, 0) for s in range(n)]
-    driven = dict.fromkeys(bones.driven, 0)
-    found = forward_dynamics(bones, given.q, [0] * n, tau, given.work, driven)
+    driven = dict.fromkeys(lumped.driven, 0)
+    found = forward_dynamics(lumped, given.q, [0] * n, tau, given.work, driven)
     return [given.work.keep("answer", name, str(s + 1), x) for s, x in enumerate(found)]
 
 
@@ -253,11 +253,11 @@ class Follow:
         return solve(self.factor, b, work, self.held.names, "lambda")
 
 
-def follow(bones: LumpedTree, dependent: Sequence[int], held: Bound, work: Work) -> Follow:
+def follow(lumped: LumpedTree, dependent: Sequence[int], held: Bound, work: Work) -> Follow:
     """Return how the dependent speeds follow the others."""
-    driven = bones.driven
+    driven = lumped.driven
     rest = {*dependent, *driven}
-    independent = tuple(s for s in range(bones.speeds) if s not in rest)
+    independent = tuple(s for s in range(lumped.speeds) if s not in rest)
     rows, names = held.rows, held.names
 
     def gram(i: int, j: int) -> Scalar:
@@ -276,14 +276,14 @@ def follow(bones: LumpedTree, dependent: Sequence[int], held: Bound, work: Work)
         tuple(dependent), independent, driven, held, found, [], ratios(found, whole, names)
     )
     columns = [draft.solve([negative(row.get(s, 0)) for row in rows], work) for s in independent]
-    slopes = [[work.keep("follower", bones_name(bones, d), str(s + 1), columns[n][k])
+    slopes = [[work.keep("follower", bones_name(lumped, d), str(s + 1), columns[n][k])
                for n, s in enumerate(independent)] for k, d in enumerate(dependent)]  # fmt: skip
     return replace(draft, slopes=slopes)
 
 
-def bones_name(bones: LumpedTree, speed: int) -> str:
+def bones_name(lumped: LumpedTree, speed: int) -> str:
     """Return the joint that a speed belongs to."""
-    return next(p.joint for p in bones.parts if p.speeds.start <= speed < p.speeds.stop)
+    return next(p.joint for p in lumped.parts if p.speeds.start <= speed < p.speeds.stop)
 
 
 def followed(given: Follow, u: Mapping[int, Scalar], work: Work) -> dict[int, Scalar]:
@@ -309,13 +309,13 @@ def by_elimination(given: Dynamics, way: Follow, gamma: Sequence[Scalar]) -> Sol
         for g, row in zip(gamma, way.held.rows, strict=True)
     ]
     dependent = way.solve(right, work)
-    still: list[Scalar] = [0] * given.bones.speeds
+    still: list[Scalar] = [0] * given.lumped.speeds
     for s, x in (*driven.items(), *zip(way.dependent, dependent, strict=True)):
-        still[s] = work.keep("follower_drift", bones_name(given.bones, s), "", x)
-    needed = inverse_dynamics(given.bones, given.q, given.u, still, work)
-    M = mass_matrix(given.bones, given.q, work)
+        still[s] = work.keep("follower_drift", bones_name(given.lumped, s), "", x)
+    needed = inverse_dynamics(given.lumped, given.q, given.u, still, work)
+    M = mass_matrix(given.lumped, given.q, work)
     left = [add(t, negative(x)) for t, x in zip(given.tau, needed, strict=True)]
-    names = [bones_name(given.bones, s) for s in way.independent]
+    names = [bones_name(given.lumped, s) for s in way.independent]
     reduced = _reduced(M, way, work, names)
     try:
         found = factor(reduced, work, names)
@@ -360,6 +360,6 @@ def _reduced(
 
 def constraint_forces(given: Dynamics, way: Follow, udot: Sequence[Any]) -> list[Scalar]:
     """Return the multipliers of eliminated constraints, from what the accelerations take."""
-    needed = inverse_dynamics(given.bones, given.q, given.u, udot, given.work)
+    needed = inverse_dynamics(given.lumped, given.q, given.u, udot, given.work)
     left = [add(needed[d], negative(given.tau[d])) for d in way.dependent]
     return way.multipliers(left, given.work)

@@ -90,7 +90,7 @@ class Arithmetic(NamedTuple):
 class Scene:
     """All parts of a tree for given coordinates; with speeds, their motion too."""
 
-    bones: LumpedTree
+    lumped: LumpedTree
     arithmetic: Arithmetic
     q: Scalars
     u: Scalars | None
@@ -109,7 +109,7 @@ class Scene:
 
     def spot(self, body: str, point: Any = ZERO) -> PointKinematics:
         """Return a point of a body, given from its origin in its axes."""
-        seat = self.bones.seats[body]
+        seat = self.lumped.seats[body]
         still = AngularMotion() if self.u is not None else None
         if seat.part < 0:
             return PointKinematics(seat.point(self.vector(point)), seat.rotation, {}, still)
@@ -145,14 +145,14 @@ class Scene:
 
 
 def scene(
-    bones: LumpedTree,
+    lumped: LumpedTree,
     q: Scalars,
     u: Scalars | None,
     arithmetic: Arithmetic,
 ) -> Scene:
     """Return the parts for coordinates, and speeds if they are known."""
     work = arithmetic.work
-    placed = places(bones, q, work)
+    placed = places(lumped, q, work)
     found: list[tuple[Matrix, Vector]] = []
     motions: list[AngularMotion] = []
     for place in placed:
@@ -164,7 +164,7 @@ def scene(
         if u is not None:
             carrier = motions[parent] if parent >= 0 else AngularMotion()
             motions.append(_moved(place, R, arm, carrier, u, work))
-    return Scene(bones, arithmetic, q, u, placed, found, motions)
+    return Scene(lumped, arithmetic, q, u, placed, found, motions)
 
 
 def _moved(

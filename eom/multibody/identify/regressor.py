@@ -181,13 +181,13 @@ def regressor(tree: Tree, *, armature: bool = False, damping: bool = False) -> R
     q, u = ([work.atom(x.symbol) for x in group] for group in (coordinates, speeds))
     udot = [work.atom(i.symbol) for i in inputs]
     columns = parameters_of(tree, armature=armature, damping=damping)
-    bones = bones_of(tree, work.atom, work)
-    Y = entries(tree, bones, (q, u, udot), columns, work)
+    lumped = bones_of(tree, work.atom, work)
+    Y = entries(tree, lumped, (q, u, udot), columns, work)
     rows = [s.name for s in speeds]
     found = {
         (r, c): y for c, column in enumerate(Y) for r, y in enumerate(column) if not is_zero(y)
     }
-    rates = [*coordinate_rates(bones, q, u, work), *udot]
+    rates = [*coordinate_rates(lumped, q, u, work), *udot]
     outputs = [_output(rows[r], columns[c], y) for (r, c), y in found.items()]
     system = _system(tree, states, inputs, rates, outputs, work)
     return Regressor(system, tuple(rows), columns, tuple(found))
@@ -248,19 +248,19 @@ def bones_of(tree: Tree, lift: Lift, work: Work) -> LumpedTree:
 
 def entries(
     tree: Tree,
-    bones: LumpedTree,
+    lumped: LumpedTree,
     state: tuple[Scalars, Scalars, Scalars],
     columns: Sequence[Parameter],
     work: Work,
 ) -> list[list[Scalar]]:
     """Return the columns of Y over any scalars; ``state``: coordinates, speeds and their rates."""
     q, u, udot = state
-    placed = places(bones, q, work)
+    placed = places(lumped, q, work)
     moved = motion(placed, u, work)
-    felt = accelerated(bones, placed, moved, udot, work)
+    felt = accelerated(lumped, placed, moved, udot, work)
     units = {}
     for joint in tree.ordered:
-        seat = bones.seats[joint.child]
+        seat = lumped.seats[joint.child]
         units[joint.child] = _wrenches(
             work, placed[seat.part], moved[seat.part], felt[seat.part], seat
         )
@@ -268,7 +268,7 @@ def entries(
     found: list[list[Scalar]] = []
     for column in columns:
         if column.letter in _UNITS:
-            k = bones.seats[column.owner].part
+            k = lumped.seats[column.owner].part
             wrench = units[column.owner][(column.letter, column.suffix)]
             found.append(_inwards(placed, k, wrench, len(u), work))
         else:
@@ -414,7 +414,7 @@ FIELD = Field(PRIME)
 DEGREES = 3
 """Highest degree of coefficients, as polynomials in symbols of the geometry, that is tried."""
 LARGEST_DENOMINATOR = 10**9
-"""Coefficients with larger ones are told as floats: the geometry is given by floats."""
+"""Coefficients with larger ones are written as floats: the geometry is given by floats."""
 SPARE = 6
 """Equations beyond the number of columns, so that chance does not lower the rank."""
 
@@ -522,12 +522,12 @@ def _sample(
     rows: list[list[int]] = []
     while len(rows) < len(columns) + SPARE:
         work = Angles(draw)
-        bones = bones_of(tree, lambda x: _lifted(x, values, tree.name), work)
-        if not bones.speeds:
+        lumped = bones_of(tree, lambda x: _lifted(x, values, tree.name), work)
+        if not lumped.speeds:
             break
         state = _state(tree, draw)
-        Y = entries(tree, bones, state, columns, work)
-        rows += [[residue(column[r]) for column in Y] for r in range(bones.speeds)]
+        Y = entries(tree, lumped, state, columns, work)
+        rows += [[residue(column[r]) for column in Y] for r in range(lumped.speeds)]
     reduced_rows, pivots = reduced(rows, FIELD)
     return _Sample(values, reduced_rows, pivots)
 

@@ -99,26 +99,26 @@ def savings(tree: Tree) -> Savings:
     def atom(value: Any) -> Scalar:
         return value if is_number(value) else _Tally(counter, known=True)
 
-    bones = lumped_tree(tree, atom, work)
-    done = _count(bones, counter, work)
+    lumped = lumped_tree(tree, atom, work)
+    done = _count(lumped, counter, work)
     counter.operations = 0
-    generic = _generic(bones, counter)
-    return Savings(done, _count(generic, counter, work), tuple(_reasons(tree, bones)))
+    generic = _generic(lumped, counter)
+    return Savings(done, _count(generic, counter, work), tuple(_reasons(tree, lumped)))
 
 
-def _count(bones: LumpedTree, counter: _Counter, work: Work) -> int:
+def _count(lumped: LumpedTree, counter: _Counter, work: Work) -> int:
     counter.operations = 0
 
     def values(count: int) -> list[Scalar]:
         return [_Tally(counter, known=False) for _ in range(count)]
 
-    given = dict.fromkeys(bones.driven, _Tally(counter, known=False))
-    q, u, tau = values(bones.coordinates), values(bones.speeds), values(bones.speeds)
-    forward_dynamics(bones, q, u, tau, work, given)
+    given = dict.fromkeys(lumped.driven, _Tally(counter, known=False))
+    q, u, tau = values(lumped.coordinates), values(lumped.speeds), values(lumped.speeds)
+    forward_dynamics(lumped, q, u, tau, work, given)
     return counter.operations
 
 
-def _generic(bones: LumpedTree, counter: _Counter) -> LumpedTree:
+def _generic(lumped: LumpedTree, counter: _Counter) -> LumpedTree:
     """Return a lumped_tree in which no zero or one is known to be one."""
 
     def scalar(x: Scalar) -> Scalar:
@@ -149,17 +149,17 @@ def _generic(bones: LumpedTree, counter: _Counter) -> LumpedTree:
             armature=vector(p.armature),
             spins=False,
         )
-        for p in bones.parts
+        for p in lumped.parts
     )
-    return replace(bones, parts=parts, gravity=vector(bones.gravity))
+    return replace(lumped, parts=parts, gravity=vector(lumped.gravity))
 
 
-def _reasons(tree: Tree, bones: LumpedTree) -> list[str]:
+def _reasons(tree: Tree, lumped: LumpedTree) -> list[str]:
     """Name what of the structure is used beyond zeros and ones."""
     found = ["zeros and ones of placements, axes and inertias"]
     fixed = [j.name for j in tree.joints if j.kind == "fixed"]
-    spinning = [p.name for p in bones.parts if p.spins]
-    driven = [p.joint for p in bones.parts if p.driven]
+    spinning = [p.name for p in lumped.parts if p.spins]
+    driven = [p.joint for p in lumped.parts if p.driven]
     light = [b.name for b in tree.bodies if b.mass == 0]
     for text, names in (
         ("joined to their parents", fixed),

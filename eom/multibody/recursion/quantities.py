@@ -154,13 +154,13 @@ QUANTITIES = {
     "velocity": ("v", "m/s"),
     "acceleration": ("a", "m/s^2"),
 }
-"""What can be told of a point: letter and unit."""
+"""What can be an output of a point: letter and unit."""
 
 
 @typed_fields
 @dataclass(frozen=True)
 class Point(Part):
-    """A point of a body that is told: outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.
+    """A point of a body with outputs ``x_<name>_1`` to 3, ``v_...`` and ``a_...``.
 
     Position (m), velocity (m/s) and acceleration (m/s^2) from the ground's origin, in the ground's axes.
     ``body``: its name, or the ground. ``position``: in the body's axes, from its origin (m).
@@ -201,7 +201,7 @@ def point(
     lift: Callable[[Any], Scalar],
     work: Work,
 ) -> dict[str, Vector]:
-    """Return what is told of a point, by quantity.
+    """Return the outputs of a point, by quantity.
 
     ``speeds``: those of the joints, and their rates. On the ground a point is at rest. Raises
     `InputError` for an unknown body.

@@ -1,6 +1,6 @@
 """A tree of bodies as a `System`, by articulated bodies with every intermediate named.
 
-What is told of a motion beside its rates: outputs, points, reactions, constants.
+What is computed of a motion beside its rates: outputs, points, reactions, constants.
 """
 
 from __future__ import annotations
@@ -72,25 +72,25 @@ class Variables:
     binding: Binding
 
 
-class Told:
+class Derived:
     """What outputs are made of, each made when it is first asked for."""
 
     def __init__(
         self,
         tree: Tree,
-        bones: LumpedTree,
+        lumped: LumpedTree,
         variables: Variables,
         work: Naming,
         accelerations: Sequence[Any],
         asked: frozenset[str],
     ) -> None:
-        self.tree, self.bones, self.variables, self.work = tree, bones, variables, work
+        self.tree, self.lumped, self.variables, self.work = tree, lumped, variables, work
         self.accelerations, self.asked = accelerations, asked
 
     @cached_property
     def flow(self) -> Flow:
         """The motion of all parts."""
-        return flow(self.bones, self.variables.q, self.variables.u, self.work)
+        return flow(self.lumped, self.variables.q, self.variables.u, self.work)
 
     @cached_property
     def wrenches(self) -> reactions.Wrenches:
@@ -102,7 +102,7 @@ class Told:
 
     def potential(self) -> Any:
         """Return the potential energy of gravity and springs."""
-        found = gravity_potential(self.bones, self.flow)
+        found = gravity_potential(self.lumped, self.flow)
         start = 0
         for joint in self.tree.ordered:
             for k, c in enumerate(joint.row.paired(joint.attitude)):
@@ -113,7 +113,7 @@ class Told:
                     found = add(found, mul(HALF, mul(stiffness, mul(x, x))))
             start += len(joint.coordinates)
         flow, work = self.flow, self.work
-        for link in self.bones.links:
+        for link in self.lumped.links:
             first, second = (end(link, n, flow.poses, flow.velocities, work) for n in (0, 1))
             found = add(found, mul(HALF, twice_potential(link, first, second, work)))
         return found
@@ -134,51 +134,51 @@ def _vector(name: str, unit: str, meaning: str, values: Sequence[Any]) -> list[D
     ]
 
 
-def _energy(told: Told) -> list[Definition]:
+def _energy(derived: Derived) -> list[Definition]:
     return [_definition("energy", "J", "kinetic and potential energy",
-                        add(told.kinetic(), told.potential()))]  # fmt: skip
+                        add(derived.kinetic(), derived.potential()))]  # fmt: skip
 
 
-def _energies(told: Told) -> list[Definition]:
-    kinetic, potential = told.kinetic(), told.potential()
+def _energies(derived: Derived) -> list[Definition]:
+    kinetic, potential = derived.kinetic(), derived.potential()
     return [
         _definition("kinetic_energy", "J", "kinetic energy", kinetic),
         _definition("potential_energy", "J", "potential energy of gravity and springs", potential),
     ]
 
 
-def _momentum(told: Told) -> list[Definition]:
-    L, p = momentum(told.flow)
+def _momentum(derived: Derived) -> list[Definition]:
+    L, p = momentum(derived.flow)
     return [
         *_vector("p", "kg m/s", "momentum", p),
         *_vector("L", "kg m^2/s", "angular momentum about the ground's origin", L),
     ]
 
 
-def _centre(told: Told) -> list[Definition]:
-    whole = mass(told.flow)
-    inverse = told.work.keep("inverse", told.tree.name, "", reciprocal(whole))
+def _centre(derived: Derived) -> list[Definition]:
+    whole = mass(derived.flow)
+    inverse = derived.work.keep("inverse", derived.tree.name, "", reciprocal(whole))
     return _vector(
-        "centre", "m", "centre of mass", [mul(inverse, x) for x in first_moments(told.flow)]
+        "centre", "m", "centre of mass", [mul(inverse, x) for x in first_moments(derived.flow)]
     )
 
 
-def _constraint_forces(told: Told) -> list[Definition]:
-    return told.variables.binding.forces() if told.tree.constraints else []
+def _constraint_forces(derived: Derived) -> list[Definition]:
+    return derived.variables.binding.forces() if derived.tree.constraints else []
 
 
-def _reactions(told: Told) -> list[Definition]:
-    return [d for r in of_all(told.tree) for d in reactions.definitions(told.wrenches, r)]
+def _reactions(derived: Derived) -> list[Definition]:
+    return [d for r in of_all(derived.tree) for d in reactions.definitions(derived.wrenches, r)]
 
 
-def _drives(told: Told) -> list[Definition]:
-    return reactions.drives(told.wrenches, told.variables.tau)
+def _drives(derived: Derived) -> list[Definition]:
+    return reactions.drives(derived.wrenches, derived.variables.tau)
 
 
-def _point(told: Told, given: Point) -> list[Definition]:
-    """Return what is told of a point."""
-    moved = (told.variables.u, told.accelerations)
-    found = point(given, told.bones, told.flow, moved, told.work.atom, told.work)
+def _point(derived: Derived, given: Point) -> list[Definition]:
+    """Return the outputs of a point."""
+    moved = (derived.variables.u, derived.accelerations)
+    found = point(given, derived.lumped, derived.flow, moved, derived.work.atom, derived.work)
     rows = [(QUANTITIES[name], name, value) for name, value in found.items()]
     return [
         d
@@ -187,7 +187,7 @@ def _point(told: Told, given: Point) -> list[Definition]:
     ]
 
 
-OUTPUTS: dict[str, Callable[[Told], list[Definition]]] = {
+OUTPUTS: dict[str, Callable[[Derived], list[Definition]]] = {
     "energies": _energies,
     "momentum": _momentum,
     "centre_of_mass": _centre,
@@ -206,17 +206,17 @@ def check(tree: Tree, wanted: str | Reaction | Point) -> None:
         raise unknown_name("output", wanted, OUTPUTS, f"tree {tree.name!r}")
 
 
-def told_of(told: Told, wanted: str | Reaction | Point) -> list[Definition]:
+def output_of(derived: Derived, wanted: str | Reaction | Point) -> list[Definition]:
     """Return the definitions of an output, a reaction or a point."""
     if isinstance(wanted, Reaction):
-        return reactions.definitions(told.wrenches, wanted)
-    return _point(told, wanted) if isinstance(wanted, Point) else OUTPUTS[wanted](told)
+        return reactions.definitions(derived.wrenches, wanted)
+    return _point(derived, wanted) if isinstance(wanted, Point) else OUTPUTS[wanted](derived)
 
 
-def invariants_of(told: Told) -> list[Definition]:
+def invariants_of(derived: Derived) -> list[Definition]:
     """Return norms of quaternions; energy if nothing drives or brakes; momentum if it floats alone."""
-    tree = told.tree
-    found = [*told.variables.binding.sums()]
+    tree = derived.tree
+    found = [*derived.variables.binding.sums()]
     for joint in tree.ordered:
         if joint.row.attitude and joint.attitude == QUATERNION and joint.motion is None:
             square = sp.Add(*(c.symbol**2 for c in joint.coordinates[-4:]))
@@ -224,9 +224,9 @@ def invariants_of(told: Told) -> list[Definition]:
             symbol = sp.Symbol(f"norm_{joint.name}", real=True)
             found.append(Definition(Quantity(symbol, "1", meaning), sp.sqrt(square)))
     if conservative(tree):
-        found += _energy(told)
+        found += _energy(derived)
     if afloat(tree):
-        found += _momentum(told)
+        found += _momentum(derived)
     return found
 
 
@@ -311,28 +311,28 @@ def derive(
     for one in wanted:
         check(tree, one)
     work = Naming(q.name for q in named_of(tree))
-    bones = lumped_tree(tree, work.atom, work, [w.body for w in wanted if isinstance(w, Point)])
+    lumped = lumped_tree(tree, work.atom, work, [w.body for w in wanted if isinstance(w, Point)])
     treated = plan(tree, start, independent, multipliers)
-    variables = variables_of(tree, bones, treated, work)
-    rates = coordinate_rates(bones, variables.q, variables.u, work)
-    accelerations = _accelerations(bones, variables, work)
+    variables = variables_of(tree, lumped, treated, work)
+    rates = coordinate_rates(lumped, variables.q, variables.u, work)
+    accelerations = _accelerations(lumped, variables, work)
     free = [j.motion is None for j in tree.ordered]
-    left_out = {*bones.driven, *(treated.dependent or ())}
+    left_out = {*lumped.driven, *(treated.dependent or ())}
     kept = [
         *_of_free(rates, [len(j.coordinates) for j in tree.ordered], free),
         *(x for k, x in enumerate(accelerations) if k not in left_out),
     ]
-    kept += _of_rotors(tree, bones, variables, work)
-    told = Told(tree, bones, variables, work, accelerations, _asked(tree, wanted))
-    named = [d for w in wanted for d in told_of(told, w)]
-    constant = invariants_of(told) if invariants else []
-    return _system(told, [plain(r) for r in kept], named, constant)
+    kept += _of_rotors(tree, lumped, variables, work)
+    derived = Derived(tree, lumped, variables, work, accelerations, _asked(tree, wanted))
+    named = [d for w in wanted for d in output_of(derived, w)]
+    constant = invariants_of(derived) if invariants else []
+    return _system(derived, [plain(r) for r in kept], named, constant)
 
 
-def _accelerations(bones: LumpedTree, given: Variables, work: Naming) -> list[Any]:
+def _accelerations(lumped: LumpedTree, given: Variables, work: Naming) -> list[Any]:
     if given.binding.tree.constraints:
         return given.binding.accelerations(given.tau, given.prescribed)
-    return forward_dynamics(bones, given.q, given.u, given.tau, work, given.prescribed)
+    return forward_dynamics(lumped, given.q, given.u, given.tau, work, given.prescribed)
 
 
 def _asked(tree: Tree, wanted: Iterable[str | Reaction | Point]) -> frozenset[str]:
@@ -351,20 +351,20 @@ def _of_free(values: Sequence[Any], sizes: Sequence[int], free: Sequence[bool]) 
     return found
 
 
-def _of_rotors(tree: Tree, bones: LumpedTree, variables: Variables, work: Naming) -> list[Any]:
+def _of_rotors(tree: Tree, lumped: LumpedTree, variables: Variables, work: Naming) -> list[Any]:
     """Return the rates of the rotors' states."""
     if not tree.rotors:
         return []
-    moved = motion(places(bones, variables.q, work), variables.u, work)
+    moved = motion(places(lumped, variables.q, work), variables.u, work)
     found = []
-    for rotor, (part, spin) in zip(tree.rotors, bones.rotors, strict=True):
+    for rotor, (part, spin) in zip(tree.rotors, lumped.rotors, strict=True):
         omega = moved[part].omega
         found += [spin.relative(omega)] if rotor.angle else []
         found += [spin.rate(omega)] if spin.free else []
     return found
 
 
-def variables_of(tree: Tree, bones: LumpedTree, treated: Plan, work: Naming) -> Variables:
+def variables_of(tree: Tree, lumped: LumpedTree, treated: Plan, work: Naming) -> Variables:
     """Return coordinates, speeds (those that follow from others among them) and applied forces."""
     q: list[Any] = []
     u: list[Any] = []
@@ -378,7 +378,7 @@ def variables_of(tree: Tree, bones: LumpedTree, treated: Plan, work: Naming) -> 
                 prescribed[len(u) + k] = work.atom(given)
             q += _prescribed(work, joint.coordinates, joint.motion.position)
             u += _prescribed(work, joint.speeds, joint.motion.rate)
-    binding = bind(treated, tree, bones, q, u, work)
+    binding = bind(treated, tree, lumped, q, u, work)
     return Variables(q, binding.u, prescribed, _applied(tree, q, binding.u, work), binding)
 
 
@@ -414,9 +414,9 @@ def _forces(joint: Joint, q: Sequence[Any], u: Sequence[Any], work: Naming) -> l
 
 
 def _system(
-    told: Told, rates: list[Expr], outputs: list[Definition], invariants: list[Definition]
+    derived: Derived, rates: list[Expr], outputs: list[Definition], invariants: list[Definition]
 ) -> System:
-    tree, work, binding = told.tree, told.work, told.variables.binding
+    tree, work, binding = derived.tree, derived.work, derived.variables.binding
     found = singularities_of(tree)
     outputs = [*outputs, *binding.followers()]
     held = binding.invariants()
@@ -424,7 +424,7 @@ def _system(
     if tree.constraints:
         found = (*found, *binding.singularities())
     states = states_of(tree, binding.plan.dependent or ())
-    attitudes = tuple(_with_inertia(a, told) for a in attitudes_of(tree, states))
+    attitudes = tuple(_with_inertia(a, derived) for a in attitudes_of(tree, states))
     results = [
         *rates,
         *(d.expression for d in (*outputs, *invariants)),
@@ -447,15 +447,15 @@ def _system(
     )
 
 
-def _with_inertia(stated: BodyAttitude, told: Told) -> BodyAttitude:
+def _with_inertia(stated: BodyAttitude, derived: Derived) -> BodyAttitude:
     """Return the attitude with inertia and torque about the joint, of a body that alone turns about it."""
-    part, given, work = told.bones.parts[0], told.variables, told.work
-    alone = len(told.bones.parts) == 1 and len(given.u) == 3 and not told.tree.constraints
+    part, given, work = derived.lumped.parts[0], derived.variables, derived.work
+    alone = len(derived.lumped.parts) == 1 and len(given.u) == 3 and not derived.tree.constraints
     if not alone or part.spins or part.rotors or not all(map(is_zero, part.armature)):
         return stated
-    placed = places(told.bones, given.q, work)
-    load, *_ = applied(told.bones, placed, motion(placed, given.u, work), work)
-    weight = cross(part.first_moment, forward(placed[0].rotation, told.bones.gravity))
+    placed = places(derived.lumped, given.q, work)
+    load, *_ = applied(derived.lumped, placed, motion(placed, given.u, work), work)
+    weight = cross(part.first_moment, forward(placed[0].rotation, derived.lumped.gravity))
     torque = plus(plus(list(given.tau), load.angular), weight)
     x, y, z = (plain(t) for t in torque)
     inertia = sp.Matrix([[plain(e) for e in row] for row in part.inertia.I])

@@ -52,10 +52,10 @@ def evaluated(system, x, p=(), u=(), t=0.0):
 def test_a_system_is_the_recursion_on_numbers(seed):
     given = tree(seed, 4)
     q, u = ([float(x) for x in group] for group in state(given, seed))
-    bones = lumped_tree(given, floats, FLOATS)
+    lumped = lumped_tree(given, floats, FLOATS)
     expected = [
-        *coordinate_rates(bones, q, u, FLOATS),
-        *forward_dynamics(bones, q, u, [0.0] * len(u), FLOATS),
+        *coordinate_rates(lumped, q, u, FLOATS),
+        *forward_dynamics(lumped, q, u, [0.0] * len(u), FLOATS),
     ]
     assert np.allclose(evaluated(derive(given), [*q, *u]), expected, rtol=1e-12, atol=1e-12)
 
@@ -312,11 +312,13 @@ def test_derivatives_of_trees_with_universal_joints_by_complex_steps(recursion):
     last = np.linspace(-1.0, 2.0, len(u))
     step, state = 1e-40, [*q, *u]
     work = Numbers(cmath.sin, cmath.cos)
-    bones = lumped_tree(given, floats, work)
+    lumped = lumped_tree(given, floats, work)
     columns = []
     for k in range(len(state)):
         x = [complex(v, step * (n == k)) for n, v in enumerate(state)]
-        columns.append(np.imag(recursion(bones, x[: len(q)], x[len(q) :], list(last), work)) / step)
+        columns.append(
+            np.imag(recursion(lumped, x[: len(q)], x[len(q) :], list(last), work)) / step
+        )
     found = np.hstack(derivatives(recursion, given, q, u, last))
     assert np.allclose(found, np.array(columns).T, rtol=1e-12, atol=1e-12 * np.abs(found).max())
 

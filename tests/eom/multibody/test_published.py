@@ -72,8 +72,8 @@ def puma():
 
 
 def torques(u, udot, g=9.81):
-    bones = lumped_tree(Tree("puma", *puma(), gravity=(0, 0, -g)), floats, FLOATS)
-    return np.array(inverse_dynamics(bones, NOMINAL, u, udot, FLOATS), float)
+    lumped = lumped_tree(Tree("puma", *puma(), gravity=(0, 0, -g)), floats, FLOATS)
+    return np.array(inverse_dynamics(lumped, NOMINAL, u, udot, FLOATS), float)
 
 
 NOMINAL = [0, math.pi / 4, math.pi, 0, math.pi / 4, 0]
@@ -92,8 +92,8 @@ def test_mass_matrix_of_the_puma_560():
         [0, 0.0024, 0.0015, 0, 0.1713, 0],
         [0, 0, 0, 0, 0, 0.1941],
     ]
-    bones = lumped_tree(Tree("puma", *puma()), floats, FLOATS)
-    M = np.array(mass_matrix(bones, NOMINAL, FLOATS), float)
+    lumped = lumped_tree(Tree("puma", *puma()), floats, FLOATS)
+    M = np.array(mass_matrix(lumped, NOMINAL, FLOATS), float)
     assert np.abs(M - printed).max() < PRINTED
 
 

@@ -85,11 +85,11 @@ RATES = Numbers(
 
 def moving(given, seed):
     """Coordinates, speeds and accelerations under random forces, exact."""
-    bones = lumped_tree(given, lambda x: x, EXACT)
+    lumped = lumped_tree(given, lambda x: x, EXACT)
     draw = random.Random(seed)
     q, u = state(given, seed)
     tau = [number(draw) for _ in u]
-    return q, u, forward_dynamics(bones, q, u, tau, EXACT), tau
+    return q, u, forward_dynamics(lumped, q, u, tau, EXACT), tau
 
 
 def wrenches(given, q, u, udot):
@@ -99,11 +99,11 @@ def wrenches(given, q, u, udot):
 def momenta(given, q, u, udot):
     """Rates of momentum, and of angular momentum about the ground's origin, of the single bodies."""
     every = [j.name for j in given.joints]
-    bones = lumped_tree(given, lambda x: x, RATES, names(given), apart=every)
+    lumped = lumped_tree(given, lambda x: x, RATES, names(given), apart=every)
     rates = coordinate_rates(lumped_tree(given, lambda x: x, EXACT), q, u, EXACT)
-    moved = flow(bones, [*map(Rate, q, rates)], [*map(Rate, u, udot)], RATES)
+    moved = flow(lumped, [*map(Rate, q, rates)], [*map(Rate, u, udot)], RATES)
     found = {}
-    for part, (R, x), own in zip(bones.parts, moved.poses, moved.momenta, strict=True):
+    for part, (R, x), own in zip(lumped.parts, moved.poses, moved.momenta, strict=True):
         p, L = (times(transposed(R), v) for v in (own.linear, own.angular))
         both = (p, plus(L, cross(x, p)))
         found[part.name] = [[rate(e).b for e in v] for v in both]
@@ -113,9 +113,9 @@ def momenta(given, q, u, udot):
 def acting(given, q, body):
     """Gravity and loads on a body, and where its origin is: force, moment about the ground's origin."""
     every = [j.name for j in given.joints]
-    bones = lumped_tree(given, lambda x: x, EXACT, names(given), apart=every)
-    poses = flow(bones, q, [0] * bones.speeds, EXACT).poses
-    seat = bones.seats[body.name]
+    lumped = lumped_tree(given, lambda x: x, EXACT, names(given), apart=every)
+    poses = flow(lumped, q, [0] * lumped.speeds, EXACT).poses
+    seat = lumped.seats[body.name]
     R, x = poses[seat.part]
 
     def turn(v, axes):
@@ -162,8 +162,8 @@ def bones_of(given):
 
 
 def pose(given, q, name):
-    bones = bones_of(given)
-    return flow(bones, q, [0] * bones.speeds, EXACT).poses[bones.seats[name].part][0]
+    lumped = bones_of(given)
+    return flow(lumped, q, [0] * lumped.speeds, EXACT).poses[lumped.seats[name].part][0]
 
 
 def origin(given, name):
@@ -187,13 +187,13 @@ def test_points_and_axes(seed, count):
     draw = random.Random(seed)
     through, joint = wrenches(given, q, u, udot), draw.choice(given.joints)
     body, point = draw.choice(given.bodies).name, [number(draw) for _ in range(3)]
-    bones = bones_of(given)
-    poses = flow(bones, q, u, EXACT).poses
+    lumped = bones_of(given)
+    poses = flow(lumped, q, u, EXACT).poses
 
     def place(name, at):
         if name == "ground":
             return at, ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-        seat = bones.seats[name]
+        seat = lumped.seats[name]
         R, x = poses[seat.part]
         C = [times(transposed(R), row) for row in seat.rotation]
         return plus(x, times(transposed(R), seat.point(at))), C
@@ -320,8 +320,8 @@ def test_systems_compute_what_the_recursion_on_fractions_does(seed):
     given = tree(seed, 4, kinds)
     q, u = state(given, seed)
     angles = [x.unit == "rad" for j in given.ordered for x in j.coordinates]
-    bones = lumped_tree(given, lambda x: x, EXACT)
-    udot = forward_dynamics(bones, q, u, [0] * len(u), EXACT)
+    lumped = lumped_tree(given, lambda x: x, EXACT)
+    udot = forward_dynamics(lumped, q, u, [0] * len(u), EXACT)
     through = wrenches(given, q, u, udot)
     asked = [
         Reaction(j.name, (1, 2, -1), "b0", axes) for j in given.ordered for axes in ("parent",)
@@ -348,11 +348,11 @@ def test_loads_that_are_added_from_outside_are_carried():
     bare = replace(given, loads=())
     every = [j.name for j in given.joints]
 
-    def further(bones):
+    def further(lumped):
         from eom.multibody.recursion.motion import loads, places
 
         whole = lumped_tree(given, lambda x: x, EXACT, names(given), apart=every)
-        assert [p.name for p in whole.parts] == [p.name for p in bones.parts]
+        assert [p.name for p in whole.parts] == [p.name for p in lumped.parts]
         return loads(places(whole, q, EXACT), EXACT)
 
     other = Wrenches(bare, lambda x: x, EXACT, (q, u, udot), every, further)

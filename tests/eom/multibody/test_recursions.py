@@ -40,18 +40,18 @@ def forces(given, seed):
 @given(seeds, st.integers(1, 5))
 def test_forward_dynamics_undoes_inverse_dynamics_exactly(seed, count):
     given = tree(seed, count)
-    bones, (q, u), tau = exact(given), state(given, seed), forces(given, seed)
-    udot = forward_dynamics(bones, q, u, tau, EXACT)
-    assert inverse_dynamics(bones, q, u, udot, EXACT) == tau
+    lumped, (q, u), tau = exact(given), state(given, seed), forces(given, seed)
+    udot = forward_dynamics(lumped, q, u, tau, EXACT)
+    assert inverse_dynamics(lumped, q, u, udot, EXACT) == tau
 
 
 @given(seeds, st.integers(1, 5))
 def test_mass_matrix_times_accelerations_and_bias_are_the_forces(seed, count):
     given = tree(seed, count)
-    bones, (q, u), tau = exact(given), state(given, seed), forces(given, seed)
-    M = mass_matrix(bones, q, EXACT)
-    h = inverse_dynamics(bones, q, u, [0] * len(u), EXACT)
-    udot = forward_dynamics(bones, q, u, tau, EXACT)
+    lumped, (q, u), tau = exact(given), state(given, seed), forces(given, seed)
+    M = mass_matrix(lumped, q, EXACT)
+    h = inverse_dynamics(lumped, q, u, [0] * len(u), EXACT)
+    udot = forward_dynamics(lumped, q, u, tau, EXACT)
     assert [row[k] for k, row in enumerate(M)] != []
     assert [list(column) for column in zip(*M, strict=True)] == M
     assert [sum(map(lambda a, b: a * b, row, udot)) + b for row, b in zip(M, h, strict=True)] == tau
@@ -60,21 +60,21 @@ def test_mass_matrix_times_accelerations_and_bias_are_the_forces(seed, count):
 @given(seeds, st.integers(1, 4))
 def test_kinetic_energy_is_half_the_mass_matrix_between_the_speeds(seed, count):
     given = tree(seed, count)
-    bones, (q, u) = exact(given), state(given, seed)
-    M = mass_matrix(bones, q, EXACT)
+    lumped, (q, u) = exact(given), state(given, seed)
+    M = mass_matrix(lumped, q, EXACT)
     twice = sum(a * m * b for a, row in zip(u, M, strict=True) for m, b in zip(row, u, strict=True))
-    assert kinetic_energy(flow(bones, q, u, EXACT), u) == Fraction(twice) / 2
+    assert kinetic_energy(flow(lumped, q, u, EXACT), u) == Fraction(twice) / 2
 
 
 @given(seeds, st.integers(1, 4))
 def test_jacobians_give_velocities_of_points(seed, count):
     given = tree(seed, count)
-    bones, (q, u) = exact(given), state(given, seed)
-    moving = flow(bones, q, u, EXACT)
-    for name, seat in bones.seats.items():
+    lumped, (q, u) = exact(given), state(given, seed)
+    moving = flow(lumped, q, u, EXACT)
+    for name, seat in lumped.seats.items():
         if seat.part < 0:
             continue
-        angular, linear = jacobian(bones, q, name, (1, -2, 3), EXACT)
+        angular, linear = jacobian(lumped, q, name, (1, -2, 3), EXACT)
         (R, _), (w, v) = moving.poses[seat.part], moving.velocities[seat.part]
         here = plus(v, cross(w, seat.point((1, -2, 3))))
         for columns, expected in ((angular, w), (linear, here)):
@@ -99,22 +99,22 @@ def test_velocities_are_derivatives_of_places(kind, attitude):
     joint = Joint("j", kind, "ground", "b", axis=(1, 2, 2), second_axis=(2, 1, -2), pitch=Fraction(1, 3),
                   attitude=attitude)  # fmt: skip
     with mpmath.workdps(50):
-        bones = lumped_tree(Tree("t", [Body("b", 1, (0, 0, 0), (1, 2, 2.5))], [joint]),
+        lumped = lumped_tree(Tree("t", [Body("b", 1, (0, 0, 0), (1, 2, 2.5))], [joint]),
                          lambda x: mpmath.mpf(x.numerator) / x.denominator if x not in (0, 1, -1) else x,
                          work)  # fmt: skip
-        q = [mpmath.mpf(n) / 10 for n in (3, -5, 7, 2, 8, 4, 1)[: bones.coordinates]]
+        q = [mpmath.mpf(n) / 10 for n in (3, -5, 7, 2, 8, 4, 1)[: lumped.coordinates]]
         if kind in {"spherical", "free"} and attitude == QUATERNION:
             norm = mpmath.sqrt(sum(x * x for x in q[-4:]))
             q[-4:] = [x / norm for x in q[-4:]]
-        u = [mpmath.mpf(n) / 3 for n in (2, -1, 4, 3, -2, 1)[: bones.speeds]]
-        rates = coordinate_rates(bones, q, u, work)
+        u = [mpmath.mpf(n) / 3 for n in (2, -1, 4, 3, -2, 1)[: lumped.speeds]]
+        rates = coordinate_rates(lumped, q, u, work)
         h = mpmath.mpf(10) ** -15
         before, after = (
-            poses(places(bones, [x + s * r for x, r in zip(q, rates, strict=True)], work), work)[0]
+            poses(places(lumped, [x + s * r for x, r in zip(q, rates, strict=True)], work), work)[0]
             for s in (-h, h)
         )
-        R, _ = poses(places(bones, q, work), work)[0]
-        (velocity,) = flow(bones, q, u, work).velocities
+        R, _ = poses(places(lumped, q, work), work)[0]
+        (velocity,) = flow(lumped, q, u, work).velocities
         dR = [
             [(b - a) / (2 * h) for a, b in zip(x, y, strict=True)]
             for x, y in zip(before[0], after[0], strict=True)
@@ -132,8 +132,8 @@ def test_velocities_are_derivatives_of_places(kind, attitude):
 def test_attitudes_are_those_of_kinematics(attitude):
     given = Tree("t", [Body("b", 1, (0, 0, 0), (1, 1, 1))],
                  [Joint("j", "spherical", "ground", "b", attitude=attitude)])  # fmt: skip
-    bones, (q, _) = exact(given), state(given, 3)
-    (place,) = places(bones, q, EXACT)
+    lumped, (q, _) = exact(given), state(given, 3)
+    (place,) = places(lumped, q, EXACT)
     chosen = quaternion() if attitude == QUATERNION else rotation_sequence(attitude)
     known = dict(zip([c.symbol for c in chosen.coordinates], q, strict=True))
     if attitude != QUATERNION:
@@ -175,11 +175,11 @@ def test_a_body_of_revolution_stays_behind_its_last_turn():
 def operations(given):
     b = Builder()
     work = Numbers(scalars.sin, scalars.cos)
-    bones = lumped_tree(given, lambda x: x, work)
-    x = scalars.scalars(b, "state", bones.coordinates + bones.speeds)
-    q, u = x[: bones.coordinates], x[bones.coordinates :]
-    tau = scalars.scalars(b, "input", bones.speeds)
-    found = scalars.program(b, {"f": forward_dynamics(bones, q, u, tau, work)})
+    lumped = lumped_tree(given, lambda x: x, work)
+    x = scalars.scalars(b, "state", lumped.coordinates + lumped.speeds)
+    q, u = x[: lumped.coordinates], x[lumped.coordinates :]
+    tau = scalars.scalars(b, "input", lumped.speeds)
+    found = scalars.program(b, {"f": forward_dynamics(lumped, q, u, tau, work)})
     return sum(found.counts().values())
 
 
@@ -230,12 +230,12 @@ def test_a_locked_joint_is_a_fixed_one():
 
 def test_prescribed_accelerations_take_the_forces_of_inverse_dynamics():
     given = tree(7, 4)
-    bones, (q, u), tau = exact(given), state(given, 7), forces(given, 7)
-    udot = forward_dynamics(bones, q, u, tau, EXACT)
-    part = bones.parts[1]
-    driven = type(bones)(
-        tuple(trees.driven(p) if p is part else p for p in bones.parts), bones.seats, bones.gravity,
-        bones.coordinates, bones.speeds,
+    lumped, (q, u), tau = exact(given), state(given, 7), forces(given, 7)
+    udot = forward_dynamics(lumped, q, u, tau, EXACT)
+    part = lumped.parts[1]
+    driven = type(lumped)(
+        tuple(trees.driven(p) if p is part else p for p in lumped.parts), lumped.seats, lumped.gravity,
+        lumped.coordinates, lumped.speeds,
     )  # fmt: skip
     given_speeds = {k: udot[k] for k in range(part.speeds.start, part.speeds.stop)}
     free = [0 if k in given_speeds else t for k, t in enumerate(tau)]
@@ -269,8 +269,8 @@ def test_massless_links_between_heavy_ones():
 def test_zero_state_and_straight_configuration(seed):
     given = tree(seed, 4, attitudes=(QUATERNION, "3-2-1"))
     work = Numbers(math.sin, math.cos)
-    bones = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
+    lumped = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
     names = [c.name for j in given.ordered for c in j.coordinates]
     q = [float(n.startswith("e_") and n.endswith("_0")) for n in names]
-    u = [0.0] * bones.speeds
-    assert np.all(np.isfinite(forward_dynamics(bones, q, u, u, work)))
+    u = [0.0] * lumped.speeds
+    assert np.all(np.isfinite(forward_dynamics(lumped, q, u, u, work)))

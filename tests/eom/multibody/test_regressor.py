@@ -49,14 +49,14 @@ def times(Y, pi):
 @given(seeds, st.integers(1, 4))
 def test_the_regressor_times_the_parameters_is_inverse_dynamics_exactly(seed, count):
     given = tree(seed, count, kinds=tuple(KINDS), loads=False)
-    bones = lumped_tree(given, lambda x: x, EXACT)
-    if not bones.speeds:
+    lumped = lumped_tree(given, lambda x: x, EXACT)
+    if not lumped.speeds:
         return
     (q, u), draw = state(given, seed), random.Random(seed)
     udot = [number(draw) for _ in u]
     columns = parameters_of(given, armature=True)
     Y = entries(given, bones_of(given, lambda x: x, EXACT), (q, u, udot), columns, EXACT)
-    assert times(Y, values_of(given, columns)) == inverse_dynamics(bones, q, u, udot, EXACT)
+    assert times(Y, values_of(given, columns)) == inverse_dynamics(lumped, q, u, udot, EXACT)
 
 
 @pytest.mark.parametrize("seed", only(range(2), 0))
@@ -74,9 +74,9 @@ def test_the_compiled_regressor(seed):
     for (row, column), y in zip(found.places, values, strict=True):
         Y[row, column] = y
     work = Numbers(math.sin, math.cos)
-    bones = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
+    lumped = lumped_tree(given, lambda x: x if x in {0, 1, -1} else float(x), work)
     expected = [
-        t + 2 * v for t, v in zip(inverse_dynamics(bones, q, u, udot, work), u, strict=True)
+        t + 2 * v for t, v in zip(inverse_dynamics(lumped, q, u, udot, work), u, strict=True)
     ]
     pi = [float(x) for x in values_of(given, found.columns)]
     assert np.allclose(Y @ pi, expected, rtol=1e-11, atol=1e-9)
@@ -118,12 +118,12 @@ def rank(given, **options):
     """The rank of the regressor at random states in doubles, by singular values."""
     columns = parameters_of(given, **options)
     work, draw = Numbers(math.sin, math.cos), random.Random(1)
-    bones = bones_of(given, lambda x: x if x in {0, 1, -1} else float(x), work)
+    lumped = bones_of(given, lambda x: x if x in {0, 1, -1} else float(x), work)
     rows = []
-    for _ in range(2 * len(columns) // bones.speeds):
+    for _ in range(2 * len(columns) // lumped.speeds):
         q, u, udot = ([draw.uniform(-2, 2) for _ in range(n)]
-                      for n in (bones.coordinates, bones.speeds, bones.speeds))  # fmt: skip
-        Y = entries(given, bones, (q, u, udot), columns, work)
+                      for n in (lumped.coordinates, lumped.speeds, lumped.speeds))  # fmt: skip
+        Y = entries(given, lumped, (q, u, udot), columns, work)
         rows += np.array([[float(x) for x in c] for c in Y]).T.tolist()
     return np.linalg.matrix_rank(np.array(rows), rtol=1e-9)
 

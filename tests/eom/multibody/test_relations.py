@@ -88,12 +88,12 @@ def test_rows_and_drifts_are_derivatives(kind, seed):
     given = replace(tree(seed, 5), loads=())
     given = replace(given, constraints=(KINDS[kind](draw, two_bodies(given, draw)),))
     q, u = ([float(x) for x in group] for group in state(given, seed))
-    bones = lumped_tree(given, floats, FLOATS)
-    rates = coordinate_rates(bones, q, u, FLOATS)
+    lumped = lumped_tree(given, floats, FLOATS)
+    rates = coordinate_rates(lumped, q, u, FLOATS)
     moving = [Dual(x, rate) for x, rate in zip(q, rates, strict=True)]
-    at = components(given, scene(bones, q, u, Arithmetic(floats, FLOATS, root)))
+    at = components(given, scene(lumped, q, u, Arithmetic(floats, FLOATS, root)))
     carried = components(
-        given, scene(bones, moving, None, Arithmetic(floats, DualWork(FLOATS), root))
+        given, scene(lumped, moving, None, Arithmetic(floats, DualWork(FLOATS), root))
     )
     assert at
     for here, along in zip(at, carried, strict=True):
@@ -117,14 +117,14 @@ def test_equations_of_the_user_have_the_derivatives_of_what_they_say(kind):
     given = Tree("t", [Body("b1", 1)], [joint], constraints=[Equation("c", phi)])
     draw = random.Random(3)
     q, u = ([draw.uniform(0.2, 1) for _ in group] for group in (joint.coordinates, joint.speeds))
-    bones = lumped_tree(given, floats, FLOATS)
+    lumped = lumped_tree(given, floats, FLOATS)
 
     def at(h):
         """Value and rate after h seconds with the speeds held, by small steps of fourth order."""
         x = list(q)
         for _ in range(4):
-            x = _step(lambda y: coordinate_rates(bones, y, u, FLOATS), x, h / 4)
-        return _numbers(given, bones, joint, x, u, 0.7 + h)
+            x = _step(lambda y: coordinate_rates(lumped, y, u, FLOATS), x, h / 4)
+        return _numbers(given, lumped, joint, x, u, 0.7 + h)
 
     h = 1e-3
     before, here, after = at(-h), at(0.0), at(h)
@@ -144,14 +144,14 @@ def _step(rate, x, h):
             for a, p, s, r, e in zip(x, k1, k2, k3, k4, strict=True)]  # fmt: skip
 
 
-def _numbers(given, bones, joint, q, u, t):
+def _numbers(given, lumped, joint, q, u, t):
     known = {c.symbol: x for c, x in zip(joint.coordinates, q, strict=True)}
     known[sp.Symbol("t", real=True)] = t
 
     def lift(x):
         return float(x.subs(known)) if isinstance(x, sp.Basic) else floats(x)
 
-    (c,) = components(given, scene(bones, q, u, Arithmetic(lift, FLOATS, math.sqrt)))
+    (c,) = components(given, scene(lumped, q, u, Arithmetic(lift, FLOATS, math.sqrt)))
     rate = sum(x * u[s] for s, x in c.relation.row().items()) + c.relation.offset()
     return c.relation.value(), rate, c.relation.drift()
 

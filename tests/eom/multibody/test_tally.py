@@ -33,12 +33,12 @@ def test_nothing_is_counted_that_is_not_done(seed):
     """Programs share equal values and leave out what no result needs: they are shorter."""
     given = tree(seed, 4, loads=False)
     b = Builder()
-    bones = lumped_tree(given, lambda x: x, Numbers(scalars.sin, scalars.cos))
-    x = scalars.scalars(b, "state", bones.coordinates + bones.speeds)
-    tau = scalars.scalars(b, "input", bones.speeds)
-    q, u = x[: bones.coordinates], x[bones.coordinates :]
+    lumped = lumped_tree(given, lambda x: x, Numbers(scalars.sin, scalars.cos))
+    x = scalars.scalars(b, "state", lumped.coordinates + lumped.speeds)
+    tau = scalars.scalars(b, "input", lumped.speeds)
+    q, u = x[: lumped.coordinates], x[lumped.coordinates :]
     made = scalars.program(
-        b, {"f": forward_dynamics(bones, q, u, tau, Numbers(scalars.sin, scalars.cos))}
+        b, {"f": forward_dynamics(lumped, q, u, tau, Numbers(scalars.sin, scalars.cos))}
     )
     counts = made.counts()
     operations = sum(counts.values()) - counts.get("neg", 0)
