@@ -62,7 +62,7 @@ class Job:
     """A scene that is ready to run.
 
     ``system``: whose states and outputs the result has; ``files``: the generated code by name;
-    ``integrate``: the run, for a function that is told the progress; ``noted``: what was told when
+    ``integrate``: the run, for a function that receives the progress; ``noted``: the notice when
     it was compiled.
     """
 

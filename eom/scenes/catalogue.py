@@ -17,7 +17,7 @@ TREE = "tree"
 
 
 def is_file(name: str) -> bool:
-    """Tell files from names of scenes, problems and derivations."""
+    """Separate files from names of scenes, problems and derivations."""
     return name.endswith((TOML, URDF)) or "/" in name
 
 

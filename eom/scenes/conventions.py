@@ -110,7 +110,7 @@ class Convention:
 
     def words(self) -> tuple[str, ...]:
         """Return what it means, a sentence each."""
-        return tuple(told[getattr(self, name)] for name, told in CHOICES.items())
+        return tuple(meanings[getattr(self, name)] for name, meanings in CHOICES.items())
 
 
 HOUSE = Convention()

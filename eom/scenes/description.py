@@ -226,7 +226,7 @@ class Description(Request):
 
 
 def check(scene: Description) -> None:
-    """Raise `InputError` for what one field alone cannot tell."""
+    """Raise `InputError` for what one field alone cannot show."""
     check_names([*scene.parameters], "[parameters]")
     check_names([*scene.inputs], "[inputs]")
     _check_attitude(scene)

@@ -234,7 +234,7 @@ def prune(
     """Keep the states, definitions, outputs, parameters and inputs that ``requested`` names need.
 
     A state is needed if a requested quantity or the rate of a needed state depends on it, as ``reached``
-    tells. Law: what is kept has the same values along every motion.
+    shows. Law: what is kept has the same values along every motion.
     """
     names = set(requested)
     reach = reached(system)

@@ -40,7 +40,7 @@ class Scene(BaseScene, Description):
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Self:
-        """Check everything that one field alone cannot tell."""
+        """Check everything that one field alone cannot show."""
         check(self)
         known = [*self.full_system.state_names, *self.full_system.output_names]
         for kind, names, where in (

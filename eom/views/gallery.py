@@ -37,7 +37,7 @@ class Ask:
     seconds: float | None = None
     points: int | None = None
     progress: Callable[[float], None] = field(default=lambda _: None, compare=False)
-    """Told how much is done, from 0 to 1."""
+    """Called with how much is done, from 0 to 1."""
 
 
 @dataclass(frozen=True)

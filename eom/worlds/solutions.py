@@ -374,7 +374,7 @@ def without_rates(system: System, expression: Expr) -> Expr:
 
 
 def inexact(system: System, expression: Expr) -> bool:
-    """Tell whether an expression has roots or inverse functions when its names are written out."""
+    """Return whether an expression has roots or inverse functions when its names are written out."""
     todo, seen = [expression], set[Expr]()
     named = {d.symbol: d.expression for d in (*system.definitions, *system.outputs)}
     while todo:
@@ -390,7 +390,7 @@ def inexact(system: System, expression: Expr) -> bool:
 def differs(
     system: System, left: Expr, right: Expr, restrictions: Iterable[Restriction] = ()
 ) -> bool:
-    """Tell whether two expressions differ for real numbers: certain if True.
+    """Return whether two expressions differ for real numbers: certain if True.
 
     States near 1/2 and positive parameters are drawn; states of an attitude lie on what they must satisfy.
     """

@@ -56,7 +56,7 @@ def follows(
     unknowns: int = MAX_UNKNOWNS,
     simple: bool = False,
 ) -> bool:
-    """Tell whether a claim is a sum of multiples of premises in the worlds of a closed set.
+    """Return whether a claim is a sum of multiples of premises in the worlds of a closed set.
 
     ``unknowns``: multiples that are tried at most, the simplest first; ``simple``: whether they have to
     be steps that are made by hand, one factor at most and simple fractions. What a claim says by itself
@@ -161,7 +161,7 @@ def _measure(claim: Claim) -> Dimension | None:
 
 
 def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bool) -> bool:
-    """Tell whether the equations of enough worlds have a solution."""
+    """Return whether the equations of enough worlds have a solution."""
     form, count = None, 0
     for seed in range(MAX_WORLDS):
         try:
@@ -183,7 +183,7 @@ def _solvable(said: _Said, assumed: frozenset[str], unknowns: int, *, simple: bo
 def _by_hand(
     said: _Said, form: Echelon, multiples: Sequence[tuple[int, Series]], columns: int
 ) -> bool:
-    """Tell whether the constants of a solution are those of steps by hand."""
+    """Return whether the constants of a solution are those of steps by hand."""
     scalar = all(q.left.kind == SCALAR for q in said.right)
     solutions = (form.column(side) for side in range(form.width, columns))
     return all(c in _BY_HAND[scalar and multiples[n][0]] for s in solutions for n, c in s.items())
@@ -288,7 +288,7 @@ def _multiples(
 
 
 def _fits(wanted: Dimension | None, factors: Sequence[Dimension | None], count: int) -> bool:
-    """Tell whether a product may have a dimension; unknown ones are not multiplied twice."""
+    """Return whether a product may have a dimension; unknown ones are not multiplied twice."""
     if wanted is None or None in factors:
         return count < 2
     product = NONE

@@ -237,7 +237,7 @@ def _free(term: Term, vector: Term) -> Term:
 
 
 def _proved(term: Term, scalars: Mapping[Any, Term]) -> bool:
-    """Tell whether the form shows that a term is never negative."""
+    """Return whether the form shows that a term is never negative."""
     plain = replace(_resolved(term, scalars), _defined)
     if not_negative(rules.ordered(plain), {}) or _bounded(term):
         return True
@@ -246,7 +246,7 @@ def _proved(term: Term, scalars: Mapping[Any, Term]) -> bool:
 
 
 def _positive(term: Term, scalars: Mapping[Any, Term]) -> bool:
-    """Tell whether the form shows that a term is greater than zero."""
+    """Return whether the form shows that a term is greater than zero."""
     known = _resolved(term, scalars)
     if known.head == "atom":
         return known.data[0] in {"mass", "total_mass"}
@@ -254,7 +254,7 @@ def _positive(term: Term, scalars: Mapping[Any, Term]) -> bool:
 
 
 def _bounded(term: Term) -> bool:
-    """Tell whether sines and cosines between -1 and 1 leave nothing below zero."""
+    """Return whether sines and cosines between -1 and 1 leave nothing below zero."""
     if term.head != "expr":
         return False
     try:
@@ -316,7 +316,7 @@ STATIC = frozenset(
 
 
 def _form(term: Term, scalars: Mapping[Any, Term]) -> bool:
-    """Tell whether a term, linear in the masses, is a form in places that is never negative."""
+    """Return whether a term, linear in the masses, is a form in places that is never negative."""
     parts = [n for t in (term, *scalars.values()) for n in nodes(t)]
     atoms = {n.data for n in parts if n.head == "atom"}
     about = {n[1] for n in atoms if n[0] == "inertia"}
@@ -337,7 +337,7 @@ def _form(term: Term, scalars: Mapping[Any, Term]) -> bool:
 
 
 def _even(expression: Any) -> bool:
-    """Tell whether every term is a positive number times even powers."""
+    """Return whether every term is a positive number times even powers."""
     expanded = sp.expand(expression)
     unknown = sorted(expanded.free_symbols, key=str)
     if not unknown:

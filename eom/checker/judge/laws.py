@@ -53,7 +53,7 @@ def firsts(found: Iterable[Sequence[Claim]]) -> Iterator[bool]:
 
 
 def refuted(claim: Claim, laws: Sequence[Claim], assumed: frozenset[str]) -> bool:
-    """Tell whether a claim is false where laws hold: with another factor of one term it follows.
+    """Return whether a claim is false where laws hold: with another factor of one term it follows.
 
     If both were true, the term would be zero; so it is made sure that this does not follow as well.
     """
@@ -117,7 +117,7 @@ def exchanged(claim: Claim, old: Term, new: Term) -> Claim:
 
 
 def slipped(claim: Claim, given: Iterable[str] = ()) -> bool:
-    """Tell whether a claim is exactly true with another factor of one term: no approximation of it."""
+    """Return whether a claim is exactly true with another factor of one term: no approximation of it."""
     return any(_exact(judge(other, given)) for other, _ in _variants(claim))
 
 

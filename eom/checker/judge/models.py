@@ -78,7 +78,7 @@ class Drawn(ABC):
 
     @abstractmethod
     def agrees(self, said: Said) -> bool:
-        """Tell whether two sides are the same at all times. Raises `Singular`, `InputError`."""
+        """Return whether two sides are the same at all times. Raises `Singular`, `InputError`."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class Models(ABC):
         return (len(names),)
 
     def empties(self, names: frozenset[str]) -> bool:  # noqa: ARG002
-        """Tell whether something that the claim writes vanishes under a set alone."""
+        """Return whether something that the claim writes vanishes under a set alone."""
         return False
 
     def doubt(self) -> str:
@@ -199,7 +199,7 @@ class Search:
         raise why or InputError("no world has these quantities")
 
     def holds(self, names: frozenset[str]) -> bool:
-        """Tell whether the claim holds in every model drawn under a closed set."""
+        """Return whether the claim holds in every model drawn under a closed set."""
         if names not in self.known:
             self.tests += 1
             try:
@@ -209,7 +209,7 @@ class Search:
         return self.known[names]
 
     def counts(self, names: frozenset[str]) -> bool:
-        """Tell whether the claim holds under a set, and not because what it writes vanishes."""
+        """Return whether the claim holds under a set, and not because what it writes vanishes."""
         return self.holds(names) and not self.models.empties(names)
 
     def _true_in(self, names: frozenset[str], count: int) -> bool:
@@ -299,7 +299,7 @@ class InWorld(Drawn):
     labels: frozenset[str] = frozenset()
 
     def agrees(self, said: Said) -> bool:
-        """Tell whether an equation holds, for all free indices."""
+        """Return whether an equation holds, for all free indices."""
         return self.evaluator.holds(said)
 
     def values(self, term: Term) -> list[int] | None:

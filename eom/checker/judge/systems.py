@@ -145,7 +145,7 @@ class OnSolution(Drawn):
     models: Solutions
 
     def agrees(self, said: Said) -> bool:
-        """Tell whether two expressions are the same along the solution."""
+        """Return whether two expressions are the same along the solution."""
         return not _apart(self.motion, *said)
 
     def values(self, term: Term) -> list[int] | None:
@@ -236,7 +236,7 @@ class Solutions(Models):
                 yield chosen
 
     def empties(self, names: frozenset[str]) -> bool:
-        """Tell whether something that the claim writes vanishes under a set alone."""
+        """Return whether something that the claim writes vanishes under a set alone."""
         parts = [p for pair in self.said for p in _parts(pair)]
         special, general = (next(self.draw(n), None) for n in (names, frozenset[str]()))
         if special is None or general is None:
@@ -296,7 +296,7 @@ class Solutions(Models):
         return written(term, self.scalars, self.model)
 
     def moves(self, term: Term) -> bool:
-        """Tell whether a scalar depends on more than the parameters of the system."""
+        """Return whether a scalar depends on more than the parameters of the system."""
         try:
             found = self.written(term)
         except InputError:

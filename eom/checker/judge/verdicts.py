@@ -115,7 +115,7 @@ def _of_one_model(
 
 
 def _together(model: tuple[str, ...], names: tuple[str, ...]) -> bool:
-    """Tell whether assumptions can stand together with a model."""
+    """Return whether assumptions can stand together with a model."""
     try:
         closure((*model, *names))
     except InputError:
@@ -248,7 +248,7 @@ def _place(claim: Claim, number: int) -> Span:
 
 
 def _between(claim: Claim, a: int, b: int, spans: Iterable[Span]) -> bool:
-    """Tell whether a span lies between two members."""
+    """Return whether a span lies between two members."""
     start, stop = _place(claim, a).stop, _place(claim, b).start
     return any(start <= s.start < stop for s in spans)
 
@@ -307,13 +307,13 @@ def meant(found: Judgement, claim: Claim, lexicon: Lexicon, given: Iterable[str]
 
 
 def _named(lexicon: Lexicon, begins: str) -> bool:
-    """Tell whether a lexicon has a quantity of a model."""
+    """Return whether a lexicon has a quantity of a model."""
     layers = (*lexicon.layers, *(s.entries for s in lexicon.scopes))
     return any(e.meaning.quantity.startswith(begins) for layer in layers for e in layer)
 
 
 def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iterable[str]) -> bool:
-    """Tell whether terms of an equation vanish under a set alone, and two or more others do not."""
+    """Return whether terms of an equation vanish under a set alone, and two or more others do not."""
     signed = [*_addends(equation.left), *(-t for t in _addends(equation.right))]
     if len(signed) < 3 or not CHANCE.intersection(names):
         return False
@@ -331,7 +331,7 @@ def _empties(claim: Claim, equation: Equation, base: frozenset[str], names: Iter
 
 
 def _silences(claim: Claim, base: frozenset[str], names: Iterable[str]) -> bool:
-    """Tell whether all sides of a claim vanish under a set alone, though it says so of none."""
+    """Return whether all sides of a claim vanish under a set alone, though it says so of none."""
     sides = [t for q in equations(claim) for t in (q.left, q.right)]
     if any(t.is_zero for t in sides):
         return False
@@ -370,6 +370,6 @@ def _zeros(claim: Claim, terms: list[Term], names: frozenset[str]) -> frozenset[
 
 
 def _is_zero(e: Evaluator, term: Term) -> bool:
-    """Tell whether a term is zero for all free indices."""
+    """Return whether a term is zero for all free indices."""
     numberings = e.numberings(e.labels(term))
     return all(s.is_zero for env in numberings for s in flat(e.value(term, env)))

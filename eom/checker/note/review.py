@@ -379,5 +379,5 @@ def _in_motions(claim: Claim, conditions: Sequence[Claim], names: frozenset[str]
 
 
 def under(found: Judgement) -> bool:
-    """Tell whether a claim holds where its conditions do."""
+    """Return whether a claim holds where its conditions do."""
     return found.verdict in {HOLDS, UNDER}

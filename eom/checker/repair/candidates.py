@@ -286,7 +286,7 @@ class Workshop:
         return [c for c in found if c.options]
 
     def is_zero(self, member: Member) -> bool:
-        """Tell whether a member is written as zero."""
+        """Return whether a member is written as zero."""
         return all(v.is_zero for _, v in self.parts(member) if v is not None)
 
     def total(self, place: Drawn, member: Member) -> tuple[Signature | None, int] | None:

@@ -197,7 +197,7 @@ def _holds_in(shop: Workshop, place: Drawn, candidate: Candidate) -> bool:
 
 
 def trivial(shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: Candidate) -> bool:
-    """Tell whether a repair says nothing: two members alike, or all of them zero anyway.
+    """Return whether a repair says nothing: two members alike, or all of them zero anyway.
 
     ``there``: the worlds where least and where most is assumed; a line that says itself that something
     is zero may do so where much is assumed.
@@ -217,7 +217,7 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: C
 def _never_changes(
     shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: Candidate
 ) -> bool:
-    """Tell whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
+    """Return whether what is said to be constant is so anyway: a zero, parameters, what never changes."""
     (path,) = (m.path for m in shop.line.members if m.path is not None)
     value = valued(shop.line.elaborator, at(tree, path))
     if value is None or there[1].number(value.term) == 0:
@@ -257,7 +257,7 @@ REPLACING = frozenset({"symbol", "index", "superfluous term", "superfluous facto
 
 
 def _tautology(claim: Claim, candidate: Candidate) -> bool:
-    """Tell whether an equation has become one of a thing with itself, by other letters."""
+    """Return whether an equation has become one of a thing with itself, by other letters."""
     same = len(claim.members) == 2 and claim.members[0].term == claim.members[1].term
     return same and any(o.slip.name in REPLACING for o in candidate.options)
 
@@ -286,7 +286,7 @@ class Suspects:
     cells: frozenset[Cell]
 
     def spares(self, path: Path) -> bool:
-        """Tell whether a place lies in a cell that is not at fault."""
+        """Return whether a place lies in a cell that is not at fault."""
         n = len(self.path)
         if path[:n] != self.path or len(path) <= n:
             return False

@@ -261,7 +261,7 @@ class _Tried:
         return built(self.names, Draw(chosen, generator, 0))
 
     def fails(self, choices: list[int], start: int = -1) -> bool:
-        """Tell whether the terms differ at t = 0 in the world of a list."""
+        """Return whether the terms differ at t = 0 in the world of a list."""
         self.tests += 1
         try:
             evaluator = Evaluator(self.world(choices, PRIME, start), self.scalars)
@@ -443,7 +443,7 @@ def fraction(value: Any) -> str:
 
 
 def _too_large(text: str) -> bool:
-    """Tell whether a text shows a number that is no fun by hand."""
+    """Return whether a text shows a number that is no fun by hand."""
     digits = "".join(c if c.isdigit() else " " for c in text).split()
     return any(int(d) > LARGEST for d in digits)
 

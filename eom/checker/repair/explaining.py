@@ -174,7 +174,7 @@ def other_convention(understood: Understood, number: int, given: Iterable[str] =
 def _right(
     understood: Understood, number: int, convention: Convention, given: tuple[str, ...]
 ) -> bool:
-    """Tell whether a claim is right in another convention that changes what it says."""
+    """Return whether a claim is right in another convention that changes what it says."""
     reading = understood.formula.reading
     lexicon = changed(understood.lexicon, convention)
     if reading is None or lexicon is understood.lexicon:

@@ -221,7 +221,7 @@ def signature(value: Value) -> Signature | None:
 
 
 def agrees(own: Signature | None, kind: Signature) -> bool:
-    """Tell whether what has one signature may stand beside what has another."""
+    """Return whether what has one signature may stand beside what has another."""
     if own is None:
         return True
     same = own[:2] == kind[:2]
@@ -334,7 +334,7 @@ def _shape(line: Line, node: Node) -> str:
 
 
 def _is_omega(lexicon: Lexicon, node: Node) -> bool:
-    """Tell whether a symbol is an angular velocity as a vector, without dots."""
+    """Return whether a symbol is an angular velocity as a vector, without dots."""
     given = seen(node)
     if given is None or given.dots:
         return False

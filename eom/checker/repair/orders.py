@@ -177,7 +177,7 @@ def _repairs(
 
 
 def _may_hold(link: Claim) -> bool:
-    """Tell whether a comparison holds in one special motion, so that more worlds are worth their time."""
+    """Return whether a comparison holds in one special motion, so that more worlds are worth their time."""
     special = next(telling(frozenset()))
     try:
         term, _ = difference(link)
@@ -187,7 +187,7 @@ def _may_hold(link: Claim) -> bool:
 
 
 def _empty(claim: Claim) -> bool:
-    """Tell whether a claim compares two things that are the same."""
+    """Return whether a claim compares two things that are the same."""
     return any(a.term == b.term for a, b in zip(claim.members, claim.members[1:], strict=False))
 
 

@@ -198,7 +198,7 @@ def _exponents(dimension: Dimension | None) -> _Exponents | None:
 
 
 def _fitting(parts: Iterable[_Sized], wanted: _Exponents | None) -> bool:
-    """Tell whether a product may have a dimension: what has none that is known fits every one."""
+    """Return whether a product may have a dimension: what has none that is known fits every one."""
     mass = length = time = 0
     for _, exponents in parts:
         if exponents is None:

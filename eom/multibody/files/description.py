@@ -120,14 +120,14 @@ def _described(part: type, kind: str = "", words: str = "", **more: Any) -> type
     """
     keys: dict[str, Any] = {"kind": (Literal[kind], ...)} if kind else {}
     keys |= {key: row for field in fields(part) for key, row in _keys(part, field)}
-    told = re.split(r"\s+(?:Raises|Source|>>>)", inspect.getdoc(part) or "")[0]
+    about = re.split(r"\s+(?:Raises|Source|>>>)", inspect.getdoc(part) or "")[0]
     over = [
         f"``{name}``: over {_SCOPES[held.scope]}."
         for name, held in kinds(part).items()
         if held.scope in _SCOPES
     ]
     named = [f"Of ``kind`` {kind}."] if kind else []
-    doc = "\n\n".join([told, " ".join([*named, *over, words])]).strip()
+    doc = "\n\n".join([about, " ".join([*named, *over, words])]).strip()
     made: type[Part] = pydantic.create_model(
         f"{part.__name__}Part", __base__=Part, __doc__=doc, **keys, **more
     )

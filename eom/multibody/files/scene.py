@@ -69,7 +69,7 @@ class TreeScene(BaseScene, TreeDescription):
 
     @pydantic.model_validator(mode="after")
     def _check(self) -> Self:
-        """Check everything that one field alone cannot tell."""
+        """Check everything that one field alone cannot show."""
         check_end(self)
         states, choice, angles = self._start, self._choice, self._angles
         read = self._reading
@@ -253,13 +253,13 @@ def _put(value: Any, number: Number, place: str) -> Any:
     if not isinstance(value, str):
         return value
 
-    def told(match: re.Match[str]) -> str:
+    def numbered(match: re.Match[str]) -> str:
         name, step = _step(match[1], value, place)
         if name != number[0]:
             raise unknown_name("index", name, (number[0],), place)
         return str(number[1] + step)
 
-    return _INDEX.sub(told, value)
+    return _INDEX.sub(numbered, value)
 
 
 NORM = 1e-9
@@ -403,7 +403,7 @@ class Choice:
         return tuple(dict.fromkeys(n for w in wanted for n in known.get(w, (w,))))
 
     def is_known(self, name: str) -> bool:
-        """Tell whether a name beside those of states can be asked for."""
+        """Return whether a name beside those of states can be asked for."""
         return name in self.groups or name in self.sources or self._of_forces(name)
 
     def known(self) -> tuple[str, ...]:
@@ -411,6 +411,6 @@ class Choice:
         return (*self.groups, *self.sources)
 
     def _of_forces(self, name: str) -> bool:
-        """Tell whether a name begins as the multipliers of a constraint do; or all are meant."""
+        """Return whether a name begins as the multipliers of a constraint do; or all are meant."""
         begins = tuple(f"{LAMBDA}{c.name}" for c in self.tree.constraints)
         return name == FORCES or name.startswith(begins)

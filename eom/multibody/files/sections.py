@@ -259,9 +259,9 @@ def _body(part: BodyPart, reading: Reading, name: str) -> Any:
 
 def _inertia(part: BodyPart, mass: Any, read: Formulas, where: str) -> Any:
     """Return moments, a matrix, or the inertia of a solid; nothing is no inertia."""
-    told = [k for k in ("moments", "matrix", "solid") if getattr(part, k) is not None]
-    if len(told) > 1:
-        raise InputError("more than one inertia", where=where, got=", ".join(told), expected="one")
+    given = [k for k in ("moments", "matrix", "solid") if getattr(part, k) is not None]
+    if len(given) > 1:
+        raise InputError("more than one inertia", where=where, got=", ".join(given), expected="one")
     if part.solid is not None:
         return _solid(part, mass, read, where)
     if part.size:
@@ -328,7 +328,7 @@ def tree_of(reading: Reading) -> Tree:
 
 
 def points_of(reading: Reading) -> tuple[Point, ...]:
-    """Return the points that a scene tells of. Raises `InputError` that names the one at fault."""
+    """Return the points of a scene. Raises `InputError` that names the one at fault."""
     points = tuple(made(Point, part, reading, name) for name, part in reading.scene.points.items())
     taken = {q.name for q in (*reading.states, *reading.parameters, *reading.inputs)}
     for point in points:

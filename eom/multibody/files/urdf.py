@@ -1,7 +1,7 @@
 """Robots from URDF files as scenes of trees; yourdfpy (extra ``urdf``) reads the elements.
 
 The root link is fixed to the ground. Joints of one degree of freedom have a motor, the input
-``tau_<joint>``. Damping is used; what is not used (friction, limits, shapes) is told in the scene's notes.
+``tau_<joint>``. Damping is used; what is not used (friction, limits, shapes) stands in the scene's notes.
 
 What a URDF file may hold, asked before any parser of robots sees it: XML without entities, known tags.
 
@@ -258,7 +258,7 @@ USED = frozenset(
         "robot/joint/axis", "robot/joint/dynamics",
     }
 )  # fmt: skip
-"""Elements that say something of the motion. Others are left out, and told."""
+"""Elements that say something of the motion. Others are left out, and listed."""
 
 
 class _Reader:
@@ -331,5 +331,5 @@ def checked(file: Path) -> tuple[bytes, tuple[str, ...]]:
         parser.Parse(data, True)
     except expat.ExpatError as error:
         raise InputError("not valid XML", got=str(error)) from None
-    told = tuple(f"<{place}>, {n} of them" for place, n in sorted(reader.left_out.items()))
-    return data, told
+    ignored = tuple(f"<{place}>, {n} of them" for place, n in sorted(reader.left_out.items()))
+    return data, ignored

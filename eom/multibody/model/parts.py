@@ -110,5 +110,5 @@ def _values(given: Any) -> Iterator[Value]:
 def kinds(part: type) -> dict[str, Kind]:
     """Return what the fields of a part hold, by name."""
     hints = get_type_hints(part, include_extras=True)
-    told = {n: [k for k in get_args(hint) if isinstance(k, Kind)] for n, hint in hints.items()}
-    return {n: found[0] for n, found in told.items() if found}
+    found = {n: [k for k in get_args(hint) if isinstance(k, Kind)] for n, hint in hints.items()}
+    return {n: own[0] for n, own in found.items() if own}

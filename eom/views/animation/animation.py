@@ -41,7 +41,7 @@ BUDGET = 1_400_000
 BYTES_OF_BODY, BYTES_OF_VECTOR = 40, 12
 SHORT, LONG, AIM = 2.0, 40.0, 20.0
 """A motion that takes between the first two (s) is shown as it is; others about as long as the third."""
-MOST_TOLD = 8
+MOST_READOUTS = 8
 GROUND_GAP = 0.03
 AROUND_ONE = 1.2
 """What is seen around a single body, by its extent: its vectors need room."""
@@ -70,7 +70,7 @@ class Arrows:
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class Readout:
     """A number over time, ``values`` (N,) in ``unit``, that stands beside the picture."""
 
     name: str
@@ -98,8 +98,8 @@ class Animation:
     """What moves, and how it is shown.
 
     ``words``: below the title; ``tracks``, ``figures``: where the bodies are, and what they look like;
-    ``arrows``: vectors, ``told``: numbers over time; ``view``: from where it is seen; ``speed``: seconds of
-    the motion that a second shows; ``axes``: names of the axes of A; ``notes``: below the picture.
+    ``arrows``: vectors, ``readouts``: numbers over time; ``view``: from where it is seen; ``speed``:
+    seconds of the motion that a second shows; ``axes``: names of the axes of A; ``notes``: below it.
     """
 
     title: str
@@ -107,7 +107,7 @@ class Animation:
     tracks: Tracks
     figures: Figures
     arrows: tuple[Arrows, ...]
-    told: tuple[Told, ...]
+    readouts: tuple[Readout, ...]
     view: View
     speed: float
     axes: tuple[str, str, str] = ("a₁", "a₂", "a₃")
@@ -160,7 +160,7 @@ def sampled(
 ) -> Animation:
     """Return the animation of a scene of `with_attitude`, simulated again where it needs more samples.
 
-    ``asked``: names of states and outputs whose values are told. Raises as `animation_of`.
+    ``asked``: names of states and outputs whose values are shown. Raises as `animation_of`.
     """
     prepared = _with_points(prepared, max(COARSE, prepared.integration.points))
     tracks, result = _tracks(prepared, integrate)
@@ -198,7 +198,7 @@ def _needed(tracks: Tracks, scene: AnyScene) -> int:
     rates = np.max([np.linalg.norm(b.omega, axis=1) for b in tracks.bodies], axis=0)
     spans = np.abs(tracks.times - tracks.times[0])
     turned = np.maximum.accumulate(rates) * spans
-    vectors = len(tracks.bodies) + 2 + MOST_TOLD / 3
+    vectors = len(tracks.bodies) + 2 + MOST_READOUTS / 3
     most = int(BUDGET / (BYTES_OF_BODY * len(tracks.bodies) + BYTES_OF_VECTOR * vectors))
     if turned[-1] > LARGEST_STEP * most:
         possible = float(spans[turned <= 0.95 * LARGEST_STEP * most][-1])
@@ -231,7 +231,7 @@ def shown(
         tracks=tracks,
         figures=figures,
         arrows=tuple(arrows_of(tracks)),
-        told=tuple(_told(scene, result, asked))[:MOST_TOLD],
+        readouts=tuple(_readouts(scene, result, asked))[:MOST_READOUTS],
         view=_view(bodies, tracks, figures),
         speed=speed or speed_of(span),
         axes=("a₁ radial", "a₂ along", "a₃ normal") if bodies.orbit else ("a₁", "a₂", "a₃"),
@@ -257,13 +257,13 @@ def arrows_of(tracks: Tracks) -> Iterator[Arrows]:
         yield Arrows("torque", "τ", "N m", "green", tracks.torque, tracks.centre)
 
 
-def _told(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Told]:
+def _readouts(scene: AnyScene, result: Result, asked: tuple[str, ...]) -> Iterator[Readout]:
     system = scene.derive()
     quantities = (*system.states, *(d.quantity for d in system.outputs))
     units = {q.name: "" if q.unit == "1" else q.unit for q in quantities}
     for name in asked:
         if name in result.names or name in result.outputs:
-            yield Told(name, units.get(name, ""), np.asarray(result[name]))
+            yield Readout(name, units.get(name, ""), np.asarray(result[name]))
 
 
 def _notes(bodies: Bodies, result: Result, figures: Figures) -> Iterator[str]:
@@ -401,7 +401,7 @@ def animation_of_motion(
         tracks=tracks,
         figures=figures,
         arrows=tuple(arrows_of(tracks)),
-        told=(),
+        readouts=(),
         view=view_of(tracks, figures),
         speed=speed or speed_of(float(t[-1] - t[0])),
         notes=(f"Drawn: {figures.bodies[0].words}",),

@@ -70,20 +70,20 @@ def data(animation: Animation) -> dict[str, Any]:
         "axes": list(animation.axes),
         "bodies": bodies,
         "stand": [meshes.shape(s) for s in figures.ground],
-        "meshes": meshes.told,
+        "meshes": meshes.listed,
         "links": [
             {"bodies": list(link.bodies), "points": [[_number(x) for x in p] for p in link.points]}
             for link in figures.links
         ],
         "arrows": list(_arrows(animation)),
-        "told": [
-            {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.told
+        "readouts": [
+            {"name": t.name, "unit": t.unit, "values": floats(t.values)} for t in animation.readouts
         ],
     }
 
 
 def _bodies(animation: Animation, meshes: Meshes) -> Iterator[dict[str, Any]]:
-    """Yield what is told of each body; one that stays in place has no positions."""
+    """Yield the data of each body; one that stays in place has no positions."""
     pairs = zip(animation.figures.bodies, animation.tracks.bodies, strict=True)
     for k, (figure, track) in enumerate(pairs):
         yield {
@@ -131,10 +131,10 @@ def _arrows(animation: Animation) -> Iterator[dict[str, Any]]:
 
 
 class Meshes:
-    """Meshes by their bytes: each is told once."""
+    """Meshes by their bytes: each is listed once."""
 
     def __init__(self) -> None:
-        self.told: list[dict[str, Any]] = []
+        self.listed: list[dict[str, Any]] = []
         self._known: dict[tuple[bytes, bytes], int] = {}
 
     def shape(self, shape: Shape) -> dict[str, Any]:
@@ -151,8 +151,8 @@ class Meshes:
         faces = np.asarray(mesh.faces, dtype="<u4" if len(vertices) > 65535 else "<u2")
         key = vertices.tobytes(), faces.tobytes()
         if key not in self._known:
-            self._known[key] = len(self.told)
-            self.told.append(
+            self._known[key] = len(self.listed)
+            self.listed.append(
                 {
                     "vertices": base64.b64encode(key[0]).decode("ascii"),
                     "faces": base64.b64encode(key[1]).decode("ascii"),

@@ -5,7 +5,7 @@ the start or over a simulation, what is down, and how the axes of A are called: 
 the one that attitude is measured in.
 
 Of a tree, bones, thin rods in a body, lead from its joint to those that hang on it, and a body that others
-are inside of is drawn so that one sees through it. Where its bodies are, the recursions tell, over arrays
+are inside of is drawn so that one sees through it. Where its bodies are, the recursions give, over arrays
 of all times at once.
 """
 
@@ -162,8 +162,8 @@ class OneBody:
             data["attitude"] = "quaternion"
             data["initial_attitude"] = {"quaternion": (1.0, 0.0, 0.0, 0.0)}
         full = Scene(**data).full_system
-        told = [f"{letter}_{k}" for letter in ("h", "torque") for k in (1, 2, 3)]
-        wanted = dict.fromkeys([*full.state_names, *told, *self.scene.outputs])
+        loads = [f"{letter}_{k}" for letter in ("h", "torque") for k in (1, 2, 3)]
+        wanted = dict.fromkeys([*full.state_names, *loads, *self.scene.outputs])
         return Scene(**{**data, "outputs": tuple(wanted)})
 
     def tracks(self, motion: Motion) -> Tracks:
@@ -212,8 +212,10 @@ def _one(body: OneBody) -> Figure:
     if scene.body.solid is not None:
         solid, sizes = scene.body.solid, scene.body.size
         mesh = of_solid(solid, sizes).moved((0, 0, 0), np.roll(np.eye(3), axis - 2, axis=0))
-        told = ", ".join(f"{n} {v:g} m" for n, v in sizes.items())
-        return _tipped(Figure(name, (Shape(mesh),), f"{solid} of the scene ({told})", axes), axis)
+        dimensions = ", ".join(f"{n} {v:g} m" for n, v in sizes.items())
+        return _tipped(
+            Figure(name, (Shape(mesh),), f"{solid} of the scene ({dimensions})", axes), axis
+        )
     if scene.torque.weight is not None:
         return _tipped(_held(name, inertia, scene), axis)
     found = equivalent(inertia)

@@ -193,7 +193,7 @@ def frame_sketch(sequence: str, angles: Sequence[float] = ANGLES, title: str = "
     space = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.1, view=view)
     plane = tuple(_seen_along(axes[k], frames[k], frames[k + 1], k, angles[k]) for k in range(3))
     words = title or f"Turns {sequence} from the axes a to the axes b of the body"
-    return check(Picture(((space,), plane), words, _told(sequence, angles)))
+    return check(Picture(((space,), plane), words, _caption(sequence, angles)))
 
 
 def sequence_of(scene: AnyScene) -> str:
@@ -206,7 +206,7 @@ def sequence_of(scene: AnyScene) -> str:
     return one.attitude if one.attitude in SEQUENCES else ""
 
 
-def _told(sequence: str, angles: Sequence[float]) -> str:
+def _caption(sequence: str, angles: Sequence[float]) -> str:
     turns = ", ".join(
         f"{math.degrees(angle):.4g} degrees ({name}) about axis {axis}"
         for axis, angle, name in zip(sequence.split("-"), angles, GREEK_ANGLES, strict=True)
@@ -278,12 +278,12 @@ def wheel(angles: Sequence[float] = WHEEL_ANGLES, title: str = "") -> Picture:
     view = best_view([i.axis(3), a.axis(1), b.axis(2)], items)
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=1.3, view=view)
     psi, theta, phi = (f"{math.degrees(x):.4g}" for x in angles)
-    told = (
+    caption = (
         f"A wheel after turns of psi = {psi} degrees about the vertical, theta = {theta} degrees about the "
         f"node line and phi = {phi} degrees about its axle."
     )
     words = title or "The 3-1-2 spinning symmetric body"
-    return check(Picture(((panel,),), words, told))
+    return check(Picture(((panel,),), words, caption))
 
 
 def wheel_of(scene: AnyScene, seconds: float | None = None) -> Picture:

@@ -206,7 +206,7 @@ def class_of(body: Polhode) -> int:
 
 
 def moving(body: Polhode) -> bool:
-    """Tell whether the angular velocity moves in the body at all."""
+    """Return whether the angular velocity moves in the body at all."""
     return kind_of(body).name not in {"rest", "spherical", "steady"}
 
 

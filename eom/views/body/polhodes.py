@@ -77,7 +77,7 @@ def polhodes(body: FreeBody) -> Picture:
     right = _family_panel(body, energy_axes(body), "same energy $T$")
     caption = (
         "Paths of the angular velocity in the body (polhodes), on the ellipsoid of constant angular "
-        f"momentum (left) and of constant kinetic energy (right). {_told(body)}"
+        f"momentum (left) and of constant kinetic energy (right). {_caption(body)}"
     )
     return Picture(((left, right),), plain(body.title), caption)
 
@@ -100,7 +100,7 @@ def ellipsoids(body: FreeBody) -> Picture:
         *_letters(body, np.maximum(momentum_axes(body), energy_axes(body))),
     ]
     panel = _panel(body, items, "", np.maximum(momentum_axes(body), energy_axes(body)))
-    caption = f"The polhode is where both ellipsoids meet. {_told(body)}"
+    caption = f"The polhode is where both ellipsoids meet. {_caption(body)}"
     return Picture(((panel,),), plain(body.title), caption)
 
 
@@ -154,7 +154,7 @@ def _kind(body: FreeBody) -> str:
     return CLASSES[class_of(exact)].words if moving(exact) else "constant angular velocity"
 
 
-def _told(body: FreeBody) -> str:
+def _caption(body: FreeBody) -> str:
     a, b, c = body.moments
     return (
         f"This motion: {_kind(body)}; moments of inertia {a:.4g}, {b:.4g}, {c:.4g} kg m^2, "

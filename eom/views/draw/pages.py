@@ -47,11 +47,11 @@ def page(
     """
     own = [s.replace("</script", "<\\/script") for s in scripts]
     style = web(f"{name}.css")
-    told = {
+    marks = {
         **parts,
         "style": style,
         "policy": html.escape(policy(own, styles or hashed(style), images)),
         "data": as_json(data),
         "scripts": "\n".join(f"<script>{s}</script>" for s in own),
     }
-    return _MARK.sub(lambda found: told[found[1]], web(f"{name}.html"))
+    return _MARK.sub(lambda found: marks[found[1]], web(f"{name}.html"))

@@ -1,7 +1,7 @@
 """A picture as data: panels and what is drawn in them, for any renderer.
 
 Coordinates are in the units that the axes name; arrays are never changed after they are given.
-A colour is a name of `COLOURS`, so that every renderer uses the same, told apart by colour-blind
+A colour is a name of `COLOURS`, so that every renderer uses the same, distinct to colour-blind
 readers too (Okabe and Ito, "Color universal design", 2008).
 """
 

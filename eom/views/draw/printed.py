@@ -491,7 +491,7 @@ EXTRAS = {"matplotlib": ("Matplotlib", "plot"), "plotly": ("Plotly", "turn")}
 
 
 def installed(package: str) -> bool:
-    """Tell whether a package is there."""
+    """Return whether a package is there."""
     return importlib.util.find_spec(package) is not None
 
 

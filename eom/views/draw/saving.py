@@ -64,7 +64,7 @@ def kind_of(path: str | Path) -> Kind:
 
 
 def can_write(path: str | Path) -> bool:
-    """Tell whether a picture's ending is known, and the package that it needs is installed."""
+    """Return whether a picture's ending is known, and the package that it needs is installed."""
     kind = KINDS.get(Path(path).suffix.lower())
     return kind is not None and installed(kind.package)
 

@@ -82,7 +82,7 @@ def written(subject: Subject, speed: float = 1.0) -> str:
     core, data = script(subject)
     texts = _Templates()
     data |= {
-        "told": {key(c): told(subject, c, texts) for c in subject.variants},
+        "equations": {key(c): equations_of(subject, c, texts) for c in subject.variants},
         "none": key(tuple(False for _ in subject.switches)),
         "meanings": {d.name: d.quantity.description for d in _invariants(subject)},
         "speed": speed,
@@ -131,7 +131,7 @@ class _Templates:
         return [f'<template id="{name}">{text}</template>' for text, name in self.names.items()]
 
 
-def told(subject: Subject, choice: Choice, texts: _Templates) -> dict[str, Any]:
+def equations_of(subject: Subject, choice: Choice, texts: _Templates) -> dict[str, Any]:
     """Return what the page says of a choice: equations by notation, operations, what is left out."""
     variant = subject.variants[choice]
     laws = {n: statements(variant, n) for n in notations() if variant.law} or {"": ""}
@@ -263,7 +263,7 @@ def _text(program: Program, layout: Layout) -> str:
 
 
 def _data(subject: Subject, compiled: Mapping[Choice, Compiled]) -> dict[str, Any]:
-    """Return what the page's scripts are told, as JSON can hold it."""
+    """Return what the page's scripts are given, as JSON can hold it."""
     return {
         "kind": subject.kind,
         "name": subject.name,

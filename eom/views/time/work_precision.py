@@ -74,11 +74,11 @@ def work_precision(diagram: Diagram) -> Picture:
     )
     panel = Panel(tuple(items), axes, height=2.2)
     best = min(diagram.points, key=lambda p: p.error)
-    told = (
+    caption = (
         "Run time over error of each program, lower and further right is better; the least error is "
         f"{best.error:.1e}, of {short(best.program)}."
     )
-    return check(Picture(((panel,),), short(diagram.case.title), told))
+    return check(Picture(((panel,),), short(diagram.case.title), caption))
 
 
 def _program(name: str, number: int, measured: Sequence[Point]) -> tuple[Item, Item]:

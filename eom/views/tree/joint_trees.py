@@ -285,7 +285,7 @@ def joint_tree(tree: Tree, title: str = "") -> Picture:
     size = (INCH * (limits[0][1] - limits[0][0]), INCH * (limits[1][1] - limits[1][0]) + 0.6)
     height = size[1] / USUAL_HEIGHT
     panel = Panel(tuple(items), axes, short(_legend(d)), equal=True, bare=True, height=height)
-    return check(Picture(((panel,),), words, _told(tree), size))
+    return check(Picture(((panel,),), words, _caption(tree), size))
 
 
 def _widest(tree: Tree) -> _Diagram:
@@ -305,7 +305,7 @@ def _legend(d: _Diagram) -> str:
     return ",  ".join(words)
 
 
-def _told(tree: Tree) -> str:
+def _caption(tree: Tree) -> str:
     joints = "; ".join(f"{j.child} on {j.parent} by {j.name} ({j.kind})" for j in tree.ordered[:40])
     more = f"; {len(tree.joints) - 40} more" if len(tree.joints) > 40 else ""
     held = ", ".join(c.name for c in tree.constraints)

@@ -63,7 +63,7 @@ MOST_NAMED, MOST_WEIGHED = 16, 6
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """What a sketch of a scene shows, in words ``told``, too.
+    """What a sketch of a scene shows, in words, its ``caption``, too.
 
     ``axles``: axes that it is best not seen from the side of. ``points``: places by the names that are put
     where there is room, ``away`` from them. ``corner``: the axes of the ground as they are drawn at the
@@ -71,7 +71,7 @@ class Sketch:
     """
 
     items: Sequence[Item]
-    told: str
+    caption: str
     axles: Sequence[Floats] = ()
     points: Mapping[str, Floats] = field(default_factory=dict)
     away: float = 0.0
@@ -111,7 +111,7 @@ def _picture(scene: AnyScene, s: Sketch) -> Picture:
     if s.corner is not None:
         items += [*_corner(s.corner, items, view)]
     panel = Panel(tuple(items), SPACE, equal=True, bare=True, height=s.height, view=view)
-    return check(Picture(((panel,),), short(scene.title or scene.name), s.told))
+    return check(Picture(((panel,),), short(scene.title or scene.name), s.caption))
 
 
 def _corner(axes: Floats, items: Iterable[Item], view: tuple[float, float]) -> Iterator[Item]:
@@ -148,7 +148,7 @@ def _of_one(bodies: OneBody) -> Sketch:
         *_points(s),
         *_acting(s),
     ]
-    return Sketch(items, _told_of_one(s), s.axles, height=1.3)
+    return Sketch(items, _caption_of_one(s), s.axles, height=1.3)
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ def _expanded(torque: Torque) -> tuple[Any, ...]:
     )
 
 
-def _told_of_one(s: BodyAtStart) -> str:
+def _caption_of_one(s: BodyAtStart) -> str:
     acts = []
     if s.weight is not None:
         acts.append("Its weight acts at the centre of mass G, a reaction at the fixed point O.")
@@ -439,7 +439,7 @@ def _of_many(bodies: ManyBodies) -> Sketch:
     centres = {short(b.name): s.upright @ s.centre(b.name) for b in s.tree.bodies}
     return Sketch(
         [upright(item, s.upright) for item in items],
-        _told(s),
+        _caption(s),
         points=centres if len(centres) <= MOST_NAMED else {},
         away=0.17 * s.size,
         corner=0.35 * s.size * s.upright.T,
@@ -457,7 +457,7 @@ def upright(item: Item, R: Floats) -> Item:
     return replace(item, place=R @ item.place)
 
 
-def _told(s: TreeAtStart) -> str:
+def _caption(s: TreeAtStart) -> str:
     count = len(s.tree.bodies)
     held = ", ".join(c.name for c in s.tree.constraints)
     words = (

@@ -35,7 +35,7 @@
     name: b.name, colour: b.colour, tip: b.tip, positions: floats(b.positions), quaternions: floats(b.quaternions),
   }));
   const arrows = data.arrows.map((a) => Object.assign({}, a, {values: floats(a.values), places: floats(a.places)}));
-  const told = data.told.map((t) => Object.assign({}, t, {values: floats(t.values)}));
+  const readouts = data.readouts.map((t) => Object.assign({}, t, {values: floats(t.values)}));
   const span = data.end - data.start;
   const count = data.count;
   const several = bodies.length > 1;
@@ -184,7 +184,7 @@
 
   const rows = [];
   function row(name, unit, value) {
-    const line = byId("told").tBodies[0].insertRow();
+    const line = byId("readouts").tBodies[0].insertRow();
     const head = document.createElement("th");
     head.scope = "row";
     head.textContent = name;
@@ -210,7 +210,7 @@
   }
   chosenRow();
   arrows.filter((a) => a.kind !== "omega").forEach((a) => row("|" + a.text + "|", a.unit, size(a)));
-  told.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
+  readouts.forEach((t) => row(t.name, t.unit, (k, part) => between(t.values, 1, k, part)[0]));
 
   if (several) {
     bodies.forEach((body) => {

@@ -1,4 +1,4 @@
-/* The live page: what is drawn, what can be changed, what is told. The motion itself is createMotion's. */
+/* The live page: what is drawn, what can be changed, what is shown. The motion itself is createMotion's. */
 "use strict";
 
 (() => {
@@ -10,7 +10,7 @@
   const all = (selector) => Array.from(document.querySelectorAll(selector));
   const still = matchMedia("(prefers-reduced-motion: reduce)");
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const state = {playing: !still.matches, speed: data.speed, last: null, told: 0, frames: 0, late: false};
+  const state = {playing: !still.matches, speed: data.speed, last: null, shown: 0, frames: 0, late: false};
   const single = data.kind !== "tree";
   const shown = (x, digits = 5) => (Number.isFinite(x) ? Number(x.toPrecision(digits)).toString() : "–");
   const theme = () => (dark.matches ? "dark" : "light");
@@ -382,19 +382,19 @@
   }
 
   function setEquations() {
-    const told = data.told[key()], whole = data.told[data.none];
-    fill("statements", told.statements[byId("notation") ? byId("notation").value : ""]);
-    fill("components", told.components);
-    byId("left-out").replaceChildren(...told.left_out.map((words) => {
+    const chosen = data.equations[key()], whole = data.equations[data.none];
+    fill("statements", chosen.statements[byId("notation") ? byId("notation").value : ""]);
+    fill("components", chosen.components);
+    byId("left-out").replaceChildren(...chosen.left_out.map((words) => {
       const item = document.createElement("li");
       item.textContent = words;
       return item;
     }));
-    byId("nothing").hidden = told.left_out.length > 0;
-    byId("operations").textContent = told.after.toLocaleString("en");
+    byId("nothing").hidden = chosen.left_out.length > 0;
+    byId("operations").textContent = chosen.after.toLocaleString("en");
     byId("general").textContent = whole.general.toLocaleString("en");
     byId("generated").textContent = motion.variant.operations.toLocaleString("en");
-    byId("bar").style.width = Math.max(2, (100 * told.after) / whole.general) + "%";
+    byId("bar").style.width = Math.max(2, (100 * chosen.after) / whole.general) + "%";
   }
 
   // -- changes -----------------------------------------------------------------------------------------
@@ -462,8 +462,8 @@
   function tick(now) {
     if (state.playing && !motion.stopped && !motion.message) {
       if (state.last !== null) frame((now - state.last) / 1000);
-      if (now - state.told > 200) {
-        state.told = now;
+      if (now - state.shown > 200) {
+        state.shown = now;
         tellNumbers();
       }
     }

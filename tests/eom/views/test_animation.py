@@ -341,11 +341,11 @@ def test_every_ready_scene_fits_into_a_page(name):
     text = page(animation)
     assert len(text.encode()) < 3_000_000
     assert text == page(animation)
-    told = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
-    assert told["count"] == len(animation.times) >= 2
+    data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+    assert data["count"] == len(animation.times) >= 2
     steps = np.diff(animation.times)
     assert np.allclose(steps, steps[0])
-    for body, track in zip(told["bodies"], animation.tracks.bodies, strict=True):
+    for body, track in zip(data["bodies"], animation.tracks.bodies, strict=True):
         q = np.frombuffer(base64.b64decode(body["quaternions"]), "<f4").reshape(-1, 4)
         assert np.abs(q - track.quaternions).max() < 1e-7
         assert np.all(np.einsum("ij,ij->i", q[1:], q[:-1]) > 0)
@@ -357,8 +357,8 @@ def test_what_a_scene_brings_along_is_escaped():
     text = page(animation_of(tumbling("none", title=HOSTILE, description=HOSTILE), integrate))
     assert "<img" not in text
     assert text.count("<script") == text.count("</script>") == 4
-    told = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
-    assert told["title"] == told["bodies"][0]["name"] == HOSTILE
+    data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])
+    assert data["title"] == data["bodies"][0]["name"] == HOSTILE
     assert re.findall(r'(?:src|href)="(?!#)', text) == []
 
 

@@ -246,10 +246,10 @@ def test_pages_are_small_and_complete(name):
     assert len(text.encode()) < 3e6
     data, found = data_of(text), Elements(text)
     templates = {a["id"] for a, _ in found.all("template")}
-    for told in data["told"].values():
-        named = [*told["statements"].values(), told["components"]]
+    for chosen in data["equations"].values():
+        named = [*chosen["statements"].values(), chosen["components"]]
         assert {n for n in named if n} <= templates
-    assert set(data["told"]) == set(data["variants"])
+    assert set(data["equations"]) == set(data["variants"])
     for knob in data["knobs"]:
         assert knob["low"] <= knob["value"] <= knob["high"]
     labelled = {a["for"] for a, _ in found.all("label") if "for" in a}
@@ -259,11 +259,11 @@ def test_pages_are_small_and_complete(name):
 
 def test_what_is_left_out_costs_nothing():
     data = data_of(text_of("t-handle"))
-    operations = {key: told["after"] for key, told in data["told"].items()}
+    operations = {key: chosen["after"] for key, chosen in data["equations"].items()}
     assert operations == {"00": 21, "10": 18, "01": 15, "11": 11}
     generated = {key: v["operations"] for key, v in data["variants"].items()}
     assert generated["11"] < generated["10"] < generated["00"]
-    statements = [data["told"][key]["statements"]["kane"] for key in ("00", "10")]
+    statements = [data["equations"][key]["statements"]["kane"] for key in ("00", "10")]
     assert statements[0] != statements[1]
 
 
