@@ -32,7 +32,7 @@ from eom.errors import InputError
 from eom.exact.series import Series
 from eom.fields import RESIDUES, Singular
 from eom.system import Expr, System
-from eom.terms.terms import Term
+from eom.terms.terms import SCALAR, Term
 from eom.worlds.solutions import (
     Inconsistent,
     Motion,
@@ -83,11 +83,8 @@ def on_solutions(claim: Claim) -> bool:
 def covered(claim: Claim) -> bool:
     """Whether a claim is a relation between scalars of the system alone."""
     atoms = _atoms(claim)
-    return bool(atoms) and all(map(of_system, atoms)) and not _vectors(claim)
-
-
-def _vectors(claim: Claim) -> bool:
-    return any(m.term.kind != "scalar" for m in claim.members)
+    scalars = all(m.term.kind == SCALAR for m in claim.members)
+    return bool(atoms) and all(map(of_system, atoms)) and scalars
 
 
 # -- claims as expressions ----------------------------------------------------------------------------
@@ -105,7 +102,7 @@ def written(term: Term, scalars: Mapping[Any, Term], model: Model) -> Expr:
         return _JOINED[term.head](*inside)
     if term.head == "zero":
         return sp.Integer(0)
-    if term.head == "der" and term.kind == "scalar":
+    if term.head == "der" and term.kind == SCALAR:
         return inside[0] if inside[0] == 0 else rate(inside[0])
     if term.head == "expr":
         free = term.data[0].free_symbols
@@ -146,7 +143,8 @@ class OnSolution(Drawn):
 
     def agrees(self, said: Said) -> bool:
         """Return whether two expressions are the same along the solution."""
-        return not _apart(self.motion, *said)
+        a, b = said
+        return (self.motion.series(a) - self.motion.series(b)).is_zero
 
     def values(self, term: Term) -> list[int] | None:
         """Return the value of a scalar at t = 0."""
@@ -155,10 +153,6 @@ class OnSolution(Drawn):
         except (InputError, Singular, KeyError):
             return None
         return [int(found.coefficients[0])]
-
-
-def _apart(motion: Motion, a: Expr, b: Expr) -> bool:
-    return not (motion.series(a) - motion.series(b)).is_zero
 
 
 @dataclass(frozen=True)
@@ -191,13 +185,19 @@ class Solutions(Models):
 
     @cached_property
     def held(self) -> tuple[Restriction, ...]:
-        """What is given of the system."""
-        return given_in(self.model, self.given)
+        """What is given of the system, with the restrictions that some names mean."""
+        named = (r for r in self.model.possible if r.name in self.given)
+        return (*self.model.given, *named)
 
     @cached_property
     def possible(self) -> Mapping[str, Restriction]:
         """What may be assumed besides, by name."""
         return {r.name: r for r in self.model.possible if r not in self.held}
+
+    def kept(self, names: Iterable[str]) -> tuple[Restriction, ...]:
+        """Return what is given, and what names assume besides."""
+        chosen = self.closed(names)
+        return (*self.held, *(r for n, r in self.possible.items() if n in chosen))
 
     @property
     def order(self) -> Iterable[str]:
@@ -214,9 +214,8 @@ class Solutions(Models):
 
     def draw(self, names: frozenset[str]) -> Iterator[OnSolution]:
         """Yield points of solutions that keep restrictions."""
-        kept = (*self.held, *(r for n, r in self.possible.items() if n in names))
         try:
-            for motion in self.model.motions(kept, self.length, TRIES):
+            for motion in self.model.motions(self.kept(names), self.length, TRIES):
                 yield OnSolution(names, motion.seed, motion, self)
         except Inconsistent as error:
             raise InputError("no solution of the system keeps what is assumed") from error
@@ -302,12 +301,6 @@ class Solutions(Models):
         except InputError:
             return True
         return bool(found.free_symbols - {q.symbol for q in self.model.system.parameters})
-
-
-def given_in(model: Model, names: Iterable[str]) -> tuple[Restriction, ...]:
-    """Return what is given of a system, with the restrictions that some names mean."""
-    wanted = set(names)
-    return (*model.given, *(r for r in model.possible if r.name in wanted))
 
 
 def _zero(motion: Motion, part: Expr) -> bool:

@@ -4,8 +4,8 @@ Which member of a chain is to blame: every link and the two ends judged apart.
 
 In a = b = c where a = c holds and both links of b fail, b is wrong, not the result.
 
-Sets of assumptions that make a claim hold by chance are not what the writer means.
-A slip in a term is no slip where the term vanishes: with the wrong sign before the Coriolis term an
+Sets of assumptions that make a claim hold by chance are not what the writer means. A slip in a term is no
+slip where the term vanishes: with the wrong sign before the Coriolis term an
 acceleration is right for a particle at the origin. So a set of assumptions does not count under which
 written terms vanish because a point is a special one or something rests, while others stay that are not
 equal by themselves ("h = a + b = a" says that b vanishes, and counts). Nor does a set under which all

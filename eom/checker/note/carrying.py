@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import chain
 
 import sympy as sp
 
@@ -44,7 +43,8 @@ USUAL = ("newton_2", "third_law_strong", "body_frame", "principal_axes")
 
 def worlds_of(stated: Iterable[str], context: Iterable[str]) -> frozenset[str]:
     """Return a large set that can stand together: the context, then what is stated, then the usual."""
-    return filled(closure(context), chain(stated, USUAL))
+    chosen = set(stated)
+    return filled(closure(context), [*(n for n in ASSUMPTIONS if n in chosen), *USUAL])
 
 
 _Slip = tuple[int, Claim, tuple[str, ...]]
@@ -110,16 +110,11 @@ def _source(
             else:
                 base = (*given, *judged.judgement.context, *context)
                 follow = _related(claim, other) and follows(
-                    claim, (other,), worlds_of(_ordered(stated), base), simple=True
+                    claim, (other,), worlds_of(stated, base), simple=True
                 )
             if follow:
                 return number
     return None
-
-
-def _ordered(names: Iterable[str]) -> Iterator[str]:
-    chosen = set(names)
-    return (n for n in ASSUMPTIONS if n in chosen)
 
 
 def _related(a: Claim, b: Claim) -> bool:
@@ -141,18 +136,15 @@ _STAGES = (16, 80)
 
 
 def resting(
-    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+    judged: Judged, premises: Iterable[Claim], names: frozenset[str], given: tuple[str, ...]
 ) -> Judgement | None:
     """Return the judgement on a claim that follows from premises of the note, or None.
 
     Its sets are what has to be assumed besides; a claim that is refuted and does not follow is wrong.
     """
-    premises = [p for s in context.premises(number) for p in s.premises]
-    premises = [p for p in premises if _related(p, judged.claim)]
-    if not premises:
-        return None
-    where = judged.judgement.context
-    return rested(judged.claim, premises, _stated(premises, number, context), given, where)
+    near = [p for p in premises if _related(p, judged.claim)]
+    stated, where = _stated(near, names), judged.judgement.context
+    return rested(judged.claim, near, stated, given, where) if near else None
 
 
 def rested(
@@ -164,7 +156,7 @@ def rested(
 ) -> Judgement | None:
     """Return the judgement on a claim that follows from premises under what is assumed, or None."""
     base = closure([*given, *context])
-    assumed = worlds_of(_ordered(frozenset(names)), base)
+    assumed = worlds_of(names, base)
     most = next((n for n in _STAGES if follows(claim, premises, assumed, n)), 0)
     if not most:
         return None
@@ -173,21 +165,18 @@ def rested(
     return Judgement(UNDER, (models.shown(needed - base),), context)
 
 
-def _stated(premises: Iterable[Claim], number: int, context: Context) -> frozenset[str]:
-    """Return what is stated at a formula: with laws for the motion, none that makes it a special one."""
-    special = SPECIAL_MOTION if any(map(own, premises)) else frozenset()
-    return context.names(number) - special
+def _stated(premises: Iterable[Claim], names: frozenset[str]) -> frozenset[str]:
+    """Return what is stated: with laws for the motion, none that makes it a special one."""
+    return names - SPECIAL_MOTION if any(map(own, premises)) else names
 
 
 def by_laws(
-    judged: Judged, number: int, context: Context, given: Iterable[str] = ()
+    judged: Judged, premises: Iterable[Claim], names: frozenset[str], given: tuple[str, ...]
 ) -> Judgement | None:
     """Return the judgement on a claim that no world obeys by laws of the writer's own.
 
     Undecided where it may follow from them; None where there are none, or it is wrong by them too.
     """
-    given = tuple(given)
-    premises = [p for s in context.premises(number) for p in s.premises]
     laws = [p for p in premises if own(p) & own(judged.claim)]
     if not laws:
         return None
@@ -195,7 +184,7 @@ def by_laws(
     if known is not None and known.verdict in {HOLDS, UNDER}:
         return replace(known, verdict=UNDER, sets=known.sets or ((),))
     base = closure([*given, *judged.judgement.context])
-    assumed = worlds_of(_ordered(_stated(laws, number, context)), base)
+    assumed = worlds_of(_stated(laws, names), base)
     wrong = known.verdict == WRONG if known else refuted(judged.claim, laws, assumed)
     return None if wrong else Judgement(UNDECIDED, context=judged.judgement.context)
 

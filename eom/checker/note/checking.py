@@ -1,13 +1,9 @@
-"""A note in, a report out: every formula is understood, judged, and told with its place.
-
-`PASSES` are what is added to the findings of a whole note: an explanation of wrong lines, remarks on
-what a note has said so far.
-"""
+"""A note in, a report out: every formula is understood, judged, and told with its place."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -47,10 +43,6 @@ class Found:
     verdict: Verdict
     finding: Finding
     stated: frozenset[str] = frozenset()
-
-
-Pass = Callable[[Sequence[Found], Settings], Sequence[Found]]
-"""Adds to the findings of a note; formulas and verdicts stay, in number and order."""
 
 
 @typed
@@ -94,9 +86,7 @@ def check_note(note: Note, settings: Settings) -> Report:
             known = replace(known, lexicon=about(known.lexicon, settings.system))
         understood = understand(document, known.lexicon, settings.seconds)
         reviewed = _reviewed(document, understood, settings)
-        found = tuple(_found(reviewed, known))
-        for add in PASSES:
-            found = _added(add, found, settings)
+        found = tuple(_explained(f, settings) for f in _found(reviewed, known))
         words = _in_words(document, reviewed, settings, known.draft is not None)
         known = _confirmed(known, found, settings)
     return _report(document, known, settings, [*(f.finding for f in found), *words])
@@ -137,38 +127,21 @@ def grade(note: Note, settings: Settings) -> Graded:
         return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
 
 
-def _added(add: Pass, found: tuple[Found, ...], settings: Settings) -> tuple[Found, ...]:
-    """Return what a pass makes of the findings; they stay where it takes too long."""
-    try:
-        return tuple(add(found, settings))
-    except Overdue:
+def _explained(found: Found, settings: Settings) -> Found:
+    """Return a formula with why it is wrong, as it is where telling that takes too long.
+
+    What carries a slip forward is not explained again.
+    """
+    told = found.finding
+    judged = next((j for j in found.verdict.claims if j.verdict == told.verdict), None)
+    if judged is None or judged.verdict not in GRAVE or told.carried:
         return found
-
-
-def one_by_one(rule: Callable[[Found, Settings], Finding]) -> Pass:
-    """Return the pass that changes every finding by itself, each within ``Settings.seconds``."""
-
-    def changed(one: Found, settings: Settings) -> Found:
-        try:
-            with deadline(settings.seconds, "what is told of this formula"):
-                return replace(one, finding=rule(one, settings))
-        except (Overdue, RecursionError):
-            return one
-
-    return lambda found, settings: [changed(one, settings) for one in found]
-
-
-def _explained(found: Found, settings: Settings) -> Finding:
-    """Return the finding with why it is wrong; what carries a slip forward is not explained again."""
-    judged = next((j for j in found.verdict.claims if j.verdict == found.finding.verdict), None)
-    if judged is None or judged.verdict not in GRAVE or found.finding.carried:
-        return found.finding
-    explanation = explain(found.understood, judged, settings.given, found.stated)
-    return replace(found.finding, explanation=explanation)
-
-
-PASSES: tuple[Pass, ...] = (one_by_one(_explained),)
-"""What is added to the findings, in this order."""
+    try:
+        with deadline(settings.seconds, "what is told of this formula"):
+            explanation = explain(found.understood, judged, settings.given, found.stated)
+    except (Overdue, RecursionError):
+        return found
+    return replace(found, finding=replace(told, explanation=explanation))
 
 
 # -- findings ------------------------------------------------------------------------------------

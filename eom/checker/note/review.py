@@ -180,13 +180,17 @@ class _Placed:
         if judged.verdict == UNDER and 0 in best:
             return None
         try:
-            found = resting(judged, self.number, self.context, self.given)
+            found = resting(judged, self._formulas, self.names, self.given)
         except InputError:
             return None
         if found is None or (best and len(implied(found.sets[0]) - known) >= best[0]):
             return None
         sets = (*found.sets, *judged.judgement.sets) if any(found.sets) else ()
         return replace(found, sets=sets), "rests on", self._line
+
+    @property
+    def _formulas(self) -> list[Claim]:
+        return [p for s in self.premises for p in s.premises]
 
     @property
     def _line(self) -> int:
@@ -206,7 +210,7 @@ class _Placed:
 
     def _lawful(self, judged: Judged) -> _Other | None:
         """Judge a claim by laws of the writer's own."""
-        found = by_laws(judged, self.number, self.context, self.given)
+        found = by_laws(judged, self._formulas, self.names, self.given)
         if found is None:
             return None
         if found.verdict == UNDER:

@@ -130,85 +130,85 @@ class Workshop:
     values: Mapping[Addend, Value | None]
     pools: Pools
 
-    def candidates(self, place: Drawn) -> list[Candidate]:
+    def candidates(self, model: Drawn) -> list[Candidate]:
         """Return repairs after which all members agree in a world."""
         members = self.line.members
         if len(members) == 2:
-            return self._both(place)
+            return self._both(model)
         found: list[Candidate] = []
         for reference in members:
-            found += self._against(place, reference)
+            found += self._against(model, reference)
         return _best(found)
 
-    def _both(self, place: Drawn) -> list[Candidate]:
+    def _both(self, model: Drawn) -> list[Candidate]:
         left, right = self.line.members
         found: list[Candidate] = []
         for a, b in ((left, right), (right, left)):
-            found += self._entries(place, a, b)
+            found += self._entries(model, a, b)
         for kind in self._kinds(self.line.members):
             target = 0
             groups: list[_Group] = []
             for member, side in ((left, 1), (right, -1)):
                 if member.value is not None:
-                    target -= side * (place.number(member.value.term) or 0)
-                groups += self._groups(place, member, kind, side)
+                    target -= side * (model.number(member.value.term) or 0)
+                groups += self._groups(model, member, kind, side)
             found += _combined(groups, target % PRIME)
             if all(g.value is not None for g in groups):
                 need = (target - sum(g.value or 0 for g in groups)) % PRIME
-                found += self._lost(place, kind, need)
+                found += self._lost(model, kind, need)
         return _best(found)
 
-    def _lost(self, place: Drawn, kind: Signature, need: int) -> Iterator[Candidate]:
+    def _lost(self, model: Drawn, kind: Signature, need: int) -> Iterator[Candidate]:
         """Yield lost terms of one of two members; ``need``: of the left less the right side."""
         left, right = self.line.members
         member, side = (right, -1) if right.path is not None else (left, 1)
         if self.is_zero(right) and left.path is not None:
             member, side = left, 1
-        yield from self._lost_in(place, member, kind, side * need % PRIME)
+        yield from self._lost_in(model, member, kind, side * need % PRIME)
 
     def _lost_in(
-        self, place: Drawn, member: Member, kind: Signature, need: int
+        self, model: Drawn, member: Member, kind: Signature, need: int
     ) -> Iterator[Candidate]:
         if need:
-            for option in lost_terms(self.pools, place, member, kind, need):
+            for option in lost_terms(self.pools, model, member, kind, need):
                 yield Candidate((option,), option.weight)
 
-    def _entries(self, place: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
+    def _entries(self, model: Drawn, reference: Member, member: Member) -> Iterator[Candidate]:
         """Yield a table that has lost terms in some entries, against what it should be."""
-        found = self._gap(place, reference, member, member)
+        found = self._gap(model, reference, member, member)
         if found is not None:
             need = [member.addends[0].sign * n % PRIME for n in found]
-            for option in entry_terms(self.pools, place, member.addends[0], need):
+            for option in entry_terms(self.pools, model, member.addends[0], need):
                 yield Candidate((option,), option.weight)
 
     def difference(
-        self, place: Drawn, left: Member, right: Member
+        self, model: Drawn, left: Member, right: Member
     ) -> tuple[Node, list[int]] | None:
         """Return a member that is one table of entries, and the left less the right side by entries."""
         for member in (right, left):
-            found = self._gap(place, left, right, member)
+            found = self._gap(model, left, right, member)
             if found is not None:
                 return member.addends[0].node, found
         return None
 
-    def _gap(self, place: Drawn, left: Member, right: Member, table: Member) -> list[int] | None:
+    def _gap(self, model: Drawn, left: Member, right: Member, table: Member) -> list[int] | None:
         """Return the components of the left less the right side, if one of them is a table."""
         own = self.values.get(table.addends[0]) if len(table.addends) == 1 else None
         if own is None or own.shape not in {COLUMN, MATRIX} or table.path is None:
             return None
-        a, b = (self._components(place, m, own.frames[0]) for m in (left, right))
+        a, b = (self._components(model, m, own.frames[0]) for m in (left, right))
         if a is None or b is None or len(a) != len(b):
             return None
         return [(x - y) % PRIME for x, y in zip(a, b, strict=True)]
 
-    def _components(self, place: Drawn, member: Member, frame: str) -> list[int] | None:
+    def _components(self, model: Drawn, member: Member, frame: str) -> list[int] | None:
         """Return the components of a member in a frame."""
         found: list[int] = []
         for sign, value in self.parts(member):
             if value is None:
                 return None
             turned = components(value, frame) if value.shape in GEOMETRIC and frame else value
-            numbers = place.values(turned.term)
+            numbers = model.values(turned.term)
             if numbers is None:
                 return None
             signed = [sign * n for n in numbers]
@@ -238,35 +238,35 @@ class Workshop:
         offered = (o.signature for o in self.offers[terms[0].addends[0]])
         return list(dict.fromkeys(k for k in offered if k is not None and k not in kinds))[:8]
 
-    def _groups(self, place: Drawn, member: Member, kind: Signature, side: int) -> list[_Group]:
+    def _groups(self, model: Drawn, member: Member, kind: Signature, side: int) -> list[_Group]:
         groups = []
         for addend in member.addends:
             value = self.values[addend]
             own = None
             if value is not None and agrees(signature(value), kind):
-                number = place.number(value.term)
+                number = model.number(value.term)
                 own = None if number is None else side * addend.sign * number
-            groups.append(_Group(own, tuple(self._offers(place, addend, kind, side))))
+            groups.append(_Group(own, tuple(self._offers(model, addend, kind, side))))
         return groups
 
     def _offers(
-        self, place: Drawn, addend: Addend, kind: Signature, side: int
+        self, model: Drawn, addend: Addend, kind: Signature, side: int
     ) -> Iterator[tuple[int, Option]]:
         for option in self.offers[addend]:
             if option.term is None:
                 yield 0, option
             elif agrees(option.signature, kind):
-                number = place.number(option.term)
+                number = model.number(option.term)
                 if number is not None:
                     yield side * option.sign * number, option
 
-    def _against(self, place: Drawn, reference: Member) -> list[Candidate]:
+    def _against(self, model: Drawn, reference: Member) -> list[Candidate]:
         """Return repairs of the members that differ from one that is taken for right."""
-        total = self.total(place, reference)
+        total = self.total(model, reference)
         if total is None:
             return []
         kind, target = total
-        others = [m for m in self.line.members if self.total(place, m) != total]
+        others = [m for m in self.line.members if self.total(model, m) != total]
         zero = [m for m in others if self.is_zero(m)]
         if target == 0 and kind is not None:
             others = [m for m in others if m not in zero]
@@ -276,12 +276,12 @@ class Workshop:
                 return []
             kinds = [kind] if kind is not None else self._kinds([member])
             repairs = [
-                c for k in kinds for c in _combined(self._groups(place, member, k, 1), target)
+                c for k in kinds for c in _combined(self._groups(model, member, k, 1), target)
             ]
-            own = self.total(place, member)
+            own = self.total(model, member)
             if own is not None and kind is not None and own[0] == kind:
-                repairs += self._lost_in(place, member, kind, (target - own[1]) % PRIME)
-            repairs += self._entries(place, reference, member)
+                repairs += self._lost_in(model, member, kind, (target - own[1]) % PRIME)
+            repairs += self._entries(model, reference, member)
             found = [_together(a, b) for a in found[:6] for b in _best(repairs)[:8]]
         return [c for c in found if c.options]
 
@@ -289,7 +289,7 @@ class Workshop:
         """Return whether a member is written as zero."""
         return all(v.is_zero for _, v in self.parts(member) if v is not None)
 
-    def total(self, place: Drawn, member: Member) -> tuple[Signature | None, int] | None:
+    def total(self, model: Drawn, member: Member) -> tuple[Signature | None, int] | None:
         """Return signature and number of a member as it stands, None where it has none."""
         kind: Signature | None = None
         total = 0
@@ -301,7 +301,7 @@ class Workshop:
                 if kind is not None and not agrees(own, kind):
                     return None
                 kind = own
-            number = place.number(value.term)
+            number = model.number(value.term)
             if number is None:
                 return None
             total += sign * number
@@ -476,39 +476,39 @@ def _of_rate(shop: Workshop) -> Workshop:
     return replace(shop, line=plain, offers={}, values={}, pools=Pools(plain, {}, near, known))
 
 
-def leftover(shop: Workshop, candidate: Candidate | None, place: Drawn) -> str:
+def leftover(shop: Workshop, candidate: Candidate | None, model: Drawn) -> str:
     """Return the left less the right side as LaTeX, "" where no short sum of products is that.
 
-    It is what is left over under the assumptions of ``place``.
+    It is what is left over under the assumptions of ``model``.
     """
     if shop.line.claim.kind == CONSTANT:
         shop, candidate = _of_rate(shop), None
     found = pair(shop, candidate)
-    return "" if found is None else _entries(shop, place, found) or _sum(shop, place, found)
+    return "" if found is None else _entries(shop, model, found) or _sum(shop, model, found)
 
 
-def _entries(shop: Workshop, place: Drawn, found: tuple[Member, Member]) -> str:
+def _entries(shop: Workshop, model: Drawn, found: tuple[Member, Member]) -> str:
     """Return what is left over in a table, entry by entry."""
-    tables = shop.difference(place, *found)
+    tables = shop.difference(model, *found)
     if tables is None:
         return ""
-    node = entry_residual(shop.pools, place, *tables)
+    node = entry_residual(shop.pools, model, *tables)
     return "" if node is None else latex(node)
 
 
-def _sum(shop: Workshop, place: Drawn, found: tuple[Member, Member]) -> str:
+def _sum(shop: Workshop, model: Drawn, found: tuple[Member, Member]) -> str:
     """Return what is left over as a short sum of products."""
-    left, right = (shop.total(place, m) for m in found)
+    left, right = (shop.total(model, m) for m in found)
     if left is None or right is None:
         return ""
     kind = left[0] or right[0]
     if kind is None or (left[0] and right[0] and left[0] != right[0]):
         return ""
     number = (left[1] - right[1]) % PRIME
-    for pieces in fits(place.number, shop.pools.own(kind), number):
+    for pieces in fits(model.number, shop.pools.own(kind), number):
         if len(pieces) == 1:
             return latex(total(pieces))
     for pools in (shop.pools, shop.pools.widened()):
-        for pieces in fits(place.number, pools.pool(pools.roots, kind), number):
+        for pieces in fits(model.number, pools.pool(pools.roots, kind), number):
             return latex(total(pieces))
     return ""

@@ -1,4 +1,4 @@
-"""Corrections of a wrong line: looked for in worlds, read again as a whole, judged, ranked.
+"""Corrections of a wrong line: looked for in models, read again as a whole, judged, ranked.
 
 Which cells of a table may be at fault: those whose components differ, or do not fit the others. A slip in
 one cell of a matrix changes that component alone, so edits elsewhere in the table need not be tried; a
@@ -8,9 +8,10 @@ table of nine sums has thousands.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import combinations
 
 from eom.checker.judge.judge import HOLDS, UNDER, Judgement, judge_within
 from eom.checker.judge.models import Drawn
@@ -64,7 +65,7 @@ class Ranked:
     candidate: Candidate
     tree: Node
     cost: float
-    place: Drawn
+    model: Drawn
 
 
 @dataclass(frozen=True)
@@ -144,44 +145,50 @@ def _suspects(shop: Workshop, given: tuple[str, ...]) -> dict[Addend, Suspects]:
     """Return the cells of tables that may be at fault, by the terms of a line."""
     if not any(isinstance(n, Matrix) for a in shop.values for n in walk(a.node)):
         return {}
-    worlds = (p for both in levels(shop, given) for p in both)
-    differing = [by_components(p, shop.line.members, shop.difference) for p in worlds]
-    return suspects(shop.line, shop.values, differing)
+    models = (m for both in levels(shop, given) for m in both)
+    return suspects(shop.line, shop.values, [_differences(shop, m) for m in models])
 
 
-def _parts(shop: Workshop, place: Drawn, candidate: Candidate) -> list[list[int | None]]:
+def _differences(shop: Workshop, model: Drawn) -> dict[tuple[int, int], list[int]]:
+    """Return what members differ by in a model, component by component, for pairs of them."""
+    pairs = combinations(shop.line.members, 2)
+    found = {(a.number, b.number): shop.difference(model, a, b) for a, b in pairs}
+    return {numbers: both[1] for numbers, both in found.items() if both is not None}
+
+
+def _parts(shop: Workshop, model: Drawn, candidate: Candidate) -> list[list[int | None]]:
     """Return the numbers of the terms of all members with a repair put in; None where one has none."""
     chosen = {o.addend: o for o in candidate.options}
     own = {a for m in shop.line.members for a in m.addends}
     found = []
     for member in shop.line.members:
-        parts = [] if member.value is None else [place.number(member.value.term)]
+        parts = [] if member.value is None else [model.number(member.value.term)]
         for addend in member.addends:
             option, value = chosen.get(addend), shop.values.get(addend)
             if option is not None:
-                parts.append(_number(place, option.sign, option.term, 0))
+                parts.append(_number(model, option.sign, option.term, 0))
             else:
-                parts.append(_number(place, addend.sign, value.term if value else None, None))
+                parts.append(_number(model, addend.sign, value.term if value else None, None))
         lost = [o for a, o in chosen.items() if a not in own and a.member == member.number]
-        found.append([*parts, *(_number(place, o.sign, o.term, None) for o in lost)])
+        found.append([*parts, *(_number(model, o.sign, o.term, None) for o in lost)])
     return found
 
 
-def _number(place: Drawn, sign: int, term: Term | None, otherwise: int | None) -> int | None:
-    number = otherwise if term is None else place.number(term)
+def _number(model: Drawn, sign: int, term: Term | None, otherwise: int | None) -> int | None:
+    number = otherwise if term is None else model.number(term)
     return None if number is None else sign * number
 
 
-def _totals(shop: Workshop, place: Drawn, candidate: Candidate) -> list[int | None]:
+def _totals(shop: Workshop, model: Drawn, candidate: Candidate) -> list[int | None]:
     """Return the numbers of all members with a repair put in; None where one has none."""
-    rows = _parts(shop, place, candidate)
+    rows = _parts(shop, model, candidate)
     return [None if None in r else sum(p for p in r if p is not None) % PRIME for r in rows]
 
 
-def _alike(shop: Workshop, place: Drawn, candidate: Candidate) -> tuple[int, ...] | None:
+def _alike(shop: Workshop, model: Drawn, candidate: Candidate) -> tuple[int, ...] | None:
     """Return the terms after a repair as numbers up to a factor: the same for repairs that say the same."""
     numbers: list[int] = []
-    for parts in _parts(shop, place, candidate):
+    for parts in _parts(shop, model, candidate):
         if None in parts:
             return None
         numbers += [p % PRIME for p in parts if p is not None]
@@ -191,8 +198,8 @@ def _alike(shop: Workshop, place: Drawn, candidate: Candidate) -> tuple[int, ...
     return tuple(RESIDUES.scaled(numbers, RESIDUES.inverse(first)))
 
 
-def _holds_in(shop: Workshop, place: Drawn, candidate: Candidate) -> bool:
-    totals = _totals(shop, place, candidate)
+def _holds_in(shop: Workshop, model: Drawn, candidate: Candidate) -> bool:
+    totals = _totals(shop, model, candidate)
     return None not in totals and len(set(totals)) == 1
 
 
@@ -210,7 +217,7 @@ def trivial(shop: Workshop, tree: Node, there: tuple[Drawn, Drawn], candidate: C
         return True
     says = any(shop.is_zero(m) for m in members)
     return any(
-        all(t == 0 for t in _totals(shop, place, candidate)) for place in there[: 1 if says else 2]
+        all(t == 0 for t in _totals(shop, model, candidate)) for model in there[: 1 if says else 2]
     )
 
 
@@ -244,7 +251,7 @@ def verified(
         return None
     if _tautology(claim, ranked.candidate):
         return None
-    found = judge_within(claim, ranked.place.names, given)
+    found = judge_within(claim, ranked.model.names, given)
     if found.verdict not in {HOLDS, UNDER}:
         return None
     needed = min((penalty(s, stated) for s in found.sets), default=0.0)
@@ -266,7 +273,6 @@ def _tautology(claim: Claim, candidate: Candidate) -> bool:
 
 
 Cell = tuple[int, int]
-_Difference = Callable[[Drawn, Member, Member], "tuple[Node, list[int]] | None"]
 
 _BODIES: Mapping[type[Node], str] = {
     Boxed: "body",
@@ -392,17 +398,3 @@ def _at_fault(table: _Table, size: int, numbers: list[int]) -> Iterator[Cell]:
         width = size // rows
         bad = {k // width for k in wrong}
         yield from (c for c in cells if c[0] in bad)
-
-
-def by_components(
-    place: Drawn, members: Iterable[Member], difference: _Difference
-) -> dict[tuple[int, int], list[int]]:
-    """Return what members differ by in a world, component by component, for pairs of them."""
-    found = {}
-    listed = list(members)
-    for k, a in enumerate(listed):
-        for b in listed[k + 1 :]:
-            both = difference(place, a, b)
-            if both is not None:
-                found[(a.number, b.number)] = both[1]
-    return found

@@ -25,7 +25,7 @@ from typing import Any, ClassVar, Protocol
 import sympy as sp
 
 from eom.checker.judge.models import MENTIONS, Drawn, contexts, labels_in
-from eom.checker.judge.systems import Solutions, given_in
+from eom.checker.judge.systems import Solutions
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.model import Model
 from eom.checker.mean.values import Value
@@ -121,17 +121,17 @@ class Chosen(Field):
 
 
 def counterexample(
-    shop: Workshop, candidate: Candidate | None, place: Drawn
+    shop: Workshop, candidate: Candidate | None, model: Drawn
 ) -> Counterexample | None:
-    """Return small numbers under the assumptions of ``place`` for which a line fails, or None."""
+    """Return small numbers under the assumptions of ``model`` for which a line fails, or None."""
     members = pair(shop, candidate)
     terms = _terms(shop, members) if members is not None else None
     if members is None or terms is None:
         return None
-    told = _Telling(shop, members, _shown(shop, members, candidate), terms, place.names)
+    told = _Telling(shop, members, _shown(shop, members, candidate), terms, model.names)
     models = shop.line.models()
     return (
-        told.simplest(points(models, place.names))
+        told.simplest(points(models, model.names))
         if isinstance(models, Solutions)
         else _least(told)
     )
@@ -545,7 +545,7 @@ def _implicit(system: System, expression: Expr, rates: Mapping[Expr, Expr]) -> E
 def points(models: Solutions, names: Iterable[str]) -> Iterator[StatePoint]:
     """Yield states and parameters in small numbers that keep what is given, the simplest first."""
     model = models.model
-    given, angles = given_in(model, names), _angles(model.system)
+    given, angles = models.kept(names), _angles(model.system)
     for draw in range(DRAWS):
         numbers = _drawn_state(model, given, draw)
         if numbers is None:

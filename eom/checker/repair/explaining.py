@@ -60,12 +60,12 @@ def explain(
     found = corrections(understood, shop, given, stated)
     ranked = found[0].ranked if found else None
     candidate = ranked.candidate if ranked is not None else None
-    place = ranked.place if ranked is not None else next((p for _, p in levels(shop, given)), None)
+    model = ranked.model if ranked is not None else next((p for _, p in levels(shop, given)), None)
     return Explanation(
-        residual=leftover(shop, candidate, place) if place is not None else "",
+        residual=leftover(shop, candidate, model) if model is not None else "",
         blamed=blamed(wrong, candidate) if candidate is not None else places,
         corrections=tuple(_correction(understood, wrong, v) for v in found),
-        counterexample=_fails(shop, candidate, place, given) if place is not None else None,
+        counterexample=_fails(shop, candidate, model, given) if model is not None else None,
         convention=other_convention(understood, wrong.number, given),
     )
 
@@ -85,10 +85,10 @@ def corrected(
 
 
 def _fails(
-    shop: Workshop, candidate: Candidate | None, place: Drawn, given: tuple[str, ...]
+    shop: Workshop, candidate: Candidate | None, model: Drawn, given: tuple[str, ...]
 ) -> Counterexample | None:
     """Return small numbers for which a line fails, with what they assume beyond what is given."""
-    found = counterexample(shop, candidate, place)
+    found = counterexample(shop, candidate, model)
     if found is None:
         return None
     return replace(found, assumptions=tuple(n for n in found.assumptions if n not in given))

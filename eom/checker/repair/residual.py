@@ -16,7 +16,7 @@ from itertools import combinations_with_replacement, pairwise, product
 import sympy as sp
 
 from eom.checker.judge.models import Drawn
-from eom.checker.judge.systems import Solutions, equations, residual
+from eom.checker.judge.systems import Solutions, residual
 from eom.checker.mean.claims import CONSTANT
 from eom.checker.mean.dimensions import RATE, Dimension
 from eom.checker.mean.elaborate import abbreviated
@@ -353,7 +353,7 @@ def remains(line: Line, near: Sequence[Node], given: Iterable[str] = ()) -> tupl
     letters = _letters(line, near, models)
     found: dict[Node, None] = {}
     try:
-        for pair in equations(line.claim, models.model):
+        for pair in models.said:
             whole = residual(models.model.system, pair, models.held)
             parts = () if whole is None else (whole, *sp.Add.make_args(sp.expand(whole)))
             found |= {read_formula(_latex(part, letters)).tree: None for part in parts}
@@ -452,12 +452,12 @@ def weight(pieces: Sequence[Piece]) -> float:
 
 
 def lost_terms(
-    pools: Pools, place: Drawn, member: Member, kind: Signature, need: int
+    pools: Pools, model: Drawn, member: Member, kind: Signature, need: int
 ) -> Iterator[Option]:
     """Yield terms that a member needs so that its number grows by ``need``."""
     if member.path is None or not member.addends:
         return
-    for pieces in fits(place.number, pools.pool(pools.roots, kind), need):
+    for pieces in fits(model.number, pools.pool(pools.roots, kind), need):
         parts = [scaled(p) for p in pieces]
         sign = -1 if parts[0][0] == "-" else 1
         node = total([replace(p, coefficient=p.coefficient * sign) for p in pieces])
@@ -472,7 +472,7 @@ def lost_terms(
 
 
 def entry_terms(
-    pools: Pools, place: Drawn, addend: Addend, need: Sequence[int]
+    pools: Pools, model: Drawn, addend: Addend, need: Sequence[int]
 ) -> Iterator[Option]:
     """Yield a table of entries with terms added where its entries need some.
 
@@ -490,7 +490,7 @@ def entry_terms(
     for cell, wanted in zip(cells, need, strict=True):
         if wanted % PRIME == 0:
             continue
-        pieces = _entry(pools, place, table, cell, wanted)
+        pieces = _entry(pools, model, table, cell, wanted)
         if pieces is None:
             return
         tree = put(tree, (("rows", cell),), _added(table.rows[cell[0]][cell[1]], pieces))
@@ -505,7 +505,7 @@ def entry_terms(
         yield Option(addend, *kept, paths=((*path, *inside),), added=tuple(changed.items()))
 
 
-def entry_residual(pools: Pools, place: Drawn, node: Node, numbers: Sequence[int]) -> Node | None:
+def entry_residual(pools: Pools, model: Drawn, node: Node, numbers: Sequence[int]) -> Node | None:
     """Return a table of what entries have too much, by factors of the same entries; None for none."""
     found = _table(node)
     if found is None:
@@ -516,7 +516,7 @@ def entry_residual(pools: Pools, place: Drawn, node: Node, numbers: Sequence[int
         return None
     tree: Node = table
     for cell, number in zip(cells, numbers, strict=True):
-        pieces = _entry(pools, place, table, cell, number) if number % PRIME else ()
+        pieces = _entry(pools, model, table, cell, number) if number % PRIME else ()
         if pieces is None:
             return None
         tree = put(tree, (("rows", cell),), total(pieces) if pieces else Number("0"))
@@ -531,7 +531,7 @@ def _table(node: Node) -> tuple[Path, Matrix] | None:
 
 
 def _entry(
-    pools: Pools, place: Drawn, table: Matrix, cell: tuple[int, int], wanted: int
+    pools: Pools, model: Drawn, table: Matrix, cell: tuple[int, int], wanted: int
 ) -> tuple[Piece, ...] | None:
     """Return what an entry lacks, by its own factors, then by those of all entries."""
     kinds = [signature(v) for _, n in operands(table) for v in [_value(pools, n)] if v is not None]
@@ -540,7 +540,7 @@ def _entry(
     if kind is None:
         return None
     for roots in ([table.rows[cell[0]][cell[1]]], [table]):
-        for pieces in fits(place.scalar, pools.pool(roots, kind), wanted):
+        for pieces in fits(model.scalar, pools.pool(roots, kind), wanted):
             return pieces
     return None
 

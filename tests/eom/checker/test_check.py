@@ -2,7 +2,6 @@
 
 import json
 import tomllib
-from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -12,10 +11,10 @@ import eom
 from eom.checker.mean.propose import meanings, propose
 from eom.checker.mean.roles import roles
 from eom.checker.note import checking
-from eom.checker.note.checking import Found, check_note, one_by_one
+from eom.checker.note.checking import check_note
 from eom.checker.read.documents import Text, is_file, looks_like, note_of, notes_of, read_document
 from eom.checker.read.spans import NOWHERE
-from eom.checker.report.findings import FAULTS, ORDER, Explanation
+from eom.checker.report.findings import FAULTS, ORDER, UNEXPLAINED, Explanation
 from eom.checker.report.settings import Settings
 from eom.errors import InputError
 from eom.limits import Overdue, check, deadline
@@ -300,27 +299,26 @@ def test_the_sooner_of_two_deadlines_holds():
 # -- what is added ---------------------------------------------------------------------------------
 
 
-def explained(found: Found, _: Settings):
-    explanation = Explanation(residual=f"of {found.understood.formula.piece.kind}")
-    return replace(found.finding, explanation=explanation)
+def test_explanations_add_to_findings_and_leave_them_where_they_take_too_long(monkeypatch):
+    def explained(understood, judged, *_):
+        assert judged.verdict in FAULTS
+        return Explanation(residual=f"of {understood.formula.piece.kind}")
 
-
-def test_passes_add_to_findings_and_leave_them_where_they_take_too_long(monkeypatch):
     def slow(*_):
-        check()
+        with deadline(1e-9, "explaining"):
+            check()
         raise AssertionError("the time was not used up")
 
-    def marked(found, _):
-        assert all(f.verdict.verdict == f.finding.verdict for f in found)
-        return found[::-1]  # they stand by their places all the same
-
-    monkeypatch.setattr(checking, "PASSES", (one_by_one(explained), marked))
+    monkeypatch.setattr(checking, "explain", explained)
     report = eom.check(NOTE, **ARROWS)
     assert [f.line for f in report.findings] == [3, 5, 7, 10]
-    assert report.findings[-1].explanation.residual == "of display"
-    monkeypatch.setattr(checking, "PASSES", (one_by_one(slow), slow))
-    hurried = Settings("arrow-tilde", note_seconds=1e-9)
-    assert len(check_note(note_of(NOTE), hurried).findings) == 4
+    wrong = [f for f in report.findings if f.verdict in FAULTS]
+    assert wrong
+    assert {f.explanation.residual for f in wrong} == {"of display"}
+    monkeypatch.setattr(checking, "explain", slow)
+    found = eom.check(NOTE, **ARROWS).findings
+    assert [f.verdict for f in found] == [f.verdict for f in report.findings]
+    assert {f.explanation for f in found} == {UNEXPLAINED}
 
 
 def test_every_verdict_is_in_the_order():
