@@ -43,15 +43,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from codegen.closed import spinner, top_recognition
 from codegen.closed.angles import Angles, Sequence3, angles, own_axes, winding
-from codegen.closed.bodies import (
-    Matrix,
-    Spinning,
-    attitude_at,
-    bodies,
-    inertia,
-    moves,
-    positive_definite,
-)
 from codegen.closed.elliptic import (
     Modulus,
     Pair,
@@ -65,7 +56,19 @@ from codegen.closed.elliptic import (
 )
 from codegen.closed.exact import CHUNK, LENGTH, form_of
 from codegen.closed.heavy_top import top_form
-from codegen.closed.held import Held, fraction, held, states_of
+from codegen.closed.held import (
+    Held,
+    Matrix,
+    Spinning,
+    attitude_at,
+    bodies,
+    fraction,
+    held,
+    inertia,
+    moves,
+    positive_definite,
+    states_of,
+)
 from codegen.closed.polhode import Frame, context, number, polhode, root
 from codegen.compiling.compiled import Compiled
 from codegen.frontend.layout import Layout, names_of, to_array

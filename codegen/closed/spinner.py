@@ -24,10 +24,9 @@ from typing import Any
 import numpy as np
 
 from codegen.closed.angles import Angles, Sequence3, Spinning, angles, upright
-from codegen.closed.bodies import moving, sine_and_cosine
 from codegen.closed.elliptic import Pair, grown, pair, scaled
 from codegen.closed.exact import Steady
-from codegen.closed.held import Held, states_of
+from codegen.closed.held import Held, moving, sine_and_cosine, states_of
 from codegen.closed.polhode import context, number
 from codegen.frontend.attitude import INERTIA, OMEGA, Stated
 from codegen.ir.residues import FIELD, PRIME, RandomPoint

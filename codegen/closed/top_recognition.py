@@ -16,17 +16,18 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from codegen.closed.bodies import (
+from codegen.closed.heavy_top import Top
+from codegen.closed.held import (
+    Held,
     Spinning,
     attitude_at,
     bodies,
     cross,
+    fraction,
     matrix_of_turns,
     residuals,
     sine_and_cosine,
 )
-from codegen.closed.heavy_top import Top
-from codegen.closed.held import Held, fraction
 from codegen.closed.polhode import context, number
 from codegen.frontend.attitude import INERTIA
 from codegen.ir.residues import FIELD, PRIME, RandomPoint

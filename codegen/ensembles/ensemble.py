@@ -46,8 +46,7 @@ from codegen.ensembles.work_units import (
 from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import fleet
 from codegen.integrate.fleet import Shared
-from codegen.ir.identity import SameObject
-from codegen.ir.program import INVARIANTS, OUTPUTS
+from codegen.ir.program import INVARIANTS, OUTPUTS, SameObject
 from codegen.native import memory
 from codegen.native.children import Flag, obey
 from codegen.native.trajectory import MAX_STEPS, Array

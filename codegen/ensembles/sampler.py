@@ -29,7 +29,7 @@ from codegen.compiling.compiled import Compiled
 from codegen.compiling.compiled import compile as compile_system
 from codegen.frontend.layout import names_of
 from codegen.frontend.structure import Condition
-from codegen.ir.identity import SameObject
+from codegen.ir.program import SameObject
 from codegen.native.trajectory import Array
 from eom.errors import AssumptionError, InputError, shown, typed, typed_fields, unknown_name
 from eom.system import System

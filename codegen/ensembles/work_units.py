@@ -30,8 +30,7 @@ from codegen.ensembles.statistics import (
 from codegen.frontend.layout import names_of
 from codegen.integrate import fleet, scales
 from codegen.integrate.fleet import Runs, Shared
-from codegen.ir.identity import SameObject
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SameObject
 from codegen.native import children
 from codegen.native.trajectory import Array
 from codegen.precision.conditioning import GENEROUS, Sizes, measured

@@ -44,9 +44,8 @@ from codegen.compiling.signals import Inputs
 from codegen.derivatives.taylor import operations, prepare
 from codegen.integrate import closed
 from codegen.integrate.scales import PART
-from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point
-from codegen.ir.program import RATES
+from codegen.ir.program import RATES, SameObject
 from codegen.loops import taylor
 from codegen.loops.projection import units
 from codegen.native import native

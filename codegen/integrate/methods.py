@@ -12,8 +12,7 @@ from codegen.frontend.layout import Layout
 from codegen.integrate import choice, group, rkmk, scipy_, splitting, sundials
 from codegen.integrate.choice import Task
 from codegen.integrate.scipy_ import Projector, with_values
-from codegen.ir.identity import SameObject
-from codegen.ir.program import Program
+from codegen.ir.program import Program, SameObject
 from codegen.loops import projection, runge_kutta, taylor
 from codegen.loops.crossings import GROUP
 from codegen.loops.tableaux import DOP853, DP5, TSIT5, Tableau

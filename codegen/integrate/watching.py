@@ -20,8 +20,7 @@ import sympy as sp
 from codegen.compiling.compiled import TARGETS, Compiled
 from codegen.compiling.signals import Inputs
 from codegen.frontend.layout import Layout
-from codegen.ir.identity import SameObject
-from codegen.ir.program import Program
+from codegen.ir.program import Program, SameObject
 from codegen.loops.lookout import CROWDED
 from codegen.native.trajectory import Array, Problem
 from codegen.watch.narrow import AHEAD, MARGIN, VERDICT, WATCHED, Narrow, narrow

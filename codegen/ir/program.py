@@ -6,6 +6,8 @@ A `Program` is a tuple of instructions, each over earlier ones, and named groups
 Switching functions: values by whose signs the branches of a program choose.
 
 The groups of results that the program of a system has.
+
+Values as keys of caches by what they are, not by what they hold.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from codegen.ir import fold, telling
 from codegen.ir.linsolve import Shape
@@ -249,3 +251,19 @@ def switches(b: Builder, varies: Sequence[bool]) -> list[int]:
         elif op in _DIFFERENCES:
             found.append(b.add("sub", *args))
     return list(dict.fromkeys(found))
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class SameObject(Generic[T]):
+    """A value as a key by identity, kept alive while it is in a cache."""
+
+    value: T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SameObject) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)

@@ -14,8 +14,7 @@ from codegen.frontend.structure import Structure, fit
 from codegen.ir.passes import prune
 from codegen.ir.program import RATES, Program
 from codegen.loops.written import Choice
-from codegen.passes.pipeline import formed, optimise, steps
-from codegen.passes.schedule import pressure
+from codegen.passes.pipeline import formed, optimise, pressure, steps
 from eom.system import System
 
 

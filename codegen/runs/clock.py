@@ -31,11 +31,10 @@ from codegen.compiling.compiled import TARGETS, Compiled
 from codegen.compiling.events import Event, bare, extended
 from codegen.compiling.signals import Inputs
 from codegen.frontend.layout import Layout, names_of
-from codegen.ir.identity import SameObject
 from codegen.ir.interpret import Point, interpret_exactly
 from codegen.ir.ops import LEAVES
 from codegen.ir.passes import prune
-from codegen.ir.program import Builder, Program, bindings
+from codegen.ir.program import Builder, Program, SameObject, bindings
 from codegen.native.trajectory import Array, Problem
 from eom.errors import InputError
 from eom.quantities import Quantity

@@ -26,9 +26,8 @@ from codegen.compiling.compiled import TARGETS, Compiled
 from codegen.compiling.signals import Inputs
 from codegen.frontend.attitude import moved
 from codegen.frontend.layout import names_of, to_array
-from codegen.ir.identity import SameObject
 from codegen.ir.passes import Slot, dependence, prune, substitute
-from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
+from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program, SameObject
 from codegen.native.trajectory import Array, Problem, Trajectory
 from codegen.precision import conditioning
 from eom.errors import unknown_name

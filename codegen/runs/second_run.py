@@ -22,7 +22,7 @@ from codegen.compiling.signals import Inputs
 from codegen.integrate import choice
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
-from codegen.ir.identity import SameObject
+from codegen.ir.program import SameObject
 from codegen.loops.taylor import order_of
 from codegen.native.children import TooLongError, watch
 from codegen.native.native import CompilerError

@@ -24,8 +24,7 @@ from codegen.frontend.layout import names_of, to_array
 from codegen.integrate import scales as sizes_of
 from codegen.integrate.choice import Task
 from codegen.integrate.methods import can_project, integrator_of
-from codegen.ir.identity import SameObject
-from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES
+from codegen.ir.program import INVARIANTS, OUTPUTS, SINGULARITIES, SameObject
 from codegen.loops.projection import chosen
 from codegen.native.trajectory import MAX_STEPS, Array, Problem, Trajectory
 from codegen.runs import arguments, pruning

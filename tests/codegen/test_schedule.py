@@ -9,7 +9,7 @@ from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.interpret import Point, interpret
 from codegen.ir.passes import prune
 from codegen.ir.program import RATES, Builder
-from codegen.passes.schedule import MAX_SHARE, _Scheduler, pressure, reordered, schedule
+from codegen.passes.pipeline import MAX_SHARE, _Scheduler, pressure, reordered, schedule
 from eom.opening import load_scene
 from tests.clock import growth_in_calls
 from tests.codegen.scenes import SCENES

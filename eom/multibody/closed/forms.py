@@ -21,8 +21,7 @@ from eom.multibody.algebra.values import is_number
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
 from eom.multibody.closed.mechanism import Link, Mechanism, mechanism
 from eom.multibody.closed.polynomials import Scalar, terms_of
-from eom.multibody.closed.readable import Writer
-from eom.multibody.closed.terms import KINDS, Contribution, Part, factor, parts
+from eom.multibody.closed.readable import KINDS, Contribution, Part, Writer, factor, parts
 from eom.multibody.model.model import Tree
 from eom.multibody.model.names import inputs_of, singularities_of
 from eom.quantities import TIME, Definition, Quantity
@@ -46,7 +45,7 @@ class Term:
     """A term of one equation: ``coefficient`` times ``factor``.
 
     ``equation``: the speed that the equation belongs to. ``kind``: a row of
-    `eom.multibody.closed.terms.KINDS`. ``factor``: an acceleration, a product of speeds, or 1.
+    `eom.multibody.closed.readable.KINDS`. ``factor``: an acceleration, a product of speeds, or 1.
     ``origins``: what each step of the method gave to the coefficient.
     """
 

@@ -49,7 +49,7 @@ from eom.multibody.algebra.spatial import (
 )
 from eom.multibody.closed.mechanism import Link, Mechanism
 from eom.multibody.closed.polynomials import Scalar
-from eom.multibody.closed.terms import Contribution
+from eom.multibody.closed.readable import Contribution
 
 HALF = Fraction(1, 2)
 

@@ -28,8 +28,7 @@ from eom.multibody.closed.forms import (
 from eom.multibody.closed.lagrange import Kane, Lagrange, NewtonEuler
 from eom.multibody.closed.mechanism import dotted
 from eom.multibody.closed.polynomials import Monomial, Polynomial, Scalar, terms_of
-from eom.multibody.closed.readable import content
-from eom.multibody.closed.terms import KINDS
+from eom.multibody.closed.readable import KINDS, content
 from eom.multibody.model.model import Tree
 from eom.typeset.blocks import (
     EQUALS,

@@ -14,7 +14,7 @@ from eom.exact.identity import equal
 from eom.multibody import Body, Distance, Joint, Motion, Placement, Rotor, Tree, derive
 from eom.multibody.closed import METHODS, absolute_angles, closed_form, compare, tree_page
 from eom.multibody.closed.mechanism import MOST
-from eom.multibody.closed.terms import KINDS
+from eom.multibody.closed.readable import KINDS
 from tests.eom.multibody.small_trees import (
     DOWN,
     I1,
