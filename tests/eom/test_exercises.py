@@ -105,7 +105,7 @@ def test_every_kind_of_slip_can_be_planted_somewhere():
         "point-mass", "tilde-identities", "transport-theorem", "spinning-symmetric-body",
         "inertia-properties", "inertia-of-rod",
     ):  # fmt: skip
-        found |= {name for name, _, _ in making._offers(lesson(topic), "")}
+        found |= {name for name, _, _ in making._candidates(lesson(topic), "")}
     assert found == set(names()) == {s.name for s in SLIPS}
 
 
