@@ -97,9 +97,9 @@ def specials() -> Iterator[Special]:
     return (_special(*case) for case in _cases())
 
 
-def telling(names: frozenset[str]) -> Iterator[Special]:
+def revealing(names: frozenset[str]) -> Iterator[Special]:
     """Yield motions in which some assumptions hold and little vanishes: those that reveal most first."""
-    for case in _telling():
+    for case in _revealing():
         _, assumed = _assumed(*case)
         if names <= assumed:
             yield _special(*case)
@@ -131,7 +131,7 @@ def _all() -> Iterator[Case]:
 
 
 @cache
-def _telling() -> tuple[Case, ...]:
+def _revealing() -> tuple[Case, ...]:
     """Return cases in which all rates differ, with all reference points: in principal axes first."""
     first, *others = (*ORDINARY_FIRST, *WHOLE, *(b for b in BODIES if "symmetry" in b))
     cases = [(body, DRIVEN, turned) for turned in (False, True) for body in (first, *WHOLE)]

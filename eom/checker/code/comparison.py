@@ -1,4 +1,4 @@
-"""What is wrong with code for the rates of a system, told from its values at random points alone.
+"""What is wrong with code for the rates of a system, found from its values at random points alone.
 
 The code is a black box: points go in, rates come out. Where these differ from the system's, the difference
 is compared with named terms: of the rate itself, of the other rates, and of either with one slip. A
@@ -10,7 +10,7 @@ Terms that the difference of two rates may be made of, the likely ones first.
 First the terms of the rate itself: as they are printed, then multiplied out; then those with one slip in
 the place of the right ones; then terms of other rates, which are too much.
 
-Fits of numbers at several points: one or two terms with factors that can be told.
+Fits of numbers at several points: one or two terms with factors that can be found.
 """
 
 from __future__ import annotations
@@ -392,12 +392,12 @@ def _by_terms(case: _Case, i: int) -> Mistake | None:
             continue
         fit = fitted(difference, case.values(candidate.expression), case.size[i])
         if fit is not None and candidate.accepts(fit):
-            kind, text = candidate.told(fit)
+            kind, text = candidate.worded(fit)
             return Mistake(i, kind, f"{text} in output {i}", str(candidate.expression))
     pair = paired(difference, [case.values(c.expression) for c in own], case.size[i])
     if pair is None:
         return None
-    text = " and ".join(dict.fromkeys(own[k].told(fit)[1] for k, fit in pair))
+    text = " and ".join(dict.fromkeys(own[k].worded(fit)[1] for k, fit in pair))
     return Mistake(i, "two slips", f"{text} in output {i}")
 
 
@@ -429,7 +429,7 @@ class Candidate:
         """Whether a factor makes sense: a term that stands for another one does so once."""
         return self.right is None or fit.words == "1"
 
-    def told(self, fit: Fit) -> tuple[str, str]:
+    def worded(self, fit: Fit) -> tuple[str, str]:
         """Return the kind of a slip and its words, for the factor of the difference."""
         if self.right is not None:
             return "wrong term", f"{self.wrong} instead of {self.right}"
@@ -512,7 +512,7 @@ def _with_exchanged(term: Expr, a: Expr, b: Expr) -> Iterator[Expr]:
 RIGHT = 9.0
 """Digits from which on doubles are taken for equal: rounding in code of any order leaves more."""
 LARGEST = 12
-"""Numerators and denominators of factors that are told as fractions."""
+"""Numerators and denominators of factors that are printed as fractions."""
 
 FEW = 3
 """Points that are looked at first."""
@@ -554,7 +554,7 @@ def likely(values: Sequence[Number], term: Sequence[Number], size: Sequence[Numb
 
 
 def fitted(values: Sequence[Number], term: Sequence[Number], size: Sequence[Number]) -> Fit | None:
-    """Return the factor by which a term makes the values at all points, if it can be told."""
+    """Return the factor by which a term makes the values at all points, if it can be found."""
     weight = MP.fsum(t * t for t in term)
     if not weight or not all(map(MP.isfinite, (*values, *term))):
         return None
@@ -567,7 +567,7 @@ def fitted(values: Sequence[Number], term: Sequence[Number], size: Sequence[Numb
 def paired(
     values: Sequence[Number], terms: Sequence[Sequence[Number]], size: Sequence[Number]
 ) -> tuple[tuple[int, Fit], tuple[int, Fit]] | None:
-    """Return two terms by their places, with factors that can be told, that make the values."""
+    """Return two terms by their places, with factors that can be found, that make the values."""
     for j, k in combinations(range(len(terms)), 2):
         solved = _solved(values[: FEW + 1], terms[j][: FEW + 1], terms[k][: FEW + 1])
         fits = [named(c) for c in solved] or [None, None]

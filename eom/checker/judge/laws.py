@@ -1,7 +1,7 @@
 """Laws of the writer's own: lines that say what a free scalar means for the motion.
 
 The torque of a controller, M = -k w, or the velocity of a disc that rolls, v = w x R b3, are true of one
-motion and of no other; no mechanics tells what k and R are before that line does. So the first line that
+motion and of no other; no mechanics says what k and R are before that line does. So the first line that
 has such a scalar on some of its sides alone, and quantities of the motion on the others, is an assumption,
 and what comes behind it with the same scalar is judged by what follows from it.
 """

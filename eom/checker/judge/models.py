@@ -93,7 +93,7 @@ class Models(ABC):
     given: tuple[str, ...] = ()
 
     undefined: ClassVar[str]
-    """What is told of a claim without a value in all models that were drawn."""
+    """What is said of a claim without a value in all models that were drawn."""
     names_scalars = False
     """Whether the claim is about free scalars alone: it says what they are."""
 

@@ -129,7 +129,7 @@ def understand(
 
 
 def _finished(found: Iterable[Understood]) -> tuple[Understood, ...]:
-    """Return formulas with the trees of all of them around, and laws of the writer's own told as such."""
+    """Return formulas with the trees of all of them around, and laws of the writer's own marked as such."""
     found = tuple(found)
     trees = tuple(u.formula.reading.tree for u in found if u.formula.reading is not None)
     placed = [replace(u, around=replace(u.around, trees=trees)) for u in found]

@@ -1,4 +1,4 @@
-"""Claims about the system of a note: models are its solutions, and what is wrong is told in named terms.
+"""Claims about the system of a note: models are its solutions, and what is wrong is said in named terms.
 
 Every symbol of the claim is a quantity of the system; time derivatives are those along its solutions.
 Both sides are compared as exact series at random points (`eom.worlds.solutions`), so that an equation may
@@ -9,7 +9,7 @@ writes: a slip in a term is no licence to assume the term away.
 The left side less the right side, with all rates written out by the system's equations, is what is left
 over. If that is a multiple of a term that the writer has, the term has a wrong sign or factor, or does not
 belong; else it is what is missing. Where definitions of the system have names, the form with fewer terms is
-told.
+given.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ MAX_SPREAD = 3000
 MAX_WRITTEN = 2
 MAX_NUMBER = 100
 FAR = 14
-"""Rank from which on a factor is no slip: the difference is told as what is missing."""
+"""Rank from which on a factor is no slip: the difference is reported as what is missing."""
 
 Pair = tuple[Expr, Expr]
 
@@ -261,7 +261,7 @@ class Solutions(Models):
             if apart:
                 with suppress(Singular, InputError):
                     found = leftover(self.model.system, pair, apart, self.held)
-                    return "" if found is None else self._told(found)
+                    return "" if found is None else self._missing(found)
                 return ""
         return ""
 
@@ -271,7 +271,7 @@ class Solutions(Models):
                 if not drawn.agrees(pair):
                     yield drawn.motion
 
-    def _told(self, found: Leftover) -> str:
+    def _missing(self, found: Leftover) -> str:
         quantities = self.model.quantities.items()
         letters = {q.symbol: sp.Symbol(self.model.letter(n)) for n, q in quantities}
         return found.words.format(str(found.term.xreplace(letters)).replace("**", "^"))

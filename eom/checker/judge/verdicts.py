@@ -220,7 +220,7 @@ def judge_chain(claim: Claim, given: Iterable[str] = ()) -> Chain | None:
     """Return the links of a chain of equations under what is ``given``; None for a single equation.
 
     The first member of a definition stands for the second and is left out. The first member is taken
-    for right where nothing tells: a slip that is carried on is one of all members behind it.
+    for right where nothing decides: a slip that is carried on is one of all members behind it.
     """
     first = int(claim.kind == DEFINITION)
     numbers = range(first, len(claim.members))

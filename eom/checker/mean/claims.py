@@ -5,7 +5,7 @@ of the claim with its place, and the members that are left can be judged all the
 
 Lines that only give a number: ``I_1 = 3``, ``\\theta = 30^\\circ``, ``M = 5\\,\\text{kg}``.
 
-No motion tells whether they are right; a zero is no such number, as it says something of motions.
+No motion shows whether they are right; a zero is no such number, as it says something of motions.
 
 New symbols as the components of a known vector: ``\vec\omega = p \hat b_1 + q \hat b_2 + r \hat b_3``.
 
@@ -154,7 +154,7 @@ def claims(
     found: list[Claim] = []
     parts = [*statement.conditions, ("", statement)]
     for role, part in parts:
-        for one in _single(part):
+        for one in single_statements(part):
             e = elaborator(lexicon, known).bound(**(indices or {}))
             parts_of = resolved(one, e)
             if parts_of:
@@ -181,12 +181,12 @@ def _component(one: Component, s: Statement) -> Claim:
     return Claim((one.value, one.value), ("=",), DEFINITION, defines=one.look, span=s.span)
 
 
-def _single(statement: Statement) -> Iterator[Statement]:
+def single_statements(statement: Statement) -> Iterator[Statement]:
     """Yield a statement for each of the left sides that a comma parts, then those of braces."""
     if not statement.relational or any(isinstance(m, Words) for m in statement.members[:-1]):
         return
     first, last = statement.members[0], statement.members[-1]
-    wordy = isinstance(last, Words) and not _is_constant(last)
+    wordy = isinstance(last, Words) and not says_constant(last)
     if wordy or isinstance(last, Sequence):
         return
     if isinstance(first, Sequence):
@@ -234,7 +234,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
     if whole is not None:
         return [whole]
     nodes = list(s.members)
-    constant = _is_constant(nodes[-1])
+    constant = says_constant(nodes[-1])
     if constant:
         nodes.pop()
     look = _new(nodes, signs, e)
@@ -251,7 +251,7 @@ def _chain(s: Statement, e: Elaborator, before: Sequenced[Claim]) -> list[Claim]
         found = [_continued(made, e, values, before)]
     elif len(nodes) > 1:
         found = [_joined(made, e, values)]
-    if constant or any(_is_constant(Words(w)) for w in s.words):
+    if constant or any(says_constant(Words(w)) for w in s.words):
         found.append(_constant(made, e, values))
     return found
 
@@ -351,7 +351,7 @@ def _brought(s: Statement, e: Elaborator) -> int | None:
         pair = [s.members[k], s.members[k - 1]]
         near = {*signs[k - 1 : k + 1]}
         said = ":=" if near & {":=", "=:", "equiv"} else "="
-        if _is_constant(pair[0]) or e.lexicon.points.get(labels(pair[0])) is not None:
+        if says_constant(pair[0]) or e.lexicon.points.get(labels(pair[0])) is not None:
             continue
         if _new(pair, (said,), e) is not None:
             return k
@@ -390,7 +390,8 @@ def _definition(claim: Claim, e: Elaborator, look: Look, span: Span, values: lis
 _CONSTANTS = ("const", "constant", "konst")
 
 
-def _is_constant(node: Node) -> bool:
+def says_constant(node: Node) -> bool:
+    """Return whether the end of a statement is the word for constant."""
     text = node.text if isinstance(node, Words) else ""
     if isinstance(node, Symbol) and node.style == "roman":
         text = node.name
@@ -400,11 +401,11 @@ def _is_constant(node: Node) -> bool:
 def _constant(claim: Claim, e: Elaborator, values: list[Value]) -> Claim:
     if not values:
         return claim
-    steady = overdot(e.lexicon.notation, _square(values[-1]), 1, claim.span)
+    steady = overdot(e.lexicon.notation, without_root(values[-1]), 1, claim.span)
     return replace(claim, members=(steady,), relations=(), kind=CONSTANT)
 
 
-def _square(value: Value) -> Value:
+def without_root(value: Value) -> Value:
     """Return the square of a magnitude, which is constant when it is; anything else stays."""
     expression = value.term.data[0] if value.term.head == "expr" else None
     if expression is None or not (expression.is_Pow and expression.exp == sp.Rational(1, 2)):
@@ -413,7 +414,7 @@ def _square(value: Value) -> Value:
 
 
 def _datum(s: Statement, e: Elaborator) -> Claim | None:
-    """Return that a number is given, which nothing tells."""
+    """Return that a number is given, which nothing else gives."""
     if not given_number(s, e):
         return None
     finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)

@@ -361,7 +361,7 @@ _ALIKE: tuple[frozenset[str], ...] = (
     frozenset({"torque", "gravity_torque"}),
     frozenset({"euler_parameter", "euler_vector", "quaternion", "quaternion_last"}),
 )
-"""Quantities that words tell apart worse than a preset does."""
+"""Quantities that words separate worse than a preset does."""
 
 
 def _names(lexicon: Lexicon, look: Look, draft: Draft) -> bool:

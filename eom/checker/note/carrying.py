@@ -5,7 +5,7 @@ follows from what the note assumes by a formula is not wrong at all.
 
 Lines about a system that carry a slip forward: they hold in the system that the wrong line describes.
 
-A line that is wrong gives, solved for the one rate or the one named quantity that it tells, a system
+A line that is wrong gives, solved for the one rate or the one named quantity that it gives, a system
 with the slip in it. Later lines that are wrong of the system itself and hold on the solutions of that
 one follow from the slip, however they are derived from it.
 """

@@ -1,4 +1,4 @@
-"""A note in, a report out: every formula is understood, judged, and told with its place."""
+"""A note in, a report out: every formula is understood, judged, and reported with its place."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from eom.system import System
 
 MAX_SETS = 24
-"""Sets of assumptions that are told at most of one formula."""
+"""Sets of assumptions that are listed at most of one formula."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def check(
 
     ``note``: a `Path`, the name of a file (see `eom.checker.read.documents.is_file`), else a text. All
     others: see `Settings`. Without notation and lexicon those of the note are taken, and if it has none a
-    draft from its words, as ``Report.lexicon`` tells. Units, frames and signs are those that the lexicon
+    draft from its words, as ``Report.lexicon`` says. Units, frames and signs are those that the lexicon
     gives to the symbols; numbers with units are compared in SI.
 
     Verdicts on equations come from exact values in random worlds of rigid bodies
@@ -123,25 +123,25 @@ def grade(note: Note, settings: Settings) -> Graded:
         return Graded(name, None, str(error))
     except MemoryError:
         return Graded(name, None, "not enough memory")
-    except Exception as error:  # a defect of ours on one note is told as that
+    except Exception as error:  # a defect of ours on one note is reported as that
         return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
 
 
 def _explained(found: Found, settings: Settings) -> Found:
-    """Return a formula with why it is wrong, as it is where telling that takes too long.
+    """Return a formula with why it is wrong, as it is where finding that takes too long.
 
     What carries a slip forward is not explained again.
     """
-    told = found.finding
-    judged = next((j for j in found.verdict.claims if j.verdict == told.verdict), None)
-    if judged is None or judged.verdict not in GRAVE or told.carried:
+    reported = found.finding
+    judged = next((j for j in found.verdict.claims if j.verdict == reported.verdict), None)
+    if judged is None or judged.verdict not in GRAVE or reported.carried:
         return found
     try:
-        with deadline(settings.seconds, "what is told of this formula"):
+        with deadline(settings.seconds, "what is said of this formula"):
             explanation = explain(found.understood, judged, settings.given, found.stated)
     except (Overdue, RecursionError):
         return found
-    return replace(found, finding=replace(told, explanation=explanation))
+    return replace(found, finding=replace(reported, explanation=explanation))
 
 
 # -- findings ------------------------------------------------------------------------------------
@@ -154,10 +154,10 @@ def _found(reviewed: Sequence[Reviewed], known: Meanings) -> Iterator[Found]:
         formula = one.understood.formula
         numbers[formula.piece.kind] += 1
         if formula.piece.kind == "display" or formula.relational or one.verdict.verdict != NONE:
-            told = finding(one.understood, one.verdict, numbers[formula.piece.kind])
-            told = replace(told, remarks=one.remarks, carried=one.carried)
-            told = told if known.draft is None else _unconfirmed(told)
-            yield Found(one.understood, one.verdict, told, one.stated)
+            reported = finding(one.understood, one.verdict, numbers[formula.piece.kind])
+            reported = replace(reported, remarks=one.remarks, carried=one.carried)
+            reported = reported if known.draft is None else _unconfirmed(reported)
+            yield Found(one.understood, one.verdict, reported, one.stated)
 
 
 def _reviewed(
@@ -195,11 +195,11 @@ def _verdict(one: Understood, settings: Settings) -> Verdict:
 
 
 def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
-    """Return what is told of a formula with its verdict."""
+    """Return what is reported of a formula with its verdict."""
     piece = one.formula.piece
     gravest = [j for j in judged.claims if j.verdict == judged.verdict]
     error = one.formula.error
-    reason = _told(error) if error is not None else _line(judged.reason)
+    reason = _unreadable(error) if error is not None else _line(judged.reason)
     if judged.verdict == WRONG and not reason:
         reason = "it fails under all assumptions that are known"
     return Finding(
@@ -216,8 +216,8 @@ def finding(one: Understood, judged: Verdict, number: int = 1) -> Finding:
     )
 
 
-def _told(error: ReadingError) -> str:
-    """Return why a formula cannot be read; the place is told apart."""
+def _unreadable(error: ReadingError) -> str:
+    """Return why a formula cannot be read; the place stands beside it."""
     expected = f"expected {error.expected}" if error.expected else ""
     return "; ".join(p for p in (f"not read: {error.what}", expected, error.hint) if p)
 

@@ -43,7 +43,7 @@ def check_files(
     r"""Return what became of each note, in order; folders stand for the notes in them.
 
     ``notes``: as `eom.check` takes them. ``workers``: processes, 0 for as many as there are cores.
-    ``progress`` is told the fraction done. A note that cannot be read has an error in place of a report.
+    ``progress`` receives the fraction done. A note that cannot be read has an error in place of a report.
     Raises `InputError` for settings that cannot be used, a folder with too many notes, and where no worker
     can be started, and for fewer workers than none.
 
@@ -149,7 +149,7 @@ def _give(worker: _Worker, waiting: list[int], jobs: Sequence[Note], settings: S
     if worker.ready and waiting:
         worker.number = waiting.pop()
         worker.ends = monotonic() + _patience(settings)
-        with suppress(OSError):  # it has died: its pipe tells
+        with suppress(OSError):  # it has died: its pipe shows it
             worker.pipe.send(jobs[worker.number])
 
 

@@ -68,7 +68,7 @@ NOUNS: dict[str, str] = {
 }
 """Assumptions as nouns."""
 
-TELLING = frozenset(NOUNS) - {
+POINTED = frozenset(NOUNS) - {
     *("newton_2", "constant_mass", "body_frame", "one_particle", "rotors"),
     *("spin_312", "viscous_slug", "A_fixed_in_body", "unit_eigenvectors"),
 }
@@ -103,13 +103,13 @@ def remarks(
 ) -> tuple[tuple[Remark, ...], ...]:
     """Return the remarks on every formula; ``lines``: where the formulas stand, from 1."""
     given = tuple(given)
-    told: set[str] = set()
+    named: set[str] = set()
     before = _Before(given, lines, context)
     found = []
     for number, verdict in enumerate(verdicts):
         known = context.names(number) | implied(given)
         new = [*_hollow(verdict, context, given)]
-        new = new or [*_needs(verdict, number, lines[number], context, known, told)]
+        new = new or [*_needs(verdict, number, lines[number], context, known, named)]
         new += _spare(verdict, verdicts, number, context)
         new += before.take(verdict, number)
         found.append(tuple(dict.fromkeys(new)))
@@ -122,16 +122,16 @@ def _needs(
     line: int,
     context: Context,
     known: frozenset[str],
-    told: set[str],
+    named: set[str],
 ) -> Iterator[Remark]:
-    """Yield what is needed and has not been stated; ``told`` grows."""
+    """Yield what is needed and has not been stated; ``named`` grows."""
     missing: dict[str, None] = {}
     for judged in verdict.claims:
         if judged.verdict == UNDER and judged.judgement.sets:
             best = ranked(judged.judgement.sets, known)[0]
             missing.update(dict.fromkeys(n for n in best if n not in known))
-    new = [n for n in missing if n not in told]
-    told.update(new)
+    new = [n for n in missing if n not in named]
+    named.update(new)
     later = [(n, _first(n, number, context)) for n in new]
     for name, stated in later:
         if stated is not None and stated.source is context.sources[number]:
@@ -188,8 +188,8 @@ def _spare(
     for s in context.at(number):
         near = s.start > start or (bool(s.premises) and s.start == start)
         for name in s.names:
-            told = s.pointed and name in TELLING and MENTIONS.get(name, about) & about
-            if near and told and not _matters(name, used):
+            pointed = s.pointed and name in POINTED and MENTIONS.get(name, about) & about
+            if near and pointed and not _matters(name, used):
                 yield remark("not needed", s.line, noun(name))
 
 
@@ -252,7 +252,7 @@ def _plain(judged: Judged) -> bool:
 
 
 def _links(claim: Claim) -> list[Any]:
-    """Return what tells each link from others: its two sides with the meanings of their symbols."""
+    """Return what sets each link apart: its two sides with the meanings of their symbols."""
     meanings = frozenset(claim.scalars.items())
     terms = [m.term for m in claim.members]
     start = int(claim.kind == DEFINITION)

@@ -97,8 +97,8 @@ def review(
     for k, (_, own) in enumerate(placed):
         line = lines[slips[k]] if k in slips else 0
         more = (remark("carried", line),) if line else ()
-        told = (*own, *more, *about[k])
-        found.append(Reviewed(understood[k], final[k], told, line, context.names(k)))
+        beside = (*own, *more, *about[k])
+        found.append(Reviewed(understood[k], final[k], beside, line, context.names(k)))
     return tuple(found)
 
 
@@ -165,13 +165,13 @@ class _Placed:
         """
         place = self.context.places[self.number]
         near = (s for s in self.premises if s.scope == PARAGRAPH or s.start[0] == place[0])
-        told = [(s, p) for s in near for p in s.premises if not BOUNDS & set(p.relations)]
-        if not told:
+        premises = [(s, p) for s in near for p in s.premises if not BOUNDS & set(p.relations)]
+        if not premises:
             return None
-        found = conditioned(judged.claim, [p for _, p in told], self.names, self.given)
+        found = conditioned(judged.claim, [p for _, p in premises], self.names, self.given)
         if found.verdict == judged.verdict == WRONG:
             return None
-        return found, "rests on" if under(found) else "condition", max(s.line for s, _ in told)
+        return found, "rests on" if under(found) else "condition", max(s.line for s, _ in premises)
 
     def _rested(self, judged: Judged) -> _Other | None:
         """Judge a claim that rests on what the note assumes by a formula, if it needs less then."""

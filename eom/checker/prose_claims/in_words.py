@@ -440,7 +440,7 @@ def _about_o(claim: Claim) -> Claim:
 def _at(
     claim: Claim, words: str, names: tuple[str, ...], known: list[str], given: tuple[str, ...]
 ) -> Decision | None:
-    """Return whether a claim holds about one point, None where no world tells."""
+    """Return whether a claim holds about one point, None where no world decides."""
     for assumed in _largest([*_LAWS, *names], known):
         found = judge_within(claim, assumed, given)
         if found.verdict == WRONG:

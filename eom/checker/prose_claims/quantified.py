@@ -197,13 +197,13 @@ def _unconditional(words: str, formulas: Formulas, rests: bool) -> Quantified | 
     if made is None or any(isinstance(p, Not) for p in _parts(made)):
         return None
     said = {t for p in plains(made) for r in p.readings for row in r.rows for t in row}
-    telling = all(t.relation in {POSITIVE, NOT_NEGATIVE} or t.term.head in _TELLING for t in said)
-    if not (telling or always) or not _VERB.search(words):
+    decisive = all(t.relation in {POSITIVE, NOT_NEGATIVE} or t.term.head in _DECISIVE for t in said)
+    if not (decisive or always) or not _VERB.search(words):
         return None
     return Quantified("always" if always else "", (Implication(None, made),), rests)
 
 
-_TELLING = frozenset({"der", "add"})
+_DECISIVE = frozenset({"der", "add"})
 _VERB = re.compile(
     phrase(r" (?:is|are|remains?|stays?|does|always|equals|<moves>|<change>)(?: |$)")
 )

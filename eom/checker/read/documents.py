@@ -235,7 +235,7 @@ class Piece:
 
     ``kind``: "heading", "prose", "display", "inline". ``body`` is the text of the span in its source
     without code, comments and delimiters, of the same length. ``level`` of a heading counts from 1;
-    ``how`` tells how a formula is set: "$$", "align", ...; ``macros`` are the commands that hold here.
+    ``how`` says how a formula is set: "$$", "align", ...; ``macros`` are the commands that hold here.
     """
 
     kind: str

@@ -55,7 +55,7 @@ from eom.worlds.evaluate import Evaluator, flat
 from eom.worlds.generators import built
 from eom.worlds.shapes import Draw
 from eom.worlds.solutions import Restriction, rate, without_rates
-from eom.worlds.special import telling
+from eom.worlds.special import revealing
 from eom.worlds.worlds import World, closure
 
 STARTS = 3
@@ -128,12 +128,12 @@ def counterexample(
     terms = _terms(shop, members) if members is not None else None
     if members is None or terms is None:
         return None
-    told = _Telling(shop, members, _shown(shop, members, candidate), terms, model.names)
+    display = _Display(shop, members, _shown(shop, members, candidate), terms, model.names)
     models = shop.line.models()
     return (
-        told.simplest(points(models, model.names))
+        display.simplest(points(models, model.names))
         if isinstance(models, Solutions)
-        else _least(told)
+        else _least(display)
     )
 
 
@@ -150,23 +150,23 @@ def failing(
             names = closure([*given, *context])
         except InputError:
             continue
-        found = _least(_Telling(shop, members, shown, terms, names))
+        found = _least(_Display(shop, members, shown, terms, names))
         if found is not None:
             return found
     return None
 
 
-def _least(told: _Telling) -> Counterexample | None:
+def _least(display: _Display) -> Counterexample | None:
     """Return the simplest numbers that were found: of special motions, else of worlds that are drawn."""
-    least = _special(told)
+    least = _special(display)
     if least is not None and _rank(least) <= GOOD:
         return least
-    tried = _Tried(told.names, told.shop.line.elaborator.scalars, told.terms)
-    for watched, drawn in ((tuple(v.term for _, v in told.shown), FULL), ((), SPARSE)):
+    tried = _Tried(display.names, display.shop.line.elaborator.scalars, display.terms)
+    for watched, drawn in ((tuple(v.term for _, v in display.shown), FULL), ((), SPARSE)):
         tried = replace(tried, watched=watched, drawn=drawn, tests=0)
         for start in range(STARTS):
             choices = tried.first(start)
-            found = choices and _drawn(told, tried, tried.small(choices))
+            found = choices and _drawn(display, tried, tried.small(choices))
             if found and _digits(found) <= SIMPLE:
                 return found
             if found and (least is None or _rank(found) < _rank(least)):
@@ -174,20 +174,20 @@ def _least(told: _Telling) -> Counterexample | None:
     return least
 
 
-def _special(told: _Telling) -> Counterexample | None:
+def _special(display: _Display) -> Counterexample | None:
     """Return the simplest of the special motions in small numbers for which a line fails.
 
     They are known before, so that they take less time than worlds that are drawn.
     """
-    scalars = told.shop.line.elaborator.scalars
-    labels = labels_in([*told.terms, *scalars.values()])
-    names = frozenset(n for n in told.names if n not in MENTIONS or MENTIONS[n] & labels)
-    return told.simplest(_SmallWorld(Evaluator(s.world, scalars)) for s in telling(names))
+    scalars = display.shop.line.elaborator.scalars
+    labels = labels_in([*display.terms, *scalars.values()])
+    names = frozenset(n for n in display.names if n not in MENTIONS or MENTIONS[n] & labels)
+    return display.simplest(_SmallWorld(Evaluator(s.world, scalars)) for s in revealing(names))
 
 
-def _drawn(told: _Telling, tried: _Tried, choices: list[int]) -> Counterexample | None:
+def _drawn(display: _Display, tried: _Tried, choices: list[int]) -> Counterexample | None:
     try:
-        return told.told(_SmallWorld(Evaluator(tried.world(list(choices), 0), tried.scalars)))
+        return display.example(_SmallWorld(Evaluator(tried.world(list(choices), 0), tried.scalars)))
     except _UNDEFINED:
         return None
 
@@ -306,7 +306,7 @@ Shown = tuple[Node, Value]
 
 
 @dataclass(frozen=True)
-class _Telling:
+class _Display:
     """Two members of a line that disagree, and what is shown of a model where they do."""
 
     shop: Workshop
@@ -315,7 +315,7 @@ class _Telling:
     terms: tuple[Term, Term]
     names: frozenset[str]
 
-    def told(self, model: Small) -> Counterexample | None:
+    def example(self, model: Small) -> Counterexample | None:
         """Return the numbers of a model, None where some are large or have no value."""
         try:
             sides = [model.text(t) for t in self.terms]
@@ -333,7 +333,7 @@ class _Telling:
     def simplest(self, models: Iterable[Small]) -> Counterexample | None:
         """Return the simplest numbers of some models in which the line fails, None for none."""
         least: Counterexample | None = None
-        for found in filter(None, map(self.told, models)):
+        for found in filter(None, map(self.example, models)):
             least = found if least is None else min(least, found, key=_rank)
             if _rank(least) <= BEST:
                 break

@@ -164,7 +164,7 @@ def other_convention(understood: Understood, number: int, given: Iterable[str] =
     """Return in which other conventions a wrong claim of a formula is right, "" for none.
 
     ``number``: of the claim. What the note itself has defined stays as it was defined. A line without
-    rates is often right by each of two conventions; both are told.
+    rates is often right by each of two conventions; both are given.
     """
     given = tuple(given)
     right = [c.words for c in CONVENTIONS if _right(understood, number, c, given)]

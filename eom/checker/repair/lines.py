@@ -21,9 +21,9 @@ from eom.checker.mean.claims import (
     EQUALITIES,
     STATEMENT,
     Claim,
-    _is_constant,
-    _single,
-    _square,
+    says_constant,
+    single_statements,
+    without_root,
 )
 from eom.checker.mean.dimensions import Dimension
 from eom.checker.mean.elaborate import RULES
@@ -131,7 +131,7 @@ def line(understood: Understood, claim: Claim) -> Line | None:
     reading = understood.formula.reading
     if reading is None or claim.kind not in {STATEMENT, DEFINITION, CONSTANT}:
         return None
-    statement = _statement(understood, claim)
+    statement = statement_of(understood, claim)
     if statement is None or not {s.name for s in statement.signs} <= EQUALITIES | ORDERS:
         return None
     number = next(k for k, c in enumerate(understood.claims) if c is claim)
@@ -147,10 +147,10 @@ def line(understood: Understood, claim: Claim) -> Line | None:
     return Line(reading.tree, members, claim, number, e)
 
 
-def _statement(understood: Understood, claim: Claim) -> Statement | None:
+def statement_of(understood: Understood, claim: Claim) -> Statement | None:
     """Return the statement that a claim was made from: the one that stands where it stands."""
     parts = [p for s in understood.formula.statements for p in (*(c for _, c in s.conditions), s)]
-    singles = [one for part in parts for one in _single(part) if one.span == claim.span]
+    singles = [one for part in parts for one in single_statements(part) if one.span == claim.span]
     same = [c for c in understood.claims if c.span == claim.span]
     k = next((k for k, c in enumerate(same) if c is claim), 0)
     return singles[min(k, len(singles) - 1)] if singles else None
@@ -173,7 +173,7 @@ def _members(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]
 
 def _steady(tree: Node, statement: Statement, claim: Claim) -> Iterator[Member]:
     """Yield what is said to be constant, whose terms count by their rates, and zero."""
-    named = _is_constant(statement.members[-1])
+    named = says_constant(statement.members[-1])
     node = statement.members[-2 if named else -1]
     yield Member(0, tuple(_addends(node, 0)), find(tree, node))
     yield Member(1, value=replace(claim.members[0], term=zero(claim.members[0].term.kind)))
@@ -208,7 +208,9 @@ def worth(line: Line, node: Node) -> Value | None:
     alone = sum(len(m.addends) for m in line.members) == 1
     notation = line.elaborator.lexicon.notation
     try:
-        return mixed(notation, overdot(notation, _square(value) if alone else value, 1, node.span))
+        return mixed(
+            notation, overdot(notation, without_root(value) if alone else value, 1, node.span)
+        )
     except Refusal:
         return None
 

@@ -31,10 +31,10 @@ from eom.checker.repair.lines import (
     Addend,
     Line,
     Palette,
-    _statement,
     around,
     line,
     palette,
+    statement_of,
     symbols,
     worth,
 )
@@ -44,7 +44,7 @@ from eom.checker.report.findings import Correction, Counterexample, Explanation
 from eom.errors import InputError
 from eom.fields import Singular
 from eom.worlds.evaluate import Evaluator
-from eom.worlds.special import telling
+from eom.worlds.special import revealing
 
 TRIED = 60
 """Slips of the sides that are tried at most."""
@@ -178,7 +178,7 @@ def _repairs(
 
 def _may_hold(link: Claim) -> bool:
     """Return whether a comparison holds in one special motion, so that more worlds are worth their time."""
-    special = next(telling(frozenset()))
+    special = next(revealing(frozenset()))
     try:
         term, _ = difference(link)
         return bool(Evaluator(special.world, link.scalars).lowest(term) >= 0)
@@ -235,7 +235,7 @@ def between_scalars(understood: Understood, claim: Claim) -> Explanation | None:
     """Return why a relation between free scalars is wrong; None for any other claim."""
     if claim.parameters is None or understood.formula.reading is None:
         return None
-    statement = _statement(understood, claim)
+    statement = statement_of(understood, claim)
     found = links(claim)
     k = next((k for k, link in enumerate(found) if link.kind == FALSE), None)
     if statement is None or k is None:
@@ -317,7 +317,7 @@ def _mended(
     if claim.parameters is None:
         return ()
     found = links(claim)
-    nodes = _statement(replace(understood, claims=claims), claim)
+    nodes = statement_of(replace(understood, claims=claims), claim)
     alike = nodes is None or any(a == b for a, b in pairwise(nodes.members))
     good = len(found) > k and found[k].kind in {IDENTITY, RESTS}
     if good and not alike and FALSE not in {f.kind for f in found}:

@@ -404,7 +404,7 @@ def fewer_dots(node: Node, palette: Palette) -> Iterator[Offer]:
 
 
 def derived(node: Node, palette: Palette) -> Iterator[Offer]:
-    """Put a derivative in a frame before a symbol: the frame cannot be told by a dot."""
+    """Put a derivative in a frame before a symbol: the frame cannot be seen by a dot."""
     given = seen(node)
     if given is not None and given.look.name.isalpha() and not given.dots:
         for frame in palette.frames[:3]:
@@ -599,7 +599,7 @@ def edits(
 ) -> list[Edit]:
     """Return the slips undone in a tree, one each, and those of one kind at all equal places.
 
-    ``spared``: tells at which places nothing need be tried.
+    ``spared``: says at which places nothing need be tried.
     """
     found: dict[Node, Edit] = {}
     for edit in _single(node, palette, spared):

@@ -21,7 +21,7 @@ from eom.checker.repair.counterexample import points
 from eom.checker.repair.explaining import corrected, explain
 from eom.checker.repair.lines import line
 from eom.worlds.solutions import rate
-from eom.worlds.special import telling
+from eom.worlds.special import revealing
 from tests.eom.checker.test_parameters import PLATE
 from tests.eom.checker.test_systems import TOP, lexicon
 from tests.eom.checker.true_lines import ARROWS, SUPERSCRIPTS
@@ -289,11 +289,11 @@ def test_a_place_outside_of_the_suspects_is_spared():
 
 
 def test_special_motions_for_examples_are_in_whole_numbers():
-    found = [s for _, s in zip(range(10), telling(frozenset()), strict=False)]
+    found = [s for _, s in zip(range(10), revealing(frozenset()), strict=False)]
     data = [dict(s.data) for s in found]
     assert all("/" not in text for d in data for text in d.values())
     names = frozenset({"principal_axes", "about_centre", "newton_2"})
-    assert all(names <= s.assumed for _, s in zip(range(3), telling(names), strict=False))
+    assert all(names <= s.assumed for _, s in zip(range(3), revealing(names), strict=False))
 
 
 def test_principal_axis_components_in_whole_numbers():
