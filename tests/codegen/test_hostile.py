@@ -15,7 +15,7 @@ from codegen import compile as compile_system
 from codegen import simulate
 from codegen.measure.stress import hostile
 from codegen.measure.stress.hostile_cases import FAMILIES, Hostile, cases
-from codegen.measure.stress.workers import FAIL, PASS, SIZES, Plan
+from codegen.measure.stress.record import FAIL, PASS, SIZES, Plan
 from codegen.native import native
 
 needs_compiler = pytest.mark.skipif(not native.compiler(), reason="methods in C")

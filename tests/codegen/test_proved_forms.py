@@ -15,7 +15,7 @@ from codegen.closed.closed_forms import find
 from codegen.closed.held import Held, held
 from codegen.frontend.layout import Layout, names_of, to_array
 from codegen.measure.stress import forms
-from codegen.measure.stress.workers import SIZES, Plan
+from codegen.measure.stress.record import SIZES, Plan
 from codegen.native.trajectory import Problem
 from eom.__main__ import main
 from eom.commands.stressing import _material
