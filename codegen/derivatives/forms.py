@@ -146,9 +146,9 @@ def content(form: Form) -> tuple[Fraction, Monomial, Form]:
     """Return a scale and the factors that all terms share, and the form without them.
 
     Law: the same for all multiples of a form, but for the scale, unless numbers are too large to be
-    carried: then the scale is a sign. The first coefficient that is left is positive; but for that
-    case one is 1 in size. To clear denominators instead, level by level, would make numbers without
-    bound that overflow although the product of sum and scale does not.
+    carried: then the scale is a sign. What is left of the first term of ``form`` is positive; but for that
+    case one coefficient is 1 in size. To clear denominators instead, level by level, would make numbers
+    without bound that overflow although the product of sum and scale does not.
     """
     order = sorted(form)
     common = Counter(order[0])
