@@ -15,8 +15,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import reduce
 from heapq import heapify, heappop, heappush
 from itertools import combinations
+from operator import and_
 
 from codegen.ir.fold import bits, constant
 from codegen.ir.ops import TRUTH_VALUES, Instruction
@@ -146,23 +148,20 @@ def content(form: Form) -> tuple[Fraction, Monomial, Form]:
     """Return a scale and the factors that all terms share, and the form without them.
 
     Law: the same for all multiples of a form, but for the scale, unless numbers are too large to be
-    carried: then the scale is a sign. What is left of the first term of ``form`` is positive; but for that
-    case one coefficient is 1 in size. To clear denominators instead, level by level, would make numbers
-    without bound that overflow although the product of sum and scale does not.
+    carried: then the scale is a sign. The first coefficient that is left is positive; but for that
+    case one is 1 in size. To clear denominators instead, level by level, would make numbers without
+    bound that overflow although the product of sum and scale does not.
     """
-    order = sorted(form)
-    common = Counter(order[0])
-    for monomial in order[1:]:
-        common &= Counter(monomial)
+    common = reduce(and_, map(Counter, form))
+    left_of = {m: tuple(sorted((Counter(m) - common).elements())) for m in form}
+    order = sorted(form, key=left_of.__getitem__)
     size = _scale([abs(form[m]) for m in order])
     scale = size if form[order[0]] > 0 else -size
     left = [form[m] / scale for m in order]
     if not all(map(_carried, (scale, *left))):
         scale = scale / size
         left = [form[m] / scale for m in order]
-    rest = {
-        tuple(sorted((Counter(m) - common).elements())): c for m, c in zip(order, left, strict=True)
-    }
+    rest = {left_of[m]: c for m, c in zip(order, left, strict=True)}
     return scale, tuple(sorted(common.elements())), rest
 
 

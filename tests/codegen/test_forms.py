@@ -1,10 +1,9 @@
-from collections import Counter
 from fractions import Fraction
 from math import prod
 
 import mpmath
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from codegen.derivatives.forms import COEFFICIENT_BITS, ONE, Forms, Products, content
@@ -65,8 +64,7 @@ def test_content_is_what_all_terms_share(form):
         Fraction(AT[k]) for k in shared
     ) == value(form)
     assert abs(scale) == 1 or 1 in map(abs, rest.values())
-    first = Counter(min(form)) - Counter(shared)
-    assert rest[tuple(sorted(first.elements()))] > 0
+    assert next(c for m, c in sorted(rest.items())) > 0
     assert not set.intersection(*(set(m) for m in rest))
 
 
@@ -88,11 +86,13 @@ def test_coefficients_of_products_stay_small_and_nothing_is_rounded(factors):
 
 
 @pytest.mark.slow
-@given(FORMS, st.fractions(1, 9, max_denominator=3))
-def test_content_of_a_multiple_differs_in_the_scale_alone(form, factor):
+@given(FORMS, st.fractions(1, 9, max_denominator=3), MONOMIALS)
+@example({(0, 1): Fraction(-1), (1,): Fraction(1)}, Fraction(1), ())
+def test_content_of_a_multiple_differs_in_the_scale_and_the_factors_alone(form, factor, extra):
     scale, shared, rest = content(form)
-    other = content({m: -factor * c for m, c in form.items()})
+    other = content({tuple(sorted((*m, *extra))): -factor * c for m, c in form.items()})
     carried = all(bits(c) <= COEFFICIENT_BITS for c in (other[0], *other[2].values()))
+    shared = tuple(sorted((*shared, *extra)))
     assert other[1] == shared
     if carried and abs(scale) != 1:
         assert other == (-factor * scale, shared, rest)
