@@ -24,14 +24,14 @@ NINTH_DECILE = 0.9
 Graph = Mapping[str, set[str]]
 
 LIMITS = {
-    "modules": 512,
-    "lines of code": 77_800,
-    "modules in the fullest folder": 23,
+    "modules": 413,
+    "lines of code": 75_600,
+    "modules in the fullest folder": 18,
     "folders of more than 25 modules": 0,
     "circles of files": 0,
     "circles of folders": 0,
-    "private names of other modules": 9,
-    "lines of functions, ninth decile": 17,
+    "private names of other modules": 0,
+    "lines of functions, ninth decile": 16,
 }
 """What no change may make worse; a change that makes one better lowers it."""
 

@@ -259,25 +259,28 @@ def test_a_parameter_that_varies_is_none(symbol):
 
 
 @pytest.mark.slow
-def test_random_terms_are_never_overlooked(material, monkeypatch):
-    monkeypatch.setitem(forms.COUNTS, "quick", 60)
-    figures = forms.perturbed_forms(material, Plan(SIZES["quick"], seed=7)).figures
+def test_random_terms_are_never_overlooked(material):
+    figures = forms.perturbed_forms(
+        material, Plan(replace(SIZES["quick"], forms=60), seed=7)
+    ).figures
     assert [f.value for f in figures] == [0, 0], figures
     assert "of 19 whose form" in figures[0].what
 
 
 def test_the_check_sees_a_form_that_is_taken_wrongly(material, monkeypatch):
     monkeypatch.setattr(Held, "proved", lambda *_: True)
-    monkeypatch.setitem(forms.COUNTS, "quick", 10)
-    figures = forms.perturbed_forms(material, Plan(SIZES["quick"])).figures
+    figures = forms.perturbed_forms(material, Plan(replace(SIZES["quick"], forms=10))).figures
     assert figures[1].value > 0
     assert not figures[1].passed
 
 
 def test_the_check_sees_a_form_that_is_lost(material, monkeypatch):
     monkeypatch.setattr(Held, "proved", lambda *_: False)
-    monkeypatch.setitem(forms.COUNTS, "quick", 1)
-    assert not forms.perturbed_forms(material, Plan(SIZES["quick"])).figures[0].passed
+    assert (
+        not forms.perturbed_forms(material, Plan(replace(SIZES["quick"], forms=1)))
+        .figures[0]
+        .passed
+    )
 
 
 def test_perturbations_are_of_all_sizes_and_the_same_each_time():
