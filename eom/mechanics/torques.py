@@ -88,7 +88,8 @@ def _only(what: str, given: Iterable[Any], default: Any) -> Any:
             what,
             where="torque",
             got=" and ".join(map(str, found)),
-            hint="weight is about a fixed point, gravity gradient about the centre of mass on an orbit",
+            hint="weight is about a fixed point, gravity gradient about the centre of mass on an "
+            'orbit; a scene with model = "tree" takes both: gravity, gravity_gradient',
         )
     return found[0]
 

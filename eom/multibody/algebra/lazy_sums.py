@@ -237,6 +237,8 @@ LETTERS: dict[str, Row] = {
     "h": Row("h", "kg m", "first moment of mass of {} about its origin"),
     "J": Row("J", "kg m^2", "inertia of {} about its origin"),
     "dJ": Row("dJ", "kg m^2", "difference of the moments of inertia of {}"),
+    "gradient": Row("G", "1/s^2", "gradient of gravity, in the axes of {}"),
+    "field": Row("g", "m/s^2", "gravity at the origin of {} by its gradient, in its axes"),
     "n": Row("n", "N m", "moment on {} about its origin"),
     "f": Row("f", "N", "force on {}"),
     "n_bias": Row("n", "N m", "moment on {} and what hangs on it, by velocities and loads"),

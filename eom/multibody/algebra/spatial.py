@@ -20,6 +20,7 @@ Matrix = Sequence[Sequence[Scalar]]
 
 ZERO: Vector = (0, 0, 0)
 IDENTITY: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+ZEROS: Matrix = (ZERO, ZERO, ZERO)
 _UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 
 
@@ -104,6 +105,11 @@ def product(A: Matrix, B: Matrix) -> Matrix:
     """Return matrix times matrix."""
     columns = transposed(B)
     return [[dot(row, column) for column in columns] for row in A]
+
+
+def trace(A: Matrix) -> Scalar:
+    """Return the sum of the diagonal."""
+    return add(add(A[0][0], A[1][1]), A[2][2])
 
 
 def matrix_sum(A: Matrix, B: Matrix) -> Matrix:

@@ -100,7 +100,7 @@ def symmetric(given: Any, where: str) -> tuple[tuple[Value, ...], ...]:
         return ((a, 0, 0), (0, b, 0), (0, 0, c))
     J = matrix(parts, where)
     if any(not same(J[i][j], J[j][i]) for i in range(3) for j in range(i)):
-        raise InputError("inertia matrix is not symmetric", where=where, got=given)
+        raise InputError("the matrix is not symmetric", where=where, got=given)
     return tuple(tuple(J[min(i, j)][max(i, j)] for j in range(3)) for i in range(3))
 
 

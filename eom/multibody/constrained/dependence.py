@@ -26,6 +26,7 @@ import sympy as sp
 
 from eom.errors import InputError, near_matches, typed
 from eom.multibody.algebra.scalars import Numbers
+from eom.multibody.algebra.spatial import ZERO, ZEROS
 from eom.multibody.algebra.values import is_number
 from eom.multibody.constrained.equations import Component, components
 from eom.multibody.constrained.relations import Arithmetic, scene
@@ -78,7 +79,8 @@ class Geometry:
             loads=(),
             rotors=(),
             springs=(),
-            gravity=(0, 0, 0),
+            gravity=ZERO,
+            gravity_gradient=ZEROS,
         )  # fmt: skip
         return cls(bare, {TIME: 0.0, **known})
 

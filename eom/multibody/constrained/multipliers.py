@@ -213,6 +213,7 @@ def _answer(given: Dynamics, row: Row, name: str) -> list[Scalar]:
         given.lumped,
         parts=tuple(replace(p, pulls=()) for p in given.lumped.parts),
         gravity=ZERO,
+        gradient=None,
     )
     n = lumped.speeds
     tau = [row.get(s, 0) for s in range(n)]

@@ -197,7 +197,8 @@ else:
 class TreeDescription(Request):
     """Bodies joined to the ground, loads, numbers, and what is asked for.
 
-    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes. ``bodies``,
+    ``model``: ``tree``. ``gravity``: its acceleration (m/s^2) in the ground's axes, at its origin;
+    ``gravity_gradient``: by how much it grows with the position (1/s^2), over parameters and t. ``bodies``,
     ``joints``, ``loads``, ``constraints``, ``rotors``, ``springs``, ``points``: by name. ``initial``:
     coordinates and speeds (rad, m, rad/s, m/s) at t = 0, formulas over parameters, and over masses,
     moments and sizes of bodies, as mass_BODY, I1_BODY; what is not given is zero, the attitude of a joint
@@ -209,6 +210,7 @@ class TreeDescription(Request):
 
     model: Literal["tree"] = "tree"
     gravity: Formulas = (0, 0, 0)
+    gravity_gradient: tuple[Formulas, Formulas, Formulas] | None = None
     bodies: dict[str, BodyPart]
     joints: dict[str, JointPart]
     loads: dict[str, LoadPart] = Field(default_factory=dict)

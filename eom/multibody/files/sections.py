@@ -14,7 +14,7 @@ from eom.errors import InputError, unknown_name
 from eom.kinematics.coordinates import SEQUENCES, rotation_sequence
 from eom.mass import solids
 from eom.mechanics.sequence_angles import with_angles
-from eom.multibody.algebra.spatial import IDENTITY, ZERO
+from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS
 from eom.multibody.algebra.values import Value, is_number, value
 from eom.multibody.files.description import (
     CONSTRAINTS,
@@ -321,6 +321,7 @@ def tree_of(reading: Reading) -> Tree:
     return Tree(
         spelling(scene.name),
         gravity=reading.constants.values(scene.gravity, "gravity"),
+        gravity_gradient=reading.moving.values(scene.gravity_gradient or ZEROS, "gravity_gradient"),
         inputs=reading.inputs,
         parameters=reading.parameters,
         **parts,

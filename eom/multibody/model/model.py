@@ -17,7 +17,7 @@ from eom.errors import InputError, entries, near_matches, shown, typed_fields, u
 from eom.kinematics.coordinates import SEQUENCES
 from eom.multibody.algebra import values
 from eom.multibody.algebra.scalars import is_zero
-from eom.multibody.algebra.spatial import IDENTITY, ZERO, Matrix
+from eom.multibody.algebra.spatial import IDENTITY, ZERO, ZEROS, Matrix
 from eom.multibody.algebra.values import Value, is_number
 from eom.multibody.model import checks
 from eom.multibody.model.joints import KINDS, QUATERNION
@@ -434,10 +434,11 @@ class Tree:
     """Bodies joined to the ground without loops, and constraints on them, which may close loops.
 
     ``bodies``, ``joints``: one joint leads to each body. ``gravity``: its acceleration in the ground's axes
-    (m/s^2), (3,). ``loads``, ``rotors``, ``springs``: what else acts and spins. ``inputs``: symbols, or
-    quantities, that are inputs; ``parameters``: quantities that describe parameters (every other symbol is
-    one too). ``constraints``: rows of `eom.multibody.model.constraints`. Every number may be a SymPy
-    expression; SI units, angles in radians.
+    (m/s^2), (3,), at the ground's origin; ``gravity_gradient``: by how much it grows with the position,
+    symmetric, (3, 3) or its diagonal (1/s^2). ``loads``, ``rotors``, ``springs``: what else acts and
+    spins. ``inputs``: symbols, or quantities, that are inputs; ``parameters``: quantities that describe
+    parameters (every other symbol is one too). ``constraints``: rows of
+    `eom.multibody.model.constraints`. Every number may be a SymPy expression; SI units, angles in radians.
 
     Raises `InputError` that names the body or joint at fault: repeated or unknown names, a body that
     hangs on nothing or on two joints, a loop, a joint that moves no mass.
@@ -458,12 +459,15 @@ class Tree:
     constraints: tuple[Constraint, ...] = ()
     rotors: tuple[Rotor, ...] = ()
     springs: tuple[Spring, ...] = ()
+    gravity_gradient: Any = ZEROS
 
     def __post_init__(self) -> None:
         keep = object.__setattr__
         for name in ("bodies", "joints", "loads", "parameters", "constraints", "rotors", "springs"):
             keep(self, name, tuple(getattr(self, name)))
         keep(self, "gravity", values.triple(self.gravity, f"tree {self.name!r}: gravity"))
+        place = f"tree {self.name!r}: gravity_gradient"
+        keep(self, "gravity_gradient", values.symmetric(self.gravity_gradient, place))
         described = (i if isinstance(i, Quantity) else Quantity(i) for i in self.inputs)
         keep(self, "inputs", tuple(described))
         _check_tree(self)

@@ -74,6 +74,7 @@ def symbols_in(values: Iterable[Any]) -> list[Expr]:
 def values_of(tree: Tree) -> Iterable[Any]:
     """Yield every value of a description."""
     yield from tree.gravity
+    yield from (x for row in tree.gravity_gradient for x in row)
     for part in (*tree.bodies, *tree.joints, *tree.loads, *tree.springs, *tree.rotors):
         yield from part.values
 

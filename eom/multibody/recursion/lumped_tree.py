@@ -136,6 +136,11 @@ class Part:
         return self.inertia.M[0][0]
 
     @property
+    def whole_inertia(self) -> Matrix:
+        """Moments and products of inertia about the origin, with those of rotors about their axes."""
+        return with_axial(self.inertia.I, self.rotors)
+
+    @property
     def first_moment(self) -> Vector:
         """Mass times the position of the centre of mass."""
         H = self.inertia.H
@@ -144,7 +149,10 @@ class Part:
 
 @dataclass(frozen=True)
 class LumpedTree:
-    """The parts of a tree, where its bodies are on them, and gravity's acceleration in the ground."""
+    """The parts of a tree, where its bodies are on them, and gravity's acceleration in the ground.
+
+    ``gradient``: of that acceleration, by the position; None where it is the same everywhere.
+    """
 
     parts: tuple[Part, ...]
     seats: dict[str, BodyPlacement]
@@ -154,6 +162,7 @@ class LumpedTree:
     rotors: tuple[tuple[int, RotorSpin], ...] = ()
     """All rotors, with the numbers of their parts."""
     links: tuple[SpringDamper, ...] = ()
+    gradient: Matrix | None = None
 
     @property
     def driven(self) -> tuple[int, ...]:
@@ -188,10 +197,12 @@ def lumped_tree(
     held |= {name for constraint in tree.constraints for name in constraint.bodies}
     fast = {builder.seats[name].part for name in held if name in builder.seats}
     parts = tuple(_spinning(k, builder.parts, fast) for k in range(len(builder.parts)))
-    gravity = [lift(g) for g in tree.gravity]
+    gravity = builder.vector(tree.gravity)
+    varies = any(not is_zero(x) for row in tree.gravity_gradient for x in row)
+    gradient = builder.matrix(tree.gravity_gradient) if varies else None
     sizes = builder.coordinates, builder.speeds
     links = tuple(builder.link(spring) for spring in tree.springs)
-    return LumpedTree(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links)
+    return LumpedTree(parts, builder.seats, gravity, *sizes, tuple(builder.rotors), links, gradient)
 
 
 @dataclass
@@ -409,10 +420,18 @@ class RotorSpin:
 
 def without_axial(J: Matrix, spins: Sequence[RotorSpin]) -> Matrix:
     """Return an inertia without the axial moments of the rotors that have speeds of their own."""
+    return _axial(J, spins, sub)
+
+
+def with_axial(J: Matrix, spins: Sequence[RotorSpin]) -> Matrix:
+    """Return an inertia with the axial moments of the rotors that have speeds of their own."""
+    return _axial(J, spins, add)
+
+
+def _axial(
+    J: Matrix, spins: Sequence[RotorSpin], combined: Callable[[Scalar, Scalar], Scalar]
+) -> Matrix:
     for spin in (s for s in spins if s.free):
-        a = spin.axis
-        J = [
-            [sub(J[i][j], mul(spin.inertia, mul(a[min(i, j)], a[max(i, j)]))) for j in range(3)]
-            for i in range(3)
-        ]
+        a = [scaled(spin.inertia, [mul(x, y) for y in spin.axis]) for x in spin.axis]
+        J = [[combined(J[i][j], a[min(i, j)][max(i, j)]) for j in range(3)] for i in range(3)]
     return J

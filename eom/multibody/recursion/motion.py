@@ -34,6 +34,7 @@ from eom.multibody.algebra.spatial import (
     scaled,
     shifted,
     times,
+    transposed,
     turned_back,
 )
 from eom.multibody.recursion.lumped_tree import LumpedTree, Part, last_turn_left_out
@@ -227,6 +228,33 @@ def loads(placed: Sequence[Place], work: Work) -> list[SpatialVector]:
             force = keep_vector(work, "f", placed[k].part.name, force)
             n, f = plus(n, plus(torque, cross(pull.point, force))), plus(f, force)
         found.append(SpatialVector(n, f))
+    return found
+
+
+def attracted(
+    gradient: Matrix,
+    placed: Sequence[Place],
+    posed: Sequence[tuple[Matrix, Vector]],
+    work: Work,
+) -> list[SpatialVector]:
+    """Return moment about its origin and force on each part by the gradient of gravity, in its axes.
+
+    With the gradient G in the part's axes, the field a = G x at its origin, first moment h and inertia J
+    about that: force m a + G h, moment h x a + the integral of r x G r dm, whose components are those of
+    G J less its transpose.
+    """
+    found = []
+    for place, (R, position) in zip(placed, posed, strict=True):
+        part = place.part
+        G = keep_symmetric(
+            work, "gradient", part.name, product(R, product(gradient, transposed(R)))
+        )
+        a = keep_vector(work, "field", part.name, times(R, times(gradient, position)))
+        A = product(G, part.whole_inertia)
+        spread = [sub(A[i][j], A[j][i]) for i, j in ((1, 2), (2, 0), (0, 1))]
+        h = part.first_moment
+        force = plus(scaled(part.mass, a), times(G, h))
+        found.append(SpatialVector(plus(cross(h, a), spread), force))
     return found
 
 

@@ -151,7 +151,8 @@ def _generic(lumped: LumpedTree, counter: _Counter) -> LumpedTree:
         )
         for p in lumped.parts
     )
-    return replace(lumped, parts=parts, gravity=vector(lumped.gravity))
+    gradient = None if lumped.gradient is None else matrix(lumped.gradient)
+    return replace(lumped, parts=parts, gravity=vector(lumped.gravity), gradient=gradient)
 
 
 def _reasons(tree: Tree, lumped: LumpedTree) -> list[str]:

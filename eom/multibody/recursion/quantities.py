@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from eom.errors import InputError, near_matches, typed_fields
-from eom.multibody.algebra.scalars import Scalar, Work, add, mul, negative, total
+from eom.multibody.algebra.scalars import Scalar, Work, add, mul, negative, sub, total
 from eom.multibody.algebra.spatial import (
     ZERO,
     Matrix,
@@ -25,8 +25,10 @@ from eom.multibody.algebra.spatial import (
     minus,
     negative_vector,
     plus,
+    product,
     scaled,
     times,
+    trace,
     transposed,
 )
 from eom.multibody.model.parts import BodyName, Part, Triple
@@ -101,8 +103,23 @@ def mass(flow: Flow) -> Scalar:
 
 
 def gravity_potential(tree: LumpedTree, flow: Flow) -> Scalar:
-    """Return the potential energy in gravity, zero at the ground's origin."""
-    return negative(dot(tree.gravity, first_moments(flow)))
+    """Return the potential energy in gravity, zero for a point mass at the ground's origin.
+
+    A gradient G adds -x.G x/2 dm, with second moments tr(J)/2 - J.
+    """
+    found = negative(dot(tree.gravity, first_moments(flow)))
+    if tree.gradient is None:
+        return found
+    G, spread = tree.gradient, trace(tree.gradient)
+    for place, (R, x) in zip(flow.placed, flow.poses, strict=True):
+        part, back = place.part, transposed(R)
+        J = part.whole_inertia
+        field, h = times(G, x), times(back, part.first_moment)
+        turned = product(back, product(J, R))
+        own = sub(mul(HALF, mul(trace(J), spread)), trace(product(G, turned)))
+        twice = add(dot(field, plus(scaled(part.mass, x), plus(h, h))), own)
+        found = sub(found, mul(HALF, twice))
+    return found
 
 
 def momentum(flow: Flow) -> SpatialVector:

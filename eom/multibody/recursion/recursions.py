@@ -48,6 +48,7 @@ from eom.multibody.recursion.motion import (
     Moving,
     Place,
     Scalars,
+    attracted,
     biases,
     carrier_of,
     combined,
@@ -76,11 +77,17 @@ class End:
 def applied(
     tree: LumpedTree, placed: Sequence[Place], moved: Sequence[Moving], work: Work
 ) -> list[SpatialVector]:
-    """Return moment about its origin and force, by loads and links, on each part."""
+    """Return moment about its origin and force, by loads, links and uneven gravity, on each part."""
     found = loads(placed, work)
-    if not tree.links:
+    if not tree.links and tree.gradient is None:
         return found
     posed, speeds = poses(placed, work), velocities(placed, moved, work)
+    if tree.gradient is not None:
+        pulled = attracted(tree.gradient, placed, posed, work)
+        found = [
+            SpatialVector(plus(one.angular, two.angular), plus(one.linear, two.linear))
+            for one, two in zip(found, pulled, strict=True)
+        ]
     for link in tree.links:
         first, second = (end(link, n, posed, speeds, work) for n in (0, 1))
         pull = keep_vector(work, "f", link.name, _pull(link, first, second, work))

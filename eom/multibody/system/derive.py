@@ -238,7 +238,8 @@ def afloat(tree: Tree) -> bool:
         for j in roots
     )
     alone = not (held or len(roots) > 1 or tree.loads) and inner(tree)
-    return alone and all(map(is_zero, tree.gravity)) and _unchanging(tree)
+    field = (*tree.gravity, *(x for row in tree.gravity_gradient for x in row))
+    return alone and all(map(is_zero, field)) and _unchanging(tree)
 
 
 def _unchanging(tree: Tree) -> bool:
