@@ -16,7 +16,7 @@ from codegen.linearisation.unknowns import Equilibrium
 from codegen.native.native import CompilerError
 from codegen.native.trajectory import Stop
 from codegen.precision.accuracy import accuracy
-from codegen.precision.domain import Card
+from codegen.precision.domain import AccuracyReport
 from codegen.runs.pruning import Drift
 from codegen.runs.run_accuracy import Accuracy
 from codegen.runs.simulation import Result, simulate
@@ -24,7 +24,7 @@ from codegen.runs.simulation import Result, simulate
 __all__ = [
     "METHODS",
     "Accuracy",
-    "Card",
+    "AccuracyReport",
     "Compiled",
     "CompilerError",
     "Drift",

@@ -408,7 +408,7 @@ FACTS = {
         NONE,
         "Benettin, Galgani, Giorgilli, Strelcyn, Meccanica 15 (1980) 9",
     ),
-    "codegen.Card": (
+    "codegen.AccuracyReport": (
         NONE,
         "units in the last place (ulps)",
         NONE,

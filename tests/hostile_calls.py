@@ -86,8 +86,8 @@ HOSTILE = (
 """Without what is a value of every argument; a function's arity is asked where it is called."""
 
 MADE = {
-    "codegen": "Accuracy Card Compiled CompilerError Drift Ensemble Equilibrium FreeMotion Linear "
-    "LinearMotion Result Sensitivities SparseJacobian Stop Summary",
+    "codegen": "Accuracy AccuracyReport Compiled CompilerError Drift Ensemble Equilibrium FreeMotion "
+    "Linear LinearMotion Result Sensitivities SparseJacobian Stop Summary",
     "eom": "Derivation AssumptionError InputError",
     "eom.multibody": "Assembly BaseParameters ClosedForm Comparison Constraint Examination Regressor",
 }
@@ -254,6 +254,7 @@ def _multibody():
         "Tree": (m.Tree, {
             "name": "p", "bodies": (bob,), "joints": (hinge,), "gravity": (0, 0, 0), "loads": (),
             "inputs": (), "parameters": (), "constraints": (), "rotors": (), "springs": (),
+            "gravity_gradient": (0, 0, 0),
         }),
         "Rotor": (m.Rotor, {
             "name": "r", "body": "bob", "axis": (0, 0, 1), "inertia": 1, "damping": 0, "torque": 0,

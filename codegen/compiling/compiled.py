@@ -36,7 +36,7 @@ from codegen.derivatives.derivative import JACOBIAN
 from codegen.frontend.from_sympy_mechanics import as_system
 from codegen.frontend.layout import Layout, names_of
 from codegen.frontend.structure import Guard, Structure
-from codegen.ir import telling
+from codegen.ir import compile_progress
 from codegen.ir.names import identifier
 from codegen.ir.passes import prune
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Program
@@ -206,9 +206,9 @@ def compile(  # noqa: A001 - the word that users expect
     ``stable``: apply every identity of `codegen.passes.stable` against cancellation; those that cost no
     time are always applied. `codegen.accuracy` tells where it helps. ``attitudes``: bodies among the states
     of a system from elsewhere, see `eom.BodyAttitude`; what `eom` derives states them itself.
-    ``progress``: called with the stage, one of `codegen.ir.telling.STAGES` in this order, and the share of
-    it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once more, for
-    NumPy. What it raises ends the compilation, and nothing of it is kept.
+    ``progress``: called with the stage, one of `codegen.ir.compile_progress.STAGES` in this order, and the
+    share of it that is done, 0 to 1; where target auto finds no C compiler, text and compiler come once
+    more, for NumPy. What it raises ends the compilation, and nothing of it is kept.
 
     Units are those of the system, any consistent units.
     Raises `InputError` for unknown names, states that do not stay, values that contradict the
@@ -229,7 +229,7 @@ def compile(  # noqa: A001 - the word that users expect
         raise unknown_name("target", target, TARGETS)
     system = as_system(system, attitudes=attitudes)
     structure = Structure.of(system, parameters, states, inputs)
-    with telling.to(progress):
+    with compile_progress.to(progress):
         program, layout = fitted(system, structure, rules, stable)
         used, functions, notice = build(program, layout)
     return Compiled(system, layout, program, used, structure, functions, notice, stable=stable)
@@ -257,9 +257,9 @@ def _module_functions(
 ) -> tuple[str, Functions, str]:
     """Load the generated module; ``kernel`` makes a kernel of one of its functions."""
     name = identifier(layout.name)
-    with telling.stage("text", lambda: len(program.instructions)):
+    with compile_progress.stage("text", lambda: len(program.instructions)):
         text = generate(program, layout, target)[f"{name}.{ROWS[target].extension}"]
-    with telling.stage("compiler"):
+    with compile_progress.stage("compiler"):
         module = load_module(text, name)
     functions = {g: CheckedFunction(g, layout, kernel(getattr(module, g))) for g in layout.sizes}
     return target, functions, ""
@@ -284,11 +284,11 @@ def _python(program: Program, layout: Layout) -> tuple[str, Functions, str]:
 
 
 def _native(program: Program, layout: Layout) -> tuple[str, Functions, str]:
-    with telling.stage("text", lambda: len(program.instructions)):
+    with compile_progress.stage("text", lambda: len(program.instructions)):
         refuse_unsupported(ROWS["c"], program, layout)
         text = c.single_text(program, layout)
     flags = native.flags_for(max(layout.sizes.values()), len(program.instructions))
-    with telling.stage("compiler"):
+    with compile_progress.stage("compiler"):
         library = native.load(native.compile_library(text, flags), text, flags)
     name = identifier(layout.name)
     functions = {}

@@ -23,7 +23,7 @@ import sympy as sp
 from sympy.codegen import cfunctions
 
 from codegen.frontend import removable_singularities as removable
-from codegen.ir import fold, telling
+from codegen.ir import compile_progress, fold
 from codegen.ir.linsolve import Shape
 from codegen.ir.passes import prune
 from codegen.ir.program import INVARIANTS, OUTPUTS, RATES, SINGULARITIES, Builder, Name, Program
@@ -321,7 +321,7 @@ class Lowering:
                 continue
             self.memo[node] = build([self.memo[c] for c in children])
             stack.pop()
-            telling.done(1)
+            compile_progress.done(1)
         return self.memo[expression]
 
     def _rule(self, node: Expr) -> tuple[Sequence[Expr], Callable[[list[int]], int]]:

@@ -18,7 +18,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Generic, NamedTuple, TypeVar
 
-from codegen.ir import fold, telling
+from codegen.ir import compile_progress, fold
 from codegen.ir.linsolve import Shape
 from codegen.ir.ops import (
     INTEGER_FIRST,
@@ -184,7 +184,7 @@ class Builder:
 
         ``value``: the data of an operation that has some.
         """
-        telling.done()
+        compile_progress.done()
         if OPS[op].commutative and args[0] > args[1]:
             args = (args[1], args[0])
         folded = fold.fold(self, op, args, self.rules)

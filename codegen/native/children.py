@@ -22,7 +22,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from contextvars import ContextVar
 
-from codegen.ir import telling
+from codegen.ir import compile_progress
 
 HEARD_SECONDS = 0.1
 """Between two times that who listens to the compilation is told that a command goes on."""
@@ -62,11 +62,11 @@ def finished(
 def _communicated(process: subprocess.Popen[str], seconds: float) -> tuple[str, str]:
     """Return what a process prints; whoever listens is told now and then that it goes on."""
     end = time.monotonic() + seconds
-    while telling.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
+    while compile_progress.is_heard() and (rest := end - time.monotonic()) > HEARD_SECONDS:
         try:
             return process.communicate(timeout=min(HEARD_SECONDS, rest))
         except subprocess.TimeoutExpired:
-            telling.beat()
+            compile_progress.beat()
     return process.communicate(timeout=end - time.monotonic())
 
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 from codegen.frontend.layout import Layout
 from codegen.frontend.lower import lower_system, nodes
 from codegen.frontend.structure import Structure, fit
-from codegen.ir import telling
+from codegen.ir import compile_progress
 from codegen.ir.fold import ALGEBRAIC, RULE_SETS
 from codegen.ir.ops import LEAVES, OPS, Instruction, cost_of
 from codegen.ir.passes import needed, prune
@@ -455,7 +455,7 @@ def steps(program: Program) -> Iterator[tuple[Pass, Program]]:
             before = program
             program = yield from _applied(program, ROUND, size)
             if program.cost() > WORTHWHILE * before.cost():
-                telling.done(size * len(ROUND) * left)
+                compile_progress.done(size * len(ROUND) * left)
                 break
         program = yield from _applied(program, AFTER, size)
     after = ORDER.run(program)
@@ -472,7 +472,7 @@ def _applied(
     """
     for p in passes:
         after = _cheaper(program, p)
-        telling.done(size)
+        compile_progress.done(size)
         if after is not program:
             program = after
             yield p, program
@@ -503,7 +503,7 @@ def optimise(program: Program) -> Program:
     """
     parts = {g: prune(program, [g]) for g in program.results}
     work = MOST_PASSES * sum(len(part.instructions) for part in parts.values())
-    with telling.stage("passes", lambda: work):
+    with compile_progress.stage("passes", lambda: work):
         return join({g: _optimised(part) for g, part in parts.items()})
 
 
@@ -562,7 +562,7 @@ def as_written(
     """
     if rules not in RULE_SETS:
         raise unknown_name("set of rules", rules, RULE_SETS)
-    with telling.stage("lowering", lambda: nodes(system)):
+    with compile_progress.stage("lowering", lambda: nodes(system)):
         return fit(lower_system(system, RULE_SETS[rules]), system, structure)
 
 
@@ -573,5 +573,5 @@ def formed(program: Program, stable: bool) -> Program:
     """
     if program.rules is not ALGEBRAIC:
         return program
-    with telling.stage("stable forms", lambda: len(program.instructions)):
+    with compile_progress.stage("stable forms", lambda: len(program.instructions)):
         return (rewritten if stable else rewritten_freely)(program).program

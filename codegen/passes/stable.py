@@ -17,7 +17,7 @@ from functools import reduce
 from itertools import combinations
 from typing import NamedTuple
 
-from codegen.ir import telling
+from codegen.ir import compile_progress
 from codegen.ir.fold import Numbers, constant
 from codegen.ir.ops import OPS
 from codegen.ir.passes import prune
@@ -384,7 +384,7 @@ class _Rewriter:
 
     def run(self) -> Rewriting:
         for k, (op, args, value) in enumerate(self.program.instructions):
-            telling.done(1)
+            compile_progress.done(1)
             if op not in OPS:
                 self.new[k] = self.b.leaf(op, value)
             elif op in {"add", "sub"}:

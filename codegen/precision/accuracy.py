@@ -1,4 +1,4 @@
-"""The accuracy card of a compiled system: the error of every result against 50 digits, and its cause.
+"""The accuracy report of a compiled system: the error of every result against 50 digits, and its cause.
 
 Errors are in units in the last place (ulps) of the exact value. Beside each stands the condition
 number (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. 2002, sect. 1.6): an error of
@@ -41,7 +41,7 @@ from codegen.precision.domain import (
     TIME,
     UNDERFLOWS,
     UNSTABLE,
-    Card,
+    AccuracyReport,
     Cause,
     Change,
     Finding,
@@ -75,7 +75,7 @@ def accuracy(
     around: Mapping[str, float] | None = None,
     jacobians: Iterable[str] = (),
     progress: Callable[[float], None] | None = None,
-) -> Card:
+) -> AccuracyReport:
     """Measure every result of a compiled system against 50 digits.
 
     ``domain``: (low, high), or a number to hold, by name of state, parameter, input or ``t``.
@@ -108,7 +108,7 @@ def accuracy(
     rows = tuple(row for part in parts for row in part.rows())
     made, possible = _changes(compiled, parts[0])
     timed = any(i.op == "time" for i in compiled.program.instructions)
-    return Card(
+    return AccuracyReport(
         compiled.layout.name,
         compiled.target,
         compiled.stable,

@@ -1,6 +1,6 @@
 """Where a compiled system is measured: ranges by name, and the points that are drawn from them.
 
-The accuracy card: what was measured of each result, as frozen data.
+The accuracy report: what was measured of each result, as frozen data.
 """
 
 from __future__ import annotations
@@ -400,7 +400,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Card:
+class AccuracyReport:
     """What was measured of a compiled system: the error of each result against 50 digits.
 
     ``system``, ``target``, ``stable``: what was measured. ``samples``, ``seed``: as of
@@ -430,7 +430,7 @@ class Card:
             if (row.group, row.result, row.region) == (group, result, region):
                 return row
         raise InputError(
-            "no such row on the accuracy card",
+            "no such row on the accuracy report",
             got=f"{group}, {result}, {region}",
             expected="; ".join(sorted({f"{r.group}, {r.result}" for r in self.rows})),
         )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from codegen.frontend.layout import Layout
-from codegen.ir import telling
+from codegen.ir import compile_progress
 from codegen.ir.interpret import constants
 from codegen.ir.linsolve import Shape
 from codegen.ir.names import HELPERS, comment, identifiers
@@ -238,7 +238,7 @@ class _Renderer:
 
     def body(self) -> Body:
         for k, instruction in enumerate(self.program.instructions):
-            telling.done(1)
+            compile_progress.done(1)
             if k in self.constants:
                 self.text[k] = self._number(self.constants[k])
             elif instruction.op == "time":

@@ -155,12 +155,12 @@ def _choice(name: str | None, scene: AnyScene) -> Choice | None:
 @click.option("--json", "as_json", is_flag=True, help="Print everything as JSON.")
 def accuracy(scene: str, target: str, stable: bool, as_json: bool, **options: Any) -> None:
     """Measure the error of every result of SCENE against 50 digits, and name its cause."""
-    from codegen.precision import card_text
+    from codegen.precision import accuracy_report
 
     chosen = scene_of(scene)
     values = chosen.initial_values() | chosen.parameter_values() | chosen.input_values()
     options["values"] = values | {"t": chosen.integration.t_end}
     compiled = compiled_of(chosen, target, stable)
     with progress_of("measuring") as progress:
-        card = card_text.measured(compiled, progress=progress, **options)
-    card_text.show(card, as_json)
+        report = accuracy_report.measured(compiled, progress=progress, **options)
+    accuracy_report.show(report, as_json)

@@ -1,4 +1,4 @@
-"""The accuracy card: known cancellations, its condition numbers and bounds, its points and words."""
+"""The accuracy report: known cancellations, its condition numbers and bounds, its points and words."""
 
 import json
 import math
@@ -17,7 +17,7 @@ from codegen import compile as compile_system
 from codegen.frontend.layout import Layout
 from codegen.frontend.lower import lower_expressions, lower_system
 from codegen.ir.interpret import Point, interpret_exactly
-from codegen.precision import card_text
+from codegen.precision import accuracy_report
 from codegen.precision.accuracy import MAX_LENGTH, formula
 from codegen.precision.conditioning import MAX_LOST, Trace, everything, operations
 from codegen.precision.domain import (
@@ -55,13 +55,13 @@ def system_of(**outputs):
     return System.from_rates("given", rates, outputs=outputs)
 
 
-def card_of(domain, stable=False, target="numpy", samples=40, **outputs):
+def report_of(domain, stable=False, target="numpy", samples=40, **outputs):
     compiled = compile_system(system_of(**outputs), target, stable=stable)
     return accuracy(compiled, domain, samples)
 
 
-def verdicts(card, result, group="outputs"):
-    return {r.region: r.verdict for r in card.rows if (r.group, r.result) == (group, result)}
+def verdicts(report, result, group="outputs"):
+    return {r.region: r.verdict for r in report.rows if (r.group, r.result) == (group, result)}
 
 
 KNOWN = {
@@ -80,7 +80,7 @@ KNOWN = {
 @pytest.mark.parametrize("name", KNOWN)
 def test_known_cancellations_are_found_named_and_cured(target, name):
     expression, domain, place, digits = KNOWN[name]
-    plain = card_of(domain, target=target, f=expression)
+    plain = report_of(domain, target=target, f=expression)
     row = plain.row("f", TYPICAL, "outputs")
     assert row.verdict == UNSTABLE
     assert row in plain.unstable
@@ -89,7 +89,7 @@ def test_known_cancellations_are_found_named_and_cured(target, name):
     assert digits <= row.judged.cause.digits <= MAX_LOST
     (gain,) = [g for g in plain.possible.gains if g.result == "f"]
     assert gain.before > 1e4 * gain.after
-    stable = card_of(domain, stable=True, target=target, f=expression)
+    stable = report_of(domain, stable=True, target=target, f=expression)
     assert verdicts(stable, "f")[TYPICAL] == ACCURATE
     assert stable.row("f", TYPICAL, "outputs").worst.ulps < 20
     assert [g.result for g in stable.made.gains] == ["f"]
@@ -99,10 +99,10 @@ def test_known_cancellations_are_found_named_and_cured(target, name):
 def test_ill_conditioned_is_told_apart_from_unstable():
     """x cos x next to its zero at pi/2 is sensitive to x; the same digits lost by 1 - cos x are not."""
     near = {"x": (1.5, 1.6), "y": (1e-3, 1e-2)}
-    card = card_of(near, f=sp.sin(x) * y - a * y, g=1 - sp.cos(y))
-    assert verdicts(card, "g")[TYPICAL] == UNSTABLE
-    card = card_of({"x": (1.0, 1.0 + 1e-6), "a": (1.0, 1.0 + 1e-6)}, samples=100, f=x**3 - a**3)
-    row = card.row("f", TYPICAL, "outputs")
+    report = report_of(near, f=sp.sin(x) * y - a * y, g=1 - sp.cos(y))
+    assert verdicts(report, "g")[TYPICAL] == UNSTABLE
+    report = report_of({"x": (1.0, 1.0 + 1e-6), "a": (1.0, 1.0 + 1e-6)}, samples=100, f=x**3 - a**3)
+    row = report.row("f", TYPICAL, "outputs")
     assert row.verdict == ILL
     assert row.worst.ulps > 1e5
     assert row.worst.condition > 1e5
@@ -110,17 +110,17 @@ def test_ill_conditioned_is_told_apart_from_unstable():
 
 
 def test_well_conditioned_polynomial_and_exact_results(target):
-    card = card_of({"x": (0.0, 1.0)}, target=target, f=3 * x**3 + x + 1, g=2 * x, h=-y)
-    for row in card.rows:
+    report = report_of({"x": (0.0, 1.0)}, target=target, f=3 * x**3 + x + 1, g=2 * x, h=-y)
+    for row in report.rows:
         assert row.verdict == (ACCURATE if row.result == "f" else EXACT)
         if row.result == "f":
             assert 0 < row.typical <= 1.0 <= row.worst.bound
             assert row.worst.ulps <= row.worst.bound
         else:
             assert row.worst.ulps == row.typical == 0.0
-    assert card.row("f", TYPICAL, "outputs").worst.condition < 4
-    assert card.made == card.possible
-    assert card.unstable == ()
+    assert report.row("f", TYPICAL, "outputs").worst.condition < 4
+    assert report.made == report.possible
+    assert report.unstable == ()
 
 
 @pytest.mark.sparse(1)
@@ -130,12 +130,12 @@ def test_ready_scenes_are_stable_and_never_exceed_the_bound(target, name):
     if scene.derive().maintained:
         pytest.skip("points are drawn that do not meet the constraints")
     around = {**scene.initial_values(), **scene.parameter_values()}
-    card = accuracy(compile_system(scene.derive(), target), samples=25, around=around)
-    assert card.unstable == ()
-    found = [f for r in card.rows for f in (r.worst, r.judged) if f is not None]
-    assert len(found) > len(card.rows) / 2
+    report = accuracy(compile_system(scene.derive(), target), samples=25, around=around)
+    assert report.unstable == ()
+    found = [f for r in report.rows for f in (r.worst, r.judged) if f is not None]
+    assert len(found) > len(report.rows) / 2
     assert all(f.ulps <= f.bound for f in found)
-    usual = [r for r in card.rows if r.region != EXTREME]
+    usual = [r for r in report.rows if r.region != EXTREME]
     assert max(VERDICTS.index(r.verdict) for r in usual) <= VERDICTS.index(ILL)
     assert all(r.typical < 4 for r in usual)
 
@@ -144,7 +144,7 @@ def test_tilted_wheel_is_measured_up_to_its_singular_angle():
     scene = Scene.ready("bicycle-wheel")
     around = {**scene.initial_values(), **scene.parameter_values()}
     compiled = compile_system(scene.derive(), "numpy")
-    card = accuracy(compiled, samples=3, around=around, jacobians=["states"])
+    report = accuracy(compiled, samples=3, around=around, jacobians=["states"])
     drawn = [
         p
         for p in places(
@@ -163,24 +163,24 @@ def test_tilted_wheel_is_measured_up_to_its_singular_angle():
     assert distances.max() == pytest.approx(0.1)
     assert {"-", "+"} == {"-" if v < 0 else "+" for v in angles}
     for result in ("theta_dot", "psi_dot"):
-        assert card.row(result, SINGULAR).verdict == ACCURATE
-    entry = card.row("d psi_dot'/d theta", SINGULAR, "jacobian by states")
+        assert report.row(result, SINGULAR).verdict == ACCURATE
+    entry = report.row("d psi_dot'/d theta", SINGULAR, "jacobian by states")
     assert entry.verdict == ACCURATE
     assert entry.worst.ulps <= entry.worst.bound
 
 
 def test_worst_points_can_be_reproduced():
     compiled = compile_system(system_of(f=(1 - sp.cos(x)) * a + y), "numpy")
-    card = accuracy(compiled, {"y": (0, 1e-9)}, 30, seed=3)
-    found = card.row("f", TYPICAL, "outputs").worst
+    report = accuracy(compiled, {"y": (0, 1e-9)}, 30, seed=3)
+    found = report.row("f", TYPICAL, "outputs").worst
     got = compiled.outputs(0.0, [found.at["x"], found.at["y"]], [found.at["a"]])
     assert got[0] == found.value
     exact = mpmath.mpf(found.at["a"]) * (1 - mpmath.cos(mpmath.mpf(found.at["x"]))) + found.at["y"]
     assert float(exact) == pytest.approx(found.exact, rel=1e-10)
     again = accuracy(compiled, {"y": (0, 1e-9)}, 30, seed=3)
-    assert again == card
-    assert again.rows == card.rows
-    assert accuracy(compiled, {"y": (0, 1e-9)}, 30, seed=4).rows != card.rows
+    assert again == report
+    assert again.rows == report.rows
+    assert accuracy(compiled, {"y": (0, 1e-9)}, 30, seed=4).rows != report.rows
 
 
 EXTREMES = {
@@ -197,28 +197,28 @@ EXTREMES = {
 @pytest.mark.parametrize("name", EXTREMES)
 def test_denormals_and_overflow_are_verdicts_not_crashes(target, name):
     expression, worst = EXTREMES[name]
-    card = card_of({"x": (-2, 2), "y": (-2, 2)}, target=target, samples=10, f=expression)
-    found = verdicts(card, "f")
+    report = report_of({"x": (-2, 2), "y": (-2, 2)}, target=target, samples=10, f=expression)
+    found = verdicts(report, "f")
     assert set(found) == {TYPICAL, ZERO, EXTREME}
     assert found[TYPICAL] in {EXACT, ACCURATE, ILL, OVERFLOWS}
     allowed = {EXACT, ACCURATE, ILL, UNDERFLOWS, OVERFLOWS, NOT_A_NUMBER}
     assert set(found.values()) <= allowed
     assert found[EXTREME] == worst
-    assert json.loads(json.dumps(card_text.as_data(card), allow_nan=False))
-    assert list(card_text.sentences(card))
+    assert json.loads(json.dumps(accuracy_report.as_data(report), allow_nan=False))
+    assert list(accuracy_report.sentences(report))
 
 
 def test_underflow_has_its_own_verdict():
     tiny = (1e-170, 1e-160)
-    card = card_of({"x": tiny, "y": tiny}, samples=10, f=sp.sqrt(x**2 + x * y + y**2))
-    assert verdicts(card, "f")[TYPICAL] == UNDERFLOWS
+    report = report_of({"x": tiny, "y": tiny}, samples=10, f=sp.sqrt(x**2 + x * y + y**2))
+    assert verdicts(report, "f")[TYPICAL] == UNDERFLOWS
 
 
 def test_results_that_leave_the_domain_by_rounding_are_not_numbers():
     """A square, multiplied out, leaves less than zero under the root."""
     root = sp.sqrt((x + 1) ** 2 - x**2 - 2 * x - 1 + y)
-    card = card_of({"x": (0.1, 1), "y": (1e-20, 1e-19)}, samples=60, f=root)
-    row = card.row("f", TYPICAL, "outputs")
+    report = report_of({"x": (0.1, 1), "y": (1e-20, 1e-19)}, samples=60, f=root)
+    row = report.row("f", TYPICAL, "outputs")
     assert row.failed.verdict == NOT_A_NUMBER
     assert math.isnan(row.failed.value)
     assert 0 < row.failed.exact < 1e-9
@@ -326,9 +326,9 @@ def test_stated_ranges_and_held_numbers_are_kept():
     drawn = [p.point for p in places(program, layout, domain, 20, 0) if p.region == TYPICAL]
     assert all(3 <= p.x[0] <= 4 and p.p[0] == 2 and 5 <= p.t <= 6 for p in drawn)
     assert all(-6 <= p.u[0] <= 0 for p in drawn)
-    card = accuracy(compile_system(system, "numpy"), {"t": (5, 6)}, 5)
-    assert card.domain["t"] == (5, 6)
-    assert "t" in card.row("x").worst.at
+    report = accuracy(compile_system(system, "numpy"), {"t": (5, 6)}, 5)
+    assert report.domain["t"] == (5, 6)
+    assert "t" in report.row("x").worst.at
 
 
 def test_regions_hold_zeros_and_every_magnitude():
@@ -395,23 +395,23 @@ def test_other_bad_input_is_refused():
 
 
 def test_the_text_names_cause_and_advice(capsys):
-    card = card_of({"x": (1e-6, 1e-2)}, f=(1 - sp.cos(x)) / (2 + y), g=x)
-    card_text.show(card, as_json=False)
+    report = report_of({"x": (1e-6, 1e-2)}, f=(1 - sp.cos(x)) / (2 + y), g=x)
+    accuracy_report.show(report, as_json=False)
     text = capsys.readouterr().out
     assert "1 - cos(x) loses" in text
     assert "compile with stable=True" in text
     assert "by 1 - cos x = 2 sin^2(x/2)" in text
     assert "unstable" in text
-    card_text.show(card_of({}, samples=5, g=x), as_json=False)
+    accuracy_report.show(report_of({}, samples=5, g=x), as_json=False)
     assert "rewritten: nothing" in capsys.readouterr().out
 
 
 def test_json_holds_every_number(capsys):
-    card = card_of({"x": (-1, 1)}, samples=5, f=sp.sqrt(x**2 + y**2))
-    card_text.show(card, as_json=True)
+    report = report_of({"x": (-1, 1)}, samples=5, f=sp.sqrt(x**2 + y**2))
+    accuracy_report.show(report, as_json=True)
     data = json.loads(capsys.readouterr().out)
-    assert len(data["rows"]) == len(card.rows)
-    for plain, row in zip(data["rows"], card.rows, strict=True):
+    assert len(data["rows"]) == len(report.rows)
+    for plain, row in zip(data["rows"], report.rows, strict=True):
         assert plain["verdict"] == row.verdict
         assert plain["worst"]["at"] == row.worst.at
         assert plain["worst"]["value"] == row.worst.value

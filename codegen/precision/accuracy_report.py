@@ -1,4 +1,4 @@
-"""An accuracy card as tables and sentences for a terminal, and as plain data."""
+"""An accuracy report as tables and sentences for a terminal, and as plain data."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from codegen.precision.domain import (
     UNSTABLE,
     VERDICTS,
     ZERO,
-    Card,
+    AccuracyReport,
     Change,
     Finding,
     Gain,
@@ -61,19 +61,19 @@ ADVICE: Mapping[str, str] = {
 """What to do about a verdict where no rewriting helps."""
 
 
-def table(card: Card) -> Table:
+def table(report: AccuracyReport) -> Table:
     """Return one line a result: errors in ulps in the domain, and the worst of the other regions."""
     from rich.table import Table
 
-    shown = [r for r in TITLES if any(row.region == r for row in card.rows)]
+    shown = [r for r in TITLES if any(row.region == r for row in report.rows)]
     grid = Table(box=None, pad_edge=False)
     grid.add_column("result", no_wrap=True)
     for title in ("typical", "worst", "bound", "condition", *(TITLES[r] for r in shown)):
         grid.add_column(title, justify="right")
     grid.add_column("verdict")
     grid.add_column("where")
-    for key in dict.fromkeys((row.group, row.result) for row in card.rows):
-        rows = {row.region: row for row in card.rows if (row.group, row.result) == key}
+    for key in dict.fromkeys((row.group, row.result) for row in report.rows):
+        rows = {row.region: row for row in report.rows if (row.group, row.result) == key}
         grid.add_row(*_line(rows, shown))
     return grid
 
@@ -119,19 +119,19 @@ def _in_ulps(value: float) -> str:
     return f"{ulps(value)} ulps" if value < ALL_DIGITS / 2 else "no digit right"
 
 
-def sentences(card: Card) -> Iterator[str]:
+def sentences(report: AccuracyReport) -> Iterator[str]:
     """Return what follows the table: the worst points with causes and advice, then rewritings."""
-    grave = [r for r in card.rows if r.verdict not in {EXACT, ACCURATE}]
+    grave = [r for r in report.rows if r.verdict not in {EXACT, ACCURATE}]
     order = sorted(grave, key=_gravity)
     first = {(r.group, r.result): r for r in reversed(order)}
     kept = [r for r in order if first[r.group, r.result] is r]
     for row in kept[:MAX_POINTS]:
         yield ""
-        yield from _about(card, row)
+        yield from _about(report, row)
     if len(kept) > MAX_POINTS:
         yield f"\n{len(kept) - MAX_POINTS} more results with such points: see --json"
     yield ""
-    yield from _rewritings(card)
+    yield from _rewritings(report)
 
 
 def _gravity(row: Row) -> tuple[int, int, float]:
@@ -145,7 +145,7 @@ def _gravest(row: Row) -> Finding:
     return next(f for f in found if f.verdict == row.verdict)
 
 
-def _about(card: Card, row: Row) -> Iterator[str]:
+def _about(report: AccuracyReport, row: Row) -> Iterator[str]:
     finding = _gravest(row)
     where = f" ({finding.how})" if finding.how else ""
     yield f"{label(row)}: {finding.verdict} {PLACES[row.region]}{where}"
@@ -158,7 +158,7 @@ def _about(card: Card, row: Row) -> Iterator[str]:
     yield f"  point:     {', '.join(f'{n}={v!r}' for n, v in finding.at.items())}"
     if finding.cause is not None:
         yield f"  cause:     {_cause(finding)}"
-    yield f"  advice:    {_advice(card, row)}"
+    yield f"  advice:    {_advice(report, row)}"
 
 
 def _cause(finding: Finding) -> str:
@@ -171,8 +171,8 @@ def _cause(finding: Finding) -> str:
     return f"{cause.formula} rounds ({cause.share:.0%} of the error): {numbers}"
 
 
-def _advice(card: Card, row: Row) -> str:
-    for gain in card.possible.gains:
+def _advice(report: AccuracyReport, row: Row) -> str:
+    for gain in report.possible.gains:
         if (gain.group, gain.result) == (row.group, row.result) and row.verdict != ILL:
             return f"compile with stable=True (eom: --stable): {_from_to(gain)}"
     return ADVICE[row.verdict]
@@ -183,10 +183,10 @@ def _from_to(gain: Gain) -> str:
     return f"{before} before, {number(gain.after)} after, {PLACES[gain.region]}"
 
 
-def _rewritings(card: Card) -> Iterator[str]:
-    yield from _change(card.made, "rewritten", "gained")
-    yield from _change(card.possible, "stable=True would rewrite", "would gain")
-    if not card.made.identities and not card.possible.identities:
+def _rewritings(report: AccuracyReport) -> Iterator[str]:
+    yield from _change(report.made, "rewritten", "gained")
+    yield from _change(report.possible, "stable=True would rewrite", "would gain")
+    if not report.made.identities and not report.possible.identities:
         yield "rewritten: nothing; no identity against cancellation fits this system"
 
 
@@ -199,25 +199,27 @@ def _change(change: Change, verb: str, gained: str) -> Iterator[str]:
         yield f"  no result {gained} more than rounding on these points"
 
 
-def heading(card: Card) -> Iterator[str]:
+def heading(report: AccuracyReport) -> Iterator[str]:
     """Return what was measured and where."""
-    form = ", stable forms" if card.stable else ""
-    yield f"{card.system} for {card.target}{form}: errors in units in the last place (ulps)"
-    unit = {name for names in card.unit for name in names}
-    ranges = [f"{n} {_range(low, high)}" for n, (low, high) in card.domain.items() if n not in unit]
-    ranges += [f"({', '.join(names)}) of fixed norm" for names in card.unit]
-    yield f"domain: {'; '.join(ranges)}; {card.samples} samples, seed {card.seed}"
+    form = ", stable forms" if report.stable else ""
+    yield f"{report.system} for {report.target}{form}: errors in units in the last place (ulps)"
+    unit = {name for names in report.unit for name in names}
+    ranges = [
+        f"{n} {_range(low, high)}" for n, (low, high) in report.domain.items() if n not in unit
+    ]
+    ranges += [f"({', '.join(names)}) of fixed norm" for names in report.unit]
+    yield f"domain: {'; '.join(ranges)}; {report.samples} samples, seed {report.seed}"
 
 
 def _range(low: float, high: float) -> str:
     return f"= {low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
 
-def as_data(card: Card) -> dict[str, Any]:
-    """Return a card as plain values for JSON; infinities and NaN as text."""
-    data = _plain(asdict(card))
+def as_data(report: AccuracyReport) -> dict[str, Any]:
+    """Return a report as plain values for JSON; infinities and NaN as text."""
+    data = _plain(asdict(report))
     assert isinstance(data, dict)
-    for row, plain in zip(card.rows, data["rows"], strict=True):
+    for row, plain in zip(report.rows, data["rows"], strict=True):
         plain["verdict"] = row.verdict
     return {"regions": list(REGIONS), **data}
 
@@ -238,8 +240,8 @@ def measured(
     seed: int,
     jacobian: Sequence[str],
     progress: Callable[[float], None] | None,
-) -> Card:
-    """Return the card for the words of a command line: ``ranges`` as name=low:high or name=value."""
+) -> AccuracyReport:
+    """Return the report for the words of a command line: ``ranges`` as name=low:high or name=value."""
     domain = dict(_stated(text) for text in ranges)
     count = SAMPLES if samples is None else samples
     return accuracy(
@@ -260,16 +262,16 @@ def _stated(text: str) -> tuple[str, Range | float]:
     return name.strip(), numbers[0] if len(numbers) == 1 else (numbers[0], numbers[1])
 
 
-def show(card: Card, as_json: bool) -> None:
-    """Print a card: as tables and sentences, or as JSON."""
+def show(report: AccuracyReport, as_json: bool) -> None:
+    """Print a report: as tables and sentences, or as JSON."""
     from rich.console import Console
 
     console = Console(soft_wrap=True, highlight=False, markup=False)
     if as_json:
-        print(json.dumps(as_data(card), ensure_ascii=False, indent=1))
+        print(json.dumps(as_data(report), ensure_ascii=False, indent=1))
         return
-    for line in heading(card):
+    for line in heading(report):
         console.print(line)
-    Console(width=max(console.width, WIDTH), highlight=False).print(table(card))
-    for line in sentences(card):
+    Console(width=max(console.width, WIDTH), highlight=False).print(table(report))
+    for line in sentences(report):
         console.print(line)

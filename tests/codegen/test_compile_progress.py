@@ -8,8 +8,8 @@ import sympy as sp
 
 import codegen
 from codegen.frontend import lower
-from codegen.ir import telling
-from codegen.ir.telling import EVERY, STAGES, STEP
+from codegen.ir import compile_progress
+from codegen.ir.compile_progress import EVERY, STAGES, STEP
 from codegen.native import native
 from eom.errors import InputError
 from eom.system import System
@@ -61,9 +61,11 @@ def test_long_stages_are_told_of_as_the_work_goes_on():
 
 def test_what_is_told_of_is_bounded_by_the_work(monkeypatch):
     calls = []
-    original = telling._Listening.go_on
+    original = compile_progress._Listening.go_on
     monkeypatch.setattr(
-        telling._Listening, "go_on", lambda self, units: calls.append(original(self, units))
+        compile_progress._Listening,
+        "go_on",
+        lambda self, units: calls.append(original(self, units)),
     )
     _, told = told_of(long_system(300), "python")
     assert len(told) <= len(STAGES) * (2 + 1 / STEP) + len(calls) / EVERY
@@ -74,7 +76,7 @@ def test_without_a_listener_nothing_is_counted_and_code_is_the_same(monkeypatch)
     heard, _ = told_of(system, "python", stable=True)
     monkeypatch.setattr(lower, "nodes", None)
     monkeypatch.setattr("codegen.passes.pipeline.nodes", None)
-    monkeypatch.setattr(telling, "_Listening", None)
+    monkeypatch.setattr(compile_progress, "_Listening", None)
     assert codegen.compile(system, "python", stable=True).files == heard.files
 
 
@@ -161,11 +163,15 @@ def test_what_cannot_be_told_is_refused(progress):
 
 def test_a_listener_inside_takes_the_place_of_one_outside():
     outer, inner = [], []
-    with telling.to(lambda *told: outer.append(told)), telling.stage("outer"):
-        with telling.to(lambda *told: inner.append(told)), telling.stage("inner"):
-            telling.done(1)
-        with contextlib.suppress(ZeroDivisionError), telling.to(None), telling.stage("none"):
-            telling.beat()
+    with compile_progress.to(lambda *told: outer.append(told)), compile_progress.stage("outer"):
+        with compile_progress.to(lambda *told: inner.append(told)), compile_progress.stage("inner"):
+            compile_progress.done(1)
+        with (
+            contextlib.suppress(ZeroDivisionError),
+            compile_progress.to(None),
+            compile_progress.stage("none"),
+        ):
+            compile_progress.beat()
             raise ZeroDivisionError
     assert outer == [("outer", 0.0), ("outer", 1.0)]
     assert inner == [("inner", 0.0), ("inner", 1.0), ("inner", 1.0)]
