@@ -30,6 +30,10 @@ settings.load_profile("same")
 """The same examples each time, so that a change alone can turn a test red; others on request:
 pytest --hypothesis-profile=other."""
 
+FEW = 25
+"""Examples of a property in the default suite; Hypothesis' own number, which slow tests draw, is 100."""
+
+
 gc.set_threshold(*SELDOM)
 """As the command line does; in a long run of tests, one collection of all generations takes seconds."""
 
@@ -53,9 +57,12 @@ MARKS = (
 
 
 def pytest_configure(config):
-    """Say what the marks mean."""
+    """Say what the marks mean; choose how many examples properties take, before they are decorated."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
+    if config.getoption("markexpr") == "not slow" and not config.getoption("--hypothesis-profile"):
+        settings.register_profile("few", settings.get_profile("same"), max_examples=FEW)
+        settings.load_profile("few")
 
 
 def spread(count, most):

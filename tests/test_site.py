@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-import time
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -31,8 +30,7 @@ QUIET = (
 ).split()
 TABLES = {"eom.views.gallery.PICTURES", "eom.views.draw.picture.COLOURS"}
 """Constants that pages speak of, and need not list."""
-PATIENCE = 600
-"""Seconds to wait for another process that builds the site."""
+pytestmark = pytest.mark.xdist_group("site")  # one worker builds it
 
 
 def _build(site):
@@ -48,24 +46,14 @@ def _build(site):
         check=False,
         env={**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": "agg"},
     )
-    site.with_name("told").write_text(done.stderr, encoding="utf-8")
+    assert done.stderr == ""
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory, worker_id):
-    """The built site; of several workers of one run the first builds it, and the others wait."""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base if worker_id == "master" else base.parent) / "documentation"
-    site = folder / "site"
-    try:
-        folder.mkdir()
-    except FileExistsError:
-        end = time.monotonic() + PATIENCE
-        while not (folder / "told").is_file() and time.monotonic() < end:
-            time.sleep(0.5)
-    else:
-        _build(site)
-    assert (folder / "told").read_text(encoding="utf-8") == ""
+def site(tmp_path_factory):
+    """The built site."""
+    site = tmp_path_factory.mktemp("documentation") / "site"
+    _build(site)
     return site
 
 

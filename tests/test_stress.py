@@ -172,6 +172,7 @@ def test_a_tolerance_that_is_not_kept_is_found(run, monkeypatch, name):
     assert "FAIL" in done.stdout
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_too_large_errors_of_single_precision_are_found(run, monkeypatch):
     call = single._Single.__call__

@@ -159,6 +159,7 @@ NARROW = IN_TIME | IN_STATES | IN_PIECES
 
 
 @needs
+@pytest.mark.sparse(4)
 @pytest.mark.parametrize("name", NARROW)
 def test_narrow_features_are_met_by_the_steps_of_the_loop_in_c(name, tmp_path):
     """The end of the run in C is far away: it bounds the last steps there, and JavaScript has none."""

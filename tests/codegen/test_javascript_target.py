@@ -62,6 +62,7 @@ def test_random_expressions_stay_within_the_error_bound(exprs, values):
         check_against_bound(program, "outputs", as_point(v), row)
 
 
+@pytest.mark.slow
 @needs_node
 @settings(max_examples=12)
 @given(several(ARITHMETIC, 8, 16), several(points(extreme), 8, 8))

@@ -682,7 +682,7 @@ def test_the_motion_near_a_pole_agrees_with_high_precision(built):
         assert abs(result.y[1, -1] - exact) / exact < 1e-8
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("method", ["auto", "scipy:DOP853"])
 @pytest.mark.parametrize("name", SEQUENCES)
 def test_no_step_jumps_over_a_singular_angle(name, method):

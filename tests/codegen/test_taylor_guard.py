@@ -114,7 +114,7 @@ def run(name, rtol=1e-9, **options):
     return codegen.simulate(system_of(name), start_of(name), span, None, "taylor", rtol, **options)
 
 
-@pytest.mark.sparse(4)
+@pytest.mark.sparse(2)
 @pytest.mark.parametrize("name", CASES)
 def test_errors_are_near_the_tolerance(name):
     end, size = reference(name)

@@ -73,7 +73,7 @@ def test_notes_come_in_order_whatever_the_number_of_workers(folder, workers):
 @pytest.mark.parametrize("sent", only([signal.SIGKILL, signal.SIGSTOP], signal.SIGKILL))
 def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     monkeypatch.setattr(grading, "GRACE_SECONDS", 0.0)
-    hurried = Settings("arrow-tilde", note_seconds=5.0)
+    hurried = Settings("arrow-tilde", note_seconds=2.5)
 
     def strike(fraction):
         if fraction == 1 / 4:
@@ -84,7 +84,7 @@ def test_a_worker_that_dies_or_hangs_loses_one_note(folder, monkeypatch, sent):
     graded = eom.check_files(notes, hurried, workers=1, progress=strike)
     assert statuses(graded) == ["nothing wrong", "unusable", "nothing wrong", "nothing wrong"]
     assert graded[1].name == str(notes[1])
-    words = "died" if sent == signal.SIGKILL else "no answer within 10 s"
+    words = "died" if sent == signal.SIGKILL else "no answer within 5 s"
     assert words in graded[1].error
     assert mp.active_children() == []
 

@@ -282,7 +282,8 @@ def long_chain(count):
     return Tree("chain", bodies, joints, gravity=(0, 0, -9.81))
 
 
-@pytest.mark.parametrize("links", only([10, 20], 10))
+@pytest.mark.slow
+@pytest.mark.parametrize("links", [10, 20])
 def test_derivation_grows_linearly(links):
     def work(count):
         prune(lower_system(derive(long_chain(count), invariants=False)))

@@ -107,6 +107,7 @@ def test_it_plays_by_itself_asks_for_nothing_and_says_nothing(browser, path):
     tab.close()
 
 
+@pytest.mark.slow
 def test_with_reduced_motion_it_waits(still):
     assert still.evaluate(STOPPED)
     assert still.evaluate(TIME) == 0
