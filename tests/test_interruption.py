@@ -186,7 +186,7 @@ def test_a_child_that_takes_too_long_ends_with_its_children(tmp_path):
     command = ["sh", "-c", f"trap '' INT; sleep 1000 & echo $! > {note}; wait"]
     with pytest.raises(subprocess.TimeoutExpired):
         children.finished(command, seconds=0.5)
-    assert gone(int(note.read_text()))
+    waited(lambda: gone(int(note.read_text())))
 
 
 @pytest.mark.slow
