@@ -105,8 +105,8 @@ class Motion:
     values: Mapping[str, float | Floats]
 
     def series(self, name: str) -> Floats:
-        """Return a number over time, shape (N,); zero where it is not known."""
-        return np.broadcast_to(np.asarray(self.values.get(name, 0.0)), self.t.shape)
+        """Return a number over time, shape (N,)."""
+        return np.broadcast_to(np.asarray(self.values[name]), self.t.shape)
 
     def triple(self, letter: str) -> Floats:
         """Return three numbers that are called by a letter and 1, 2, 3, shape (N, 3)."""
@@ -196,7 +196,8 @@ def _quaternions(kind: str, names: Sequence[str | None], motion: Motion) -> Floa
     """Return the quaternions of an attitude in coordinates of these names; an angle without one is zero."""
     if kind == NONE:
         return np.tile((1.0, 0.0, 0.0, 0.0), (len(motion.t), 1))
-    rows = np.stack([motion.series(n or "") for n in names], axis=-1)
+    still = np.zeros(len(motion.t))
+    rows = np.stack([motion.series(n) if n else still for n in names], axis=-1)
     if kind == QUATERNION:
         return continuous(rows)
     if kind == DCM:
@@ -604,8 +605,12 @@ def bodies_of(scene: AnyScene) -> Bodies:
 
 
 def at_start(bodies: Bodies) -> Motion:
-    """Return the numbers of a scene at t = 0. Raises `InputError` as the scene does."""
-    return Motion(np.zeros(1), {**bodies.known, **bodies.start})
+    """Return the numbers of a scene at t = 0; states that it leaves open are zero.
+
+    Raises `InputError` as the scene does.
+    """
+    still = dict.fromkeys(bodies.scene.full_system.state_names, 0.0)
+    return Motion(np.zeros(1), {**still, **bodies.known, **bodies.start})
 
 
 def with_attitude(scene: AnyScene, points: int, t_end: float | None = None) -> AnyScene:

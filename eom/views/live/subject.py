@@ -29,6 +29,7 @@ from eom.kinematics.coordinates import SEQUENCES, attitude, elementary
 from eom.kinematics.frames import vector
 from eom.mechanics.rigidbody import OMEGA, full_inertia
 from eom.mechanics.spinning import I1, I2, PHI, PSI, THETA
+from eom.multibody.algebra.spatial import ZERO, ZEROS
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.model.model import Tree
 from eom.multibody.recursion.operation_count import savings
@@ -599,7 +600,7 @@ def _of_tree(scene: TreeScene) -> Subject:
 
 
 def _without_gravity(tree: Tree) -> Tree:
-    return replace(tree, gravity=(0, 0, 0))
+    return replace(tree, gravity=ZERO, gravity_gradient=ZEROS)
 
 
 def _without_springs(tree: Tree) -> Tree:
@@ -679,12 +680,12 @@ def _tree_knobs(scene: TreeScene) -> Iterator[Knob]:
     given = {n: v.value for n, v in scene.inputs.items()}
     yield from (knob(q, given.get(q.name, 0.0), "torque") for q in system.inputs)
     fixed = _fixed(scene)
-    yield from of_states([q for q in system.states if q.name not in fixed], scene._start)
+    yield from of_states([q for q in system.states if q.name not in fixed], scene.start)
 
 
 def _fixed(scene: TreeScene) -> dict[str, float]:
     bound = {n for names in scene.attitudes for n in names}
-    return {n: v for n, v in scene._start.items() if n in bound}
+    return {n: v for n, v in scene.start.items() if n in bound}
 
 
 def _up(scene: TreeScene) -> tuple[float, ...]:

@@ -24,6 +24,7 @@ from eom.multibody import (
 from eom.multibody.files.scene import TreeScene
 from eom.multibody.recursion.operation_count import savings
 from eom.quantities import TIME
+from eom.views.live.subject import EDITS, GRAVITY
 
 n = sp.Symbol("n", positive=True)
 STRETCHED = ((2, 0.3, -0.1), (0.3, -1.5, 0.2), (-0.1, 0.2, -0.5))
@@ -169,3 +170,9 @@ def test_energy_is_constant_under_constraints(multipliers):
     x0 = {s: start[s] for s in system.state_names}
     result = codegen.simulate(system, x0, (0.0, 2.0), rtol=1e-12)
     assert result.drift["energy"].relative < 1e-10
+
+
+def test_a_live_page_without_gravity_has_no_gradient_either():
+    tree = chain(gravity=(0, 0, -9.81), gravity_gradient=STRETCHED)
+    assert EDITS[GRAVITY](tree) == chain()
+    assert EDITS[GRAVITY](chain(gravity_gradient=STRETCHED)) == chain()
