@@ -24,8 +24,7 @@ from typing import Any
 
 import click
 
-from benchmarks.checking import GIVEN, lexicon_of, note, read_truth
-from benchmarks.correcting import SHOWN, same
+from benchmarks.checking import GIVEN, SHOWN, lexicon_of, note, read_truth, same
 from eom.checker.judge.judge import HOLDS, UNDER
 from eom.checker.judge.models import equations
 from eom.checker.judge.notes import Understood, reread, understand

@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from benchmarks.checking import counted, main, results
+from benchmarks.checking import corrected, counted, main, results
 
 LEXICON = r"""
 preset = "arrow-tilde"
@@ -90,3 +90,29 @@ def test_a_note_that_is_not_that_of_the_truth_is_refused(folder):
     assert "the note is not that of the truth" in str(run(folder).exception)
     (folder / "truth.json").write_text("{")
     assert "cannot be read" in str(run(folder).exception)
+
+
+def test_entries_by_note_and_index_with_corrections(folder):
+    """What is found, passed and repaired, and the notes with the corrections in place of wrong lines."""
+    (folder / "n.toml").rename(folder / "n.lexicon.toml")
+    row = {"note": "n.md", "also_accept": ["undecided"]}
+    right = r"\vec a\times\vec b = -\vec b\times\vec a"
+    rows = [
+        {**row, "index": k, "latex": t, "verdict": v, "correction": right if k == 1 else None}
+        for k, (_, t, v) in enumerate((r for r in TRUTH if ":E" in r[0]), 1)
+    ]
+    rows[0]["wrong_term"] = r"\vec b\times\vec a"
+    (folder / "truth.json").write_text(json.dumps(rows))
+    assert {r.kind for r in results(folder, folder)} == {"display"}
+    output = run(folder)
+    assert output.exit_code == 0
+    for line in (
+        "decided: 3 of 4",
+        "wrong ones found: 2 of 2; for the right reason: 1",
+        "wrong ones passed: 0",
+        "the correction among the first 3: 1 of 2",
+        "with the corrections put in, true but called wrong: 0",
+    ):
+        assert line in output.output
+    again = {r.entry.name: r for r in corrected(folder, folder)}
+    assert (again["n:E1"].ours, again["n:E1"].entry.latex) == ("holds", right)

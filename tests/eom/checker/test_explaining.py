@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from benchmarks.correcting import GIVEN, explained, line_of, same
+from benchmarks.checking import GIVEN, same
 from benchmarks.edits import Original, undone
 from benchmarks.edits import edits as tree_edits
 from eom.checker.judge.judge import HOLDS, UNDER
@@ -26,10 +26,23 @@ from tests.eom.rows import every
 LINES = [(lexicon, note, k) for lexicon, note in NOTES for k in range(len(note))]
 
 
+def explained(understood):
+    """Why a formula is wrong: of its first wrong claim."""
+    judged = next(j for j in verdict(understood, GIVEN).claims if j.verdict in GRAVE)
+    return explain(understood, judged, GIVEN)
+
+
+def line_of(note, k, text, lexicon):
+    """A line in the place of the k-th one of a note."""
+    lines = [*note[:k], text, *note[k + 1 :]]
+    found = understand(read_document("\n\n".join(f"$${t}$$" for t in lines)), lexicon)
+    return found[k]
+
+
 def wrong(text, lexicon=ARROWS):
     """The first formula of a note, and why its first wrong claim is wrong."""
     understood = understand(read_document(f"$${text}$$"), lexicon)[0]
-    return understood, explained(understood)[0]
+    return understood, explained(understood)
 
 
 @pytest.mark.parametrize(("lexicon", "note", "k"), LINES)
@@ -247,7 +260,7 @@ def test_a_counterexample_can_be_checked_by_hand():
 def test_a_counterexample_of_components():
     text = r"I_{1}\dot\omega_1 = (I_{3} - I_{2})\omega_2\omega_3 + L_1"
     understood = understand(read_document(f"$${text}$$"), ARROWS)[0]
-    found, _ = explained(understood)
+    found = explained(understood)
     value = {name: numbers(v)[0] for name, v in found.counterexample.values}
     (_, left), (_, right) = found.counterexample.members
     assert numbers(left)[0] == value["I_{1}"] * value[r"\dot{\omega}_{1}"]

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 import eom
-from benchmarks.correcting import GIVEN
+from benchmarks.checking import GIVEN
 from eom.checker.judge.notes import understand
 from eom.checker.judge.systems import Solutions
 from eom.checker.judge.verdicts import GRAVE, verdict
