@@ -4,6 +4,7 @@ In a page: a block ``{shown-table} NAME`` with a name of `TABLES`.
 """
 
 import itertools
+import tomllib
 from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar
 
@@ -77,6 +78,86 @@ def _first_sentence(text: str) -> str:
     return " ".join(line.lstrip("# ") for line in lines).split(". ")[0].rstrip(".")
 
 
+LABELS = {
+    "internal_force": ("i", "j"),
+    "eigenvectors": ("B", "A"),
+    "turn_angle": ("1", "313", "B", "I"),
+    "free_angle": ("a",),
+    "scalar": ("a",),
+    "vector": ("a",),
+    "fixed_vector": ("a", "B"),
+    "dyadic": ("D",),
+}
+"""Labels of quantities that no preset has, where they are not numbers."""
+OWN_ENTRIES = {
+    "defined": (r"\vec{a}", "by the first equation of the note that has it alone on one side", ""),
+    "equals": (
+        r"\vec{v}",
+        "what a formula says; written with a sign of equality",
+        r"= \dot{\vec{r}}",
+    ),
+    "vectrix": (r"\mathcal{F}_B", "column of the unit vectors of frame (1)", "vectrix B"),
+    "time": ("t", "time", ""),
+    "skew": ("S", "function: the skew matrix of a vector, S(a) b = a x b", ""),
+    "system": ("A", "what the note's system calls (1)", "system I1"),
+    "turn": (
+        r"C_{<k>}",
+        "function: components after a turn of the frame about axis (1)",
+        "turn <k>",
+    ),
+    "active_turn": (r"R_{<k>}", "function: the inverse of turn", "active_turn <k>"),
+    "quaternion": (
+        "q",
+        "column of the Euler parameters of frame (1) in (2), scalar first",
+        "quaternion B I",
+    ),
+    "quaternion_last": (r"\bar{q}", "the same, scalar last", "quaternion_last B I"),
+}
+"""Entries, LaTeX, words and meaning, of what the checker alone knows; no meaning: the name."""
+
+
+def entries() -> dict[str, tuple[str, str, str]]:
+    """Return LaTeX, words and meaning of an entry for every quantity: from a preset, or typeset."""
+    from eom.checker.mean.lexicon import OWN
+    from eom.checker.mean.lexicon_files import PRESETS
+    from eom.terms.vocabulary import QUANTITIES, quantity
+    from eom.typeset.notation import NOTATIONS
+    from eom.typeset.writing import write
+
+    usual = {}
+    for preset in PRESETS:
+        for latex, meaning in _preset(preset).items():
+            usual.setdefault(meaning.split()[0], (latex, meaning))
+    found = {}
+    for name, row in QUANTITIES.items():
+        labels = LABELS.get(name, ("1",) * row.words.count("{"))
+        latex = write(quantity(name, *labels), NOTATIONS["arrow"], "latex")
+        made = (latex.removeprefix(r"\left[ ").removesuffix(r" \right]"), " ".join((name, *labels)))
+        latex, meaning = usual.get(name, made)
+        found[name] = (latex, row.words.format("(1)", "(2)", "(3)", "(4)"), meaning)
+    return found | {
+        n: (latex, words, meaning or n) for n in OWN for latex, words, meaning in [OWN_ENTRIES[n]]
+    }
+
+
+def _preset(name: str) -> dict[str, str]:
+    from importlib import resources
+
+    text = (resources.files("eom.checker.mean") / "presets" / f"{name}.toml").read_text(
+        encoding="utf-8"
+    )
+    symbols = tomllib.loads(text)["symbols"]
+    return {
+        latex: m for latex, m in symbols.items() if isinstance(m, str) and not m.startswith("=")
+    }
+
+
+def _quantities() -> Rows:
+    return [
+        (f"`{n}`", words, f"`'{latex}' = \"{m}\"`") for n, (latex, words, m) in entries().items()
+    ]
+
+
 def _tree_outputs() -> Rows:
     from eom.multibody.files.scene import GROUPS
 
@@ -107,6 +188,7 @@ TABLES: dict[str, tuple[tuple[str, ...], Callable[[], Rows]]] = {
     "scenes": (("scene", "title"), _scenes),
     "targets": (("target", "files"), _targets),
     "presets": (("preset", "title"), _presets),
+    "quantities": (("quantity", "what it is, with its labels by number", "an entry"), _quantities),
     "pictures": (("picture", "what it shows", "of"), _pictures),
     "tree-outputs": (("word", "outputs"), _tree_outputs),
 }  # fmt: skip

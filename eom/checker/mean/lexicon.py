@@ -193,10 +193,16 @@ def _check(found: Meaning, parts: Mapping[str, list[str]], where: str) -> None:
         raise unknown_name("quantity", name, [*QUANTITIES, *OWN], where)
     wanted = QUANTITIES[name].words.count("{") if name in QUANTITIES else OWN[name]
     if len(found.labels) != wanted:
-        says = QUANTITIES[name].words if name in QUANTITIES else name
-        got = " ".join(found.labels) or "none"
+        says = (
+            QUANTITIES[name].words.format("(1)", "(2)", "(3)", "(4)")
+            if name in QUANTITIES
+            else name
+        )
         raise InputError(
-            f"wrong number of labels of {name}", where=where, got=got, expected=f"{wanted}: {says}"
+            f"wrong number of labels of {name}",
+            where=where,
+            got=" ".join(found.labels) or "none",
+            expected=f"{wanted}, for: {says}",
         )
     if len(parts["in"]) > 1:
         raise InputError("components are in one frame", where=where, got=" ".join(parts["in"]))
@@ -246,7 +252,7 @@ class Notation:
     mixed: str = ""
     skew: tuple[str, ...] = ()
     dyads: bool = False
-    juxtaposed: bool = False
+    juxtaposed: bool = True
     resolved: bool = False
     bracketed: bool = False
     marks: Mapping[str, str] = field(default_factory=dict)
@@ -287,7 +293,7 @@ class Scope:
     points: Mapping[Labels, str]
 
     def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
-        """Tell whether a place is in this part; ``passed``: phrases that stand before it."""
+        """Return whether a place is in this part; ``passed``: phrases that stand before it."""
         inside = not self.heading or any(_same(self.heading, h) for h in headings)
         return inside and (not self.after or self.after in passed)
 

@@ -19,6 +19,7 @@ That block alone is parsed; anchors, aliases and tags are refused, and nothing i
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -50,7 +51,7 @@ _NEXT = re.compile(r"^[^\s#]", re.MULTILINE)
 
 
 def in_yaml(front: str) -> bool:
-    """Tell whether front matter has a YAML table for the checker."""
+    """Return whether front matter has a YAML table for the checker."""
     return _KEY.search(front) is not None and "[check" not in front
 
 
@@ -118,10 +119,14 @@ class _Reader:
     """Collects the errors of one file."""
 
     name: str
+    lines: Mapping[tuple[str, ...], int] = field(default_factory=dict)
     errors: list[InputError] = field(default_factory=list)
 
     def where(self, *keys: str) -> str:
-        return ", ".join(p for p in (self.name, " > ".join(keys)) if p)
+        """Return the place of an entry: file, line where that is known, keys."""
+        above = (self.lines.get(keys[:n], 0) for n in range(len(keys), 0, -1))
+        line = next((f"line {n}" for n in above if n), "")
+        return ", ".join(p for p in (self.name, line, " > ".join(keys)) if p)
 
     @contextmanager
     def kept(self) -> Iterator[None]:
@@ -229,14 +234,48 @@ class _Reader:
                 self.errors.append(unknown_name("key", str(key), known, self.where(*above)))
 
 
+_LINE = re.compile(
+    r"""[ \t]*(?:(?P<many>\[\[)|\[)?[ \t]*
+    (?P<key>'[^'\n]*'|"(?:[^"\\\n]|\\.)*"|[\w.-]+)[ \t]*(?P<end>\]|=|:)(?P<rest>.*)""",
+    re.VERBOSE,
+)
+
+
+def lines_of(text: str) -> Mapping[tuple[str, ...], int]:
+    """Return where the entries of a lexicon stand: keys, as errors name them, to lines from 1.
+
+    The text is TOML, or a note with such front matter, or with YAML there.
+    """
+    found: dict[tuple[str, ...], int] = {}
+    table: tuple[str, ...] = ()
+    scopes = 0
+    for number, line in enumerate(text.splitlines(), 1):
+        match = _LINE.match(line)
+        if match is None:
+            continue
+        key = match["key"]
+        if match["end"] == "]":
+            scopes += bool(match["many"])
+            own = key.removeprefix("check.").removeprefix("eom.").split(".")
+            table = (f"scope {scopes}", *own[1:]) if own[0] == "scope" else tuple(own)
+            found.setdefault(table, number)
+        elif key in _TABLES and match["end"] == ":":
+            table = (key,)
+        else:
+            name = key[1:-1] if key[0] == "'" else json.loads(key) if key[0] == '"' else key
+            found.setdefault((*table, name), number)
+    return found
+
+
 def lexicon_of(
-    data: Mapping[str, Any], name: str = "", folder: Path | None = None
+    data: Mapping[str, Any], name: str = "", folder: Path | None = None, text: str = ""
 ) -> tuple[Lexicon, tuple[InputError, ...]]:
     """Return the lexicon that a table holds, and one error for each entry that cannot be used.
 
-    ``folder``: where the scene file of a note's system is looked for.
+    ``folder``: where the scene file of a note's system is looked for; ``text``: that the table was read
+    from, so that errors can name its lines.
     """
-    reader = _Reader(name)
+    reader = _Reader(name, lines_of(text) if text else {})
     reader.unknown(data, ("preset", "scope", "system", *_TABLES))
     base = Lexicon()
     if "preset" in data:
@@ -297,7 +336,7 @@ def about(
 
 def parse_lexicon(text: str, name: str = "", folder: Path | None = None) -> Lexicon:
     """Return the lexicon that a TOML text spells. Raises `InputError`: all that is wrong with it."""
-    lexicon, errors = lexicon_of(_toml(text, name), name, folder)
+    lexicon, errors = lexicon_of(_toml(text, name), name, folder, text)
     if errors:
         raise _joined(errors)
     return lexicon
@@ -361,7 +400,7 @@ def lexicon_found(note: str, path: Path | None = None) -> tuple[str, Lexicon] | 
     """
     data = front_matter(note)
     if data:
-        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None)
+        lexicon, errors = lexicon_of(data, "front matter", path.parent if path else None, note)
         if errors:
             raise _joined(errors)
         return "front matter", lexicon

@@ -124,7 +124,8 @@ def grade(note: Note, settings: Settings) -> Graded:
     except MemoryError:
         return Graded(name, None, "not enough memory")
     except Exception as error:  # a defect of ours on one note is reported as that
-        return Graded(name, None, f"defect of the checker: {type(error).__name__}: {error}")
+        why = f"this note could not be checked: {type(error).__name__}: {error}; please report it"
+        return Graded(name, None, why)
 
 
 def _explained(found: Found, settings: Settings) -> Found:

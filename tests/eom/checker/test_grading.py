@@ -104,7 +104,7 @@ def test_no_note_ends_the_checking_of_others(monkeypatch):
 
     monkeypatch.setattr(checking, "verdict", broken)
     graded = checking.grade(Text(RIGHT), ARROWS)
-    assert graded.error == "defect of the checker: KeyError: 'seed'"
+    assert graded.error == "this note could not be checked: KeyError: 'seed'; please report it"
 
 
 # -- data ------------------------------------------------------------------------------------------

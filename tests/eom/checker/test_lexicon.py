@@ -1,5 +1,12 @@
+import importlib.util
+import tomllib
+from pathlib import Path
+
 import pytest
 
+from eom.checker.judge.notes import understand
+from eom.checker.judge.verdicts import verdict
+from eom.checker.mean.lexicon import OWN
 from eom.checker.mean.lexicon_files import (
     PRESETS,
     front_matter,
@@ -10,7 +17,9 @@ from eom.checker.mean.lexicon_files import (
     preset,
 )
 from eom.checker.mean.propose import latex_of
+from eom.checker.read.documents import read_document
 from eom.errors import InputError
+from eom.terms.vocabulary import QUANTITIES
 
 
 def meaning_of(lexicon, latex, **indices):
@@ -174,3 +183,38 @@ def test_looks_are_written_as_they_read(name):
     for entry in preset(name).layers[0]:
         if not entry.slots:
             assert look_of(latex_of(entry.look)) == entry.look
+
+
+def test_errors_stand_at_the_lines_of_the_lexicon():
+    """In TOML, in front matter and in YAML, in scopes too."""
+    above = "\n[symbols]\n'a' = \"scalar a\"\n'h' = \"no_such\"\n"
+    text = above + "[[scope]]\nafter = \"x\"\n[scope.symbols]\n'k' = 3\n"
+    _, errors = lexicon_of(tomllib.loads(text), "n.toml", None, text)
+    assert [e.where for e in errors] == [
+        "n.toml, line 4, symbols > h",
+        "n.toml, line 8, scope 1 > symbols > k",
+    ]
+    toml = "+++\n[check]\n[check.symbols]\n'h' = \"no_such\"\n+++\n$h = 1$\n"
+    yaml = "---\ntitle: x\neom:\n  symbols:\n    '\\vec{h}': no_such\n---\n"
+    for note, line in ((toml, 4), (yaml, 5)):
+        with pytest.raises(InputError, match=f"line {line}, symbols > "):
+            lexicon_for(note)
+
+
+def test_a_dyadic_beside_a_vector_acts_on_it_without_a_preset():
+    lexicon = parse_lexicon(
+        "[symbols]\nh = 'angular_momentum body C'\nw = 'angular_velocity B I'\nJ = 'inertia C'"
+    )
+    one = understand(read_document("$$ h = J w $$"), lexicon)[0]
+    assert verdict(one, ("body_frame",)).verdict == "holds"
+
+
+def test_every_quantity_of_the_documentation_has_an_entry_that_reads():
+    file = Path(__file__).parents[3] / "docs" / "_ext" / "shown_tables.py"
+    spec = importlib.util.spec_from_file_location("shown_tables", file)
+    tables = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tables)
+    assert set(tables.entries()) == {*QUANTITIES, *OWN}
+    for name, (latex, words, meaning) in tables.entries().items():
+        assert words
+        assert parse_lexicon(f"[symbols]\n'{latex}' = '{meaning}'").layers[0], name
