@@ -148,7 +148,7 @@ def _judged(claim: Claim, given: tuple[str, ...], understood: Understood) -> Jud
     if found.verdict == claim.verdict:
         return Judged(claim, found, claim.verdict, _why(claim))
     if found.verdict == WRONG and understood.role != ASSUMPTION and _gives(claim):
-        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here tells it")
+        return Judged(claim, found, UNDECIDED, "a number that is given; nothing here determines it")
     role = DEFINITION if claim.kind == DEFINITION else CONDITIONS.get(claim.role, understood.role)
     return Judged(claim, found, _played(role, claim, found), found.reason)
 

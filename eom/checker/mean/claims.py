@@ -417,7 +417,7 @@ def _datum(s: Statement, e: Elaborator) -> Claim | None:
     """Return that a number is given, which nothing else gives."""
     if not given_number(s, e):
         return None
-    finding = Finding(UNDECIDED, "a number that is given; nothing here tells it", s.span)
+    finding = Finding(UNDECIDED, "a number that is given; nothing here determines it", s.span)
     return Claim((), findings=(finding,), span=s.span)
 
 
@@ -438,7 +438,7 @@ def _means(e: Elaborator, node: Node) -> bool:
 
 
 def given_number(s: Statement, e: Elaborator) -> bool:
-    """Tell whether a statement gives a quantity with a dimension, or in degrees, by a number."""
+    """Return whether a statement gives a quantity with a dimension, or in degrees, by a number."""
     if len(s.members) != 2 or s.continues or s.signs[0].name not in {"=", "equiv", "approx"}:
         return False
     symbol, number = s.members

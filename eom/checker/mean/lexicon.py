@@ -287,7 +287,7 @@ class Scope:
     points: Mapping[Labels, str]
 
     def holds(self, headings: Iterable[str], passed: Container[str]) -> bool:
-        """Tell whether a place is in this part; ``passed``: phrases that stand before it."""
+        """Return whether a place is in this part; ``passed``: phrases that stand before it."""
         inside = not self.heading or any(_same(self.heading, h) for h in headings)
         return inside and (not self.after or self.after in passed)
 

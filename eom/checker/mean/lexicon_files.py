@@ -50,7 +50,7 @@ _NEXT = re.compile(r"^[^\s#]", re.MULTILINE)
 
 
 def in_yaml(front: str) -> bool:
-    """Tell whether front matter has a YAML table for the checker."""
+    """Return whether front matter has a YAML table for the checker."""
     return _KEY.search(front) is not None and "[check" not in front
 
 

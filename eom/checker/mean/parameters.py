@@ -115,7 +115,7 @@ def _letters(members: Iterable[Node]) -> Iterator[Node]:
 
 
 def _worded(node: Node) -> bool:
-    r"""Tell whether the label below a letter is a word in upright letters: I_{\text{cyl}}."""
+    r"""Return whether the label below a letter is a word in upright letters: I_{\text{cyl}}."""
     below = [n.sub for n in walk(node) if isinstance(n, Scripts) and n.sub is not None]
     inside = [s.body if isinstance(s, Group) and s.open == "" else s for s in below]
     return any(
@@ -132,7 +132,7 @@ def _with(lexicon: Lexicon, looks: Iterable[Look]) -> Lexicon:
 
 
 def limited(statement: Statement) -> bool:
-    """Tell whether a statement has an integral with limits."""
+    """Return whether a statement has an integral with limits."""
     found = (n for m in statement.members for n in walk(m))
     return any(isinstance(n, Integral) and n.upper is not None for n in found)
 
@@ -269,7 +269,7 @@ def _lone(side: Expr) -> Expr:
 
 
 def _evaluates(a: Expr, b: Expr, own: Parameters) -> bool:
-    """Tell whether a link gives the value of an integral in the letters of the integral itself.
+    """Return whether a link gives the value of an integral in the letters of the integral itself.
 
     What a relation makes to depend on the variable was no constant below the integral.
     """
