@@ -80,14 +80,14 @@ class Relation:
 class Parameters:
     """What a claim between free scalars may rest on, and what it is made of.
 
-    ``variables``: letters over which it integrates; ``integrals``: numbers of the members that have one;
+    ``variables``: letters over which it integrates; ``integrals``: places of the members that have one;
     ``fresh``: letters that a word as label brings in; ``constant``: whether an integrand shows none of
     the variables, so that it may depend on them unseen; ``defining``: whether the words around say so.
     """
 
     relations: tuple[Relation, ...] = ()
     variables: tuple[str, ...] = ()
-    integrals: frozenset[int] = frozenset()
+    integrals: frozenset[Span] = frozenset()
     fresh: frozenset[Expr] = frozenset()
     constant: bool = False
     defining: bool = False
